@@ -1,0 +1,48 @@
+// The one way in which bad input is reported: a file, flag or map of the user that cannot be used.
+//
+// Readers and table builders throw InputError; the command line catches it, prints
+// "path:line: reason" and ends with kExitBadInput. Broken invariants of the program itself are
+// asserts, never InputErrors. Nothing in kernels/ and wavefront/ throws.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace skywave {
+
+inline constexpr int kExitUsage = 64;     // a flag or argument that makes no sense (EX_USAGE)
+inline constexpr int kExitBadInput = 65;  // a file that cannot be used (EX_DATAERR)
+inline constexpr int kExitIo = 74;        // a file that cannot be read or written (EX_IOERR)
+
+// Where in the input the trouble is. Text formats give a line, binary formats a byte offset.
+struct InputPosition {
+  std::string path;
+  std::size_t line = 0;    // 1-based; 0: unknown
+  std::size_t offset = 0;  // [bytes] from the start; used when line == 0 and has_offset
+  bool has_offset = false;
+
+  static InputPosition File(std::string path) { return {.path = std::move(path)}; }
+  static InputPosition Line(std::string path, std::size_t line) {
+    return {.path = std::move(path), .line = line};
+  }
+  static InputPosition Byte(std::string path, std::size_t offset) {
+    return {.path = std::move(path), .offset = offset, .has_offset = true};
+  }
+};
+
+// "scene.pbrt:12", "map.hdr (byte 345)" or the plain path.
+std::string ToString(const InputPosition& position);
+
+class InputError : public std::runtime_error {
+ public:
+  // `reason` says what is wrong and, where it is not obvious, what to do.
+  InputError(const InputPosition& position, const std::string& reason,
+             int exit_code = kExitBadInput);
+  int exit_code() const { return exit_code_; }
+
+ private:
+  int exit_code_;
+};
+
+}  // namespace skywave

@@ -1,0 +1,89 @@
+#include "base/files.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+
+namespace skywave {
+namespace {
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
+
+[[noreturn]] void ThrowIo(const std::string& path, const std::string& reason) {
+  throw InputError(InputPosition::File(path), reason, kExitIo);
+}
+
+std::string TemporaryName(const std::string& path) {
+  return path + "." + std::to_string(::getpid()) + ".part";
+}
+
+}  // namespace
+
+std::string ReadFile(const std::string& path, std::size_t max_bytes) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
+  const FileHandle file(std::fopen(path.c_str(), "rb"));
+  if (!file) ThrowIo(path, std::string("cannot be opened: ") + std::strerror(errno));
+  std::string bytes;
+  char chunk[1 << 16];
+  while (const std::size_t got = std::fread(chunk, 1, sizeof chunk, file.get())) {
+    if (bytes.size() + got > max_bytes) {
+      ThrowIo(path, "is larger than the limit of " + std::to_string(max_bytes) + " bytes");
+    }
+    bytes.append(chunk, got);
+  }
+  if (std::ferror(file.get())) ThrowIo(path, std::string("cannot be read: ") + std::strerror(errno));
+  return bytes;
+}
+
+void WriteFileAtomically(const std::string& path,
+                         const std::function<void(const std::string&)>& write) {
+  const std::string temporary = TemporaryName(path);
+  try {
+    write(temporary);
+    std::filesystem::rename(temporary, path);
+  } catch (const InputError&) {
+    std::remove(temporary.c_str());
+    throw;
+  } catch (const std::exception& error) {
+    std::remove(temporary.c_str());
+    ThrowIo(path, std::string("cannot be written: ") + error.what());
+  }
+}
+
+void WriteFileAtomically(const std::string& path, std::string_view bytes) {
+  WriteFileAtomically(path, [&](const std::string& temporary) {
+    std::FILE* file = std::fopen(temporary.c_str(), "wb");
+    if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
+    const bool complete = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+    const int error = errno;
+    if (std::fclose(file) != 0 || !complete) {
+      ThrowIo(path, std::string("cannot be written: ") + std::strerror(complete ? errno : error));
+    }
+  });
+}
+
+void CheckWritable(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code ignored;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+    ThrowIo(path, "cannot be written: there is no folder " + folder.string());
+  }
+  if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
+  const std::string temporary = TemporaryName(path);
+  std::FILE* file = std::fopen(temporary.c_str(), "wb");
+  if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
+  std::fclose(file);
+  std::remove(temporary.c_str());
+}
+
+}  // namespace skywave

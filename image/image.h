@@ -1,0 +1,77 @@
+// An RGB picture in memory, and the files it comes from and goes to.
+//
+// Pixels are linear RGB (Rec. 709 primaries) [radiance, relative unless a scene says otherwise],
+// three floats a pixel, rows from the top, no padding.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace skywave {
+
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<float> rgb;  // width * height * 3
+
+  Image() = default;
+  Image(int w, int h) : width(w), height(h), rgb(std::size_t(w) * h * 3) {}
+  float* Pixel(int x, int y) { return &rgb[(std::size_t(y) * width + x) * 3]; }
+  const float* Pixel(int x, int y) const { return &rgb[(std::size_t(y) * width + x) * 3]; }
+};
+
+// What a reader accepts. Sizes are checked against the header, before anything is decoded.
+struct ReadLimits {
+  int max_width = 32768;
+  int max_height = 32768;
+  std::size_t max_pixels = std::size_t{1} << 28;
+  // Also decode what Debian's OpenEXR 3.1.5 has known holes in (deep, multi-part, DWA, B44, PXR24).
+  bool trust_input = false;
+};
+
+// Reads OpenEXR, Radiance RGBE or PFM, told apart by their first bytes, never by name. Grey images
+// become three equal channels; alpha and other layers are left out. Values are as stored: NaN, Inf
+// and negative ones included (see RepairRadiance). Throws InputError with the byte offset.
+Image ReadImage(const std::string& path, const ReadLimits& limits = {});
+
+// Name and text of header attributes, in file order.
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+// Scan-line EXR, 32-bit float R, G, B, ZIP. Identical input gives identical bytes.
+void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {});
+// The string attributes of an EXR header.
+Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits = {});
+// Little-endian colour PFM and run-length coded Radiance RGBE.
+void WritePfm(const std::string& path, const Image& image);
+void WriteRgbe(const std::string& path, const Image& image);
+// By the ending of `path`: .exr, .pfm or .hdr.
+void WriteImage(const std::string& path, const Image& image, const Metadata& metadata = {});
+
+// From scene-linear radiance to 8-bit sRGB.
+enum class ToneCurve { kClip, kFilmic };  // kFilmic: ACES-like fit of Narkowicz 2015
+struct ToneMapping {
+  float exposure_stops = 0;
+  ToneCurve curve = ToneCurve::kClip;
+};
+// width * height * 3 bytes, rows from the top.
+std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
+// 8-bit RGB PNG.
+void WritePng(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb);
+
+// Pixels that are no radiance, by kind.
+struct BadPixels {
+  std::size_t nan = 0, infinite = 0, negative = 0;
+  std::size_t total() const { return nan + infinite + negative; }
+};
+// Sets every NaN, infinite and negative channel to 0 and counts the pixels by their worst channel.
+BadPixels RepairRadiance(Image& image);
+
+// Rec. 709 luminance with the weights of the Debevec family, as the thesis uses them (T 5.2.2).
+inline float Luminance(const float* rgb) {
+  return 0.2125f * rgb[0] + 0.7154f * rgb[1] + 0.0721f * rgb[2];
+}
+
+}  // namespace skywave

@@ -1,0 +1,89 @@
+// What is rendered, as plain data: what every reader and built-in scene produces and what
+// BuildGeometry (geometry.h) turns into Embree's and the kernels' tables.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+#include "kernels/columns.h"
+
+namespace skywave {
+
+struct Material {
+  std::string name;
+  BsdfKind bsdf = BsdfKind::kLambert;
+  glm::vec3 reflectance{0.5f};  // Lambert: albedo; mirror, conductor: factor of Fresnel; linear RGB
+  glm::vec3 eta{0.0f};          // conductors: real part of the index per channel; eta = k = 0: F = 1
+  glm::vec3 k{0.0f};            // conductors: imaginary part of the index per channel
+  float alpha = 0.1f;           // conductor: GGX width
+  float ior = 1.5f;             // dielectric: index inside (where the normal points away) / outside
+};
+
+// Triangles, counter-clockwise seen from the side that the normals point to.
+struct Mesh {
+  std::string name;
+  std::vector<glm::vec3> positions;    // world space
+  std::vector<glm::vec3> normals;      // empty (flat shading) or one a position, unit length
+  std::vector<glm::vec2> uvs;          // empty or one a position
+  std::vector<glm::uvec3> triangles;   // indices into positions
+  std::uint32_t material = 0;          // index into Scene::materials
+};
+
+// A pinhole. Camera space: x right, y up, looking along +z.
+struct Camera {
+  glm::mat4 world_from_camera{1.0f};
+  float fov_degrees = 45.0f;  // of the shorter side of the film
+};
+
+enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris };
+
+// An infinitely distant map, or a constant radiance where it has none.
+struct EnvironmentLight {
+  std::string map_path;                // empty: constant
+  std::optional<Image> map;            // or a lat-long map in memory (built-in skies)
+  glm::vec3 scale{1.0f};               // factor per channel, or the constant radiance
+  // Rows: the world directions of "right", "forward" and "up" of the map. Forward is the centre of
+  // a lat-long image and of an angular map, right is where its right half looks. May mirror.
+  glm::mat3 world_from_map{1.0f};      // columns: right, forward, up
+};
+
+// What the file says of the rendering; flags of the command line come before it.
+struct RenderSettings {
+  std::optional<int> width, height, samples_per_pixel, max_depth;
+  std::optional<std::string> integrator;  // "direct" or "path"
+  std::optional<PixelFilter> filter;
+  std::optional<float> filter_radius;     // [pixels]
+};
+
+struct Scene {
+  std::vector<Mesh> meshes;
+  std::vector<Material> materials;
+  std::optional<Camera> camera;
+  std::vector<EnvironmentLight> environments;
+  RenderSettings settings;
+  // True if the world's axes are left-handed (pbrt's are): decides which way round a map given on
+  // the command line is laid, so that it is never seen mirrored.
+  bool left_handed = false;
+  char up_axis = 'y';                     // 'x', 'y' or 'z': up of --env and of automatic framing
+  std::vector<std::string> warnings;      // "file:line: what was not understood and what is done"
+};
+
+// Smallest axis-aligned box around all meshes; throws InputError(path) if there is no triangle.
+struct Bounds {
+  glm::vec3 low, high;
+};
+Bounds SceneBounds(const Scene& scene, const std::string& path);
+
+// A camera that sees all of `bounds` from slightly above, `up_axis` being up.
+Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed);
+
+// world_from_map for a map given on the command line: its middle turned `rotation_degrees`
+// counter-clockwise about the up axis (seen from above) away from -z (y up), +y (z up) or +y
+// (x up); in a left-handed world away from +z, -y or -y. So it is never seen mirrored.
+glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degrees);
+
+}  // namespace skywave
