@@ -1,9 +1,10 @@
-// The records that flow between stages, each declared once: a struct of column pointers, one comment
-// a column (meaning, unit or space, writer), one visitor. wavefront/soa.h owns the memory; kernels
-// and stages take these structs as they are.
+// The records that flow between stages, each declared once: a struct of column pointers, one
+// comment a column (meaning, unit or space, writer), one visitor. wavefront/soa.h owns the memory;
+// kernels and stages take these structs as they are.
 //
 // Every column is aligned to kColumnAlignment and has room for PaddedRows(rows) values: kernels run
-// over whole vectors and may write anything into the padding behind the last row.
+// over whole vectors and may write anything into the padding behind the last row, and whatever they
+// read there is never looked at.
 #pragma once
 
 #include <cstddef>
@@ -24,5 +25,170 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
 enum class BsdfKind : std::uint32_t { kLambert, kConductor, kMirror, kDielectric };
 inline constexpr std::uint32_t kBsdfKinds = 4;
 inline constexpr std::uint32_t kFirstDeltaBsdf = 2;
+
+inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFu;  // HitColumns::geom of a ray that hit nothing
+
+// One row = one path of the wave. Written by generate; radiance grows until the film takes it.
+struct PathColumns {
+  std::uint32_t* seed;    // hash of pixel and frame seed: decorrelates pixels
+  std::uint32_t* sample;  // index of the sample in its pixel
+  std::uint32_t* pixel;   // row-major index in the film
+  float *r, *g, *b;       // radiance gathered so far [scene radiance]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.seed), f(self.sample), f(self.pixel);
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
+// One row = one active ray. Written by generate and scatter, t_far also by intersect.
+struct RayColumns {
+  float *org_x, *org_y, *org_z;                       // world space
+  float *dir_x, *dir_y, *dir_z;                       // world space, unit length
+  float* t_far;                                       // in: infinity, out: distance of the hit
+  float *throughput_r, *throughput_g, *throughput_b;  // product of f cos / pdf along the path
+  float* pdf;           // of dir by BSDF sampling [1/sr]; 0: no density
+  std::uint32_t* path;  // row in PathColumns
+  std::uint32_t* from;  // row in SurfaceColumns of the bounce before
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.org_x), f(self.org_y), f(self.org_z);
+    f(self.dir_x), f(self.dir_y), f(self.dir_z);
+    f(self.t_far);
+    f(self.throughput_r), f(self.throughput_g), f(self.throughput_b);
+    f(self.pdf), f(self.path), f(self.from);
+  }
+};
+
+// One row = the hit of the ray in the same row. Written by intersect; meaningless where geom is
+// kNoHit (Embree leaves the rest as it was).
+struct HitColumns {
+  float *ng_x, *ng_y, *ng_z;  // geometric normal, world space, not normalised, as wound
+  float *u, *v;               // barycentric coordinates of corners 1 and 2
+  std::uint32_t* triangle;    // index into the triangle records
+  std::uint32_t* geom;        // 0 or kNoHit
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.ng_x), f(self.ng_y), f(self.ng_z);
+    f(self.u), f(self.v), f(self.triangle), f(self.geom);
+  }
+};
+
+// One row = one ray that left the scene. Written by partition; radiance and light_pdf by the
+// environment strategy.
+struct EscapeColumns {
+  float *dir_x, *dir_y, *dir_z;  // world space, unit length
+  float *throughput_r, *throughput_g, *throughput_b;
+  float* pdf;                                   // as in RayColumns
+  std::uint32_t* path;                          // row in PathColumns
+  std::uint32_t* from;                          // row in SurfaceColumns of the bounce before
+  float *radiance_r, *radiance_g, *radiance_b;  // of the map in direction dir
+  float* light_pdf;                             // of dir by the light strategy [1/sr]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.dir_x), f(self.dir_y), f(self.dir_z);
+    f(self.throughput_r), f(self.throughput_g), f(self.throughput_b);
+    f(self.pdf), f(self.path), f(self.from);
+    f(self.radiance_r), f(self.radiance_g), f(self.radiance_b), f(self.light_pdf);
+  }
+};
+
+// One row = one point to shade; the rows of a BSDF are contiguous (SurfaceRanges). The first block
+// is moved here by partition, the second computed by surface preparation.
+struct SurfaceColumns {
+  float *wo_x, *wo_y, *wo_z;  // world space, unit, towards the eye
+  float *ng_x, *ng_y, *ng_z;  // in: as in HitColumns; out: unit, on wo's side
+  float *throughput_r, *throughput_g, *throughput_b;  // before this surface scatters
+  float* t;                                           // distance along the ray
+  float *u, *v;                                       // barycentric
+  std::uint32_t* triangle;                            // index into the triangle records
+  std::uint32_t* path;                                // row in PathColumns
+  float *org_x, *org_y, *org_z;        // in: ray origin; out: the hit, lifted by `lift` along ng
+  float *ns_x, *ns_y, *ns_z;           // shading normal, unit, on wo's side
+  float *color_r, *color_g, *color_b;  // reflectance at the hit
+  float* lift;                         // distance between the hit and origins of rays that leave it
+  std::uint32_t* material;             // row in MaterialTable | kBackFace
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.wo_x), f(self.wo_y), f(self.wo_z);
+    f(self.ng_x), f(self.ng_y), f(self.ng_z);
+    f(self.throughput_r), f(self.throughput_g), f(self.throughput_b);
+    f(self.t), f(self.u), f(self.v), f(self.triangle), f(self.path);
+    f(self.org_x), f(self.org_y), f(self.org_z);
+    f(self.ns_x), f(self.ns_y), f(self.ns_z);
+    f(self.color_r), f(self.color_g), f(self.color_b);
+    f(self.lift), f(self.material);
+  }
+};
+
+// Rows [begin[k], begin[k + 1]) of the surface table belong to BSDF k.
+struct SurfaceRanges {
+  std::uint32_t begin[kBsdfKinds + 1] = {};
+  std::uint32_t count(std::uint32_t kind) const { return begin[kind + 1] - begin[kind]; }
+  std::uint32_t total() const { return begin[kBsdfKinds]; }
+  std::uint32_t light_sampled() const { return begin[kFirstDeltaBsdf]; }
+};
+
+// One row = one light sample, and then one shadow ray, of the surface in the same row. Written by
+// the strategy; the BSDF turns radiance into the contribution and closes t_far where there is none.
+struct LightColumns {
+  float *dir_x, *dir_y, *dir_z;  // world space, unit, towards the light
+  float *r, *g, *b;              // in: radiance; out: what the path gains if nothing is in between
+  float* pdf;                    // of dir by the strategy [1/sr]; <= 0: no sample
+  float* t_far;                  // infinity: trace; negative: nothing to trace, or occluded
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.dir_x), f(self.dir_y), f(self.dir_z);
+    f(self.r), f(self.g), f(self.b), f(self.pdf), f(self.t_far);
+  }
+};
+
+// Uniform random numbers in [0, 1) of one pair of dimensions, one row a path or surface.
+struct UniformColumns {
+  float *u, *v;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.u), f(self.v);
+  }
+};
+
+// A slice of a table: the same columns from row `begin` on.
+template <class Columns>
+Columns Slice(Columns columns, std::uint32_t begin) {
+  Columns::ForEachColumn(columns, [begin](auto*& column) { column += begin; });
+  return columns;
+}
+
+// ---- Tables of a scene: written once, then only read, at random, so a record lies together ----
+
+// What shading must know of a triangle: 16 bytes, one gather of a line.
+struct TriangleRecord {
+  std::uint32_t normal[3];  // of the corners, octahedral, 16 bits a coordinate (EncodeNormal)
+  std::uint32_t tag;        // material | kFlat | kind << kKindShift
+};
+inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
+inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal
+inline constexpr std::uint32_t kKindShift = 24;
+inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material
+
+// Parameters of the BSDFs, 16 floats a material, read by gathers at material * 16 + field.
+struct MaterialRecord {
+  float color[3];  // reflectance
+  float alpha;     // GGX width
+  float eta[3];    // conductor: index, real part
+  float ior;       // dielectric: inside / outside
+  float k[3];      // conductor: index, imaginary part
+  float unused_0;
+  float multiscatter[3];  // conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017
+  float unused_1;
+};
+static_assert(sizeof(MaterialRecord) == 16 * sizeof(float));
 
 }  // namespace skywave

@@ -1,0 +1,20 @@
+// Where light arrives: what escaped rays and unoccluded shadow rays add to their paths.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/bsdf.h"
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// Adds throughput * radiance of rows [0, n) to their paths, weighted against the light strategy
+// that could have sampled the same direction (light_pdf). Rows with pdf == 0 have no such partner.
+void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
+                        const PathColumns& paths);
+
+// Adds r, g, b of the rows [0, n) whose shadow ray arrived (t_far >= 0) to path[row].
+void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path, std::uint32_t n,
+                           const PathColumns& paths);
+
+}  // namespace skywave

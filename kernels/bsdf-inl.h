@@ -1,0 +1,247 @@
+// The loops that all BSDFs share. A BSDF is a struct for one vector of surfaces, made from its rows
+// and parameters, with
+//   Value  Evaluate(wo, wi)                  local frame, +z is the shading normal
+//   Sample Draw(wo, direction_u, direction_v, lobe_u)
+// and gets its three kernels from EvaluateRows, EvaluateLightRows and ScatterRows.
+#if defined(SKYWAVE_KERNELS_BSDF_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_BSDF_INL_H_
+#undef SKYWAVE_KERNELS_BSDF_INL_H_
+#else
+#define SKYWAVE_KERNELS_BSDF_INL_H_
+#endif
+
+#include <limits>
+
+#include "kernels/bsdf.h"
+#include "kernels/sphere-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct BsdfValue {
+  V3 value;  // f |cos|
+  VF pdf;    // [1/sr]
+};
+
+struct BsdfSample {
+  V3 wi;      // local, unit
+  V3 weight;  // f |cos| / pdf, or the factor of a delta lobe
+  VF pdf;     // [1/sr]; 0: delta
+};
+
+// One vector of surfaces: what every BSDF sees of its rows.
+struct ShadingLanes {
+  HWY_INLINE ShadingLanes(const SurfaceColumns& s, std::uint32_t i)
+      : frame(MakeFrame(Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i))),
+        ng(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i)),
+        wo(ToLocal(frame, Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i))) {}
+  Frame frame;
+  V3 ng;
+  V3 wo;  // local
+};
+
+HWY_INLINE V3 ColorOf(const SurfaceColumns& s, std::uint32_t i) {
+  return Load3(s.color_r + i, s.color_g + i, s.color_b + i);
+}
+// Index of the first float of the material of each row; rows behind n get material 0.
+HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
+  const VU material = hn::And(Load(s.material + i), SetU(kMaterialMask));
+  return hn::ShiftLeft<4>(hn::IfThenElseZero(RowsBelow(i, n), material));
+}
+HWY_INLINE VF Field(const MaterialView& m, VU fields, std::uint32_t field) {
+  return Gather(reinterpret_cast<const float*>(m.records), hn::Add(fields, SetU(field)));
+}
+HWY_INLINE V3 Field3(const MaterialView& m, VU fields, std::uint32_t field) {
+  return {Field(m, fields, field), Field(m, fields, field + 1), Field(m, fields, field + 2)};
+}
+
+// Lanes where light can be reflected from world direction wi: above the surface as it is and as it
+// is shaded.
+HWY_INLINE MF Reflects(const ShadingLanes& lanes, const V3& world_wi, const V3& local_wi) {
+  return hn::And(hn::Gt(Dot(lanes.ng, world_wi), hn::Zero(F())), hn::Gt(local_wi.z, hn::Zero(F())));
+}
+
+template <class Bsdf>
+void EvaluateRows(const SurfaceColumns& s, const MaterialView& materials,
+                  const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& out) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const V3 world = Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
+    const V3 wi = ToLocal(lanes.frame, world);
+    const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
+    const MF reflects = Reflects(lanes, world, wi);
+    const VF zero = hn::Zero(F());
+    Store3(IfThen(reflects, result.value, V3{zero, zero, zero}), out.r + i, out.g + i, out.b + i);
+    Store(IfThen(reflects, result.pdf, zero), out.pdf + i);
+  }
+}
+
+template <class Bsdf>
+void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                       const MisPolicy& mis, const LightColumns& lights) {
+  const VF zero = hn::Zero(F());
+  const VF share = Set(mis.light_samples);
+  const VF open = Set(std::numeric_limits<float>::infinity()), closed = Set(-1.0f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const V3 world = Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
+    const V3 wi = ToLocal(lanes.frame, world);
+    const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
+    const VF pdf = Load(lights.pdf + i);
+    const VF effective = hn::Mul(pdf, share);
+    VF factor = hn::Div(Set(1.0f), effective);
+    if (mis.enabled) {
+      // p / (p^2 + q^2): the weight p^2 / (p^2 + q^2) over p.
+      const VF p2 = hn::Mul(effective, effective), q2 = hn::Mul(result.pdf, result.pdf);
+      factor = hn::Div(effective, hn::Add(p2, q2));
+    }
+    const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+    const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
+    const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);
+    const MF counts = hn::And(hn::And(Reflects(lanes, world, wi), hn::Gt(pdf, zero)),
+                              hn::Gt(MaxComponent(gain), zero));
+    Store3(IfThen(counts, gain, V3{zero, zero, zero}), lights.r + i, lights.g + i, lights.b + i);
+    Store(IfThen(counts, open, closed), lights.t_far + i);
+  }
+}
+
+// Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
+HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingLanes& lanes,
+                                         std::uint32_t i, std::uint32_t n, const V3& world,
+                                         const V3& weight, VF pdf, MF alive, VF roulette,
+                                         const ScatterPolicy& policy, const RayColumns& rays,
+                                         std::uint32_t to) {
+  const VF zero = hn::Zero(F());
+  V3 throughput = Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), weight);
+  VF largest = MaxComponent(throughput);
+  alive = hn::And(alive, hn::Gt(largest, zero));
+  if (policy.roulette) {
+    const VF survival = hn::Min(largest, Set(1.0f));
+    alive = hn::And(alive, hn::Lt(roulette, survival));
+    throughput = Scale(throughput, hn::Div(Set(1.0f), survival));
+  }
+  const MU rows = hn::And(hn::RebindMask(U(), alive), RowsBelow(i, n));
+  const RowCompressor append(rows);
+  if (append.count() == 0) return to;
+
+  const V3 front = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
+  const VF thickness = hn::Mul(Set(2.0f), Load(s.lift + i));
+  const MF through = hn::Lt(Dot(lanes.ng, world), zero);
+  const V3 origin = IfThen(through, Sub(front, Scale(lanes.ng, thickness)), front);
+  append.Append(origin.x, rays.org_x + to);
+  append.Append(origin.y, rays.org_y + to);
+  append.Append(origin.z, rays.org_z + to);
+  append.Append(world.x, rays.dir_x + to);
+  append.Append(world.y, rays.dir_y + to);
+  append.Append(world.z, rays.dir_z + to);
+  append.Append(throughput.x, rays.throughput_r + to);
+  append.Append(throughput.y, rays.throughput_g + to);
+  append.Append(throughput.z, rays.throughput_b + to);
+  append.Append(pdf, rays.pdf + to);
+  append.Move(s.path + i, rays.path + to);
+  append.Append(hn::Iota(U(), policy.first_row + i), rays.from + to);
+  Store(Set(std::numeric_limits<float>::infinity()), rays.t_far + to);
+  return to + append.count();
+}
+
+template <class Bsdf>
+std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials,
+                          const ScatterUniforms& uniforms, std::uint32_t n,
+                          const ScatterPolicy& policy, const RayColumns& rays,
+                          std::uint32_t appended) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const BsdfSample sample = bsdf.Draw(lanes.wo, Load(uniforms.direction.u + i),
+                                        Load(uniforms.direction.v + i), Load(uniforms.lobe.u + i));
+    const V3 world = ToWorld(lanes.frame, sample.wi);
+    const MF alive = hn::And(Reflects(lanes, world, sample.wi), hn::Gt(sample.pdf, hn::Zero(F())));
+    appended = AppendScattered(s, lanes, i, n, world, sample.weight, sample.pdf, alive,
+                               Load(uniforms.lobe.v + i), policy, rays, appended);
+  }
+  return appended;
+}
+
+// Fresnel reflectance of a conductor of index eta + i k at cosine c of the angle of incidence,
+// unpolarised (Born and Wolf, 14.2); 1 for eta = k = 0.
+HWY_INLINE VF FresnelConductor(VF c, VF eta, VF k) {
+  const VF c2 = hn::Mul(c, c), s2 = hn::Sub(Set(1.0f), c2);
+  const VF eta2 = hn::Mul(eta, eta), k2 = hn::Mul(k, k);
+  const VF t0 = hn::Sub(hn::Sub(eta2, k2), s2);
+  const VF a2_plus_b2 = hn::Sqrt(hn::Add(hn::Mul(t0, t0), hn::Mul(Set(4.0f), hn::Mul(eta2, k2))));
+  const VF t1 = hn::Add(a2_plus_b2, c2);
+  const VF a = SafeSqrt(hn::Mul(Set(0.5f), hn::Add(a2_plus_b2, t0)));
+  const VF t2 = hn::Mul(hn::Mul(Set(2.0f), a), c);
+  const VF rs = hn::Div(hn::Sub(t1, t2), hn::Add(t1, t2));
+  const VF t3 = hn::Add(hn::Mul(c2, a2_plus_b2), hn::Mul(s2, s2));
+  const VF t4 = hn::Mul(t2, s2);
+  const VF rp = hn::Mul(rs, hn::Div(hn::Sub(t3, t4), hn::Max(hn::Add(t3, t4), Set(1e-30f))));
+  return hn::Mul(Set(0.5f), hn::Add(rs, rp));
+}
+HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
+  return {FresnelConductor(c, eta.x, k.x), FresnelConductor(c, eta.y, k.y),
+          FresnelConductor(c, eta.z, k.z)};
+}
+
+// The normal about which a delta BSDF acts: the shading normal, or the geometric one where the
+// reflection about the shading normal would go into the surface. Returned in world space.
+HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
+  const VF twice = hn::Mul(Set(2.0f), Dot(ns, wo));
+  const V3 reflected = Sub(Scale(ns, twice), wo);
+  return IfThen(hn::Gt(Dot(reflected, ng), hn::Zero(F())), ns, ng);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+// The three entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
+// for every target, SKYWAVE_BSDF_TABLE(Name, "name") under HWY_ONCE defines NameKernels(), which
+// dispatches. Macros, because dispatch works on names of functions.
+#define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                \
+  void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, \
+                      std::uint32_t n, const BsdfValueColumns& out) {                             \
+    EvaluateRows<Bsdf>(s, m, lights, n, out);                                                     \
+  }                                                                                               \
+  void Evaluate##Bsdf##Lights(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,    \
+                              const MisPolicy& mis, const LightColumns& lights) {                 \
+    EvaluateLightRows<Bsdf>(s, m, n, mis, lights);                                                \
+  }                                                                                               \
+  std::uint32_t Scatter##Bsdf(const SurfaceColumns& s, const MaterialView& m,                     \
+                              const ScatterUniforms& uniforms, std::uint32_t n,                   \
+                              const ScatterPolicy& policy, const RayColumns& rays,                \
+                              std::uint32_t appended) {                                           \
+    return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
+  }
+
+#define SKYWAVE_BSDF_TABLE(Bsdf, label)                                               \
+  HWY_EXPORT(Evaluate##Bsdf);                                                         \
+  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                 \
+  HWY_EXPORT(Scatter##Bsdf);                                                          \
+  BsdfKernels Bsdf##Kernels() {                                                       \
+    return {.name = label,                                                            \
+            .delta = false,                                                           \
+            .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                             \
+            .evaluate_lights =                                                        \
+                [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,   \
+                   const MisPolicy& mis, const LightColumns& lights) {                \
+                  HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights); \
+                },                                                                    \
+            .scatter = SKYWAVE_SCATTER(Scatter##Bsdf)};                               \
+  }
+
+#define SKYWAVE_EVALUATE(function)                                                                \
+  [](const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, std::uint32_t n, \
+     const BsdfValueColumns& out) { HWY_DYNAMIC_DISPATCH(function)                                \
+                                    (s, m, lights, n, out); }
+#define SKYWAVE_SCATTER(function)                                                     \
+  [](const SurfaceColumns& s, const MaterialView& m, const ScatterUniforms& uniforms, \
+     std::uint32_t n, const ScatterPolicy& policy, const RayColumns& rays,            \
+     std::uint32_t appended) {                                                        \
+    return HWY_DYNAMIC_DISPATCH(function)(s, m, uniforms, n, policy, rays, appended); \
+  }
+
+#endif  // per-target include guard

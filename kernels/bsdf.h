@@ -1,0 +1,85 @@
+// The BSDFs: one file each (bsdf_*.cc), one line each in the table of bsdf.cc.
+//
+// Conventions: wo points to the eye, wi to the light, both away from the surface. `value` is
+// f(wo, wi) |cos| [1/sr], per channel, radiance transport (transmission scales radiance by the
+// squared index ratio). `pdf` is of wi given wo [1/sr]. Reflection needs wi on wo's side of both
+// the geometric and the shading normal; what smooth normals would leak through is zero.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+struct ConductorTables;
+
+// What all BSDF kernels read.
+struct MaterialView {
+  const MaterialRecord* records;
+  const ConductorTables* conductor;
+};
+
+// How light and BSDF samples of the same direction share the work: power heuristic, exponent 2
+// (Veach and Guibas 1995), over `light_samples` samples of the one and one of the other. Without it
+// light samples count in full and directions drawn from a density see no light.
+struct MisPolicy {
+  bool enabled = true;
+  float light_samples = 1;
+};
+
+// Russian roulette after scattering: a path goes on with probability min(1, largest throughput).
+struct ScatterPolicy {
+  bool roulette = false;
+  std::uint32_t first_row = 0;  // row of the slice's row 0 in the whole surface table
+};
+
+// Uniforms of a scattering event: `direction` for the direction, `lobe.u` to choose a lobe,
+// `lobe.v` for roulette.
+struct ScatterUniforms {
+  UniformColumns direction, lobe;
+};
+
+struct BsdfValueColumns {
+  float *r, *g, *b;  // value
+  float* pdf;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b), f(self.pdf);
+  }
+};
+
+struct BsdfKernels {
+  std::string_view name;
+  bool delta;  // no density: no light samples, value and pdf are 0
+
+  // Rows [0, n): value and pdf of directions wi (dir columns of `lights`).
+  void (*evaluate)(const SurfaceColumns& surfaces, const MaterialView& materials,
+                   const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& out);
+
+  // Rows [0, n): turns the radiance of a light sample into what the path gains if the light is
+  // seen, throughput * value * radiance / (pdf * light_samples) * MIS weight, and opens (t_far
+  // infinite) or closes (t_far negative) its shadow ray. Null for delta BSDFs.
+  void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
+                          std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);
+
+  // Draws a direction for rows [0, n) and appends the rays that go on to `rays` from its row
+  // `appended`; returns the new number of rows. At most one ray a row.
+  std::uint32_t (*scatter)(const SurfaceColumns& surfaces, const MaterialView& materials,
+                           const ScatterUniforms& uniforms, std::uint32_t n,
+                           const ScatterPolicy& policy, const RayColumns& rays,
+                           std::uint32_t appended);
+};
+
+// In the order of BsdfKind.
+std::span<const BsdfKernels, kBsdfKinds> Bsdfs();
+
+BsdfKernels LambertKernels();
+BsdfKernels ConductorKernels();
+BsdfKernels MirrorKernels();
+BsdfKernels DielectricKernels();
+
+}  // namespace skywave

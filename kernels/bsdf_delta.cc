@@ -1,0 +1,121 @@
+// The delta BSDFs. Mirror: reflection times the Fresnel reflectance of a complex index (eta = k =
+// 0: a perfect mirror). Dielectric: smooth glass, reflecting with the probability of the
+// unpolarised Fresnel reflectance and refracting otherwise (Snell), radiance scaled by the squared
+// index ratio.
+#include "kernels/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf_delta.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// No light can be met by chance: value and density are zero.
+void EvaluateDelta(const SurfaceColumns&, const MaterialView&, const LightColumns&, std::uint32_t n,
+                   const BsdfValueColumns& out) {
+  const VF zero = hn::Zero(F());
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    Store3({zero, zero, zero}, out.r + i, out.g + i, out.b + i);
+    Store(zero, out.pdf + i);
+  }
+}
+
+// Mirror and glass work in world space; only the normal of the shading frame is needed.
+HWY_INLINE V3 WorldWo(const SurfaceColumns& s, std::uint32_t i) {
+  return Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
+}
+
+std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
+                            const ScatterUniforms& uniforms, std::uint32_t n,
+                            const ScatterPolicy& policy, const RayColumns& rays,
+                            std::uint32_t appended) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const V3 wo = WorldWo(s, i);
+    const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
+    const VF cosine = Dot(normal, wo);
+    const V3 wi = Sub(Scale(normal, hn::Mul(Set(2.0f), cosine)), wo);
+    const VU fields = MaterialFields(s, i, n);
+    const V3 weight = Mul(
+        ColorOf(s, i),
+        FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, 4), Field3(m, fields, 8)));
+    const MF alive = hn::Gt(Dot(lanes.ng, wi), hn::Zero(F()));
+    appended = AppendScattered(s, lanes, i, n, wi, weight, hn::Zero(F()), alive,
+                               Load(uniforms.lobe.v + i), policy, rays, appended);
+  }
+  return appended;
+}
+
+std::uint32_t ScatterDielectric(const SurfaceColumns& s, const MaterialView& m,
+                                const ScatterUniforms& uniforms, std::uint32_t n,
+                                const ScatterPolicy& policy, const RayColumns& rays,
+                                std::uint32_t appended) {
+  const VF one = Set(1.0f), zero = hn::Zero(F());
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const V3 wo = WorldWo(s, i);
+    const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
+    const VF ior = Field(m, MaterialFields(s, i, n), 7);
+    const MF inside = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
+    // Index on wo's side over index on the other side.
+    const VF ratio = IfThen(inside, ior, hn::Div(one, ior));
+    const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
+    const VF ratio2 = hn::Mul(ratio, ratio);
+    const VF sin2_t = hn::Mul(ratio2, hn::Sub(one, hn::Mul(cos_o, cos_o)));
+    const MF total = hn::Ge(sin2_t, one);
+    const VF cos_t = SafeSqrt(hn::Sub(one, sin2_t));
+    // Amplitudes for both polarisations, divided by the index on the far side.
+    const VF ro = hn::Mul(ratio, cos_o), rt = hn::Mul(ratio, cos_t);
+    const VF parallel = hn::Div(hn::Sub(cos_o, rt), hn::Add(cos_o, rt));
+    const VF perpendicular = hn::Div(hn::Sub(ro, cos_t), hn::Add(ro, cos_t));
+    const VF fresnel = IfThen(total, one,
+                              hn::Mul(Set(0.5f), hn::Add(hn::Mul(parallel, parallel),
+                                                         hn::Mul(perpendicular, perpendicular))));
+    const MF reflects = hn::Lt(Load(uniforms.lobe.u + i), fresnel);
+
+    const V3 reflected = Sub(Scale(normal, hn::Mul(Set(2.0f), cos_o)), wo);
+    const V3 refracted =
+        Normalize(Sub(Scale(normal, hn::Sub(hn::Mul(ratio, cos_o), cos_t)), Scale(wo, ratio)));
+    const V3 wi = IfThen(reflects, reflected, refracted);
+    const VF side = Dot(lanes.ng, wi);
+    const MF alive =
+        hn::Or(hn::And(reflects, hn::Gt(side, zero)), hn::AndNot(reflects, hn::Lt(side, zero)));
+    const V3 weight = Scale(ColorOf(s, i), IfThen(reflects, one, ratio2));
+    appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
+                               policy, rays, appended);
+  }
+  return appended;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(EvaluateDelta);
+HWY_EXPORT(ScatterMirror);
+HWY_EXPORT(ScatterDielectric);
+
+BsdfKernels MirrorKernels() {
+  return {.name = "mirror",
+          .delta = true,
+          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
+          .evaluate_lights = nullptr,
+          .scatter = SKYWAVE_SCATTER(ScatterMirror)};
+}
+BsdfKernels DielectricKernels() {
+  return {.name = "dielectric",
+          .delta = true,
+          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
+          .evaluate_lights = nullptr,
+          .scatter = SKYWAVE_SCATTER(ScatterDielectric)};
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,110 @@
+#include "kernels/conductor_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace skywave {
+namespace {
+
+// E(mu): mean of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), by the
+// midpoint rule in the spherical-cap parametrisation of Dupuy and Benyoub 2023.
+double DirectionalAlbedo(double alpha, double mu) {
+  constexpr int kTurns = 32, kHeights = 64;
+  mu = std::max(mu, 1e-4);
+  const double sine = std::sqrt(1 - mu * mu);
+  double x = alpha * sine, z = mu;
+  const double norm = std::hypot(x, z);
+  x /= norm, z /= norm;
+  const auto lambda = [&](double cosine) {
+    const double tan2 = (1 - cosine * cosine) / (cosine * cosine);
+    return 0.5 * (std::sqrt(1 + alpha * alpha * tan2) - 1);
+  };
+  double sum = 0;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const double phi = 2 * std::numbers::pi * (turn + 0.5) / kTurns;
+    for (int height = 0; height < kHeights; ++height) {
+      const double cap = 1 - (height + 0.5) / kHeights * (1 + z);
+      const double radius = std::sqrt(std::max(0.0, 1 - cap * cap));
+      double hx = (radius * std::cos(phi) + x) * alpha, hy = radius * std::sin(phi) * alpha;
+      double hz = std::max(0.0, cap + z);
+      const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
+      if (length == 0) continue;
+      hx /= length, hz /= length;
+      const double cosine = 2 * (hx * sine + hz * mu) * hz - mu;
+      if (cosine <= 0) continue;
+      const double out = lambda(mu), in = lambda(std::min(cosine, 1.0));
+      sum += (1 + out) / (1 + out + in);
+    }
+  }
+  return sum / (kTurns * kHeights);
+}
+
+std::unique_ptr<ConductorTables> Build() {
+  auto tables = std::make_unique<ConductorTables>();
+  for (std::uint32_t r = 0; r <= kAlbedoRows; ++r) {
+    const double root = double(std::min(r, kAlbedoRows - 1)) / (kAlbedoRows - 1);
+    const double alpha = std::max(root * root, 1e-4);
+    std::array<double, kAlbedoColumns> column;
+    for (std::uint32_t c = 0; c < kAlbedoColumns; ++c) {
+      const double mu = double(c) / (kAlbedoColumns - 1);
+      column[c] = DirectionalAlbedo(alpha, mu * mu);
+    }
+    for (std::uint32_t c = 0; c <= kAlbedoColumns; ++c) {
+      tables->albedo[r * (kAlbedoColumns + 1) + c] = float(column[std::min(c, kAlbedoColumns - 1)]);
+    }
+    if (r < kAlbedoRows) {
+      // 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
+      constexpr int kSteps = 1024;
+      double mean = 0;
+      for (int i = 0; i < kSteps; ++i) {
+        const double s = (i + 0.5) / kSteps, at = s * (kAlbedoColumns - 1);
+        const auto low = std::uint32_t(at);
+        const double high_share = at - low;
+        const double e = column[low] * (1 - high_share) +
+                         column[std::min(low + 1, kAlbedoColumns - 1)] * high_share;
+        mean += e * 4 * s * s * s / kSteps;
+      }
+      tables->mean_albedo[r] = float(mean);
+    }
+  }
+  return tables;
+}
+
+// Mean of the Fresnel reflectance over the cosine-weighted hemisphere.
+double MeanFresnel(double eta, double k) {
+  constexpr int kSteps = 256;
+  double mean = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double c = (i + 0.5) / kSteps, c2 = c * c, s2 = 1 - c2;
+    const double t0 = eta * eta - k * k - s2;
+    const double ab = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
+    const double a = std::sqrt(std::max(0.0, 0.5 * (ab + t0)));
+    const double rs = (ab + c2 - 2 * a * c) / (ab + c2 + 2 * a * c);
+    const double p = c2 * ab + s2 * s2, q = 2 * a * c * s2;
+    mean += 0.5 * rs * (1 + (p - q) / std::max(p + q, 1e-30)) * 2 * c / kSteps;
+  }
+  return mean;
+}
+
+}  // namespace
+
+const ConductorTables& GgxTables() {
+  static const std::unique_ptr<const ConductorTables> tables = Build();
+  return *tables;
+}
+
+float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k) {
+  const double at = std::sqrt(std::clamp(alpha, 0.0f, 1.0f)) * (kAlbedoRows - 1);
+  const auto low = std::min(std::uint32_t(at), kAlbedoRows - 2);
+  const double e = tables.mean_albedo[low] +
+                   (at - low) * (tables.mean_albedo[low + 1] - tables.mean_albedo[low]);
+  const double f = MeanFresnel(eta, k);
+  const double lost = std::max(1 - e, 1e-6);
+  // Every further bounce meets F again: a geometric series (Kulla and Conty 2017).
+  return float(f * f * e / (1 - f * lost) / (std::numbers::pi * lost));
+}
+
+}  // namespace skywave

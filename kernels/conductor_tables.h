@@ -1,0 +1,28 @@
+// Directional albedo of the GGX reflection lobe with Fresnel reflectance 1: what single scattering
+// between microfacets keeps. Its complement is the energy that the multiple-scattering lobe of
+// Kulla and Conty 2017 ("Revisiting Physically Based Shading at Imageworks") gives back.
+#pragma once
+
+#include <cstdint>
+
+namespace skywave {
+
+// Nodes of the grid: row r is for alpha = (r / (rows - 1))^2, column c for the cosine
+// (c / (columns - 1))^2; both squares put nodes where the albedo bends.
+inline constexpr std::uint32_t kAlbedoRows = 32, kAlbedoColumns = 32;
+
+struct ConductorTables {
+  // Padded by a column and a row that repeat the last, so that interpolation needs no clamp.
+  float albedo[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
+  // Mean of the albedo over the cosine-weighted hemisphere, a value a row.
+  float mean_albedo[kAlbedoRows];
+};
+
+// Computed once, in double, by quadrature over the visible normals; some milliseconds.
+const ConductorTables& GgxTables();
+
+// Factor of (1 - E(wo)) (1 - E(wi)) cos(wi) in the multiple-scattering lobe, for one channel of a
+// conductor with index eta + i k and GGX width alpha [1/sr].
+float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k);
+
+}  // namespace skywave

@@ -1,0 +1,86 @@
+// Illumination maps under the eyes of rays: radiance in a direction, and directions drawn with a
+// density proportional to radiance.
+//
+// The map is a lat-long grid of W x H texels, constant inside a texel where it acts as a light.
+// With right, forward and up the axes of the map, a direction has u = 1/2 + atan2(right, forward) /
+// 2 pi, v = acos(up) / pi; texel (i, j) covers [i, i + 1) / W x [j, j + 1) / H: u and v themselves,
+// no half texel of shift between lookup and density. Inside a texel directions are uniform in solid
+// angle, so a density is one number a texel, P(texel) / solid angle, and no sine can vanish at a
+// pole.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// One texel: what a random access needs, in eight bytes.
+struct TexelRecord {
+  std::uint16_t r, g, b;  // halves, >= 0, times EnvironmentView::radiance_scale: scene radiance
+  std::uint16_t mass;     // of the texel in its leaf node of the inversion tree
+};
+static_assert(sizeof(TexelRecord) == 8);
+
+struct EnvironmentView {
+  const TexelRecord* texels;  // row-major from the top
+  std::uint32_t width, height;
+  float radiance_scale;     // power of two
+  float map_from_world[9];  // rows: right, forward, up
+  // Density of a texel [1/sr] = block_density[row * blocks + column / 32] * mass; null: no density.
+  const float* block_density;
+  std::uint32_t blocks;  // a row: ceil(width / 32)
+};
+
+// A discrete distribution over n items as a tree of cache lines: a node holds the cumulative masses
+// of its 32 children, integers that end at kNodeMass, so a step of a search is one line, compared
+// in one or two instructions, without a branch. Levels: 1, 2 or 3 for n up to 32, 1024 and 32768.
+// Cumulation keeps the order of the items: the inversion is monotone.
+inline constexpr std::uint32_t kNodeFan = 32;
+inline constexpr std::uint32_t kNodeMass = 32767;  // the largest 16-bit signed integer
+struct alignas(64) SearchNode {
+  std::int16_t cumulative[kNodeFan];  // of children 0..k; repeats where a child has no mass
+};
+struct SearchTreeView {
+  std::uint32_t levels;
+  const SearchNode* level[3];  // root level first; one tree a map row, tree after tree
+  std::uint32_t nodes[3];      // of one tree in a level
+};
+
+// Where row j lies on the sphere: w = sin^2(theta/2) of a point in the northern half,
+// cos^2(theta/2) in the southern, is area-uniform and exact near its pole: w = start + step * y, y
+// in [0, 1) down.
+struct RowArea {
+  float start, step;
+};
+
+struct InversionView {
+  SearchTreeView rows;      // one tree over the rows
+  SearchTreeView columns;   // one tree a row over its columns
+  const RowArea* row_area;  // height entries
+};
+
+// Fills dir, r, g, b (radiance) and pdf of rows [0, n) by inversion of the map's density at
+// uniforms (u: column, v: row).
+void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
+                  const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out);
+
+// Fills radiance and light_pdf of rows [0, n). Rows with pdf == 0 (seen by the camera, directly or
+// over mirrors and glass) see the map interpolated between texel centres; the others see the texels
+// that the light samples see, which multiple importance sampling needs.
+void EvaluateEscaped(const EnvironmentView& map, std::uint32_t n, const EscapeColumns& rows);
+
+// Radiance of the texels in directions dir of rows [0, n) of `out`, into r, g, b.
+void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumns& out);
+
+// Directions uniform over the sphere; pdf 1 / 4 pi [1/sr].
+void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out);
+
+// Directions about the shading normal, pdf cos / pi [1/sr].
+void SampleCosine(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
+                  const LightColumns& out);
+
+// The density of SampleCosine at surface rows[i].from in direction rows[i].dir, into light_pdf.
+void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, const EscapeColumns& rows);
+
+}  // namespace skywave

@@ -1,0 +1,103 @@
+#include "kernels/partition.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/partition.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::uint32_t n,
+                  std::uint32_t* queue, std::uint32_t* count) {
+  constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
+  const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    const MU inside = RowsBelow(i, n);
+    const MU hit = hn::And(inside, hn::Ne(Load(hits.geom + i), SetU(kNoHit)));
+    // Triangle 0's record stands in for a miss: always there, and cached.
+    const VU triangle = hn::IfThenElseZero(hit, Load(hits.triangle + i));
+    const VU tag = Gather(words, hn::Add(hn::ShiftLeft<2>(triangle), SetU(3)));
+    VU kind = hn::IfThenElse(hit, hn::ShiftRight<kKindShift>(tag), SetU(kMissQueue));
+    kind = hn::IfThenElse(inside, kind, SetU(kNoQueue));
+    Store(kind, queue + i);
+    for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
+      count[k] += static_cast<std::uint32_t>(hn::CountTrue(U(), hn::Eq(kind, SetU(k))));
+    }
+  }
+}
+
+void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
+                 const EscapeColumns& escaped) {
+  std::uint32_t to = 0;
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    const RowCompressor rows(hn::Eq(Load(queue + i), SetU(kMissQueue)));
+    rows.Move(rays.dir_x + i, escaped.dir_x + to);
+    rows.Move(rays.dir_y + i, escaped.dir_y + to);
+    rows.Move(rays.dir_z + i, escaped.dir_z + to);
+    rows.Move(rays.throughput_r + i, escaped.throughput_r + to);
+    rows.Move(rays.throughput_g + i, escaped.throughput_g + to);
+    rows.Move(rays.throughput_b + i, escaped.throughput_b + to);
+    rows.Move(rays.pdf + i, escaped.pdf + to);
+    rows.Move(rays.path + i, escaped.path + to);
+    rows.Move(rays.from + i, escaped.from + to);
+    to += rows.count();
+  }
+}
+
+void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+              std::uint32_t kind, std::uint32_t n, const SurfaceColumns& surfaces) {
+  std::uint32_t to = 0;
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    const MU mask = hn::Eq(Load(queue + i), SetU(kind));
+    if (hn::AllFalse(U(), mask)) continue;
+    const RowCompressor rows(mask);
+    rows.Append(hn::Neg(Load(rays.dir_x + i)), surfaces.wo_x + to);
+    rows.Append(hn::Neg(Load(rays.dir_y + i)), surfaces.wo_y + to);
+    rows.Append(hn::Neg(Load(rays.dir_z + i)), surfaces.wo_z + to);
+    rows.Move(hits.ng_x + i, surfaces.ng_x + to);
+    rows.Move(hits.ng_y + i, surfaces.ng_y + to);
+    rows.Move(hits.ng_z + i, surfaces.ng_z + to);
+    rows.Move(rays.throughput_r + i, surfaces.throughput_r + to);
+    rows.Move(rays.throughput_g + i, surfaces.throughput_g + to);
+    rows.Move(rays.throughput_b + i, surfaces.throughput_b + to);
+    rows.Move(rays.t_far + i, surfaces.t + to);
+    rows.Move(hits.u + i, surfaces.u + to);
+    rows.Move(hits.v + i, surfaces.v + to);
+    rows.Move(hits.triangle + i, surfaces.triangle + to);
+    rows.Move(rays.path + i, surfaces.path + to);
+    rows.Move(rays.org_x + i, surfaces.org_x + to);
+    rows.Move(rays.org_y + i, surfaces.org_y + to);
+    rows.Move(rays.org_z + i, surfaces.org_z + to);
+    to += rows.count();
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(ClassifyHits);
+HWY_EXPORT(MoveEscaped);
+HWY_EXPORT(MoveHits);
+
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::uint32_t n,
+                  std::uint32_t* queue, std::uint32_t* count) {
+  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, n, queue, count);
+}
+void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
+                 const EscapeColumns& escaped) {
+  HWY_DYNAMIC_DISPATCH(MoveEscaped)(rays, queue, n, escaped);
+}
+void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+              std::uint32_t kind, std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(MoveHits)(rays, hits, queue, kind, n, surfaces);
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

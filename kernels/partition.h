@@ -1,0 +1,29 @@
+// From hits to queues. Rows are moved, not listed: one stable compaction a queue leaves every later
+// kernel with dense, contiguous columns (measured against index lists and gathers: see
+// docs/design.md).
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // behind the queues of the BSDFs
+
+// Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, or kMissQueue. Adds the
+// length of every queue to count[kBsdfKinds + 1]. `queue` is a padded column; its padding matches
+// no queue.
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::uint32_t n,
+                  std::uint32_t* queue, std::uint32_t* count);
+
+// Appends to `escaped` (from its row 0) the rows whose queue is kMissQueue, in order.
+void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
+                 const EscapeColumns& escaped);
+
+// Appends to `surfaces` (from its row 0) the rows of queue `kind`, in order: the columns of a hit
+// and its ray that shading needs.
+void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+              std::uint32_t kind, std::uint32_t n, const SurfaceColumns& surfaces);
+
+}  // namespace skywave

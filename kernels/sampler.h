@@ -1,0 +1,38 @@
+// Random numbers as a function of (pixel, sample, dimension): Owen-scrambled Sobol' points by
+// hashing (Burley 2020, "Practical Hash-based Owen Scrambling").
+//
+// Every pair of dimensions is a (0,2)-sequence of its own: the first two Sobol' dimensions, visited
+// in an order shuffled by an Owen scramble of the index and scrambled by Owen scrambles of both
+// coordinates, all three keyed by (pixel seed, pair). So 2^k consecutive aligned samples of a pixel
+// are stratified in every elementary interval, and pairs are independent of each other.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// The pairs of dimensions, in the order a path uses them.
+enum class SampleUse : std::uint32_t { kLight, kScatter, kLobe };
+inline constexpr std::uint32_t kFilmPair = 0;
+constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
+  return 1 + 3 * bounce + static_cast<std::uint32_t>(use);
+}
+
+// Which point of a pixel's sequence a path takes: sample * stride + offset. Light samples of a hit
+// that takes n of them are points sample * n + j of one sequence: stratified among themselves too.
+struct SampleIndexing {
+  std::uint32_t stride = 1;
+  std::uint32_t offset = 0;
+};
+
+// Writes rows [0, n) of `out`: pair number `pair` of the path in row `rows[i]` of `paths`, or of
+// row i where `rows` is null. `rows`, `out`: padded columns.
+void DrawUniforms(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
+                  std::uint32_t pair, SampleIndexing indexing, const UniformColumns& out);
+
+// The seed of a pixel: a hash of its position in the film and of the seed of the frame.
+std::uint32_t PixelSeed(std::uint32_t x, std::uint32_t y, std::uint32_t frame_seed);
+
+}  // namespace skywave

@@ -1,0 +1,38 @@
+// Directions drawn from simple densities, on vectors.
+#if defined(SKYWAVE_KERNELS_SPHERE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_SPHERE_INL_H_
+#undef SKYWAVE_KERNELS_SPHERE_INL_H_
+#else
+#define SKYWAVE_KERNELS_SPHERE_INL_H_
+#endif
+
+#include "kernels/math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// Uniform over the sphere, density 1 / 4 pi.
+HWY_INLINE V3 UniformSphere(VF u, VF v) {
+  const VF z = hn::Sub(Set(1.0f), hn::Mul(Set(2.0f), v));
+  // 1 - z^2 = 4 v (1 - v), which does not cancel at the poles.
+  const VF sine = hn::Mul(Set(2.0f), SafeSqrt(hn::Mul(v, hn::Sub(Set(1.0f), v))));
+  VF s, c;
+  SinCosTurn(u, s, c);
+  return {hn::Mul(sine, c), hn::Mul(sine, s), z};
+}
+
+// Over the hemisphere of +z with density cos / pi (P 3-6): a uniform point of the unit disk,
+// lifted.
+HWY_INLINE V3 CosineHemisphere(VF u, VF v) {
+  const VF radius = hn::Sqrt(v);
+  VF s, c;
+  SinCosTurn(u, s, c);
+  return {hn::Mul(radius, c), hn::Mul(radius, s), hn::Sqrt(hn::Sub(Set(1.0f), v))};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

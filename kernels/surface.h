@@ -1,0 +1,20 @@
+// Surface preparation: from barycentric hits to points that can be shaded.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// Fills the second block of rows [0, n) of `surfaces` from the first one (see SurfaceColumns):
+// normals interpolated and turned to wo's side, the point lifted off the surface, the colour.
+// `materials`: table of MaterialRecord.
+void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
+                     std::uint32_t n, const SurfaceColumns& surfaces);
+
+// A unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014): x in the low half.
+// Off by less than 4e-5 radians.
+std::uint32_t EncodeNormal(float x, float y, float z);
+
+}  // namespace skywave
