@@ -34,31 +34,36 @@ struct ReadLimits {
 
 // Reads OpenEXR, Radiance RGBE or PFM, told apart by their first bytes, never by name. Grey images
 // become three equal channels; alpha and other layers are left out. Values are as stored: NaN, Inf
-// and negative ones included (see RepairRadiance). Throws InputError with the byte offset.
+// and negative ones included (see RepairRadiance), the exposure of RGBE and the scale of PFM not
+// applied. Of an EXR the data window is read. Throws InputError with the byte offset; a file that
+// is cut short or contradicts itself never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
 
-// Name and text of header attributes, in file order.
+// Name and text of header attributes, in file order (which is that of the names, once OpenEXR has
+// written them).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 // Scan-line EXR, 32-bit float R, G, B, ZIP. Identical input gives identical bytes.
 void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {});
 // The string attributes of an EXR header.
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits = {});
-// Little-endian colour PFM and run-length coded Radiance RGBE.
+// Little-endian colour PFM (bit-exact) and run-length coded Radiance RGBE (nearest; negative values
+// and NaN become 0, infinity the largest value).
 void WritePfm(const std::string& path, const Image& image);
 void WriteRgbe(const std::string& path, const Image& image);
-// By the ending of `path`: .exr, .pfm or .hdr.
+// By the ending of `path`: .exr, .pfm or .hdr; the last two have no place for metadata. Throws
+// InputError (kExitUsage) for other endings.
 void WriteImage(const std::string& path, const Image& image, const Metadata& metadata = {});
 
 // From scene-linear radiance to 8-bit sRGB.
 enum class ToneCurve { kClip, kFilmic };  // kFilmic: ACES-like fit of Narkowicz 2015
 struct ToneMapping {
-  float exposure_stops = 0;
+  float exposure_stops = 0;  // radiance is multiplied by 2^exposure_stops
   ToneCurve curve = ToneCurve::kClip;
 };
-// width * height * 3 bytes, rows from the top.
+// width * height * 3 bytes, rows from the top, rounded to the nearest; NaN is black.
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
-// 8-bit RGB PNG.
+// 8-bit RGB PNG. Identical input gives identical bytes.
 void WritePng(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb);
 
 // Pixels that are no radiance, by kind.

@@ -1,0 +1,113 @@
+#include "image/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/error.h"
+#include "image/srgb.h"
+
+namespace skywave {
+namespace {
+
+// Keeps the relative measures finite where the reference is black [radiance, radiance^2].
+constexpr double kDarkest = 0.01;
+
+void RequireSameSize(const Image& image, const Image& reference) {
+  if (image.width == reference.width && image.height == reference.height) return;
+  const auto size = [](const Image& i) {
+    return std::to_string(i.width) + " x " + std::to_string(i.height);
+  };
+  throw InputError(InputPosition::File("compare"),
+                   "the pictures have different sizes, " + size(image) + " and " + size(reference));
+}
+
+// Equal bits are no difference, even those of NaN and infinity.
+double Difference(float a, float b) {
+  return std::memcmp(&a, &b, sizeof a) == 0 ? 0 : double(a) - double(b);
+}
+
+// Dark violet to bright yellow by way of red; every step is brighter than the one before, so that
+// the map also reads in grey.
+constexpr double kRamp[][3] = {{0.00, 0.00, 0.02}, {0.15, 0.04, 0.36}, {0.42, 0.08, 0.43},
+                               {0.70, 0.16, 0.34}, {0.90, 0.34, 0.18}, {0.98, 0.64, 0.10},
+                               {0.99, 0.99, 0.65}};
+
+void WriteRampColor(double position, std::uint8_t* rgb) {
+  constexpr int kLast = int(std::size(kRamp)) - 1;
+  const double scaled = kLast * std::min(position, 1.0);
+  const int left = std::min(int(scaled), kLast - 1);
+  const double weight = scaled - left;
+  for (int c = 0; c < 3; ++c) {
+    const double color = kRamp[left][c] + weight * (kRamp[left + 1][c] - kRamp[left][c]);
+    rgb[c] = std::uint8_t(color * 255 + 0.5);
+  }
+}
+
+}  // namespace
+
+ImageDifference Compare(const Image& image, const Image& reference) {
+  RequireSameSize(image, reference);
+  ImageDifference result;
+  double encoded_squares = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float* const a = image.Pixel(x, y);
+      const float* const b = reference.Pixel(x, y);
+      result.mean_a += Luminance(a);
+      result.mean_b += Luminance(b);
+      double absolute[3];
+      for (int c = 0; c < 3; ++c) {
+        const double d = Difference(a[c], b[c]);
+        absolute[c] = std::abs(d);
+        result.mse += d * d;
+        result.relative_mse += d == 0 ? 0 : d * d / (double(b[c]) * b[c] + kDarkest);
+        const double encoded = SrgbFromLinear(a[c]) - SrgbFromLinear(b[c]);
+        encoded_squares += encoded * encoded;
+        const double largest =
+            std::isnan(d) ? std::numeric_limits<double>::infinity() : absolute[c];
+        if (largest > result.max_absolute) {
+          result.max_absolute = largest;
+          result.max_x = x;
+          result.max_y = y;
+        }
+      }
+      const double sum = absolute[0] + absolute[1] + absolute[2];
+      const double luminance =
+          0.212671 * absolute[0] + 0.715160 * absolute[1] + 0.072169 * absolute[2];
+      result.mean_absolute += sum;
+      result.thesis_euclidean += sum * sum;
+      result.thesis_luminance += luminance * luminance;
+      result.different_pixels += std::memcmp(a, b, 3 * sizeof(float)) != 0;
+    }
+  }
+  const double pixels = double(image.width) * image.height;
+  result.mean_a /= pixels;
+  result.mean_b /= pixels;
+  result.mse /= 3 * pixels;
+  result.rmse = std::sqrt(result.mse);
+  result.relative_mse /= 3 * pixels;
+  result.mean_absolute /= 3 * pixels;
+  result.psnr = -10 * std::log10(encoded_squares / (3 * pixels));
+  result.thesis_euclidean /= pixels;
+  result.thesis_luminance /= pixels;
+  return result;
+}
+
+std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference, double full_scale) {
+  RequireSameSize(image, reference);
+  std::vector<std::uint8_t> map(image.rgb.size());
+  for (std::size_t i = 0; i < map.size(); i += 3) {
+    double difference = 0, level = 0;
+    for (std::size_t c = i; c < i + 3; ++c) {
+      difference += std::abs(Difference(image.rgb[c], reference.rgb[c])) / 3;
+      level += std::abs(double(reference.rgb[c])) / 3;
+    }
+    const double error = difference == 0 ? 0 : difference / (level + kDarkest) / full_scale;
+    WriteRampColor(std::isnan(error) ? 1 : error, &map[i]);
+  }
+  return map;
+}
+
+}  // namespace skywave

@@ -1,0 +1,162 @@
+// OpenEXR pictures. The only file that knows the OpenEXR library: a header is first checked by
+// exr_header.h, then the library decodes the very same bytes, from memory.
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfThreading.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+#include <exception>
+#include <stdexcept>
+
+#include "base/files.h"
+#include "image/byte_cursor.h"
+#include "image/exr_header.h"
+#include "image/formats.h"
+
+namespace skywave {
+namespace {
+
+// All threads of the program belong to the renderer.
+constexpr int kNoThreads = 0;
+
+class MemoryInput : public Imf::IStream {
+ public:
+  MemoryInput(const std::string& path, std::string_view bytes)
+      : Imf::IStream(path.c_str()), bytes_(bytes) {}
+
+  bool read(char destination[], int count) override {
+    if (count < 0 || position_ > bytes_.size() || bytes_.size() - position_ < std::size_t(count)) {
+      throw std::runtime_error("the file ends too early");
+    }
+    std::memcpy(destination, bytes_.data() + position_, std::size_t(count));
+    position_ += std::size_t(count);
+    return position_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return position_; }
+  void seekg(std::uint64_t position) override { position_ = position; }
+
+ private:
+  std::string_view bytes_;
+  std::uint64_t position_ = 0;
+};
+
+// Everything goes to memory first, because Imf::OutputFile writes its chunk table in the
+// destructor, where it cannot report a full disk.
+class MemoryOutput : public Imf::OStream {
+ public:
+  explicit MemoryOutput(const std::string& path) : Imf::OStream(path.c_str()) {}
+
+  void write(const char source[], int count) override {
+    const std::size_t end = position_ + std::size_t(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, source, std::size_t(count));
+    position_ = end;
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::uint64_t position_ = 0;
+};
+
+// Which channel of the file each of red, green and blue comes from: R, G, B, or Y for all three.
+// Channels of layers ("diffuse.R") and all others are left out.
+std::vector<std::string> ChooseChannels(const std::string& path, const ExrHeader& header) {
+  const InputPosition position = InputPosition::File(path);
+  std::string names;
+  for (const ExrChannel& channel : header.channels) {
+    if (channel.sub_sampled) {
+      throw InputError(position,
+                       "EXR channel " + channel.name + " is sub-sampled, which is not supported");
+    }
+    names += (names.empty() ? "" : ", ") + channel.name;
+  }
+  const auto has = [&](const char* name) {
+    return std::any_of(header.channels.begin(), header.channels.end(),
+                       [&](const ExrChannel& channel) { return channel.name == name; });
+  };
+  if (has("R") && has("G") && has("B")) return {"R", "G", "B"};
+  if (has("Y") && !has("RY") && !has("BY")) return {"Y"};
+  throw InputError(position, "an EXR needs channels R, G, B or Y; this one has " + names);
+}
+
+}  // namespace
+
+Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
+  const ExrHeader header = ParseExrHeader(path, bytes, limits);
+  const std::vector<std::string> names = ChooseChannels(path, header);
+  if (!header.deep && !header.multi_part) CheckExrChunks(path, bytes, header);
+
+  const ExrBox& box = header.data_window;
+  const Imath::Box2i window({box.x_min, box.y_min}, {box.x_max, box.y_max});
+  MemoryInput stream(path, bytes);
+  try {
+    Imf::setGlobalThreadCount(kNoThreads);
+    Imf::InputFile file(stream, kNoThreads);
+    if (file.header().dataWindow() != window)
+      throw std::runtime_error("two different data windows");
+    Image image(int(box.width()), int(box.height()));
+    constexpr std::size_t kPixelStride = 3 * sizeof(float);
+    Imf::FrameBuffer frame;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      frame.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &image.rgb[c], window, kPixelStride));
+    }
+    file.setFrameBuffer(frame);
+    file.readPixels(window.min.y, window.max.y);
+    if (names.size() == 1) {
+      for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+        image.rgb[i + 1] = image.rgb[i + 2] = image.rgb[i];
+      }
+    }
+    return image;
+  } catch (const std::exception& error) {
+    throw InputError(InputPosition::Byte(path, stream.tellg()),
+                     std::string("cannot be decoded as OpenEXR: ") + error.what());
+  }
+}
+
+void WriteExr(const std::string& path, const Image& image, const Metadata& metadata) {
+  assert(image.rgb.size() == std::size_t(image.width) * image.height * 3);
+  MemoryOutput stream(path);
+  try {
+    Imf::setGlobalThreadCount(kNoThreads);
+    Imf::Header header(image.width, image.height);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    for (const auto& [name, text] : metadata) {
+      if (name.size() > 255) throw std::runtime_error("an attribute name of over 255 bytes");
+      header.insert(name, Imf::StringAttribute(text));
+    }
+    Imf::FrameBuffer frame;
+    const char* const kNames[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+      header.channels().insert(kNames[c], Imf::Channel(Imf::FLOAT));
+      // The library only reads through the slices of an output file.
+      float* const first = const_cast<float*>(&image.rgb[c]);
+      frame.insert(kNames[c],
+                   Imf::Slice::Make(Imf::FLOAT, first, header.dataWindow(), 3 * sizeof(float)));
+    }
+    Imf::OutputFile file(stream, header, kNoThreads);
+    file.setFrameBuffer(frame);
+    file.writePixels(image.height);
+  } catch (const std::exception& error) {
+    throw InputError(InputPosition::File(path),
+                     std::string("cannot be written as OpenEXR: ") + error.what(), kExitIo);
+  }
+  WriteFileAtomically(path, stream.bytes());
+}
+
+Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits) {
+  return ParseExrHeader(path, ReadFile(path), limits).strings;
+}
+
+}  // namespace skywave

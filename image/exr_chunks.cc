@@ -1,0 +1,165 @@
+#include <algorithm>
+
+#include "image/byte_cursor.h"
+#include "image/exr_header.h"
+
+namespace skywave {
+namespace {
+
+// The library allocates a whole decoded chunk at once.
+constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 28;
+// More than any of the lossless codings can shrink (deflate: 1032, PIZ: about 400).
+constexpr std::int64_t kMaxShrinking = 2048;
+
+std::int64_t RowsPerChunk(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kNone:
+    case ExrCompression::kRle:
+    case ExrCompression::kZips:
+      return 1;
+    case ExrCompression::kZip:
+    case ExrCompression::kPxr24:
+      return 16;
+    case ExrCompression::kPiz:
+    case ExrCompression::kB44:
+    case ExrCompression::kB44a:
+    case ExrCompression::kDwaa:
+      return 32;
+    case ExrCompression::kDwab:
+      return 256;
+  }
+  return 1;
+}
+
+std::int64_t DivideUp(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
+
+// The sizes of `size` at all its levels of detail, halved down to 1.
+std::vector<std::int64_t> LevelSizes(std::int64_t size, std::int64_t longest, bool round_up) {
+  std::vector<std::int64_t> sizes;
+  for (int level = 0;; ++level) {
+    const std::int64_t step = std::int64_t{1} << level;
+    const auto at_level = [&](std::int64_t s) {
+      return std::max<std::int64_t>(1, round_up ? DivideUp(s, step) : s / step);
+    };
+    sizes.push_back(at_level(size));
+    if (at_level(longest) == 1) return sizes;
+  }
+}
+
+// Walks through the table behind the header, one call of CheckNext per chunk in the table's order.
+class ChunkChecker {
+ public:
+  ChunkChecker(const std::string& path, std::string_view bytes, const ExrHeader& header)
+      : path_(path), bytes_(bytes), header_(header), table_(path, bytes, header.end) {}
+
+  // Throws unless the table has room for `count` chunks; called before walking through them.
+  void CheckTable(std::int64_t count) {
+    table_end_ = table_.offset() + std::size_t(count) * 8;
+    if (table_.left() / 8 < std::size_t(count)) {
+      table_.Fail("the file ends within the chunk table");
+    }
+  }
+  // `place`: the numbers the chunk starts with; `decoded_bytes`: the size of its pixels.
+  void CheckNext(std::initializer_list<std::int64_t> place, std::int64_t decoded_bytes) {
+    const std::uint64_t offset = table_.U64("the chunk table");
+    if (offset == 0) table_.Fail("a chunk was never written: the EXR is incomplete");
+    if (offset < table_end_ || offset > bytes_.size()) {
+      table_.Fail("a chunk lies outside of the file, which may be cut short");
+    }
+    ByteCursor chunk(path_, bytes_, offset);
+    for (const std::int64_t number : place) {
+      if (chunk.I32("a chunk") != number) chunk.Fail("a chunk that belongs somewhere else");
+    }
+    const std::int64_t stored = chunk.I32("a chunk");
+    const bool plain = header_.compression == ExrCompression::kNone;
+    if (stored < 1 || stored > decoded_bytes || (plain && stored != decoded_bytes)) {
+      chunk.Fail("a chunk of " + std::to_string(stored) + " bytes for " +
+                 std::to_string(decoded_bytes) + " bytes of pixels");
+    }
+    chunk.Take(std::size_t(stored), "a chunk");
+  }
+
+ private:
+  const std::string& path_;
+  std::string_view bytes_;
+  const ExrHeader& header_;
+  ByteCursor table_;
+  std::uint64_t table_end_ = 0;
+};
+
+void CheckScanLines(ChunkChecker& checker, const ExrHeader& header) {
+  const std::int64_t rows = RowsPerChunk(header.compression);
+  const std::int64_t width = header.data_window.width(), height = header.data_window.height();
+  checker.CheckTable(DivideUp(height, rows));
+  for (std::int64_t y = 0; y < height; y += rows) {
+    checker.CheckNext({header.data_window.y_min + y},
+                      std::min(rows, height - y) * width * header.pixel_bytes());
+  }
+}
+
+void CheckTiles(ChunkChecker& checker, const ExrHeader& header) {
+  const ExrTiles& tiles = header.tiles;
+  const std::int64_t width = header.data_window.width(), height = header.data_window.height();
+  // Both sides of a mipmap shrink until the longer one is 1, those of a ripmap each on its own.
+  const bool ripmap = tiles.levels == ExrLevels::kRipmap;
+  const std::int64_t longest = std::max(width, height);
+  std::vector<std::int64_t> widths = LevelSizes(width, ripmap ? width : longest, tiles.round_up);
+  std::vector<std::int64_t> heights = LevelSizes(height, ripmap ? height : longest, tiles.round_up);
+  if (tiles.levels == ExrLevels::kOne) {
+    widths.resize(1);
+    heights.resize(1);
+  }
+  struct Level {
+    std::size_t x, y;
+  };
+  std::vector<Level> levels;
+  for (std::size_t y = 0; y < heights.size(); ++y) {
+    if (!ripmap) {
+      levels.push_back({y, y});
+      continue;
+    }
+    for (std::size_t x = 0; x < widths.size(); ++x) levels.push_back({x, y});
+  }
+  std::int64_t count = 0;
+  for (const Level level : levels) {
+    count += DivideUp(widths[level.x], tiles.width) * DivideUp(heights[level.y], tiles.height);
+  }
+  checker.CheckTable(count);
+  for (const Level level : levels) {
+    const std::int64_t w = widths[level.x], h = heights[level.y];
+    for (std::int64_t y = 0; y < DivideUp(h, tiles.height); ++y) {
+      for (std::int64_t x = 0; x < DivideUp(w, tiles.width); ++x) {
+        const std::int64_t pixels = std::min(tiles.width, w - x * tiles.width) *
+                                    std::min(tiles.height, h - y * tiles.height);
+        checker.CheckNext({x, y, std::int64_t(level.x), std::int64_t(level.y)},
+                          pixels * header.pixel_bytes());
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header) {
+  const ByteCursor table(path, bytes, header.end);
+  const std::int64_t width = header.data_window.width(), height = header.data_window.height();
+  const std::int64_t chunk_pixels = header.tiled ? header.tiles.width * header.tiles.height
+                                                 : width * RowsPerChunk(header.compression);
+  if (chunk_pixels > kMaxChunkBytes / header.pixel_bytes()) {
+    table.Fail("the chunks or tiles of this EXR are too large");
+  }
+  const bool lossless = header.compression <= ExrCompression::kPiz;
+  if (lossless &&
+      width * height * header.pixel_bytes() / kMaxShrinking > std::int64_t(bytes.size())) {
+    table.Fail("the file is too short for " + std::to_string(width) + " x " +
+               std::to_string(height) + " pixels");
+  }
+  ChunkChecker checker(path, bytes, header);
+  if (header.tiled) {
+    CheckTiles(checker, header);
+  } else {
+    CheckScanLines(checker, header);
+  }
+}
+
+}  // namespace skywave

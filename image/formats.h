@@ -1,0 +1,29 @@
+// The decoders behind ReadImage, one per file format, and what they share. For image/ only.
+//
+// Each takes the bytes of the whole file; `path` is only for errors. Each throws InputError with
+// the byte offset, checks the size with CheckSize before it allocates, and returns complete images
+// only.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "base/error.h"
+#include "image/image.h"
+
+namespace skywave {
+
+Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+
+// The number that the decimal digits `text` say, of at most nine digits; -1 when it is no such
+// number. Signs, blanks and empty text are no numbers.
+std::int64_t ParseSize(std::string_view text);
+
+// Throws InputError unless 1 <= width, height and all of `limits` hold.
+void CheckSize(const InputPosition& position, std::int64_t width, std::int64_t height,
+               const ReadLimits& limits);
+
+}  // namespace skywave

@@ -1,0 +1,253 @@
+// Radiance RGBE pictures (Greg Ward's .hdr): a text header, a resolution line and scan lines of
+// pixels with a common exponent.
+//
+// A pixel is mantissa * 2^(exponent - 136), exactly; exponent 0 is black. EXPOSURE, COLORCORR,
+// PRIMARIES and GAMMA lines are not applied: values are as stored. Radiance's own programs add half
+// a mantissa step when decoding; most others, and this one, do not.
+// Bytes behind the last scan line are ignored.
+
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "base/files.h"
+#include "image/byte_cursor.h"
+#include "image/formats.h"
+
+namespace skywave {
+namespace {
+
+using Rgbe = std::array<std::uint8_t, 4>;
+
+constexpr std::size_t kMaxHeaderBytes = 1 << 16;
+// The run-length coding by channels only exists for scan lines of these lengths.
+constexpr int kMinRunLengthWidth = 8;
+constexpr int kMaxRunLengthWidth = 0x7fff;
+
+// In which order the scan lines of a file run through the picture.
+struct Layout {
+  int lines = 0;         // scan lines in the file
+  int line_length = 0;   // pixels per scan line
+  bool by_rows = true;   // a scan line is a row (else a column)
+  bool x_falls = false;  // from the right to the left
+  bool y_rises = false;  // from the bottom to the top
+
+  int width() const { return by_rows ? line_length : lines; }
+  int height() const { return by_rows ? lines : line_length; }
+};
+
+std::string_view TakeLine(ByteCursor& cursor, const char* what) {
+  std::string_view line = cursor.TakeUntil('\n', kMaxHeaderBytes, what);
+  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+  return line;
+}
+
+void ReadHeader(ByteCursor& cursor) {
+  const std::string_view program = TakeLine(cursor, "the Radiance header");
+  if (program != "#?RADIANCE" && program != "#?RGBE") {
+    cursor.Fail("is no Radiance picture: it starts with neither #?RADIANCE nor #?RGBE");
+  }
+  bool has_format = false;
+  while (true) {
+    const std::string_view line = TakeLine(cursor, "the Radiance header");
+    if (cursor.offset() > kMaxHeaderBytes) cursor.Fail("the Radiance header has no end");
+    if (line.empty()) break;
+    if (line.substr(0, 7) != "FORMAT=") continue;
+    if (line != "FORMAT=32-bit_rle_rgbe") {
+      cursor.Fail(std::string(line) + " is not supported, only FORMAT=32-bit_rle_rgbe");
+    }
+    has_format = true;
+  }
+  if (!has_format) cursor.Fail("the Radiance header has no line FORMAT=32-bit_rle_rgbe");
+}
+
+// "-Y 512 +X 1024": the slow axis first. -Y runs down, +X to the right.
+Layout ReadResolution(ByteCursor& cursor, const std::string& path, const ReadLimits& limits) {
+  const InputPosition position = InputPosition::Byte(path, cursor.offset());
+  const std::string_view line = TakeLine(cursor, "the Radiance resolution line");
+  const auto fail = [&] {
+    throw InputError(position, "the Radiance resolution line is not like \"-Y 512 +X 1024\"");
+  };
+  const std::size_t second = line.find(' ', 3);
+  if (line.size() < 9 || line[2] != ' ' || second == std::string_view::npos ||
+      line.size() < second + 5 || line[second + 3] != ' ') {
+    fail();
+  }
+  const char slow_sign = line[0], slow_axis = line[1];
+  const char fast_sign = line[second + 1], fast_axis = line[second + 2];
+  const auto is_sign = [](char c) { return c == '+' || c == '-'; };
+  const bool by_rows = slow_axis == 'Y' && fast_axis == 'X';
+  const bool by_columns = slow_axis == 'X' && fast_axis == 'Y';
+  const std::int64_t lines = ParseSize(line.substr(3, second - 3));
+  const std::int64_t line_length = ParseSize(line.substr(second + 4));
+  if (!is_sign(slow_sign) || !is_sign(fast_sign) || !(by_rows || by_columns) || lines < 0 ||
+      line_length < 0) {
+    fail();
+  }
+  CheckSize(position, by_rows ? line_length : lines, by_rows ? lines : line_length, limits);
+  return {.lines = int(lines),
+          .line_length = int(line_length),
+          .by_rows = by_rows,
+          .x_falls = (by_rows ? fast_sign : slow_sign) == '-',
+          .y_rises = (by_rows ? slow_sign : fast_sign) == '+'};
+}
+
+// One channel after the other; a code above 128 repeats one byte (code - 128) times, any other code
+// is a count of bytes to copy.
+void ReadChannelRuns(ByteCursor& cursor, std::vector<Rgbe>& line) {
+  for (int channel = 0; channel < 4; ++channel) {
+    for (std::size_t x = 0; x < line.size();) {
+      const std::uint8_t code = cursor.U8("a scan line");
+      const bool repeat = code > 128;
+      const std::size_t count = repeat ? code - 128 : code;
+      if (count == 0) cursor.Fail("an empty run in a scan line");
+      if (count > line.size() - x) cursor.Fail("a run goes over the end of its scan line");
+      const std::string_view source = cursor.Take(repeat ? 1 : count, "a scan line");
+      for (std::size_t i = 0; i < count; ++i) {
+        line[x++][channel] = std::uint8_t(source[repeat ? 0 : i]);
+      }
+    }
+  }
+}
+
+// Plain pixels; one with mantissas 1, 1, 1 repeats the pixel before as often as its last byte says.
+// Such pixels in a row are the bytes of one count, the lowest first.
+void ReadPixelRuns(ByteCursor& cursor, std::vector<Rgbe>& line) {
+  int shift = 0;
+  for (std::size_t x = 0; x < line.size();) {
+    const std::string_view bytes = cursor.Take(4, "a scan line");
+    Rgbe pixel;
+    for (int i = 0; i < 4; ++i) pixel[i] = std::uint8_t(bytes[i]);
+    if (pixel[0] != 1 || pixel[1] != 1 || pixel[2] != 1) {
+      line[x++] = pixel;
+      shift = 0;
+      continue;
+    }
+    if (x == 0) cursor.Fail("a scan line starts with a repetition of nothing");
+    if (shift > 24) cursor.Fail("a repetition has more than four bytes of count");
+    const std::size_t count = std::size_t(pixel[3]) << shift;
+    if (count > line.size() - x) cursor.Fail("a run goes over the end of its scan line");
+    for (std::size_t i = 0; i < count; ++i, ++x) line[x] = line[x - 1];
+    shift += 8;
+  }
+}
+
+void ReadScanLine(ByteCursor& cursor, std::string_view bytes, std::vector<Rgbe>& line) {
+  const std::string_view start = bytes.substr(cursor.offset(), 4);
+  const bool can_be_coded = line.size() >= kMinRunLengthWidth && line.size() <= kMaxRunLengthWidth;
+  if (can_be_coded && start.size() == 4 && start[0] == 2 && start[1] == 2 &&
+      std::uint8_t(start[2]) < 128) {
+    const std::size_t length = std::size_t(start[2]) << 8 | std::uint8_t(start[3]);
+    if (length != line.size()) {
+      cursor.Fail("a scan line of " + std::to_string(length) + " pixels instead of " +
+                  std::to_string(line.size()));
+    }
+    cursor.Take(4, "a scan line");
+    return ReadChannelRuns(cursor, line);
+  }
+  ReadPixelRuns(cursor, line);
+}
+
+std::array<float, 256> MantissaUnits() {
+  std::array<float, 256> units{};  // [0] stays 0: exponent 0 is black
+  for (int e = 1; e < 256; ++e) units[e] = std::ldexp(1.0f, e - 136);
+  return units;
+}
+
+// The nearest RGBE colour. What the format cannot hold is clamped: negative values, NaN and what is
+// below 2^-128 to 0, the rest to 255 * 2^119.
+Rgbe Encode(const float* rgb) {
+  constexpr double kLargest = 0x1.FEp126;  // 255 * 2^119
+  double value[3], largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    value[c] = rgb[c] > 0 ? std::min(double(rgb[c]), kLargest) : 0;
+    largest = std::max(largest, value[c]);
+  }
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  // Mantissas are in [128, 256) for the largest channel, unless rounding makes 256 of it.
+  if (std::nearbyint(std::ldexp(largest, 8 - exponent)) == 256) ++exponent;
+  if (largest == 0 || exponent + 128 < 1) return {};
+  Rgbe encoded;
+  for (int c = 0; c < 3; ++c) {
+    encoded[c] = std::uint8_t(std::nearbyint(std::ldexp(value[c], 8 - exponent)));
+  }
+  encoded[3] = std::uint8_t(exponent + 128);
+  return encoded;
+}
+
+void AppendChannelRuns(const std::vector<Rgbe>& line, std::string& bytes) {
+  constexpr std::size_t kMaxRepeat = 127, kMaxCopy = 128;
+  constexpr std::size_t kWorthwhileRepeat = 4;  // shorter ones cost more than copying on
+  bytes += {2, 2, char(line.size() >> 8), char(line.size() & 255)};
+  for (int channel = 0; channel < 4; ++channel) {
+    const auto run_length = [&](std::size_t x) {
+      std::size_t end = x + 1;
+      while (end < line.size() && end - x < kMaxRepeat && line[end][channel] == line[x][channel]) {
+        ++end;
+      }
+      return end - x;
+    };
+    for (std::size_t x = 0; x < line.size();) {
+      if (const std::size_t repeat = run_length(x); repeat >= kWorthwhileRepeat) {
+        bytes += {char(128 + repeat), char(line[x][channel])};
+        x += repeat;
+        continue;
+      }
+      std::size_t end = x;
+      while (end < line.size() && end - x < kMaxCopy && run_length(end) < kWorthwhileRepeat) ++end;
+      bytes += char(end - x);
+      for (; x < end; ++x) bytes += char(line[x][channel]);
+    }
+  }
+}
+
+}  // namespace
+
+Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
+  ByteCursor cursor(path, bytes);
+  ReadHeader(cursor);
+  const Layout layout = ReadResolution(cursor, path, limits);
+
+  // The picture is allocated once all lines are there, so that memory follows what the file holds
+  // and not what its header says.
+  std::vector<Rgbe> pixels;
+  std::vector<Rgbe> line(layout.line_length);
+  for (int i = 0; i < layout.lines; ++i) {
+    ReadScanLine(cursor, bytes, line);
+    pixels.insert(pixels.end(), line.begin(), line.end());
+  }
+
+  static const std::array<float, 256> kUnits = MantissaUnits();
+  Image image(layout.width(), layout.height());
+  for (int i = 0; i < layout.lines; ++i) {
+    for (int j = 0; j < layout.line_length; ++j) {
+      const int column = layout.by_rows ? j : i;
+      const int row = layout.by_rows ? i : j;
+      float* const pixel = image.Pixel(layout.x_falls ? image.width - 1 - column : column,
+                                       layout.y_rises ? image.height - 1 - row : row);
+      const Rgbe& rgbe = pixels[std::size_t(i) * layout.line_length + j];
+      for (int c = 0; c < 3; ++c) pixel[c] = rgbe[c] * kUnits[rgbe[3]];
+    }
+  }
+  return image;
+}
+
+void WriteRgbe(const std::string& path, const Image& image) {
+  assert(image.rgb.size() == std::size_t(image.width) * image.height * 3);
+  std::string bytes = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::to_string(image.height) +
+                      " +X " + std::to_string(image.width) + "\n";
+  const bool can_be_coded = image.width >= kMinRunLengthWidth && image.width <= kMaxRunLengthWidth;
+  std::vector<Rgbe> line(image.width);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) line[x] = Encode(image.Pixel(x, y));
+    if (can_be_coded) {
+      AppendChannelRuns(line, bytes);
+    } else {
+      for (const Rgbe& pixel : line) bytes.append(pixel.begin(), pixel.end());
+    }
+  }
+  WriteFileAtomically(path, bytes);
+}
+
+}  // namespace skywave

@@ -1,0 +1,16 @@
+// The transfer curve of sRGB (IEC 61966-2-1).
+#pragma once
+
+#include <cmath>
+
+namespace skywave {
+
+// From linear light in [0, 1] to the encoded value in [0, 1]. What lies outside is clipped; NaN is
+// 0.
+inline double SrgbFromLinear(double linear) {
+  if (!(linear > 0)) return 0;
+  if (linear >= 1) return 1;
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+}  // namespace skywave
