@@ -1,0 +1,45 @@
+// importance: directions drawn with a density proportional to the luminance of the map, by
+// inversion of its two-dimensional distribution: a row by the marginal, a column by the row's own
+// distribution (T 6.1; Pharr and Humphreys 2004). Monotone in both uniforms, so well-distributed
+// points stay so.
+//
+// Parameters
+//   compensate=0|1  1: the mean luminance is subtracted from the density (Karlik et al. 2019, "MIS
+//                   Compensation"): light samples go where BSDF samples would not find the light.
+//                   Dark directions are then never drawn, so it needs BSDF sampling beside it and
+//                   is refused together with --no-mis. Default 0.
+//
+// Densities are exact: whatever rounding the tables have, the density that is reported is the one
+// that is drawn. A black map is sampled uniformly over the sphere.
+#pragma once
+
+#include "lights/search_tree.h"
+#include "lights/strategy.h"
+#include "lights/texels.h"
+
+namespace skywave {
+
+class ImportanceStrategy final : public EnvStrategy {
+ public:
+  ImportanceStrategy(const EnvironmentMap& map, bool compensate);
+
+  std::string_view name() const override { return "importance"; }
+  std::size_t table_bytes() const override;
+  bool complete() const override { return !compensated_; }
+  void Sample(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
+              const LightColumns& out) const override;
+  void EvaluateEscaped(const SurfaceColumns& surfaces, std::uint32_t n,
+                       const EscapeColumns& rows) const override;
+
+ private:
+  EnvironmentView MapView() const;
+  InversionView Inversion() const;
+
+  Texels texels_;
+  bool compensated_;
+  SearchTrees rows_, columns_;
+  std::vector<RowArea> row_area_;
+  std::vector<float> block_density_;  // [1/sr], height * blocks
+};
+
+}  // namespace skywave
