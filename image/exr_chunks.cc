@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "image/byte_cursor.h"
+#include "image/exr_decoded_size.h"
 #include "image/exr_header.h"
 
 namespace skywave {
@@ -76,7 +77,13 @@ class ChunkChecker {
       chunk.Fail("a chunk of " + std::to_string(stored) + " bytes for " +
                  std::to_string(decoded_bytes) + " bytes of pixels");
     }
-    chunk.Take(std::size_t(stored), "a chunk");
+    const std::string_view pixels = chunk.Take(std::size_t(stored), "a chunk");
+    // What compression would not make smaller is stored as it is.
+    if (stored < decoded_bytes &&
+        DecodedSize(header_.compression, pixels, decoded_bytes) != decoded_bytes) {
+      chunk.Fail("the chunk that ends here does not decode to " + std::to_string(decoded_bytes) +
+                 " bytes of pixels");
+    }
   }
 
  private:

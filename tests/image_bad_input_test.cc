@@ -4,6 +4,7 @@
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
 #include <ImfStringVectorAttribute.h>
+#include <zlib.h>
 
 #include <atomic>
 #include <cstdlib>
@@ -183,6 +184,38 @@ TEST_F(BadInput, TextThatIsNoHeader) {
   EXPECT_FALSE(Reads("#?RADIANCE\n" + std::string(200000, 'x')));
   EXPECT_FALSE(Reads("PF\n" + std::string(200000, '1')));
   EXPECT_FALSE(Reads("Pf\n4 4\n-1\n" + std::string(65, '\0'))) << "a byte too many";
+}
+
+// OpenEXR fills the rest of such chunks with whatever its memory held.
+TEST_F(BadInput, ExrChunksThatDecodeToTooLittleAreRefused) {
+  const Image image(16, 1);
+  const auto with_pixels = [&](Imf::Compression compression, const std::string& stored) {
+    WriteExrKind(Path("a.exr"), HeaderFor(image, compression), image);
+    std::string exr = ReadFile(Path("a.exr"));
+    std::uint64_t chunk = 0;  // the only one; its offset stands right behind the header
+    for (std::size_t i = exr.size(); i-- > 8;) {
+      std::memcpy(&chunk, &exr[i - 8], 8);
+      if (chunk == i) break;
+    }
+    const std::uint32_t size = std::uint32_t(stored.size());
+    std::memcpy(&exr[chunk + 4], &size, 4);
+    return exr.substr(0, chunk + 8) + stored;
+  };
+  // 16 pixels of 12 bytes: one run of 128 bytes and one of 64, or of 63.
+  EXPECT_TRUE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 63, 0}))) << message();
+  EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 62, 0})));
+  EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 64, 0})));
+  EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 63})));
+  for (const uLong decoded : {192, 191, 193, 1}) {
+    const std::string zeros(decoded, '\0');
+    std::string deflated(200, '\0');
+    uLongf size = uLongf(deflated.size());
+    ASSERT_EQ(compress(reinterpret_cast<Bytef*>(deflated.data()), &size,
+                       reinterpret_cast<const Bytef*>(zeros.data()), decoded),
+              Z_OK);
+    deflated.resize(size);
+    EXPECT_EQ(Reads(with_pixels(Imf::ZIP_COMPRESSION, deflated)), decoded == 192) << decoded;
+  }
 }
 
 TEST_F(BadInput, RiskyKindsOfExrNeedTrust) {
