@@ -17,23 +17,25 @@ struct Material {
   std::string name;
   BsdfKind bsdf = BsdfKind::kLambert;
   glm::vec3 reflectance{0.5f};  // Lambert: albedo; mirror, conductor: factor of Fresnel; linear RGB
-  glm::vec3 eta{0.0f};          // conductors: real part of the index per channel; eta = k = 0: F = 1
-  glm::vec3 k{0.0f};            // conductors: imaginary part of the index per channel
-  float alpha = 0.1f;           // conductor: GGX width
-  float ior = 1.5f;             // dielectric: index inside (where the normal points away) / outside
+  glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
+  glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
+  float alpha = 0.1f;   // conductor: GGX width
+  float ior = 1.5f;     // dielectric: index inside (where the normal points away) / outside
 };
 
-// Triangles, counter-clockwise seen from the side that the normals point to.
+// Triangles. (p1 - p0) x (p2 - p0) is on the side that the normals point to, in left-handed worlds
+// too: counter-clockwise seen from there, once the axes are drawn right-handed.
 struct Mesh {
   std::string name;
-  std::vector<glm::vec3> positions;    // world space
-  std::vector<glm::vec3> normals;      // empty (flat shading) or one a position, unit length
-  std::vector<glm::vec2> uvs;          // empty or one a position
-  std::vector<glm::uvec3> triangles;   // indices into positions
-  std::uint32_t material = 0;          // index into Scene::materials
+  std::vector<glm::vec3> positions;   // world space
+  std::vector<glm::vec3> normals;     // empty (flat shading) or one a position, unit length
+  std::vector<glm::vec2> uvs;         // empty or one a position
+  std::vector<glm::uvec3> triangles;  // indices into positions
+  std::uint32_t material = 0;         // index into Scene::materials
 };
 
-// A pinhole. Camera space: x right, y up, looking along +z.
+// A pinhole. Camera space: x right, y up, looking along +z; in a right-handed world the matrix
+// mirrors. A scene file's camera may be scaled: directions need normalising after the matrix.
 struct Camera {
   glm::mat4 world_from_camera{1.0f};
   float fov_degrees = 45.0f;  // of the shorter side of the film
@@ -43,12 +45,12 @@ enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris };
 
 // An infinitely distant map, or a constant radiance where it has none.
 struct EnvironmentLight {
-  std::string map_path;                // empty: constant
-  std::optional<Image> map;            // or a lat-long map in memory (built-in skies)
-  glm::vec3 scale{1.0f};               // factor per channel, or the constant radiance
-  // Rows: the world directions of "right", "forward" and "up" of the map. Forward is the centre of
-  // a lat-long image and of an angular map, right is where its right half looks. May mirror.
-  glm::mat3 world_from_map{1.0f};      // columns: right, forward, up
+  std::string map_path;      // empty: constant
+  std::optional<Image> map;  // or a lat-long map in memory (built-in skies)
+  glm::vec3 scale{1.0f};     // factor per channel, or the constant radiance
+  // Columns: the world directions of "right", "forward" and "up" of the map. Forward is the centre
+  // of a lat-long image and of an angular map, right is where its right half looks. May mirror.
+  glm::mat3 world_from_map{1.0f};  // columns: right, forward, up
 };
 
 // What the file says of the rendering; flags of the command line come before it.
@@ -56,7 +58,7 @@ struct RenderSettings {
   std::optional<int> width, height, samples_per_pixel, max_depth;
   std::optional<std::string> integrator;  // "direct" or "path"
   std::optional<PixelFilter> filter;
-  std::optional<float> filter_radius;     // [pixels]
+  std::optional<float> filter_radius;  // [pixels]
 };
 
 struct Scene {
@@ -68,8 +70,8 @@ struct Scene {
   // True if the world's axes are left-handed (pbrt's are): decides which way round a map given on
   // the command line is laid, so that it is never seen mirrored.
   bool left_handed = false;
-  char up_axis = 'y';                     // 'x', 'y' or 'z': up of --env and of automatic framing
-  std::vector<std::string> warnings;      // "file:line: what was not understood and what is done"
+  char up_axis = 'y';                 // 'x', 'y' or 'z': up of --env and of automatic framing
+  std::vector<std::string> warnings;  // "file:line: what was not understood and what is done"
 };
 
 // Smallest axis-aligned box around all meshes; throws InputError(path) if there is no triangle.
@@ -77,6 +79,11 @@ struct Bounds {
   glm::vec3 low, high;
 };
 Bounds SceneBounds(const Scene& scene, const std::string& path);
+
+// A camera at `eye` that sees `target` in its centre and `up` (any length, not along the view)
+// above.
+Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
+                    float fov_degrees, bool left_handed);
 
 // A camera that sees all of `bounds` from slightly above, `up_axis` being up.
 Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed);

@@ -1,0 +1,37 @@
+// Small operations on one Mesh, shared by the readers and the built-in scenes.
+#pragma once
+
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace skywave {
+
+// A reader refuses files that grow beyond this many triangles by instances or subdivision, so that
+// a small hostile file cannot exhaust the memory. [triangles] about 5 GB of positions and indices.
+inline constexpr std::size_t kMaxSceneTriangles = std::size_t{1} << 27;
+
+// Moves the mesh by the affine `to`. Normals follow the inverse transpose; where `to` mirrors, the
+// winding is swapped, so that (p1 - p0) x (p2 - p0) stays on the side that the normals point to.
+void TransformMesh(const glm::dmat4& to, Mesh& mesh);
+
+// Swaps inside and outside: winding and normals.
+void FlipOrientation(Mesh& mesh);
+
+// Winds every triangle so that its geometric normal is on the side of its vertex normals (if any).
+void AlignWindingWithNormals(Mesh& mesh);
+
+// A unit normal a position: the mean of the adjacent triangles' normals weighted by area. Positions
+// without a triangle of positive area get +z.
+std::vector<glm::vec3> AreaWeightedNormals(const std::vector<glm::vec3>& positions,
+                                           const std::vector<glm::uvec3>& triangles);
+
+// Makes every normal unit length; normals of length zero are replaced by AreaWeightedNormals.
+void NormalizeNormals(Mesh& mesh);
+
+// The first position that is NaN or infinite, or positions.size().
+std::size_t FirstNonFinite(const std::vector<glm::vec3>& positions);
+
+}  // namespace skywave

@@ -1,0 +1,78 @@
+#include "scene/scene.h"
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+
+#include "base/error.h"
+
+namespace skywave {
+
+Bounds SceneBounds(const Scene& scene, const std::string& path) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Bounds bounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
+  bool any = false;
+  for (const Mesh& mesh : scene.meshes) {
+    // Over the triangles: positions that no triangle uses are not seen and must not move a camera.
+    for (const glm::uvec3& t : mesh.triangles) {
+      any = true;
+      for (int corner = 0; corner < 3; ++corner) {
+        bounds.low = glm::min(bounds.low, mesh.positions[t[corner]]);
+        bounds.high = glm::max(bounds.high, mesh.positions[t[corner]]);
+      }
+    }
+  }
+  if (!any) throw InputError(InputPosition::File(path), "has no triangle to render");
+  return bounds;
+}
+
+Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
+                    float fov_degrees, bool left_handed) {
+  const glm::vec3 forward = glm::normalize(target - eye);
+  const glm::vec3 cross = glm::normalize(glm::cross(forward, up));
+  const glm::vec3 right = left_handed ? -cross : cross;
+  const glm::vec3 camera_up = glm::normalize(up - forward * glm::dot(up, forward));
+  Camera camera;
+  camera.world_from_camera = glm::mat4(glm::vec4(right, 0), glm::vec4(camera_up, 0),
+                                       glm::vec4(forward, 0), glm::vec4(eye, 1));
+  camera.fov_degrees = fov_degrees;
+  return camera;
+}
+
+Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed) {
+  constexpr float kFovDegrees = 40, kElevationDegrees = 15, kMargin = 1.05f;
+  const glm::mat3 frame = EnvironmentFrame(up_axis, left_handed, 0);
+  const float elevation = glm::radians(kElevationDegrees);
+  const glm::vec3 forward = std::cos(elevation) * frame[1] - std::sin(elevation) * frame[2];
+  const glm::vec3 right = frame[0];
+  const glm::vec3 up = std::cos(elevation) * frame[2] + std::sin(elevation) * frame[1];
+
+  // The nearest eye that has all eight corners inside its pyramid: |x| <= (distance + z) tan.
+  const glm::vec3 centre = 0.5f * (bounds.low + bounds.high);
+  const float slope = std::tan(glm::radians(0.5f * kFovDegrees));
+  float distance = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 p = glm::vec3(corner & 1 ? bounds.high.x : bounds.low.x,
+                                  corner & 2 ? bounds.high.y : bounds.low.y,
+                                  corner & 4 ? bounds.high.z : bounds.low.z) -
+                        centre;
+    const float side = std::max(std::abs(glm::dot(p, right)), std::abs(glm::dot(p, up)));
+    distance = std::max(distance, side * kMargin / slope - glm::dot(p, forward));
+  }
+  if (!(distance > 0)) distance = 1;  // a single point
+  return LookAtCamera(centre - distance * forward, centre, frame[2], kFovDegrees, left_handed);
+}
+
+glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degrees) {
+  const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  glm::mat3 frame = up_axis == 'z'   ? glm::mat3(x, y, z)
+                    : up_axis == 'x' ? glm::mat3(-z, y, x)
+                                     : glm::mat3(x, -z, y);
+  if (left_handed) frame[1] = -frame[1];
+  // A positive angle of the rotation formula is counter-clockwise seen from the tip of the axis in
+  // a right-handed world only.
+  const float angle = glm::radians(left_handed ? -rotation_degrees : rotation_degrees);
+  return glm::mat3(glm::rotate(glm::mat4(1), angle, frame[2])) * frame;
+}
+
+}  // namespace skywave
