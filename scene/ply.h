@@ -1,0 +1,26 @@
+// Triangle meshes in the PLY format (Turk, "The PLY Polygon File Format", 1994): ascii, binary
+// little and big endian.
+//
+// Read are x y z, nx ny nz and u v (or s t, texture_u texture_v, texture_s texture_t) of "vertex",
+// each of any scalar type, and the list vertex_indices (or vertex_index) of "face". Polygons become
+// fans around their first corner: right for convex ones. Other elements and properties are skipped
+// by their size.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "scene/scene.h"
+
+namespace skywave {
+
+// Strict: throws InputError with the byte offset (ascii and headers: the line) for everything that
+// does not fit: counts that the file cannot hold, short or overlong data, indices out of range,
+// faces of fewer than three corners, positions or normals that are NaN or infinite. Never allocates
+// more than a small multiple of the file's size. Winding follows the normals where there are some.
+Mesh ReadPly(const std::string& path);
+
+// The same from memory; `path` is for messages.
+Mesh ParsePly(std::string_view bytes, const std::string& path);
+
+}  // namespace skywave
