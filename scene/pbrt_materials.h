@@ -1,0 +1,27 @@
+// pbrt's materials (version 3 and 4 names) as Skywave's.
+//
+//   matte, diffuse        Lambert: Kd, reflectance
+//   mirror                mirror: Kr
+//   metal, conductor      GGX conductor: eta and k as rgb or by name (metal-Cu-eta, Cu.eta.spd), or
+//                         reflectance; mirror where roughness is (next to) zero
+//   glass, dielectric     smooth dielectric: eta or index, as a number or by name (glass-BK7)
+//   plastic, substrate, uber, coateddiffuse, ...   Lambert of their Kd or reflectance, with a
+//   warning anything else         grey Lambert, with a warning
+#pragma once
+
+#include <string>
+
+#include "scene/pbrt_parameters.h"
+#include "scene/scene.h"
+#include "scene/warnings.h"
+
+namespace skywave {
+
+// Throws InputError on values that no surface can have. Warnings say what is approximated.
+Material MakePbrtMaterial(const std::string& type, PbrtParameters& parameters,
+                          const PbrtTextures& textures, Warnings& warnings);
+
+// True for the types that make a shape a mere boundary between media: it is not seen.
+bool IsInvisiblePbrtMaterial(const std::string& type);
+
+}  // namespace skywave

@@ -1,0 +1,195 @@
+// pbrt's directives that describe the rendering: they come before WorldBegin.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "scene/pbrt_state.h"
+
+namespace skywave {
+namespace {
+
+// The rest of `Directive "type" parameters`.
+struct Implementation {
+  std::string type;
+  PbrtParameters parameters;
+};
+
+Implementation ReadImplementation(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  if (reader.in_world) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("{} has to come before WorldBegin", word.text));
+  }
+  const std::string type = ExpectString(source, fmt::format("the type of {}", word.text));
+  return {type, ReadParameters(source, PositionOf(source, word),
+                               fmt::format("{} \"{}\"", word.text, type))};
+}
+
+void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
+  AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
+}
+
+int RequirePositive(const PbrtParameters& parameters, std::string_view name, int value) {
+  if (value <= 0) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: \"{}\" is {}", parameters.directive, name, value));
+  }
+  return value;
+}
+
+void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  Camera camera;
+  camera.world_from_camera = glm::inverse(reader.state.to_world);
+  reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);
+  if (type != "perspective") Warn(reader, parameters, "is not supported: rendered as perspective");
+  camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
+  if (const auto half = FindFloat(parameters, "halffov")) camera.fov_degrees = 2 * *half;
+  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: \"fov\" is {}: not between 0 and 180 degrees",
+                                 parameters.directive, camera.fov_degrees));
+  }
+  if (FindFloat(parameters, "lensradius").value_or(0) != 0) {
+    Warn(reader, parameters, "\"lensradius\" is not supported: rendered as a pinhole");
+  }
+  FindFloat(parameters, "focaldistance");  // without a lens it means nothing
+  ReportUnused(parameters, reader.warnings);
+  reader.scene.camera = camera;
+}
+
+void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  RenderSettings& settings = reader.scene.settings;
+  for (auto [name, value] :
+       {std::pair("xresolution", &settings.width), std::pair("yresolution", &settings.height)}) {
+    if (const auto found = FindInt(parameters, name)) {
+      *value = RequirePositive(parameters, name, *found);
+    }
+  }
+  if (FindString(parameters, "filename")) {
+    Warn(reader, parameters, "\"filename\" is ignored: the output is named on the command line");
+  }
+  if (type != "image" && type != "rgb") Warn(reader, parameters, "only an RGB picture is rendered");
+  ReportUnused(parameters, reader.warnings);
+}
+
+void ReadSampler(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  auto& samples = reader.scene.settings.samples_per_pixel;
+  if (const auto found = FindInt(parameters, "pixelsamples")) {
+    samples = RequirePositive(parameters, "pixelsamples", *found);
+  }
+  const auto x = FindInt(parameters, "xsamples"), y = FindInt(parameters, "ysamples");
+  if (x && y) {
+    const std::int64_t product = std::int64_t{RequirePositive(parameters, "xsamples", *x)} *
+                                 RequirePositive(parameters, "ysamples", *y);
+    samples = static_cast<int>(std::min<std::int64_t>(product, 1 << 30));
+  }
+  Warn(reader, parameters, "only the number of samples is taken; the sampler is Skywave's own");
+  ReportUnused(parameters, reader.warnings);
+}
+
+void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  RenderSettings& settings = reader.scene.settings;
+  if (type == "path" || type == "volpath") {
+    settings.integrator = "path";
+  } else if (type == "directlighting" || type == "direct") {
+    settings.integrator = "direct";
+  } else {
+    settings.integrator = "path";
+    Warn(reader, parameters, "is not supported: rendered with path");
+  }
+  if (const auto depth = FindInt(parameters, "maxdepth")) {
+    if (*depth < 0) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"maxdepth\" is {}", parameters.directive, *depth));
+    }
+    settings.max_depth = *depth;
+  }
+  ReportUnused(parameters, reader.warnings);
+}
+
+void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  RenderSettings& settings = reader.scene.settings;
+  if (type == "box") {
+    settings.filter = PixelFilter::kBox;
+  } else if (type == "triangle") {
+    settings.filter = PixelFilter::kTriangle;
+  } else if (type == "gaussian") {
+    settings.filter = PixelFilter::kGaussian;
+  } else {
+    Warn(reader, parameters, "is not supported: the default filter is used");
+    return;
+  }
+  // pbrt-v4 and pbrt-v3 names; both are half the width.
+  const auto v4_x = FindFloat(parameters, "xradius"), v3_x = FindFloat(parameters, "xwidth");
+  const auto v4_y = FindFloat(parameters, "yradius"), v3_y = FindFloat(parameters, "ywidth");
+  const auto x = v4_x ? v4_x : v3_x, y = v4_y ? v4_y : v3_y;
+  if (x || y) {
+    const float radius = std::max(x.value_or(0), y.value_or(0));
+    if (!(x.value_or(radius) > 0 && y.value_or(radius) > 0)) {
+      throw InputError(parameters.position, parameters.directive + ": the radius is not positive");
+    }
+    if (x.value_or(radius) != y.value_or(radius)) {
+      Warn(reader, parameters, "radii differ: the larger one is used for both axes");
+    }
+    settings.filter_radius = radius;
+  }
+  ReportUnused(parameters, reader.warnings);
+}
+
+// Directives that change nothing in the picture, or nothing that is rendered here.
+void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const Implementation ignored = ReadImplementation(reader, source, word);
+  AddWarning(reader.warnings, ignored.parameters.position,
+             ignored.parameters.directive + " is ignored");
+}
+
+// pbrt-v4: `Option "type name" value`.
+void ReadOption(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const PbrtParameters options = ReadParameters(source, PositionOf(source, word), "Option");
+  if (options.list.empty()) {
+    throw InputError(PositionOf(source, word), "Option needs a parameter \"type name\"");
+  }
+  ReportUnused(options, reader.warnings);
+}
+
+void ReadColorSpace(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, "the name of a colour space");
+  if (name == "srgb") return;
+  AddWarning(
+      reader.warnings, PositionOf(source, word),
+      fmt::format("ColorSpace \"{}\" is not supported: colours are taken as linear sRGB", name));
+}
+
+struct Entry {
+  std::string_view word;
+  PbrtHandler handler;
+};
+constexpr Entry kDirectives[] = {
+    {"Camera", ReadCamera},
+    {"Film", ReadFilm},
+    {"Sampler", ReadSampler},
+    {"Integrator", ReadIntegrator},
+    {"SurfaceIntegrator", ReadIntegrator},  // pbrt-v2
+    {"PixelFilter", ReadPixelFilter},
+    {"Accelerator", Ignore},
+    {"VolumeIntegrator", Ignore},  // pbrt-v2
+    {"Renderer", Ignore},          // pbrt-v2
+    {"Option", ReadOption},
+    {"ColorSpace", ReadColorSpace},
+};
+
+}  // namespace
+
+PbrtHandler FindPbrtOptionDirective(std::string_view word) {
+  for (const Entry& entry : kDirectives) {
+    if (entry.word == word) return entry.handler;
+  }
+  return nullptr;
+}
+
+}  // namespace skywave

@@ -1,0 +1,63 @@
+// What the pbrt reader keeps between directives; internal to scene/pbrt_*.cc.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/pbrt_parameters.h"
+#include "scene/pbrt_tokens.h"
+#include "scene/scene.h"
+#include "scene/warnings.h"
+
+namespace skywave {
+
+// What AttributeBegin saves and AttributeEnd restores.
+struct PbrtGraphicsState {
+  glm::dmat4 to_world{1.0};               // the current transformation matrix
+  std::optional<std::uint32_t> material;  // nothing: shapes are invisible
+  bool reverse_orientation = false;
+  bool has_area_light = false;
+};
+
+struct PbrtScope {
+  std::string begin;       // the directive that opened it
+  InputPosition position;  // and where
+  PbrtGraphicsState saved;
+};
+
+struct PbrtReader {
+  Scene scene;
+  Warnings warnings;
+  PbrtGraphicsState state;
+  std::vector<PbrtScope> scopes;
+  std::vector<std::unique_ptr<PbrtSource>> sources;  // the main file and the includes that are open
+  std::map<std::string, glm::dmat4> coordinate_systems;
+  std::map<std::string, std::optional<std::uint32_t>> named_materials;
+  PbrtTextures textures;
+  std::map<std::string, std::vector<Mesh>> objects;
+  std::vector<Mesh>* object = nullptr;  // the one being defined
+  bool in_world = false;
+  bool ended = false;         // by WorldEnd
+  std::size_t triangles = 0;  // of all meshes, objects included
+  int includes = 0;
+};
+
+// The path of a file that the scene names: absolute, or beside the file that is being read, or (as
+// pbrt has it) beside the main one. Throws InputError at `position` if there is none.
+std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
+                            const InputPosition& position);
+
+// A directive's work; `word` is the directive itself, already taken from `source`.
+using PbrtHandler = void (*)(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+
+// The handler of a directive, by file: null for words that are not its.
+PbrtHandler FindPbrtTransformDirective(std::string_view word);  // pbrt_transforms.cc
+PbrtHandler FindPbrtOptionDirective(std::string_view word);     // pbrt_options.cc
+PbrtHandler FindPbrtWorldDirective(std::string_view word);      // pbrt_world.cc
+
+}  // namespace skywave
