@@ -1,0 +1,95 @@
+#include "scene/builtin.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "scene/scene_building.h"
+#include "scene/shapes.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::array kScenes = {
+    BuiltinSceneInfo{"gallery",
+                     "a still life in the sun: stone, glaze, gold, copper, mirror, glass"},
+    BuiltinSceneInfo{"spheres", "one sphere of each BSDF on a plane under the sun"},
+    BuiltinSceneInfo{"furnace", "a white sphere in constant radiance 1: everything renders to 1"},
+    BuiltinSceneInfo{"many-shapes", "a field of 196 blobs, 1.0 M triangles of Lambert"},
+};
+
+Scene SpheresScene() {
+  Scene scene;
+  Place(scene, Quad(200), AddLambert(scene, "floor", glm::vec3(0.45f)), glm::vec3(0));
+  const std::uint32_t materials[] = {AddLambert(scene, "red", {0.6f, 0.12f, 0.08f}),
+                                     AddMetal(scene, "Au", 0.2f), AddMirror(scene, 0.95f),
+                                     AddGlass(scene, 1.5f)};
+  for (int i = 0; i < 4; ++i) Place(scene, Sphere(0.5f), materials[i], {1.2f * i - 1.8f, 0.5f, 0});
+  AddProceduralSky(scene);
+  scene.camera = LookAtCamera({0, 1.6f, 6}, {0, 0.4f, 0}, {0, 1, 0}, 38, false);
+  scene.settings = BuiltinSettings(64, 10);
+  return scene;
+}
+
+Scene FurnaceScene() {
+  Scene scene;
+  Place(scene, Sphere(1), AddLambert(scene, "white", glm::vec3(1)), glm::vec3(0));
+  scene.environments.push_back({.world_from_map = EnvironmentFrame('y', false, 0)});
+  scene.camera = LookAtCamera({0, 0, 4}, glm::vec3(0), {0, 1, 0}, 40, false);
+  scene.settings = BuiltinSettings(64, 8);
+  return scene;
+}
+
+// A sphere with a few waves in its surface; each seed has others.
+Mesh Blob(int seed) {
+  Mesh blob = Sphere(0.42f, 16);
+  const float phase = 1.7f * static_cast<float>(seed);
+  Displace(blob, [phase](const glm::vec3& p) {
+    return 0.05f * std::sin(9 * p.x + phase) * std::cos(8 * p.y - 2 * phase) +
+           0.04f * std::sin(13 * p.z + 3 * phase) + 0.02f * std::cos(23 * p.y + 19 * p.x + phase);
+  });
+  return blob;
+}
+
+Scene ManyShapesScene() {
+  constexpr int kSide = 14;  // 14 * 14 blobs of 5120 triangles
+  Scene scene;
+  Place(scene, Quad(200), AddLambert(scene, "floor", glm::vec3(0.5f)), glm::vec3(0));
+  const std::uint32_t materials[] = {AddLambert(scene, "white", glm::vec3(0.75f)),
+                                     AddLambert(scene, "red", {0.6f, 0.12f, 0.08f}),
+                                     AddLambert(scene, "green", {0.15f, 0.4f, 0.12f}),
+                                     AddLambert(scene, "blue", {0.1f, 0.2f, 0.5f}),
+                                     AddLambert(scene, "yellow", {0.7f, 0.5f, 0.1f})};
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const int seed = i * kSide + j;
+      Place(scene, Blob(seed), materials[(3 * i + 7 * j + i * j) % std::size(materials)],
+            {i - 0.5f * (kSide - 1), 0.45f, 0.5f * (kSide - 1) - j}, 37.0f * seed);
+    }
+  }
+  AddProceduralSky(scene);
+  scene.camera = LookAtCamera({4, 5.5f, 13}, {0, 0, 0.5f}, {0, 1, 0}, 38, false);
+  scene.settings = BuiltinSettings(32, 6);
+  return scene;
+}
+
+}  // namespace
+
+std::span<const BuiltinSceneInfo> BuiltinScenes() { return kScenes; }
+
+Scene BuiltinScene(const std::string& name) {
+  if (name == "gallery") return GalleryScene();
+  if (name == "spheres") return SpheresScene();
+  if (name == "furnace") return FurnaceScene();
+  if (name == "many-shapes") return ManyShapesScene();
+  std::string known;
+  for (const BuiltinSceneInfo& info : kScenes) {
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", info.name);
+  }
+  throw InputError(InputPosition::File(name),
+                   fmt::format("there is no such file; the built-in scenes are {}", known));
+}
+
+}  // namespace skywave

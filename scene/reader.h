@@ -1,0 +1,15 @@
+// The one door to a scene: a file by its ending, or a built-in scene by its name.
+#pragma once
+
+#include <string>
+
+#include "scene/scene.h"
+
+namespace skywave {
+
+// .pbrt (pbrt_reader.h) and .ply (ply.h: one mesh of grey Lambert); the ending in any case. A
+// `path` that is no file may name a built-in scene (builtin.h). Throws InputError for other
+// endings, and, listing the built-in scenes, where there is neither file nor scene.
+Scene ReadScene(const std::string& path);
+
+}  // namespace skywave
