@@ -123,7 +123,7 @@ TEST_F(BadInput, HugeSizesAreRefusedBeforeAnythingIsAllocated) {
   }
   WriteExr(Path("a.exr"), Numbered(4, 4));
   const std::string exr = ReadFile(Path("a.exr"));
-  const std::size_t box = exr.find("dataWindow") + 27;
+  const std::size_t box = exr.find("dataWindow") + 21;
   for (const auto& [width, height] :
        std::initializer_list<std::pair<std::uint32_t, std::uint32_t>>{{0x7fffffff, 0x7fffffff},
                                                                       {0x80000000, 4},
@@ -141,6 +141,32 @@ TEST_F(BadInput, HugeSizesAreRefusedBeforeAnythingIsAllocated) {
     std::memcpy(&damaged[box + 12], &y_max, 4);
     EXPECT_FALSE(Reads(damaged)) << width << " " << height;
   }
+}
+
+// A header and chunk table without fault, for a picture of gigabytes; only the chunks are too
+// short.
+TEST_F(BadInput, ExrOfFewBytesIsNotTakenForAHugePicture) {
+  constexpr std::uint32_t kWidth = 32768, kHeight = 8192, kRowsPerChunk = 32;
+  const Image image = Numbered(4, 4);
+  WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::PIZ_COMPRESSION), image);
+  std::string exr = ReadFile(Path("a.exr"));
+  exr.resize(exr.find("screenWindowWidth") + 33);  // name, type, size, value, end of header
+  const std::size_t box = exr.find("dataWindow") + 21;
+  const auto put = [](std::uint64_t number, int bytes, char* place) {
+    std::memcpy(place, &number, std::size_t(bytes));
+  };
+  put(kWidth - 1, 4, &exr[box + 8]);
+  put(kHeight - 1, 4, &exr[box + 12]);
+  constexpr std::uint32_t kChunks = kHeight / kRowsPerChunk;
+  const std::size_t table = exr.size(), chunks = table + kChunks * 8;
+  exr.resize(chunks + kChunks * 9);
+  for (std::uint32_t i = 0; i < kChunks; ++i) {
+    put(chunks + i * 9, 8, &exr[table + i * 8]);
+    put(i * kRowsPerChunk, 4, &exr[chunks + i * 9]);
+    put(1, 4, &exr[chunks + i * 9 + 4]);
+  }
+  EXPECT_FALSE(Reads(exr));
+  EXPECT_NE(message().find("too short"), std::string::npos) << message();
 }
 
 TEST_F(BadInput, LimitsOfTheCallerHold) {
