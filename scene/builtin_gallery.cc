@@ -60,7 +60,7 @@ Mesh Vase() {
 Mesh Bowl() {
   constexpr int kSteps = 48;
   std::vector<glm::vec2> profile = {{0, 0}, {0.3f, 0}, {0.34f, 0.03f}};
-  for (int i = 6; i <= kSteps; ++i) {
+  for (int i = 11; i <= kSteps; ++i) {  // above the foot
     const float angle = glm::half_pi<float>() * i / kSteps;
     profile.emplace_back(std::sin(angle), 0.62f - 0.6f * std::cos(angle));
   }
