@@ -103,8 +103,10 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);
     const MF counts = hn::And(hn::And(Reflects(lanes, world, wi), hn::Gt(pdf, zero)),
                               hn::Gt(MaxComponent(gain), zero));
-    Store3(IfThen(counts, gain, V3{zero, zero, zero}), lights.r + i, lights.g + i, lights.b + i);
-    Store(IfThen(counts, open, closed), lights.t_far + i);
+    StoreBelow(IfThen(counts, gain.x, zero), lights.r, i, n);
+    StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
+    StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
+    StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
   }
 }
 
@@ -235,8 +237,10 @@ HWY_AFTER_NAMESPACE();
 
 #define SKYWAVE_EVALUATE(function)                                                                \
   [](const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, std::uint32_t n, \
-     const BsdfValueColumns& out) { HWY_DYNAMIC_DISPATCH(function)                                \
-                                    (s, m, lights, n, out); }
+     const BsdfValueColumns& out) {                                                               \
+    HWY_DYNAMIC_DISPATCH(function)                                                                \
+    (s, m, lights, n, out);                                                                       \
+  }
 #define SKYWAVE_SCATTER(function)                                                     \
   [](const SurfaceColumns& s, const MaterialView& m, const ScatterUniforms& uniforms, \
      std::uint32_t n, const ScatterPolicy& policy, const RayColumns& rays,            \

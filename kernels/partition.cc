@@ -10,9 +10,10 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::uint32_t n,
-                  std::uint32_t* queue, std::uint32_t* count) {
-  constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
+constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
+
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
+                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
     const MU inside = RowsBelow(i, n);
@@ -20,13 +21,28 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::
     // Triangle 0's record stands in for a miss: always there, and cached.
     const VU triangle = hn::IfThenElseZero(hit, Load(hits.triangle + i));
     const VU tag = Gather(words, hn::Add(hn::ShiftLeft<2>(triangle), SetU(3)));
-    VU kind = hn::IfThenElse(hit, hn::ShiftRight<kKindShift>(tag), SetU(kMissQueue));
-    kind = hn::IfThenElse(inside, kind, SetU(kNoQueue));
+    VU kind = hn::ShiftRight<kKindShift>(tag);
+    if (ray_pdf != nullptr) {
+      const MF dense = hn::Gt(Load(ray_pdf + i), hn::Zero(F()));
+      kind = IfThen(hn::RebindMask(U(), dense), SetU(kNoQueue), kind);
+    }
+    kind = IfThen(hit, kind, SetU(kMissQueue));
+    kind = IfThen(inside, kind, SetU(kNoQueue));
     Store(kind, queue + i);
     for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
       count[k] += static_cast<std::uint32_t>(hn::CountTrue(U(), hn::Eq(kind, SetU(k))));
     }
   }
+}
+
+std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue) {
+  std::size_t escaped = 0;
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    const MU miss = hn::And(RowsBelow(i, n), hn::Eq(Load(hits.geom + i), SetU(kNoHit)));
+    Store(IfThen(miss, SetU(kMissQueue), SetU(kNoQueue)), queue + i);
+    escaped += hn::CountTrue(U(), miss);
+  }
+  return static_cast<std::uint32_t>(escaped);
 }
 
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
@@ -83,12 +99,16 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(ClassifyHits);
+HWY_EXPORT(ClassifyEscapes);
 HWY_EXPORT(MoveEscaped);
 HWY_EXPORT(MoveHits);
 
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::uint32_t n,
-                  std::uint32_t* queue, std::uint32_t* count) {
-  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, n, queue, count);
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
+                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
+  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, ray_pdf, n, queue, count);
+}
+std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue) {
+  return HWY_DYNAMIC_DISPATCH(ClassifyEscapes)(hits, n, queue);
 }
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                  const EscapeColumns& escaped) {

@@ -13,9 +13,13 @@ inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // behind the queues of
 
 // Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, or kMissQueue. Adds the
 // length of every queue to count[kBsdfKinds + 1]. `queue` is a padded column; its padding matches
-// no queue.
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, std::uint32_t n,
-                  std::uint32_t* queue, std::uint32_t* count);
+// no queue. Where `ray_pdf` is not null, hits of rays with a density go to no queue (see
+// RayColumns::pdf).
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
+                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count);
+
+// The same for rays of which only misses matter: the others go to no queue. Returns the misses.
+std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue);
 
 // Appends to `escaped` (from its row 0) the rows whose queue is kMissQueue, in order.
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,

@@ -40,6 +40,18 @@ HWY_INLINE VU Load(const std::uint32_t* from) { return hn::LoadU(U(), from); }
 HWY_INLINE void Store(VF value, float* to) { hn::StoreU(value, F(), to); }
 HWY_INLINE void Store(VU value, std::uint32_t* to) { hn::StoreU(value, U(), to); }
 
+// Lanes i with row + i < n.
+HWY_INLINE MU RowsBelow(std::uint32_t row, std::uint32_t n) { return hn::FirstN(U(), n - row); }
+// Stores the lanes of rows below n only: for in-place work on a slice, behind whose end the rows of
+// another BSDF lie.
+HWY_INLINE void StoreBelow(VF value, float* to, std::uint32_t row, std::uint32_t n) {
+  if (row + hn::Lanes(F()) > n) {
+    const MF inside = hn::RebindMask(F(), RowsBelow(row, n));
+    value = hn::IfThenElse(inside, value, Load(to + row));
+  }
+  Store(value, to + row);
+}
+
 HWY_INLINE VF AsFloat(VU bits) { return hn::BitCast(F(), bits); }
 HWY_INLINE VU AsBits(VF value) { return hn::BitCast(U(), value); }
 HWY_INLINE VI AsInt(VU value) { return hn::BitCast(I(), value); }
@@ -157,9 +169,6 @@ class RowCompressor {
   VU indices_;
 #endif
 };
-
-// Lanes i with row + i < n.
-HWY_INLINE MU RowsBelow(std::uint32_t row, std::uint32_t n) { return hn::FirstN(U(), n - row); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave

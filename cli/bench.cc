@@ -1,0 +1,4 @@
+#include "cli/commands.h"
+namespace skywave {
+void AddBenchCommand(CLI::App&, Run&) {}
+}  // namespace skywave

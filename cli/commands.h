@@ -1,0 +1,17 @@
+// The subcommands of `skywave`, one file each. Each adds its flags to the program and sets `run` if
+// it was the one that was called; main() runs it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace skywave {
+
+using Run = std::function<int()>;
+
+void AddRenderCommand(CLI::App& program, Run& run);
+void AddCompareCommand(CLI::App& program, Run& run);
+void AddStrategiesCommand(CLI::App& program, Run& run);
+void AddBenchCommand(CLI::App& program, Run& run);
+
+}  // namespace skywave

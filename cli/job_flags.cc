@@ -1,0 +1,133 @@
+#include "cli/job_flags.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+
+namespace skywave {
+namespace {
+
+// A flag whose text is turned into a value by a parser that returns an optional.
+template <class Value, class Parse>
+void AddParsed(CLI::App& command, const std::string& names, const std::string& help,
+               const std::string& choices, Value& target, Parse parse) {
+  command
+      .add_option_function<std::string>(
+          names,
+          [&target, parse, names, choices](const std::string& text) {
+            const auto value = parse(text);
+            if (!value) throw CLI::ValidationError(names, "'" + text + "' is not " + choices);
+            target = *value;
+          },
+          help)
+      ->type_name(choices);
+}
+
+bool ParseSize(const std::string& text, int& width, int& height) {
+  const std::size_t cross = text.find('x');
+  if (cross == std::string::npos) return false;
+  const char *begin = text.data(), *middle = begin + cross, *end = begin + text.size();
+  const auto w = std::from_chars(begin, middle, width);
+  const auto h = std::from_chars(middle + 1, end, height);
+  return w.ec == std::errc() && w.ptr == middle && h.ec == std::errc() && h.ptr == end;
+}
+
+}  // namespace
+
+void AddJobFlags(CLI::App& command, JobRequest& r) {
+  RenderOptions& o = r.options;
+  command.add_option("scene", r.scene, "pbrt or PLY file, or a built-in scene")->required();
+
+  const auto light = "Light";
+  command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")
+      ->group(light);
+  AddParsed(command, "--env-projection", "how its pixels lie (default: by shape)",
+            "latlong|angular", r.environment.projection,
+            [](const std::string& t) -> std::optional<Projection> {
+              if (t == "latlong") return Projection::kLatLong;
+              if (t == "angular") return Projection::kAngular;
+              return std::nullopt;
+            });
+  command
+      .add_option("--env-rotate", r.environment.rotation_degrees,
+                  "turn about the up axis, counter-clockwise from above")
+      ->type_name("DEGREES");
+  command.add_option("--env-intensity", r.environment.intensity, "factor of its radiance")
+      ->check(CLI::Range(0.0f, 1e12f));
+  AddParsed(command, "--env-up", "up axis of map and automatic camera (default: the scene's)",
+            "x|y|z", r.environment.up_axis, [](const std::string& t) -> std::optional<char> {
+              if (t == "x" || t == "y" || t == "z") return t[0];
+              return std::nullopt;
+            });
+  command.add_option("--strategy", r.strategy, "where light samples come from: skywave strategies")
+      ->capture_default_str();
+  command.add_flag("!--no-mis", o.mis, "light samples alone: no multiple importance sampling");
+  command.add_flag("--trust-input", r.environment.limits.trust_input,
+                   "also decode EXR features with known holes in Debian's OpenEXR");
+
+  command
+      .add_option_function<std::string>(
+          "--size",
+          [&r](const std::string& text) {
+            int width = 0, height = 0;
+            if (!ParseSize(text, width, height)) {
+              throw CLI::ValidationError("--size",
+                                         "'" + text + "' is not WxH, for example 640x480");
+            }
+            r.width = width, r.height = height;
+          },
+          "film [pixels]")
+      ->type_name("WxH");
+  command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
+      ->check(CLI::Range(1, 1 << 24));
+  AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
+            "direct|path", r.integrator, ParseIntegrator);
+  command.add_option("--light-samples", o.light_samples, "light samples a hit (direct)")
+      ->check(CLI::Range(1, 1 << 16))
+      ->capture_default_str();
+  command
+      .add_option("--max-depth", r.max_depth,
+                  "surfaces a path scatters at (default: the scene's, or 5)")
+      ->check(CLI::Range(0, 1 << 20));
+  AddParsed(command, "--filter", "pixel filter (default: the scene's, or blackman-harris)",
+            "box|triangle|gaussian|blackman-harris", r.filter, ParsePixelFilter);
+  command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")
+      ->check(CLI::Range(0.0f, 100.0f));
+  command.add_option("--seed", o.seed, "of the random numbers")->capture_default_str();
+
+  command.add_option("--threads", o.threads, "0: as many as the process may use")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command.add_option("--wave", o.wave, "rows of a wave")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  AddParsed(command, "--backend", "how rays reach Embree (default: stream)", "stream|packet|single",
+            o.backend, ParseBackend);
+  command.add_option("--embree-config", r.embree_config, "for rtcNewDevice, for example isa=avx2");
+}
+
+std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
+  std::string text = fmt::format("skywave render {}", r.scene);
+  const EnvironmentRequest& e = r.environment;
+  if (!e.path.empty()) text += fmt::format(" --env {}", e.path);
+  if (e.projection) {
+    text += fmt::format(" --env-projection {}",
+                        *e.projection == Projection::kLatLong ? "latlong" : "angular");
+  }
+  if (e.rotation_degrees != 0) text += fmt::format(" --env-rotate {}", e.rotation_degrees);
+  if (e.intensity != 1) text += fmt::format(" --env-intensity {}", e.intensity);
+  if (e.up_axis) text += fmt::format(" --env-up {}", *e.up_axis);
+  if (e.limits.trust_input) text += " --trust-input";
+  text += fmt::format(" --strategy {} --size {}x{} --spp {} --integrator {}", r.strategy, o.width,
+                      o.height, o.samples_per_pixel, ToString(o.integrator));
+  if (o.integrator == Integrator::kDirect) {
+    text += fmt::format(" --light-samples {}", o.light_samples);
+  }
+  text += fmt::format(" --max-depth {} --filter {} --filter-radius {} --seed {}", o.max_depth,
+                      ToString(o.filter), o.filter_radius, o.seed);
+  if (!o.mis) text += " --no-mis";
+  if (!r.embree_config.empty()) text += fmt::format(" --embree-config {}", r.embree_config);
+  return text;
+}
+
+}  // namespace skywave

@@ -1,0 +1,17 @@
+// The flags that say what to render, shared by the subcommands that render.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "wavefront/job.h"
+
+namespace skywave {
+
+// Adds the flags to `command`; they write to `request`, which must outlive the parse.
+void AddJobFlags(CLI::App& command, JobRequest& request);
+
+// The command that renders the same picture again: what decides the pixels and nothing else.
+std::string RepeatCommand(const JobRequest& request, const RenderOptions& options);
+
+}  // namespace skywave

@@ -1,0 +1,109 @@
+#include "cli/report.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+namespace skywave {
+namespace {
+
+constexpr std::string_view kRayNames[kRayKinds] = {"camera", "bounce", "shadow"};
+
+double PeakMemoryMib() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return double(usage.ru_maxrss) / 1024;
+}
+
+double Rate(double count, double seconds) { return seconds > 0 ? count / seconds * 1e-6 : 0; }
+
+}  // namespace
+
+std::string Table(const RenderReport& report) {
+  const RenderStats& stats = report.frame.stats;
+  const JobTimes& times = report.job->times();
+  const double seconds = report.frame.seconds;
+  std::string text;
+  const auto line = [&]<class... T>(fmt::format_string<T...> format, T&&... values) {
+    text += fmt::format(format, std::forward<T>(values)...) + "\n";
+  };
+  line(
+      "load {:.3f} s, build {:.3f} s, tables {:.3f} s, render {:.3f} s, write {:.3f} s, "
+      "peak memory {:.0f} MiB",
+      times.load, times.build, times.tables, seconds, report.write_seconds, PeakMemoryMib());
+  line("{:.3f} Msamples/s, {:.3f} Mrays/s, {:.2f} rays a sample, {} threads",
+       Rate(double(stats.samples), seconds), Rate(double(stats.total_rays()), seconds),
+       double(stats.total_rays()) / double(std::max<std::uint64_t>(stats.samples, 1)),
+       report.frame.threads);
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayNames[kind],
+         Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
+  }
+  line("  {:<13}{:>8}{:>14}", "stage", "share", "ns a sample");
+  const double busy = std::max(stats.busy_seconds(), 1e-12);
+  for (std::uint32_t i = 0; i < kStages; ++i) {
+    line("  {:<13}{:>7.1f}%{:>14.2f}", ToString(Stage(i)), 100 * stats.stage_seconds[i] / busy,
+         stats.stage_seconds[i] / double(std::max<std::uint64_t>(stats.samples, 1)) * 1e9);
+  }
+  text += "  wave occupancy by bounce:";
+  for (const BounceOccupancy& bounce : stats.bounces) {
+    if (bounce.rows == 0) break;
+    text += fmt::format(" {:.0f}%", 100 * double(bounce.rows) / double(bounce.capacity));
+  }
+  text += "\n";
+  if (stats.clamped_samples + stats.invalid_samples > 0) {
+    line("  {} samples were brighter than the film holds and clamped, {} were no numbers",
+         stats.clamped_samples, stats.invalid_samples);
+  }
+  return text;
+}
+
+nlohmann::ordered_json Json(const RenderReport& report) {
+  const RenderStats& stats = report.frame.stats;
+  const JobTimes& times = report.job->times();
+  const RenderOptions& options = report.job->options();
+  const double seconds = report.frame.seconds;
+  nlohmann::ordered_json json;
+  json["schema"] = "skywave-render-stats-1";
+  json["version"] = SKYWAVE_VERSION;
+  json["settings"] = {{"width", options.width},
+                      {"height", options.height},
+                      {"samples_per_pixel", options.samples_per_pixel},
+                      {"integrator", ToString(options.integrator)},
+                      {"max_depth", options.max_depth},
+                      {"strategy", report.job->strategy().name()},
+                      {"threads", report.frame.threads},
+                      {"wave", options.wave},
+                      {"backend", ToString(options.backend)}};
+  json["scene"] = {{"hash", fmt::format("{:016x}", report.job->scene_hash())},
+                   {"triangles", report.job->geometry().triangle_count()},
+                   {"geometry_bytes", report.job->geometry().bytes()},
+                   {"strategy_table_bytes", report.job->strategy().table_bytes()}};
+  json["seconds"] = {{"load", times.load},
+                     {"build", times.build},
+                     {"tables", times.tables},
+                     {"render", seconds},
+                     {"write", report.write_seconds}};
+  json["peak_memory_mib"] = PeakMemoryMib();
+  json["samples"] = stats.samples;
+  json["msamples_per_s"] = Rate(double(stats.samples), seconds);
+  json["mrays_per_s"] = Rate(double(stats.total_rays()), seconds);
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    json["rays"][std::string(kRayNames[kind])] = {
+        {"count", stats.rays[kind]}, {"mrays_per_s", Rate(double(stats.rays[kind]), seconds)}};
+  }
+  for (std::uint32_t i = 0; i < kStages; ++i) {
+    json["stages"][std::string(ToString(Stage(i)))] = {
+        {"thread_seconds", stats.stage_seconds[i]},
+        {"share", stats.stage_seconds[i] / std::max(stats.busy_seconds(), 1e-12)}};
+  }
+  json["waves"] = stats.waves;
+  for (const BounceOccupancy& bounce : stats.bounces) {
+    if (bounce.rows == 0) break;
+    json["occupancy"].push_back(double(bounce.rows) / double(bounce.capacity));
+  }
+  json["clamped_samples"] = stats.clamped_samples;
+  json["invalid_samples"] = stats.invalid_samples;
+  return json;
+}
+
+}  // namespace skywave

@@ -1,0 +1,30 @@
+// skywave strategies: what --strategy takes.
+#include <fmt/format.h>
+
+#include "cli/commands.h"
+#include "lights/strategy.h"
+
+namespace skywave {
+namespace {
+
+int StrategiesMain() {
+  for (const StrategyFactory& strategy : Strategies()) {
+    fmt::print("{:<16}{}\n", strategy.name, strategy.description);
+    for (const StrategyParameter& parameter : strategy.parameters) {
+      fmt::print("{:<16}  {}={}  {}\n", "", parameter.key, parameter.default_value,
+                 parameter.meaning);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddStrategiesCommand(CLI::App& program, Run& run) {
+  CLI::App* command =
+      program.add_subcommand("strategies", "List the light strategies and their parameters");
+  command->footer("Example:\n  skywave render gallery --strategy importance:compensate=1");
+  command->callback([&run] { run = StrategiesMain; });
+}
+
+}  // namespace skywave

@@ -1,0 +1,189 @@
+#include "scene/geometry.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "base/error.h"
+#include "kernels/conductor_tables.h"
+#include "kernels/surface.h"
+
+namespace skywave {
+namespace {
+
+bool Finite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+// Embree does not look at its input; whoever reads a file must have, and this is the last gate.
+void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path) {
+  const auto fail = [&](const std::string& reason) {
+    throw InputError(InputPosition::File(path), fmt::format("mesh '{}': {}", mesh.name, reason));
+  };
+  if (mesh.material >= materials) fail("its material does not exist");
+  if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
+    fail(fmt::format("{} normals for {} positions", mesh.normals.size(), mesh.positions.size()));
+  }
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec3& p = mesh.positions[i];
+    // Embree's limit; beyond it the arithmetic of boxes overflows.
+    if (!Finite(p) || glm::length(p) > 1e18f) {
+      fail(fmt::format("vertex {} is at ({}, {}, {})", i, p.x, p.y, p.z));
+    }
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      if (mesh.triangles[i][corner] >= mesh.positions.size()) {
+        fail(fmt::format("triangle {} names vertex {} of {}", i, mesh.triangles[i][corner],
+                         mesh.positions.size()));
+      }
+    }
+  }
+}
+
+std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z); }
+
+// Appends one triangle: positions already in the vertex table from `first_vertex` on.
+void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::uint32_t first_vertex,
+                    std::vector<std::uint32_t>& indices, std::vector<TriangleRecord>& records) {
+  const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
+                  &c = mesh.positions[corners.z];
+  const glm::vec3 face = glm::cross(b - a, c - a);
+  TriangleRecord record = {.normal = {}, .tag = mesh.material | std::uint32_t(bsdf) << kKindShift};
+  bool smooth = !mesh.normals.empty();
+  if (smooth) {
+    glm::vec3 normals[3], sum(0);
+    for (int i = 0; i < 3; ++i) {
+      normals[i] = mesh.normals[corners[i]];
+      const float length = glm::length(normals[i]);
+      smooth = smooth && std::isfinite(length) && length > 0;
+      sum += normals[i];
+    }
+    if (smooth && glm::dot(sum, face) < 0) {
+      std::swap(corners.y, corners.z);
+      std::swap(normals[1], normals[2]);
+    }
+    for (int i = 0; smooth && i < 3; ++i) record.normal[i] = PackNormal(normals[i]);
+  }
+  if (!smooth) record.tag |= kFlatTriangle;
+  for (int i = 0; i < 3; ++i) indices.push_back(first_vertex + corners[i]);
+  records.push_back(record);
+}
+
+MaterialRecord PackMaterial(const Material& material) {
+  MaterialRecord record = {};
+  const float alpha = std::clamp(material.alpha, 1e-3f, 1.0f);
+  for (int c = 0; c < 3; ++c) {
+    record.color[c] = material.reflectance[c];
+    record.eta[c] = material.eta[c];
+    record.k[c] = material.k[c];
+    if (material.bsdf == BsdfKind::kConductor) {
+      record.multiscatter[c] =
+          ConductorMultiscatter(GgxTables(), alpha, material.eta[c], material.k[c]);
+    }
+  }
+  record.alpha = alpha;
+  record.ior = material.ior;
+  return record;
+}
+
+}  // namespace
+
+Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
+                   const std::string& embree_config) {
+  std::size_t vertex_count = 0, triangle_count = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    CheckMesh(mesh, scene.materials.size(), path);
+    vertex_count += mesh.positions.size();
+    triangle_count += mesh.triangles.size();
+  }
+  if (triangle_count == 0) {
+    throw InputError(InputPosition::File(path), "there is no triangle to render");
+  }
+  if (scene.materials.size() > kMaterialMask || triangle_count >= (std::size_t{1} << 29)) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("{} materials and {} triangles are more than a scene can hold",
+                                 scene.materials.size(), triangle_count));
+  }
+  vertices_.reserve(vertex_count * 3 + 1);
+  indices_.reserve(triangle_count * 3);
+  triangles_.reserve(triangle_count);
+  for (const Mesh& mesh : scene.meshes) {
+    const auto first_vertex = std::uint32_t(vertices_.size() / 3);
+    for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
+    const BsdfKind bsdf = scene.materials[mesh.material].bsdf;
+    for (const glm::uvec3& corners : mesh.triangles) {
+      AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_);
+    }
+  }
+  vertices_.push_back(0);  // Embree reads vertices four floats at a time
+  for (const Material& material : scene.materials) materials_.push_back(PackMaterial(material));
+
+  const auto start = std::chrono::steady_clock::now();
+  const std::string config = fmt::format("threads={},set_affinity=0{}{}", threads,
+                                         embree_config.empty() ? "" : ",", embree_config);
+  device_ = rtcNewDevice(config.c_str());
+  if (device_ == nullptr) {
+    throw InputError(InputPosition::File(path), "Embree does not start with: " + config);
+  }
+  scene_ = rtcNewScene(device_);
+  rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             vertices_.data(), 0, 3 * sizeof(float), vertex_count);
+  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(),
+                             0, 3 * sizeof(std::uint32_t), triangle_count);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene_, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene_);
+  if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("Embree cannot build the scene (error {})", int(error)));
+  }
+  build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Geometry::~Geometry() {
+  if (scene_ != nullptr) rtcReleaseScene(scene_);
+  if (device_ != nullptr) rtcReleaseDevice(device_);
+}
+
+MaterialView Geometry::materials() const {
+  return {.records = materials_.data(), .conductor = &GgxTables()};
+}
+
+std::size_t Geometry::bytes() const {
+  return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
+         triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord);
+}
+
+std::uint64_t SceneHash(const Scene& scene) {
+  XXH64_state_t* state = XXH64_createState();
+  XXH64_reset(state, 0);
+  const auto add = [&](const auto& value) { XXH64_update(state, &value, sizeof value); };
+  const auto add_all = [&](const auto& values) {
+    add(std::uint64_t{values.size()});
+    XXH64_update(state, values.data(), values.size() * sizeof values[0]);
+  };
+  for (const Mesh& mesh : scene.meshes) {
+    add_all(mesh.positions), add_all(mesh.normals), add_all(mesh.uvs), add_all(mesh.triangles);
+    add(mesh.material);
+  }
+  for (const Material& m : scene.materials) {
+    add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
+  }
+  if (scene.camera) add(scene.camera->world_from_camera), add(scene.camera->fov_degrees);
+  for (const EnvironmentLight& light : scene.environments) {
+    if (light.map) add(light.map->width), add(light.map->height), add_all(light.map->rgb);
+    add(light.scale), add(light.world_from_map);
+  }
+  const std::uint64_t hash = XXH64_digest(state);
+  XXH64_freeState(state);
+  return hash;
+}
+
+}  // namespace skywave

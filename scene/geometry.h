@@ -1,0 +1,51 @@
+// A scene as rays and kernels see it: one Embree scene of all triangles, and the packed tables that
+// shading reads at a hit.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "kernels/bsdf.h"
+#include "kernels/columns.h"
+#include "scene/scene.h"
+
+namespace skywave {
+
+// Immutable once built. Triangle i of the records is primitive i of the only Embree geometry.
+class Geometry {
+ public:
+  // Checks every index and coordinate (InputError names `path` and the mesh), turns triangles whose
+  // vertex normals point the other way, packs the tables and builds the BVH on `threads` threads
+  // (0: all). `embree_config` is handed to rtcNewDevice, for instance "isa=avx2".
+  Geometry(const Scene& scene, const std::string& path, int threads = 0,
+           const std::string& embree_config = "");
+  ~Geometry();
+  Geometry(const Geometry&) = delete;
+  Geometry& operator=(const Geometry&) = delete;
+
+  RTCScene scene() const { return scene_; }
+  const TriangleRecord* triangles() const { return triangles_.data(); }
+  MaterialView materials() const;
+  std::size_t triangle_count() const { return triangles_.size(); }
+  std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
+  double build_seconds() const { return build_seconds_; }
+
+ private:
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  std::vector<float> vertices_;         // xyz, one float of padding at the end
+  std::vector<std::uint32_t> indices_;  // three a triangle
+  std::vector<TriangleRecord> triangles_;
+  std::vector<MaterialRecord> materials_;
+  double build_seconds_ = 0;
+};
+
+// Hash of everything that decides what a scene looks like: meshes, materials, camera and
+// environment. Two scenes with the same hash give the same picture for the same settings.
+std::uint64_t SceneHash(const Scene& scene);
+
+}  // namespace skywave

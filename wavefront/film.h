@@ -1,0 +1,40 @@
+// Where paths end: sums that do not depend on the order of addition.
+//
+// A channel of a pixel is a 64-bit fixed-point number. Integer addition is associative, so any
+// number of threads, any wave size and any split of the samples gives the same bits. The unit is a
+// power of two chosen from the scene's brightest radiance: a sample holds 2^52 units, 64 times the
+// brightest texel or more; what is brighter is clamped and counted. A sum saturates at 2^64 units,
+// which stays order-free because nothing is ever subtracted.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "image/image.h"
+#include "kernels/columns.h"
+#include "wavefront/stats.h"
+
+namespace skywave {
+
+class Film {
+ public:
+  Film(int width, int height, float brightest_radiance);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  // Adds the radiance of paths [0, n) to their pixels. Not for two threads with the same pixel.
+  // Samples brighter than the range are clamped, NaN and negative channels count as 0; both are
+  // counted in `stats`, a sample once.
+  void Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats);
+
+  // The mean of `samples` samples in every pixel.
+  Image Resolve(std::uint64_t samples) const;
+
+ private:
+  int width_, height_;
+  double unit_;                      // [scene radiance]
+  std::vector<std::uint64_t> sums_;  // [units], three a pixel
+};
+
+}  // namespace skywave

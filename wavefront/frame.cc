@@ -1,0 +1,87 @@
+#include "wavefront/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+namespace skywave {
+namespace {
+
+// Unnormalised weight at `x` of a filter of radius 1, |x| <= 1.
+double FilterWeight(PixelFilter filter, double x) {
+  switch (filter) {
+    case PixelFilter::kBox:
+      return 1;
+    case PixelFilter::kTriangle:
+      return 1 - std::fabs(x);
+    case PixelFilter::kGaussian: {
+      // Standard deviation of a third of the radius, lowered to reach 0 at the rim.
+      const auto gauss = [](double t) { return std::exp(-0.5 * 9 * t * t); };
+      return gauss(x) - gauss(1);
+    }
+    case PixelFilter::kBlackmanHarris: {
+      // Four-term window (Harris 1978).
+      const double t = glm::pi<double>() * (x + 1);
+      return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) -
+             0.01168 * std::cos(3 * t);
+    }
+  }
+  return 0;
+}
+
+void Copy(const glm::vec3& from, float* to) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+}  // namespace
+
+float DefaultFilterRadius(PixelFilter filter) {
+  switch (filter) {
+    case PixelFilter::kBox:
+      return 0.5f;
+    case PixelFilter::kTriangle:
+      return 1.0f;
+    case PixelFilter::kGaussian:
+      return 1.5f;
+    case PixelFilter::kBlackmanHarris:
+      return 1.5f;
+  }
+  return 0.5f;
+}
+
+std::vector<float> FilterOffsets(PixelFilter filter, float radius) {
+  constexpr int kSteps = 1 << 14;
+  std::vector<double> cumulative(kSteps + 1, 0.0);
+  for (int i = 0; i < kSteps; ++i) {
+    cumulative[i + 1] =
+        cumulative[i] + std::max(0.0, FilterWeight(filter, 2 * (i + 0.5) / kSteps - 1));
+  }
+  std::vector<float> offsets(kFilterCells + 1);
+  int step = 0;
+  for (std::uint32_t cell = 0; cell <= kFilterCells; ++cell) {
+    const double target = cumulative[kSteps] * cell / kFilterCells;
+    while (step < kSteps - 1 && cumulative[step + 1] < target) ++step;
+    const double width = cumulative[step + 1] - cumulative[step];
+    const double inside = width > 0 ? (target - cumulative[step]) / width : 0;
+    offsets[cell] = float(radius * (2 * (step + inside) / kSteps - 1));
+  }
+  return offsets;
+}
+
+CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset) {
+  const glm::dmat4 world(camera.world_from_camera);
+  const double shorter = std::min(width, height);
+  const double half = std::tan(glm::radians(double(camera.fov_degrees)) / 2);
+  const double pixel = 2 * half / shorter;  // side of a pixel at distance 1
+  const glm::dvec3 x(world[0]), y(world[1]), z(world[2]);
+  CameraView view = {};
+  Copy(glm::vec3(world[3]), view.origin);
+  Copy(glm::vec3(z - x * (pixel * width / 2) + y * (pixel * height / 2)), view.corner);
+  Copy(glm::vec3(x * pixel), view.right);
+  Copy(glm::vec3(-y * pixel), view.down);
+  view.width = std::uint32_t(width);
+  view.filter_offset = filter_offset;
+  return view;
+}
+
+}  // namespace skywave

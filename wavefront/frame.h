@@ -1,0 +1,59 @@
+// One picture to render: everything that all workers read and none writes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/bsdf.h"
+#include "kernels/camera.h"
+#include "lights/strategy.h"
+#include "scene/geometry.h"
+#include "scene/scene.h"
+#include "wavefront/trace.h"
+
+namespace skywave {
+
+enum class Integrator { kDirect, kPath };
+
+struct RenderOptions {
+  int width = 640, height = 480;
+  Integrator integrator = Integrator::kPath;
+  std::uint32_t samples_per_pixel = 64;
+  std::uint32_t first_sample = 0;   // samples [first_sample, first_sample + samples_per_pixel)
+  std::uint32_t max_depth = 5;      // surfaces a path scatters at
+  std::uint32_t light_samples = 1;  // a hit (direct)
+  bool mis = true;
+  std::uint32_t seed = 0;
+  PixelFilter filter = PixelFilter::kBlackmanHarris;
+  float filter_radius = 0;    // [pixels]; 0: the filter's own
+  int threads = 0;            // 0: as many as the process may use
+  std::uint32_t wave = 2048;  // rows
+  Backend backend = Backend::kStream;
+};
+
+// The const view that stages take. Lives as long as the objects it points into.
+struct FrameView {
+  RenderOptions options;
+  const Geometry* geometry;
+  const EnvStrategy* strategy;
+  CameraView camera;
+  Tracer tracer;
+
+  MisPolicy mis() const {
+    return {.enabled = options.mis, .light_samples = float(light_samples())};
+  }
+  std::uint32_t light_samples() const {
+    return options.integrator == Integrator::kDirect ? options.light_samples : 1;
+  }
+};
+
+// Radius of a filter that the user did not give one [pixels].
+float DefaultFilterRadius(PixelFilter filter);
+
+// kFilterCells + 1 offsets [pixels]: the inverse of the cumulative distribution of the filter.
+std::vector<float> FilterOffsets(PixelFilter filter, float radius);
+
+// `filter_offset` must outlive the view.
+CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset);
+
+}  // namespace skywave

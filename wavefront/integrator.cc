@@ -1,0 +1,138 @@
+#include "wavefront/integrator.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/accumulate.h"
+#include "kernels/partition.h"
+#include "kernels/surface.h"
+#include "wavefront/checks.h"
+
+namespace skywave {
+namespace {
+
+void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
+  stats.rays[std::uint32_t(bounce == 0 ? RayKind::kCamera : RayKind::kBounce)] += n;
+  BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
+  occupancy.rows += n;
+  occupancy.capacity += wave;
+}
+
+void CountShadowRays(RenderStats& stats, const LightColumns& lights, std::uint32_t n) {
+  std::uint64_t open = 0;
+  for (std::uint32_t i = 0; i < n; ++i) open += lights.t_far[i] >= 0;
+  stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+}
+
+// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
+SurfaceRanges MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                           bool only_delta, Worker& w, StageClock& clock) {
+  SurfaceRanges ranges;
+  TraceClosest(frame.tracer, rays, n, w.hits);
+  clock.Lap(Stage::kIntersect);
+  const std::uint32_t escaped =
+      SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
+  MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  clock.Lap(Stage::kPartition);
+  // Before the surfaces that the rays left are overwritten: strategies may ask for them.
+  AddEscaped(frame, w.surfaces, w.escaped, escaped, w.paths);
+  clock.Lap(Stage::kEscape);
+  MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
+  clock.Lap(Stage::kPartition);
+  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records, ranges.total(),
+                  w.surfaces);
+  CheckSurfaces(w.surfaces, ranges.total());
+  clock.Lap(Stage::kSurface);
+  return ranges;
+}
+
+// The end of a path: only what lies beyond the scene can still be seen.
+void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Worker& w,
+             StageClock& clock) {
+  TraceEscapes(frame.tracer, rays, n, w.hits);
+  clock.Lap(Stage::kIntersect);
+  const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
+  MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  clock.Lap(Stage::kPartition);
+  AddEscaped(frame, w.surfaces, w.escaped, escaped, w.paths);
+  clock.Lap(Stage::kEscape);
+}
+
+// Light sample `index` of every surface: draw, evaluate, trace, add.
+void LightSurfaces(const FrameView& frame, const SurfaceRanges& ranges, std::uint32_t bounce,
+                   std::uint32_t index, Worker& w, StageClock& clock) {
+  const std::uint32_t n =
+      SampleLights(frame, w.paths, w.surfaces, ranges, bounce, index, w.uniforms, w.lights);
+  CheckLightSamples(w.lights, n);
+  clock.Lap(Stage::kLightSample);
+  EvaluateLights(frame, w.surfaces, ranges, w.lights);
+  CountShadowRays(w.stats, w.lights, n);
+  clock.Lap(Stage::kEvaluate);
+  TraceShadows(frame.tracer, w.surfaces, n, w.lights);
+  clock.Lap(Stage::kShadow);
+  AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
+  clock.Lap(Stage::kAccumulate);
+}
+
+void FinishWave(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+  film.Add(w.paths, n, w.stats);
+  ++w.stats.waves;
+  clock.Lap(Stage::kFilm);
+}
+
+}  // namespace
+
+void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(frame, range, w.uniforms, w.paths, *rays);
+  clock.Lap(Stage::kGenerate);
+
+  std::uint32_t n = range.count;
+  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+    CheckRays(*rays, n);
+    CountRays(w.stats, bounce, n, w.paths.rows());
+    if (bounce == frame.options.max_depth) {
+      MeetSky(frame, *rays, n, w, clock);
+      break;
+    }
+    const SurfaceRanges ranges = MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
+    LightSurfaces(frame, ranges, bounce, 0, w, clock);
+    n = Scatter(frame, w.paths, w.surfaces, ranges, /*first_kind=*/0, bounce, w.uniforms, w.lobe,
+                *next);
+    clock.Lap(Stage::kScatter);
+    std::swap(rays, next);
+  }
+  FinishWave(range.count, w, film, clock);
+}
+
+void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(frame, range, w.uniforms, w.paths, *rays);
+  clock.Lap(Stage::kGenerate);
+
+  // Without multiple importance sampling only mirrors and glass send rays on.
+  const std::uint32_t first_kind = frame.options.mis ? 0 : kFirstDeltaBsdf;
+  std::uint32_t n = range.count;
+  bool delta_rays = true;
+  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+    CheckRays(*rays, n);
+    CountRays(w.stats, bounce, n, w.paths.rows());
+    if (bounce == frame.options.max_depth || !delta_rays) {
+      MeetSky(frame, *rays, n, w, clock);
+      break;
+    }
+    const SurfaceRanges ranges = MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
+    for (std::uint32_t index = 0; index < frame.light_samples(); ++index) {
+      LightSurfaces(frame, ranges, bounce, index, w, clock);
+    }
+    n = Scatter(frame, w.paths, w.surfaces, ranges, first_kind, bounce, w.uniforms, w.lobe, *next);
+    delta_rays = ranges.total() > ranges.light_sampled();
+    clock.Lap(Stage::kScatter);
+    std::swap(rays, next);
+  }
+  FinishWave(range.count, w, film, clock);
+}
+
+}  // namespace skywave

@@ -1,0 +1,21 @@
+// The integrators: each one flat stage order over the tables of a worker. These functions are the
+// documentation of what is computed; the stages say how.
+#pragma once
+
+#include "wavefront/film.h"
+#include "wavefront/frame.h"
+#include "wavefront/stages.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// Unidirectional path tracing (T 4.2.3, P 3): one light sample a bounce, BSDF sampling, both
+// combined by multiple importance sampling, Russian roulette from the fourth bounce on, at most
+// max_depth surfaces a path.
+void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Direct light (T 4.2.1): light_samples light samples at the first surface that is no mirror or
+// glass, and one BSDF sample against them; mirrors and glass are followed up to max_depth surfaces.
+void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+}  // namespace skywave

@@ -1,0 +1,187 @@
+#include "wavefront/job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/error.h"
+#include "scene/reader.h"
+
+namespace skywave {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double SecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// The light of the frame, as the request or else the scene has it, its pixels in memory.
+EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request) {
+  const EnvironmentRequest& wish = request.environment;
+  if (!wish.path.empty()) {
+    EnvironmentLight light;
+    light.map_path = wish.path;
+    light.world_from_map =
+        EnvironmentFrame(scene.up_axis, scene.left_handed, wish.rotation_degrees);
+    return light;
+  }
+  if (scene.environments.empty()) {
+    throw InputError(InputPosition::File(request.scene),
+                     "has no light; give an illumination map with --env MAP");
+  }
+  return scene.environments.front();
+}
+
+// Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it.
+void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
+             std::vector<std::string>& notes) {
+  if (!light.map && light.map_path.empty()) {
+    light.map = Image(1, 1);
+    light.map->rgb = {1, 1, 1};
+  }
+  if (!light.map) {
+    Image image = ReadImage(light.map_path, wish.limits);
+    const Projection projection =
+        wish.projection ? *wish.projection : DetectProjection(image, light.map_path);
+    notes.push_back(
+        fmt::format("{}: {} x {}, {} {}", light.map_path, image.width, image.height,
+                    wish.projection ? "read as" : "taken for",
+                    projection == Projection::kLatLong ? "a lat-long map" : "an angular map"));
+    const BadPixels bad = RepairRadiance(image);
+    if (bad.total() > 0) {
+      notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels set to 0",
+                                  light.map_path, bad.nan, bad.infinite, bad.negative));
+    }
+    light.map = ToLatLong(std::move(image), projection);
+  }
+  for (std::size_t i = 0; i < light.map->rgb.size(); ++i) {
+    light.map->rgb[i] *= light.scale[int(i % 3)] * wish.intensity;
+  }
+  light.scale = glm::vec3(1);
+  RepairRadiance(*light.map);
+}
+
+std::array<float, 9> Rows(const glm::mat3& columns) {
+  std::array<float, 9> rows;
+  for (int i = 0; i < 9; ++i) rows[std::size_t(i)] = columns[i / 3][i % 3];
+  return rows;
+}
+
+}  // namespace
+
+RenderJob::RenderJob(const JobRequest& request) {
+  const auto start = Clock::now();
+  Scene scene = ReadScene(request.scene);
+  times_.load = SecondsSince(start);
+  Build(std::move(scene), request);
+}
+
+RenderJob::RenderJob(Scene scene, const JobRequest& request) { Build(std::move(scene), request); }
+
+void RenderJob::Build(Scene scene, const JobRequest& request) {
+  notes_ = scene.warnings;
+  scene.up_axis = request.environment.up_axis.value_or(scene.up_axis);
+  options_ = request.options;
+  const RenderSettings& said = scene.settings;
+  options_.width = request.width.value_or(said.width.value_or(options_.width));
+  options_.height = request.height.value_or(said.height.value_or(options_.height));
+  options_.samples_per_pixel = request.samples_per_pixel.value_or(
+      std::uint32_t(said.samples_per_pixel.value_or(int(options_.samples_per_pixel))));
+  options_.max_depth =
+      request.max_depth.value_or(std::uint32_t(said.max_depth.value_or(int(options_.max_depth))));
+  options_.integrator = request.integrator.value_or(
+      ParseIntegrator(said.integrator.value_or("")).value_or(options_.integrator));
+  options_.filter = request.filter.value_or(said.filter.value_or(options_.filter));
+  if (options_.filter_radius <= 0) {
+    options_.filter_radius =
+        request.filter ? DefaultFilterRadius(options_.filter)
+                       : said.filter_radius.value_or(DefaultFilterRadius(options_.filter));
+  }
+  if (options_.width <= 0 || options_.height <= 0 ||
+      std::int64_t{options_.width} * options_.height > std::int64_t{1} << 28) {
+    throw InputError(InputPosition::File(request.scene),
+                     fmt::format("a film of {} x {} pixels cannot be rendered", options_.width,
+                                 options_.height));
+  }
+  if (options_.samples_per_pixel == 0) {
+    throw InputError(InputPosition::File(request.scene), "0 samples a pixel show nothing");
+  }
+
+  const auto load_start = Clock::now();
+  EnvironmentLight light = ChooseLight(scene, request);
+  LoadMap(light, request.environment, notes_);
+  times_.load += SecondsSince(load_start);
+
+  if (!scene.camera) {
+    scene.camera = FrameBounds(SceneBounds(scene, request.scene), scene.up_axis, scene.left_handed);
+    notes_.push_back(request.scene + ": has no camera; one that sees the whole scene is used");
+  }
+  geometry_ =
+      std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
+  times_.build = geometry_->build_seconds();
+
+  const auto tables_start = Clock::now();
+  brightest_ = *std::max_element(light.map->rgb.begin(), light.map->rgb.end());
+  // For the hash the light is part of the scene; for the strategy it is a map.
+  scene.environments = {std::move(light)};
+  scene_hash_ = SceneHash(scene);
+  const EnvironmentMap map = {.latlong = std::move(*scene.environments[0].map),
+                              .map_from_world = Rows(scene.environments[0].world_from_map)};
+  strategy_ = MakeStrategy(request.strategy, map);
+  if (!options_.mis && !strategy_->complete()) {
+    throw InputError(InputPosition::File("--strategy " + request.strategy),
+                     "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
+  }
+  times_.tables = SecondsSince(tables_start);
+  filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
+  camera_ = MakeCameraView(*scene.camera, options_.width, options_.height, filter_offsets_.data());
+}
+
+FrameView RenderJob::frame() const {
+  return {.options = options_,
+          .geometry = geometry_.get(),
+          .strategy = strategy_.get(),
+          .camera = camera_,
+          .tracer = {.scene = geometry_->scene(),
+                     .closest = options_.backend,
+                     .occlusion = options_.backend,
+                     .recorder = nullptr}};
+}
+
+Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }
+
+std::optional<Integrator> ParseIntegrator(std::string_view name) {
+  if (name == "direct") return Integrator::kDirect;
+  if (name == "path") return Integrator::kPath;
+  return std::nullopt;
+}
+
+std::string_view ToString(Integrator integrator) {
+  return integrator == Integrator::kDirect ? "direct" : "path";
+}
+
+std::optional<PixelFilter> ParsePixelFilter(std::string_view name) {
+  for (const PixelFilter filter : {PixelFilter::kBox, PixelFilter::kTriangle,
+                                   PixelFilter::kGaussian, PixelFilter::kBlackmanHarris}) {
+    if (name == ToString(filter)) return filter;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToString(PixelFilter filter) {
+  switch (filter) {
+    case PixelFilter::kBox:
+      return "box";
+    case PixelFilter::kTriangle:
+      return "triangle";
+    case PixelFilter::kGaussian:
+      return "gaussian";
+    case PixelFilter::kBlackmanHarris:
+      return "blackman-harris";
+  }
+  return "";
+}
+
+}  // namespace skywave

@@ -1,0 +1,81 @@
+// Everything a frame needs, put together: from a scene and the user's wishes to a FrameView whose
+// parts it owns.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lights/strategy.h"
+#include "scene/geometry.h"
+#include "scene/scene.h"
+#include "wavefront/film.h"
+#include "wavefront/frame.h"
+
+namespace skywave {
+
+// The map of the command line and how it lies in the world.
+struct EnvironmentRequest {
+  std::string path;                      // empty: the scene's own light
+  std::optional<Projection> projection;  // unset: by shape, see DetectProjection
+  float rotation_degrees = 0;            // counter-clockwise about the up axis, seen from above
+  float intensity = 1;
+  std::optional<char> up_axis;  // unset: the scene's
+  ReadLimits limits;
+};
+
+// What the user asked for; unset values come from the scene, then from RenderOptions.
+struct JobRequest {
+  std::string scene;  // file or built-in scene
+  EnvironmentRequest environment;
+  std::string strategy = "importance";
+  std::string embree_config;
+  std::optional<int> width, height;
+  std::optional<Integrator> integrator;
+  std::optional<std::uint32_t> samples_per_pixel, max_depth;
+  std::optional<PixelFilter> filter;
+  RenderOptions options;  // everything that a scene does not say
+};
+
+struct JobTimes {
+  double load = 0, build = 0, tables = 0;  // [s] scene and map read, BVH built, strategy built
+};
+
+class RenderJob {
+ public:
+  // Reads, checks and builds; throws InputError. No file is touched for writing.
+  explicit RenderJob(const JobRequest& request);
+  // The same for a scene that is in memory already; `request.scene` only names it in errors.
+  RenderJob(Scene scene, const JobRequest& request);
+
+  FrameView frame() const;
+  Film MakeFilm() const;
+  const RenderOptions& options() const { return options_; }
+  const Geometry& geometry() const { return *geometry_; }
+  const EnvStrategy& strategy() const { return *strategy_; }
+  const JobTimes& times() const { return times_; }
+  std::uint64_t scene_hash() const { return scene_hash_; }
+  // What was not understood, repaired or assumed; one line each, for the user.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  void Build(Scene scene, const JobRequest& request);
+
+  RenderOptions options_;
+  std::unique_ptr<Geometry> geometry_;
+  std::unique_ptr<EnvStrategy> strategy_;
+  std::vector<float> filter_offsets_;
+  CameraView camera_;
+  float brightest_ = 0;  // channel of the map [scene radiance]
+  std::uint64_t scene_hash_ = 0;
+  JobTimes times_;
+  std::vector<std::string> notes_;
+};
+
+std::optional<Integrator> ParseIntegrator(std::string_view name);
+std::string_view ToString(Integrator integrator);
+std::optional<PixelFilter> ParsePixelFilter(std::string_view name);
+std::string_view ToString(PixelFilter filter);
+
+}  // namespace skywave

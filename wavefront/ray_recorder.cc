@@ -1,0 +1,19 @@
+#include "wavefront/ray_recorder.h"
+
+namespace skywave {
+
+void RayRecorder::Record(bool occlusion, const float* const org[3], const float* const dir[3],
+                         const float* t_far, std::uint32_t n) {
+  const std::size_t begin = org_[0].size();
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (t_far[i] < 0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      org_[axis].push_back(org[axis][i]);
+      dir_[axis].push_back(dir[axis][i]);
+    }
+  }
+  const auto count = std::uint32_t(org_[0].size() - begin);
+  if (count > 0) batches_.push_back({.occlusion = occlusion, .begin = begin, .count = count});
+}
+
+}  // namespace skywave

@@ -1,0 +1,34 @@
+// Keeps the rays that a worker traces, in order, so that a benchmark can replay them raw.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace skywave {
+
+enum class RayKind : std::uint32_t { kCamera, kBounce, kShadow };
+inline constexpr std::uint32_t kRayKinds = 3;
+
+// One call of a trace function: rows [begin, begin + count) of the recorder's columns.
+struct RayBatch {
+  bool occlusion;
+  std::size_t begin;
+  std::uint32_t count;
+};
+
+class RayRecorder {
+ public:
+  // Appends rows [0, n) whose t_far is not negative.
+  void Record(bool occlusion, const float* const org[3], const float* const dir[3],
+              const float* t_far, std::uint32_t n);
+
+  const std::vector<RayBatch>& batches() const { return batches_; }
+  const float* org(int axis) const { return org_[axis].data(); }
+  const float* dir(int axis) const { return dir_[axis].data(); }
+
+ private:
+  std::vector<RayBatch> batches_;
+  std::vector<float> org_[3], dir_[3];
+};
+
+}  // namespace skywave

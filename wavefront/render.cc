@@ -1,0 +1,107 @@
+#include "wavefront/render.h"
+
+#include <pmmintrin.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "wavefront/integrator.h"
+
+namespace skywave {
+namespace {
+
+// Denormals as zero while a tile renders, as Embree advises; the same bits on every thread.
+class FlushDenormals {
+ public:
+  FlushDenormals() : saved_(_mm_getcsr()) {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  }
+  ~FlushDenormals() { _mm_setcsr(saved_); }
+
+ private:
+  unsigned saved_;
+};
+
+void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& film) {
+  const FlushDenormals flush;
+  const std::uint64_t total =
+      std::uint64_t(tile.width) * tile.height * frame.options.samples_per_pixel;
+  for (std::uint64_t first = 0; first < total; first += frame.options.wave) {
+    const WaveRange range = {
+        .tile = tile,
+        .first = first,
+        .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
+    switch (frame.options.integrator) {
+      case Integrator::kDirect:
+        RenderDirectWave(frame, range, worker, film);
+        break;
+      case Integrator::kPath:
+        RenderPathWave(frame, range, worker, film);
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
+
+std::vector<Tile> CutTiles(int width, int height, std::uint32_t samples_per_pixel,
+                           std::uint32_t wave) {
+  std::uint32_t side = 8;
+  while (side < 64 && std::uint64_t(side) * side * samples_per_pixel < 4ull * wave) side *= 2;
+  std::vector<Tile> tiles;
+  for (std::uint32_t y = 0; y < std::uint32_t(height); y += side) {
+    for (std::uint32_t x = 0; x < std::uint32_t(width); x += side) {
+      tiles.push_back({x, y, std::min(side, std::uint32_t(width) - x),
+                       std::min(side, std::uint32_t(height) - y)});
+    }
+  }
+  return tiles;
+}
+
+FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
+                        std::vector<RayRecorder>* recorders) {
+  const RenderOptions& options = frame.options;
+  const std::vector<Tile> tiles =
+      CutTiles(options.width, options.height, options.samples_per_pixel, options.wave);
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  arena.initialize();
+  // Slots are filled by the threads that use them, so that they touch their own memory first.
+  std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+  if (recorders != nullptr) recorders->resize(workers.size());
+
+  const auto start = std::chrono::steady_clock::now();
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
+          if (!workers[slot]) workers[slot] = std::make_unique<Worker>(options.wave);
+          FrameView view = frame;
+          view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
+          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            RenderTile(view, tiles[i], *workers[slot], film);
+            if (progress != nullptr) {
+              *progress +=
+                  std::uint64_t(tiles[i].width) * tiles[i].height * options.samples_per_pixel;
+            }
+          }
+        },
+        tbb::simple_partitioner());
+  });
+  FrameResult result;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.threads = arena.max_concurrency();
+  for (const auto& worker : workers) {
+    if (worker) result.stats += worker->stats;
+  }
+  return result;
+}
+
+}  // namespace skywave

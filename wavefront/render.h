@@ -1,0 +1,39 @@
+// A whole frame: cuts the film into tiles, gives them to workers, adds up their statistics.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "wavefront/film.h"
+#include "wavefront/frame.h"
+#include "wavefront/ray_recorder.h"
+#include "wavefront/stages.h"
+#include "wavefront/stats.h"
+
+namespace skywave {
+
+// Counts finished samples while a frame renders; read by whoever shows progress.
+using Progress = std::atomic<std::uint64_t>;
+
+struct FrameResult {
+  RenderStats stats;
+  double seconds = 0;  // wall clock, from the first wave to the last
+  int threads = 0;
+};
+
+// Renders every sample of `frame` into `film`. Bits of the film depend on neither threads, wave nor
+// backend. `recorders`, if not null, gets a recorder for each worker that was used: the rays of the
+// frame, tile after tile, for a replay.
+FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
+                        std::vector<RayRecorder>* recorders = nullptr);
+
+// Threads that `threads` = 0 stands for: those the process may run on.
+int AvailableThreads();
+
+// The tiles of a film, in the order in which they are begun. Large enough that a tile fills several
+// waves where that is possible, small enough to share out evenly.
+std::vector<Tile> CutTiles(int width, int height, std::uint32_t samples_per_pixel,
+                           std::uint32_t wave);
+
+}  // namespace skywave

@@ -1,0 +1,72 @@
+// Structure-of-arrays tables: one aligned block of memory behind a struct of column pointers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <type_traits>
+
+#include "kernels/columns.h"
+
+namespace skywave::soa {
+
+// Columns the visitor of a record reaches, and bytes of one row over all of them.
+template <class Columns>
+consteval std::size_t CountColumns() {
+  std::size_t count = 0;
+  Columns columns{};
+  Columns::ForEachColumn(columns, [&](auto*&) { ++count; });
+  return count;
+}
+template <class Columns>
+consteval std::size_t BytesPerRow() {
+  std::size_t bytes = 0;
+  Columns columns{};
+  Columns::ForEachColumn(
+      columns, [&](auto*& column) { bytes += sizeof(std::remove_reference_t<decltype(*column)>); });
+  return bytes;
+}
+
+// Owns the memory of a record's columns. Allocates once; the block is cleared by the thread that
+// constructs it, which is the worker that will use it (first touch).
+template <class Columns>
+class Table {
+  static_assert(CountColumns<Columns>() * sizeof(void*) == sizeof(Columns),
+                "a column is missing in ForEachColumn");
+
+ public:
+  Table() = default;
+  explicit Table(std::uint32_t rows) : rows_(rows) {
+    const std::size_t padded = PaddedRows(rows);
+    std::size_t bytes = 0;
+    Columns::ForEachColumn(columns_, [&](auto*& column) { bytes += Room(*column, padded); });
+    block_.reset(static_cast<std::byte*>(std::aligned_alloc(kColumnAlignment, bytes)));
+    std::byte* next = block_.get();
+    for (std::size_t i = 0; i < bytes; ++i) next[i] = std::byte{0};
+    Columns::ForEachColumn(columns_, [&](auto*& column) {
+      column = reinterpret_cast<std::remove_reference_t<decltype(column)>>(next);
+      next += Room(*column, padded);
+    });
+  }
+
+  // Rows the table can hold, padding not counted.
+  std::uint32_t rows() const { return rows_; }
+  const Columns& columns() const { return columns_; }
+  operator const Columns&() const { return columns_; }
+  const Columns* operator->() const { return &columns_; }
+
+ private:
+  template <class T>
+  static constexpr std::size_t Room(const T&, std::size_t padded) {
+    return (padded * sizeof(T) + kColumnAlignment - 1) / kColumnAlignment * kColumnAlignment;
+  }
+  struct Free {
+    void operator()(std::byte* block) const { std::free(block); }
+  };
+  std::uint32_t rows_ = 0;
+  Columns columns_{};
+  std::unique_ptr<std::byte, Free> block_;
+};
+
+}  // namespace skywave::soa

@@ -1,0 +1,125 @@
+#include "wavefront/stages.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "kernels/accumulate.h"
+#include "kernels/environment.h"
+#include "kernels/partition.h"
+#include "kernels/sampler.h"
+#include "kernels/surface.h"
+
+namespace skywave {
+namespace {
+
+// Bounces before this one are never cut by roulette.
+constexpr std::uint32_t kFirstRouletteBounce = 3;
+
+// Walks the samples of `range` without dividing per row: runs of samples of one pixel.
+void StartPaths(const RenderOptions& options, const WaveRange& range, const PathColumns& paths) {
+  const std::uint32_t spp = options.samples_per_pixel;
+  std::uint64_t pixel = range.first / spp;
+  auto sample = std::uint32_t(range.first % spp);
+  for (std::uint32_t row = 0; row < range.count; ++pixel, sample = 0) {
+    const std::uint32_t run = std::min(range.count - row, spp - sample);
+    const std::uint32_t x = range.tile.x + std::uint32_t(pixel % range.tile.width);
+    const std::uint32_t y = range.tile.y + std::uint32_t(pixel / range.tile.width);
+    const std::uint32_t seed = PixelSeed(x, y, options.seed);
+    const std::uint32_t index = y * std::uint32_t(options.width) + x;
+    for (std::uint32_t i = 0; i < run; ++i, ++row) {
+      paths.seed[row] = seed;
+      paths.sample[row] = options.first_sample + sample + i;
+      paths.pixel[row] = index;
+    }
+  }
+  std::fill_n(paths.r, range.count, 0.0f);
+  std::fill_n(paths.g, range.count, 0.0f);
+  std::fill_n(paths.b, range.count, 0.0f);
+}
+
+}  // namespace
+
+void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& uniforms,
+                  const PathColumns& paths, const RayColumns& rays) {
+  StartPaths(frame.options, range, paths);
+  DrawUniforms(paths, nullptr, range.count, kFilmPair, {}, uniforms);
+  GenerateCameraRays(frame.camera, paths, uniforms, range.count, rays);
+}
+
+std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
+                       std::uint32_t n, bool only_delta, std::uint32_t* queue,
+                       SurfaceRanges& ranges) {
+  std::uint32_t count[kBsdfKinds + 1] = {};
+  ClassifyHits(hits, geometry.triangles(), only_delta ? rays.pdf : nullptr, n, queue, count);
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    ranges.begin[kind + 1] = ranges.begin[kind] + count[kind];
+  }
+  assert(ranges.total() + count[kMissQueue] <= n);
+  return count[kMissQueue];
+}
+
+void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+                  std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces) {
+  // In ascending order: the last vector of a queue may spill over the first rows of the next.
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    if (ranges.count(kind) == 0) continue;
+    MoveHits(rays, hits, queue, kind, n, Slice(surfaces, ranges.begin[kind]));
+  }
+}
+
+void AddEscaped(const FrameView& frame, const SurfaceColumns& from, const EscapeColumns& escaped,
+                std::uint32_t n, const PathColumns& paths) {
+  if (n == 0) return;
+  frame.strategy->EvaluateEscaped(from, n, escaped);
+  AddEscapedRadiance(escaped, n, frame.mis(), paths);
+}
+
+std::uint32_t SampleLights(const FrameView& frame, const PathColumns& paths,
+                           const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
+                           std::uint32_t bounce, std::uint32_t index,
+                           const UniformColumns& uniforms, const LightColumns& lights) {
+  const std::uint32_t n = ranges.light_sampled();
+  if (n == 0) return 0;
+  DrawUniforms(paths, surfaces.path, n, SamplePair(bounce, SampleUse::kLight),
+               {.stride = frame.light_samples(), .offset = index}, uniforms);
+  frame.strategy->Sample(surfaces, uniforms, n, lights);
+  return n;
+}
+
+void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
+                    const SurfaceRanges& ranges, const LightColumns& lights) {
+  const MaterialView materials = frame.geometry->materials();
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    if (ranges.count(kind) == 0) continue;
+    const std::uint32_t begin = ranges.begin[kind];
+    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
+                                  frame.mis(), Slice(lights, begin));
+  }
+}
+
+std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,
+                      const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
+                      std::uint32_t first_kind, std::uint32_t bounce,
+                      const UniformColumns& direction, const UniformColumns& lobe,
+                      const RayColumns& rays) {
+  const std::uint32_t first = ranges.begin[first_kind], n = ranges.total() - first;
+  if (n == 0) return 0;
+  const std::uint32_t* path = surfaces.path + first;
+  DrawUniforms(paths, path, n, SamplePair(bounce, SampleUse::kScatter), {},
+               Slice(direction, first));
+  DrawUniforms(paths, path, n, SamplePair(bounce, SampleUse::kLobe), {}, Slice(lobe, first));
+  const MaterialView materials = frame.geometry->materials();
+  std::uint32_t appended = 0;
+  for (std::uint32_t kind = first_kind; kind < kBsdfKinds; ++kind) {
+    if (ranges.count(kind) == 0) continue;
+    const std::uint32_t begin = ranges.begin[kind];
+    const ScatterUniforms uniforms = {.direction = Slice(direction, begin),
+                                      .lobe = Slice(lobe, begin)};
+    const ScatterPolicy policy = {.roulette = bounce >= kFirstRouletteBounce, .first_row = begin};
+    appended = Bsdfs()[kind].scatter(Slice(surfaces, begin), materials, uniforms,
+                                     ranges.count(kind), policy, rays, appended);
+  }
+  return appended;
+}
+
+}  // namespace skywave

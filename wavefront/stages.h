@@ -1,0 +1,63 @@
+// The stages of a wave, in the order in which a path meets them. Each is a free function over
+// tables: const inputs first, what it writes last.
+#pragma once
+
+#include <cstdint>
+
+#include "wavefront/film.h"
+#include "wavefront/frame.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// The rows of a wave before they are paths: samples [first, first + count) of a tile, numbered
+// pixel by pixel, all samples of a pixel in sequence.
+struct Tile {
+  std::uint32_t x, y, width, height;  // [pixels]
+};
+struct WaveRange {
+  Tile tile;
+  std::uint64_t first;
+  std::uint32_t count;
+};
+
+// Starts `range.count` paths: seeds, samples and pixels of `paths`, radiance 0, and their camera
+// rays in `rays`, row for row.
+void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& uniforms,
+                  const PathColumns& paths, const RayColumns& rays);
+
+// Writes the queue of every ray (kernels/partition.h) and the ranges that the queues of the BSDFs
+// will take in the surface table; returns the number of rays that hit nothing. With `only_delta`,
+// hits of rays that were drawn from a density are dropped: `direct` wants no second bounce of them.
+std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
+                       std::uint32_t n, bool only_delta, std::uint32_t* queue,
+                       SurfaceRanges& ranges);
+
+// Moves what shading needs of hits and their rays to the ranges of their BSDFs.
+void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+                  std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces);
+
+// Adds the map's radiance along escaped rays to their paths. `from`: the surfaces of the bounce
+// before, which the strategy may ask.
+void AddEscaped(const FrameView& frame, const SurfaceColumns& from, const EscapeColumns& escaped,
+                std::uint32_t n, const PathColumns& paths);
+
+// Draws light sample `index` of every surface that takes light samples. Returns their number.
+std::uint32_t SampleLights(const FrameView& frame, const PathColumns& paths,
+                           const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
+                           std::uint32_t bounce, std::uint32_t index,
+                           const UniformColumns& uniforms, const LightColumns& lights);
+
+// Turns light samples into contributions and opens or closes their shadow rays.
+void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
+                    const SurfaceRanges& ranges, const LightColumns& lights);
+
+// Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
+// their number.
+std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,
+                      const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
+                      std::uint32_t first_kind, std::uint32_t bounce,
+                      const UniformColumns& direction, const UniformColumns& lobe,
+                      const RayColumns& rays);
+
+}  // namespace skywave

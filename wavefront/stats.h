@@ -1,0 +1,67 @@
+// What a render counts and times. Every worker has its own; they are added up at the end.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "wavefront/ray_recorder.h"
+
+namespace skywave {
+
+// In the order in which a path meets them.
+enum class Stage : std::uint32_t {
+  kGenerate,
+  kIntersect,
+  kPartition,
+  kEscape,
+  kSurface,
+  kLightSample,
+  kEvaluate,
+  kShadow,
+  kAccumulate,
+  kScatter,
+  kFilm
+};
+inline constexpr std::uint32_t kStages = 11;
+std::string_view ToString(Stage stage);
+
+// Rows that entered a bounce, over all waves, and the rows the waves had room for.
+struct BounceOccupancy {
+  std::uint64_t rows = 0, capacity = 0;
+};
+
+inline constexpr std::uint32_t kCountedBounces = 64;  // deeper ones count as the last
+
+struct RenderStats {
+  std::array<double, kStages> stage_seconds = {};  // summed over workers
+  std::array<std::uint64_t, kRayKinds> rays = {};
+  std::array<BounceOccupancy, kCountedBounces> bounces = {};
+  std::uint64_t waves = 0, samples = 0;
+  std::uint64_t clamped_samples = 0, invalid_samples = 0;  // see Film::Add
+
+  RenderStats& operator+=(const RenderStats& other);
+  double busy_seconds() const;
+  std::uint64_t total_rays() const { return rays[0] + rays[1] + rays[2]; }
+};
+
+// Splits a worker's time into stages: each lap goes to the stage that has just run.
+class StageClock {
+ public:
+  explicit StageClock(RenderStats& stats) : stats_(stats), last_(Now()) {}
+  void Lap(Stage stage) {
+    const auto now = Now();
+    stats_.stage_seconds[static_cast<std::uint32_t>(stage)] +=
+        std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+  }
+
+ private:
+  static std::chrono::steady_clock::time_point Now() { return std::chrono::steady_clock::now(); }
+  RenderStats& stats_;
+  std::chrono::steady_clock::time_point last_;
+};
+
+}  // namespace skywave

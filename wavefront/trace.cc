@@ -1,0 +1,188 @@
+#include "wavefront/trace.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include "wavefront/ray_recorder.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kPacket = 8;
+
+// The columns of a batch of rays, whatever table they come from.
+struct RayView {
+  float *org_x, *org_y, *org_z, *dir_x, *dir_y, *dir_z, *t_far;
+};
+
+RayView View(const RayColumns& r) {
+  return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far};
+}
+
+RTCIntersectContext IncoherentContext() {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  // Never COHERENT: it halves the speed of bounce and shadow rays, and its hits can differ.
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
+}
+
+RTCRayNp StreamOf(const RayView& rays) {
+  RTCRayNp ray = {};  // tnear, time, mask, id and flags null: 0, no motion, all, unused
+  ray.org_x = rays.org_x, ray.org_y = rays.org_y, ray.org_z = rays.org_z;
+  ray.dir_x = rays.dir_x, ray.dir_y = rays.dir_y, ray.dir_z = rays.dir_z;
+  ray.tfar = rays.t_far;
+  return ray;
+}
+
+RTCRay SingleRay(const RayView& rays, std::uint32_t i) {
+  RTCRay ray = {};
+  ray.org_x = rays.org_x[i], ray.org_y = rays.org_y[i], ray.org_z = rays.org_z[i];
+  ray.dir_x = rays.dir_x[i], ray.dir_y = rays.dir_y[i], ray.dir_z = rays.dir_z[i];
+  ray.tfar = rays.t_far[i];
+  ray.mask = ~0u;
+  return ray;
+}
+
+// Loads rays [i, i + count) of eight; the others get a valid bit of 0.
+void LoadPacket(const RayView& rays, std::uint32_t i, std::uint32_t count, RTCRay8& packet,
+                int* valid) {
+  const auto load = [&](float* to, const float* from) {
+    std::memcpy(to, from + i, count * sizeof(float));
+  };
+  load(packet.org_x, rays.org_x), load(packet.org_y, rays.org_y), load(packet.org_z, rays.org_z);
+  load(packet.dir_x, rays.dir_x), load(packet.dir_y, rays.dir_y), load(packet.dir_z, rays.dir_z);
+  load(packet.tfar, rays.t_far);
+  for (std::uint32_t lane = 0; lane < kPacket; ++lane) {
+    packet.tnear[lane] = 0, packet.time[lane] = 0;
+    packet.mask[lane] = ~0u, packet.flags[lane] = 0;
+    valid[lane] = lane < count && packet.tfar[lane] >= 0 ? -1 : 0;
+  }
+}
+
+void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t n) {
+  RTCIntersectContext context = IncoherentContext();
+  switch (backend) {
+    case Backend::kStream: {
+      RTCRayNp ray = StreamOf(rays);
+      rtcOccludedNp(scene, &context, &ray, n);
+      break;
+    }
+    case Backend::kPacket:
+      for (std::uint32_t i = 0; i < n; i += kPacket) {
+        alignas(32) RTCRay8 packet;
+        alignas(32) int valid[kPacket];
+        const std::uint32_t count = std::min(kPacket, n - i);
+        LoadPacket(rays, i, count, packet, valid);
+        rtcOccluded8(valid, scene, &context, &packet);
+        std::memcpy(rays.t_far + i, packet.tfar, count * sizeof(float));
+      }
+      break;
+    case Backend::kSingle:
+      for (std::uint32_t i = 0; i < n; ++i) {
+        if (rays.t_far[i] < 0) continue;
+        RTCRay ray = SingleRay(rays, i);
+        rtcOccluded1(scene, &context, &ray);
+        rays.t_far[i] = ray.tfar;
+      }
+      break;
+  }
+}
+
+void Record(RayRecorder* recorder, bool occlusion, const RayView& rays, std::uint32_t n) {
+  if (recorder == nullptr) return;
+  const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
+  const float* const dir[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
+  recorder->Record(occlusion, org, dir, rays.t_far, n);
+}
+
+}  // namespace
+
+std::optional<Backend> ParseBackend(std::string_view name) {
+  for (const Backend backend : {Backend::kStream, Backend::kPacket, Backend::kSingle}) {
+    if (name == ToString(backend)) return backend;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToString(Backend backend) {
+  switch (backend) {
+    case Backend::kStream:
+      return "stream";
+    case Backend::kPacket:
+      return "packet";
+    case Backend::kSingle:
+      return "single";
+  }
+  return "";
+}
+
+void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                  const HitColumns& hits) {
+  const RayView view = View(rays);
+  Record(tracer.recorder, false, view, n);
+  RTCIntersectContext context = IncoherentContext();
+  switch (tracer.closest) {
+    case Backend::kStream: {
+      // A miss leaves the hit as it was, so geom says "no hit" beforehand.
+      std::fill_n(hits.geom, n, kNoHit);
+      RTCRayHitNp batch = {};
+      batch.ray = StreamOf(view);
+      batch.hit.Ng_x = hits.ng_x, batch.hit.Ng_y = hits.ng_y, batch.hit.Ng_z = hits.ng_z;
+      batch.hit.u = hits.u, batch.hit.v = hits.v;
+      batch.hit.primID = hits.triangle, batch.hit.geomID = hits.geom;
+      rtcIntersectNp(tracer.scene, &context, &batch, n);
+      break;
+    }
+    case Backend::kPacket:
+      for (std::uint32_t i = 0; i < n; i += kPacket) {
+        alignas(32) RTCRayHit8 packet;
+        alignas(32) int valid[kPacket];
+        const std::uint32_t count = std::min(kPacket, n - i);
+        LoadPacket(view, i, count, packet.ray, valid);
+        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        rtcIntersect8(valid, tracer.scene, &context, &packet);
+        const std::size_t bytes = count * sizeof(float);
+        std::memcpy(rays.t_far + i, packet.ray.tfar, bytes);
+        std::memcpy(hits.ng_x + i, packet.hit.Ng_x, bytes);
+        std::memcpy(hits.ng_y + i, packet.hit.Ng_y, bytes);
+        std::memcpy(hits.ng_z + i, packet.hit.Ng_z, bytes);
+        std::memcpy(hits.u + i, packet.hit.u, bytes);
+        std::memcpy(hits.v + i, packet.hit.v, bytes);
+        std::memcpy(hits.triangle + i, packet.hit.primID, bytes);
+        std::memcpy(hits.geom + i, packet.hit.geomID, bytes);
+      }
+      break;
+    case Backend::kSingle:
+      for (std::uint32_t i = 0; i < n; ++i) {
+        RTCRayHit hit;
+        hit.ray = SingleRay(view, i);
+        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(tracer.scene, &context, &hit);
+        rays.t_far[i] = hit.ray.tfar;
+        hits.ng_x[i] = hit.hit.Ng_x, hits.ng_y[i] = hit.hit.Ng_y, hits.ng_z[i] = hit.hit.Ng_z;
+        hits.u[i] = hit.hit.u, hits.v[i] = hit.hit.v;
+        hits.triangle[i] = hit.hit.primID, hits.geom[i] = hit.hit.geomID;
+      }
+      break;
+  }
+}
+
+void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
+                  const LightColumns& lights) {
+  const RayView view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
+                        lights.dir_y,   lights.dir_z,   lights.t_far};
+  Record(tracer.recorder, true, view, n);
+  Occlude(tracer.scene, tracer.occlusion, view, n);
+}
+
+void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                  const HitColumns& hits) {
+  const RayView view = View(rays);
+  Record(tracer.recorder, true, view, n);
+  Occlude(tracer.scene, tracer.occlusion, view, n);
+  for (std::uint32_t i = 0; i < n; ++i) hits.geom[i] = rays.t_far[i] < 0 ? 0 : kNoHit;
+}
+
+}  // namespace skywave

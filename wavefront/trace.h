@@ -1,0 +1,45 @@
+// Rays into Embree, a table at a time. The only file pair with Embree ray calls.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// How a table reaches Embree. All give the same hits, bit by bit, since none promises Embree that
+// rays are coherent.
+enum class Backend { kStream, kPacket, kSingle };
+std::optional<Backend> ParseBackend(std::string_view name);
+std::string_view ToString(Backend backend);
+
+class RayRecorder;
+
+// What tracing needs: const, a copy a worker. The recorder is null but when a benchmark keeps the
+// rays of a frame for a replay.
+struct Tracer {
+  RTCScene scene = nullptr;
+  Backend closest = Backend::kStream;
+  Backend occlusion = Backend::kStream;
+  RayRecorder* recorder = nullptr;
+};
+
+// Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`.
+void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                  const HitColumns& hits);
+
+// Shadow rays: origins are those of `surfaces`, the rest in `lights`, rows [0, n). Sets t_far of
+// occluded rays negative; rows whose t_far is negative already are not traced.
+void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
+                  const LightColumns& lights);
+
+// For rays that only matter if they leave the scene: writes geom of `hits` (0 or kNoHit), nothing
+// else of it, and t_far of `rays`. Cheaper than TraceClosest.
+void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                  const HitColumns& hits);
+
+}  // namespace skywave
