@@ -28,7 +28,7 @@ Scene SpheresScene() {
                                      AddGlass(scene, 1.5f)};
   for (int i = 0; i < 4; ++i) Place(scene, Sphere(0.5f), materials[i], {1.2f * i - 1.8f, 0.5f, 0});
   AddProceduralSky(scene);
-  scene.camera = LookAtCamera({0, 1.6f, 6}, {0, 0.4f, 0}, {0, 1, 0}, 38, false);
+  scene.camera = LookAtCamera({0, 1.5f, 5}, {0, 0.45f, 0}, {0, 1, 0}, 38, false);
   scene.settings = BuiltinSettings(64, 10);
   return scene;
 }
@@ -65,7 +65,7 @@ Scene ManyShapesScene() {
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
       const int seed = i * kSide + j;
-      Place(scene, Blob(seed), materials[(3 * i + 7 * j + i * j) % std::size(materials)],
+      Place(scene, Blob(seed), materials[(2654435761u * (seed + 1u) >> 16) % std::size(materials)],
             {i - 0.5f * (kSide - 1), 0.45f, 0.5f * (kSide - 1) - j}, 37.0f * seed);
     }
   }

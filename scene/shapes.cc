@@ -56,25 +56,27 @@ Mesh Sphere(float radius, int frequency) {
   const Icosahedron solid = MakeIcosahedron();
   const auto n = static_cast<std::uint32_t>(frequency);
   Mesh mesh;
-  // A grid point is named by its three weights at the corners, so that faces share their edges.
+  // A grid point on an edge is named by its weights at the corners, so that faces share it.
   using Weights = std::map<std::uint32_t, std::uint32_t>;
   std::map<Weights, std::uint32_t> shared;
   for (const glm::uvec3& face : solid.faces) {
     const auto vertex = [&](std::uint32_t i, std::uint32_t j) {
       const std::uint32_t weights[] = {n - i - j, i, j};
-      Weights key;
-      glm::dvec3 point(0);
-      for (int corner = 0; corner < 3; ++corner) {
-        if (weights[corner] > 0) key[face[corner]] = weights[corner];
-        point += static_cast<double>(weights[corner]) * solid.corners[face[corner]];
-      }
       const auto add = [&] {
+        glm::dvec3 point(0);
+        for (int corner = 0; corner < 3; ++corner) {
+          point += static_cast<double>(weights[corner]) * solid.corners[face[corner]];
+        }
         const glm::dvec3 normal = glm::normalize(point);
         mesh.normals.emplace_back(normal);
         mesh.positions.emplace_back(static_cast<double>(radius) * normal);
         return static_cast<std::uint32_t>(mesh.positions.size() - 1);
       };
-      if (key.size() == 3) return add();
+      if (weights[0] > 0 && weights[1] > 0 && weights[2] > 0) return add();
+      Weights key;
+      for (int corner = 0; corner < 3; ++corner) {
+        if (weights[corner] > 0) key[face[corner]] = weights[corner];
+      }
       const auto found = shared.find(key);
       return found != shared.end() ? found->second : shared[key] = add();
     };
