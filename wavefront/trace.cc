@@ -177,11 +177,15 @@ void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uin
   Occlude(tracer.scene, tracer.occlusion, view, n);
 }
 
-void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
-                  const HitColumns& hits) {
+void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n) {
   const RayView view = View(rays);
   Record(tracer.recorder, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
+}
+
+void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                  const HitColumns& hits) {
+  TraceOcclusion(tracer, rays, n);
   for (std::uint32_t i = 0; i < n; ++i) hits.geom[i] = rays.t_far[i] < 0 ? 0 : kNoHit;
 }
 

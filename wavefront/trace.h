@@ -37,6 +37,9 @@ void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights);
 
+// Rays [0, n) for which any hit is enough: sets t_far of occluded ones negative.
+void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n);
+
 // For rays that only matter if they leave the scene: writes geom of `hits` (0 or kNoHit), nothing
 // else of it, and t_far of `rays`. Cheaper than TraceClosest.
 void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,

@@ -1,0 +1,85 @@
+#include "wavefront/replay.h"
+
+#include <pmmintrin.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <memory>
+
+#include "wavefront/soa.h"
+
+namespace skywave {
+namespace {
+
+struct Batch {
+  const RayRecorder* recorder;
+  RayBatch batch;
+};
+
+// Where a thread's results go.
+struct Scratch {
+  explicit Scratch(std::uint32_t rows) : rays(rows), hits(rows) {}
+  soa::Table<RayColumns> rays;
+  soa::Table<HitColumns> hits;
+};
+
+// The recorded columns in place of the table's own; only t_far is written.
+RayColumns RecordedRays(const Batch& b, const Scratch& scratch) {
+  const auto column = [&](const float* base) { return const_cast<float*>(base) + b.batch.begin; };
+  RayColumns rays = scratch.rays;
+  rays.org_x = column(b.recorder->org(0));
+  rays.org_y = column(b.recorder->org(1));
+  rays.org_z = column(b.recorder->org(2));
+  rays.dir_x = column(b.recorder->dir(0));
+  rays.dir_y = column(b.recorder->dir(1));
+  rays.dir_z = column(b.recorder->dir(2));
+  std::fill_n(rays.t_far, b.batch.count, std::numeric_limits<float>::infinity());
+  return rays;
+}
+
+double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
+                  tbb::task_arena& arena, std::uint32_t rows) {
+  std::vector<std::unique_ptr<Scratch>> scratch(std::size_t(arena.max_concurrency()));
+  const auto start = std::chrono::steady_clock::now();
+  arena.execute([&] {
+    tbb::parallel_for(std::size_t{0}, batches.size(), [&](std::size_t i) {
+      auto& mine = scratch[std::size_t(tbb::this_task_arena::current_thread_index())];
+      if (!mine) mine = std::make_unique<Scratch>(rows);
+      _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+      _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+      const RayColumns rays = RecordedRays(batches[i], *mine);
+      if (occlusion) {
+        TraceOcclusion(tracer, rays, batches[i].batch.count);
+      } else {
+        TraceClosest(tracer, rays, batches[i].batch.count, mine->hits);
+      }
+    });
+  });
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder>& recorders,
+                  int threads) {
+  std::vector<Batch> closest, occlusion;
+  std::uint32_t rows = 1;
+  for (const RayRecorder& recorder : recorders) {
+    for (const RayBatch& batch : recorder.batches()) {
+      (batch.occlusion ? occlusion : closest).push_back({&recorder, batch});
+      rows = std::max(rows, batch.count);
+    }
+  }
+  const Tracer tracer = {.scene = scene, .closest = backend, .occlusion = backend};
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  ReplayTime time;
+  time.closest = ReplayKind(tracer, closest, false, arena, rows);
+  time.occlusion = ReplayKind(tracer, occlusion, true, arena, rows);
+  return time;
+}
+
+}  // namespace skywave
