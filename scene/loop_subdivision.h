@@ -6,12 +6,16 @@
 // and its appendix.
 #pragma once
 
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <vector>
 
 #include "scene/scene.h"
 
 namespace skywave {
+
+// Readers ask for no more: the edges of so many triangles take about 2 GB on the way.
+inline constexpr std::size_t kMaxSubdividedTriangles = std::size_t{1} << 24;
 
 // Each of `levels` >= 0 steps splits every triangle in four; the vertices are then moved to the
 // limit surface and get its unit normals. `triangles` index into `positions`; positions that no

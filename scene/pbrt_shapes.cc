@@ -115,11 +115,11 @@ Mesh LoopSubdivisionSurface(PbrtParameters& parameters, Warnings& warnings) {
   const auto v4_levels = FindInt(parameters, "levels"), v3_levels = FindInt(parameters, "nlevels");
   const int levels = v4_levels.value_or(v3_levels.value_or(3));
   std::size_t count = triangles.size();
-  for (int level = 0; level < levels && count <= kMaxSceneTriangles; ++level) count *= 4;
-  if (levels < 0 || count > kMaxSceneTriangles) {
+  for (int level = 0; level < levels && count <= kMaxSubdividedTriangles; ++level) count *= 4;
+  if (levels < 0 || count > kMaxSubdividedTriangles) {
     throw InputError(parameters.position,
                      fmt::format("{}: {} levels are negative or make more than {} triangles",
-                                 parameters.directive, levels, kMaxSceneTriangles));
+                                 parameters.directive, levels, kMaxSubdividedTriangles));
   }
   const std::string scheme = FindString(parameters, "scheme").value_or("loop");
   if (scheme != "loop") {

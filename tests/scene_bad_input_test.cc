@@ -204,10 +204,10 @@ TEST(BadPbrt, NestingAndGrowthAreBounded) {
   for (int i = 0; i < 1000; ++i) parameters += " \"float p" + std::to_string(i) + "\" 1";
   EXPECT_TRUE(Contains(PbrtError(parameters), "more than 256 parameters"));
 
-  // 4^14 triangles are more than a scene may have: refused before any level is made.
-  EXPECT_TRUE(Contains(PbrtError("Shape \"loopsubdiv\" \"integer levels\" 14 \"integer indices\" "
+  // 4^13 triangles are more than is subdivided: refused before any level is made.
+  EXPECT_TRUE(Contains(PbrtError("Shape \"loopsubdiv\" \"integer levels\" 13 \"integer indices\" "
                                  "[0 1 2] \"point P\" [0 0 0 1 0 0 0 1 0]"),
-                       "14 levels"));
+                       "13 levels"));
 }
 
 TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
