@@ -4,6 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/environment.cc"
+#include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/sphere-inl.h"
@@ -63,7 +64,10 @@ HWY_INLINE void Search(const SearchTreeView& trees, std::uint32_t n, SearchColum
     if (level > 0) {
       // Child c of node (tree, k) is node tree * nodes + (k * fan + c) of the next level.
       const std::uint32_t above = trees.nodes[level - 1] * kNodeFan, here = trees.nodes[level];
-      for (std::uint32_t i = 0; i < n; ++i) s.item[i] -= tree[i] * (above - here);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        s.item[i] -= tree[i] * (above - here);
+        hwy::Prefetch(trees.level[level] + s.item[i]);
+      }
     }
     DescendLevel(trees.level[level], n, s);
   }
@@ -71,30 +75,36 @@ HWY_INLINE void Search(const SearchTreeView& trees, std::uint32_t n, SearchColum
   for (std::uint32_t i = 0; i < n; ++i) s.item[i] -= tree[i] * slots;
 }
 
-// A half without sign to a float, denormals included whatever the mode of the processor.
-HWY_INLINE VF HalfToFloat(VU half) {
-  const VU normal = hn::Add(hn::ShiftLeft<13>(half), SetU((127 - 15) << 23));
-  const VF denormal = hn::Mul(ToFloat(half), Set(0x1p-24f));
-  return IfThen(hn::RebindMask(F(), hn::Lt(half, SetU(1u << 10))), denormal, AsFloat(normal));
+HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
+  const VU mantissa = SetU((1u << kMantissaBits) - 1);
+  // 2^(exponent - 31) assembled in the exponent field of a float.
+  const VU exponent = hn::ShiftRight<3 * kMantissaBits>(packed);
+  const VF power = AsFloat(hn::ShiftLeft<23>(hn::Add(exponent, SetU(127 - kMaxExponent))));
+  const VF scale = hn::Mul(power, Set(unit));
+  return Scale({ToFloat(hn::And(packed, mantissa)),
+                ToFloat(hn::And(hn::ShiftRight<kMantissaBits>(packed), mantissa)),
+                ToFloat(hn::And(hn::ShiftRight<2 * kMantissaBits>(packed), mantissa))},
+               scale);
 }
 
-struct Texel {
-  V3 radiance;
-  VU mass;
-};
-HWY_INLINE Texel FetchTexel(const EnvironmentView& map, VU index) {
-  const auto* words = reinterpret_cast<const std::uint32_t*>(map.texels);
-  const VU at = hn::ShiftLeft<1>(index);
-  const VU rg = Gather(words, at), b_mass = Gather(words, hn::Add(at, SetU(1)));
-  const VU low = SetU(0xFFFFu);
-  const V3 rgb = {HalfToFloat(hn::And(rg, low)), HalfToFloat(hn::ShiftRight<16>(rg)),
-                  HalfToFloat(hn::And(b_mass, low))};
-  return {Scale(rgb, Set(map.radiance_scale)), hn::ShiftRight<16>(b_mass)};
+HWY_INLINE VU BlockOf(const InversionView& inversion, VU column, VU row) {
+  return hn::Add(hn::Mul(row, SetU(inversion.blocks)), hn::ShiftRight<5>(column));
 }
 
-HWY_INLINE VF TexelDensity(const EnvironmentView& map, VU column, VU row, VU mass) {
-  const VU block = hn::Add(hn::Mul(row, SetU(map.blocks)), hn::ShiftRight<5>(column));
-  return hn::Mul(Gather(map.block_density, block), ToFloat(mass));
+// Mass of a texel in its leaf: two neighbours of the leaf's cumulative masses, which stand in pairs
+// in 32-bit words.
+HWY_INLINE VU LeafMass(const InversionView& inversion, VU block, VU column) {
+  const SearchTreeView& trees = inversion.columns;
+  const auto* words = reinterpret_cast<const std::uint32_t*>(trees.level[trees.levels - 1]);
+  const VU child = hn::And(column, SetU(kNodeFan - 1));
+  const auto cumulative = [&](VU index) HWY_ATTR {
+    const VU word = Gather(words, hn::Add(hn::ShiftLeft<4>(block), hn::ShiftRight<1>(index)));
+    const MU odd = hn::TestBit(index, SetU(1));
+    return IfThen(odd, hn::ShiftRight<16>(word), hn::And(word, SetU(0xFFFFu)));
+  };
+  const MU first = hn::Eq(child, SetU(0));
+  const VU before = cumulative(IfThen(first, child, hn::Sub(child, SetU(1))));
+  return hn::Sub(cumulative(child), IfThen(first, SetU(0), before));
 }
 
 HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {
@@ -120,6 +130,9 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
     std::copy_n(uniforms.u + begin, rows, across.x);
     std::copy_n(down.item, rows, across.item);
     Search(inversion.columns, rows, across);
+    for (std::uint32_t i = 0; i < rows; ++i) {
+      hwy::Prefetch(map.packed + std::size_t(down.item[i]) * map.width + across.item[i]);
+    }
 
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       // Rows behind the last are unspecified: keep the gathers inside the tables.
@@ -140,11 +153,13 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
       SinCosTurn(u, sin_turn, cos_turn);
       const V3 direction = {hn::Neg(hn::Mul(sine, sin_turn)), hn::Neg(hn::Mul(sine, cos_turn)), up};
 
-      const Texel texel = FetchTexel(map, hn::Add(hn::Mul(row, SetU(map.width)), column));
+      const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
+      const V3 radiance = UnpackRadiance(Gather(map.packed, texel), map.radiance_unit);
+      const VF density = Gather(inversion.block_density, BlockOf(inversion, column, row));
       const std::uint32_t to = begin + i;
       Store3(WorldFromMap(map, direction), out.dir_x + to, out.dir_y + to, out.dir_z + to);
-      Store3(texel.radiance, out.r + to, out.g + to, out.b + to);
-      Store(TexelDensity(map, column, row, mass), out.pdf + to);
+      Store3(radiance, out.r + to, out.g + to, out.b + to);
+      Store(hn::Mul(density, ToFloat(mass)), out.pdf + to);
     }
   }
 }
@@ -163,6 +178,7 @@ HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
   return hn::Min(ToUnsigned(hn::Min(scaled, Set(float(count)))), SetU(count - 1));
 }
 
+// The map between texel centres, in full precision.
 HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
   const VF x = hn::Sub(hn::Mul(u, Set(float(map.width))), Set(0.5f));
   const VF y = hn::Sub(hn::Mul(v, Set(float(map.height))), Set(0.5f));
@@ -176,45 +192,91 @@ HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
   const VU top = ToUnsigned(Clamp(y_floor, 0.0f, last_y));
   const VU bottom = ToUnsigned(Clamp(hn::Add(y_floor, Set(1.0f)), 0.0f, last_y));
   const VU width = SetU(map.width);
-  const VU top_row = hn::Mul(top, width), bottom_row = hn::Mul(bottom, width);
+  const auto texel = [&](VU column, VU row) HWY_ATTR {
+    const VU at = hn::Mul(hn::Add(hn::Mul(row, width), column), SetU(3));
+    return V3{Gather(map.rgb, at), Gather(map.rgb, hn::Add(at, SetU(1))),
+              Gather(map.rgb, hn::Add(at, SetU(2)))};
+  };
   const VF one = Set(1.0f);
   const auto across = [&](VU row) HWY_ATTR {
-    return Add(Scale(FetchTexel(map, hn::Add(row, left)).radiance, hn::Sub(one, fx)),
-               Scale(FetchTexel(map, hn::Add(row, right)).radiance, fx));
+    return Add(Scale(texel(left, row), hn::Sub(one, fx)), Scale(texel(right, row), fx));
   };
-  return Add(Scale(across(top_row), hn::Sub(one, fy)), Scale(across(bottom_row), fy));
+  return Add(Scale(across(top), hn::Sub(one, fy)), Scale(across(bottom), fy));
 }
 
-void EvaluateEscaped(const EnvironmentView& map, std::uint32_t n, const EscapeColumns& rows) {
-  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    // Padding rows look along +z.
-    const MF inside = hn::RebindMask(F(), RowsBelow(i, n));
-    const V3 dir = IfThen(inside, Load3(rows.dir_x + i, rows.dir_y + i, rows.dir_z + i),
-                          V3{hn::Zero(F()), hn::Zero(F()), Set(1.0f)});
+// Positions of a chunk of directions on the map.
+struct LookupColumns {
+  alignas(64) float u[kChunk], v[kChunk];
+  alignas(64) std::uint32_t column[kChunk], row[kChunk];
+};
+
+// Finds the texels of directions [begin, begin + rows) and asks the memory for them: by the time
+// all are found the first have arrived.
+HWY_INLINE void FindTexels(const EnvironmentView& map, const float* x, const float* y,
+                           const float* z, std::uint32_t rows, LookupColumns& lookup) {
+  for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
+    const MF inside = hn::RebindMask(F(), RowsBelow(i, rows));
+    // Rows behind the last look along +z.
+    const V3 dir =
+        IfThen(inside, Load3(x + i, y + i, z + i), V3{hn::Zero(F()), hn::Zero(F()), Set(1.0f)});
     VF u, v;
     MapPosition(map, dir, u, v);
-    const MF seen = hn::And(inside, hn::Eq(Load(rows.pdf + i), hn::Zero(F())));
-    V3 radiance = {hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
-    VF density = hn::Zero(F());
-    if (!hn::AllTrue(F(), seen)) {
-      const VU column = CellOf(u, map.width), row = CellOf(v, map.height);
-      const Texel texel = FetchTexel(map, hn::Add(hn::Mul(row, SetU(map.width)), column));
-      radiance = texel.radiance;
-      if (map.block_density != nullptr) density = TexelDensity(map, column, row, texel.mass);
+    Store(u, lookup.u + i), Store(v, lookup.v + i);
+    Store(CellOf(u, map.width), lookup.column + i);
+    Store(CellOf(v, map.height), lookup.row + i);
+  }
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    hwy::Prefetch(map.packed + std::size_t(lookup.row[i]) * map.width + lookup.column[i]);
+  }
+}
+
+HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
+  const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
+  return UnpackRadiance(Gather(map.packed, texel), map.radiance_unit);
+}
+
+void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion, std::uint32_t n,
+                     const EscapeColumns& escaped) {
+  const VF zero = hn::Zero(F());
+  LookupColumns lookup;
+  for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
+    const std::uint32_t rows = std::min(kChunk, n - begin);
+    FindTexels(map, escaped.dir_x + begin, escaped.dir_y + begin, escaped.dir_z + begin, rows,
+               lookup);
+    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
+      const std::uint32_t to = begin + i;
+      const MF seen = hn::Eq(Load(escaped.pdf + to), zero);
+      V3 radiance = {zero, zero, zero};
+      VF density = zero;
+      if (!hn::AllTrue(F(), seen)) {
+        const VU column = Load(lookup.column + i), row = Load(lookup.row + i);
+        radiance = FetchTexels(map, column, row);
+        if (inversion != nullptr) {
+          const VU block = BlockOf(*inversion, column, row);
+          density = hn::Mul(Gather(inversion->block_density, block),
+                            ToFloat(LeafMass(*inversion, block, column)));
+        }
+      }
+      if (!hn::AllFalse(F(), seen)) {
+        radiance =
+            IfThen(seen, InterpolateTexels(map, Load(lookup.u + i), Load(lookup.v + i)), radiance);
+      }
+      Store3(radiance, escaped.radiance_r + to, escaped.radiance_g + to, escaped.radiance_b + to);
+      Store(density, escaped.light_pdf + to);
     }
-    if (!hn::AllFalse(F(), seen)) radiance = IfThen(seen, InterpolateTexels(map, u, v), radiance);
-    Store3(radiance, rows.radiance_r + i, rows.radiance_g + i, rows.radiance_b + i);
-    Store(density, rows.light_pdf + i);
   }
 }
 
 void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumns& out) {
-  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    VF u, v;
-    MapPosition(map, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i), u, v);
-    const VU texel = hn::Add(hn::Mul(CellOf(v, map.height), SetU(map.width)), CellOf(u, map.width));
-    Store3(FetchTexel(map, hn::IfThenElseZero(RowsBelow(i, n), texel)).radiance, out.r + i,
-           out.g + i, out.b + i);
+  LookupColumns lookup;
+  for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
+    const std::uint32_t rows = std::min(kChunk, n - begin);
+    FindTexels(map, out.dir_x + begin, out.dir_y + begin, out.dir_z + begin, rows, lookup);
+    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
+      const std::uint32_t to = begin + i;
+      Store3(FetchTexels(map, Load(lookup.column + i), Load(lookup.row + i)), out.r + to,
+             out.g + to, out.b + to);
+    }
   }
 }
 
@@ -264,8 +326,9 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
                   const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out) {
   HWY_DYNAMIC_DISPATCH(SampleTexels)(map, inversion, uniforms, n, out);
 }
-void EvaluateEscaped(const EnvironmentView& map, std::uint32_t n, const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(EvaluateEscaped)(map, n, rows);
+void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion, std::uint32_t n,
+                     const EscapeColumns& rows) {
+  HWY_DYNAMIC_DISPATCH(EvaluateEscaped)(map, inversion, n, rows);
 }
 void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumns& out) {
   HWY_DYNAMIC_DISPATCH(LookUpTexels)(map, n, out);

@@ -15,23 +15,6 @@
 
 namespace skywave {
 
-// One texel: what a random access needs, in eight bytes.
-struct TexelRecord {
-  std::uint16_t r, g, b;  // halves, >= 0, times EnvironmentView::radiance_scale: scene radiance
-  std::uint16_t mass;     // of the texel in its leaf node of the inversion tree
-};
-static_assert(sizeof(TexelRecord) == 8);
-
-struct EnvironmentView {
-  const TexelRecord* texels;  // row-major from the top
-  std::uint32_t width, height;
-  float radiance_scale;     // power of two
-  float map_from_world[9];  // rows: right, forward, up
-  // Density of a texel [1/sr] = block_density[row * blocks + column / 32] * mass; null: no density.
-  const float* block_density;
-  std::uint32_t blocks;  // a row: ceil(width / 32)
-};
-
 // A discrete distribution over n items as a tree of cache lines: a node holds the cumulative masses
 // of its 32 children, integers that end at kNodeMass, so a step of a search is one line, compared
 // in one or two instructions, without a branch. Levels: 1, 2 or 3 for n up to 32, 1024 and 32768.
@@ -58,6 +41,24 @@ struct InversionView {
   SearchTreeView rows;      // one tree over the rows
   SearchTreeView columns;   // one tree a row over its columns
   const RowArea* row_area;  // height entries
+  // Density of a texel [1/sr] = block_density[row * blocks + column / 32] * mass in its leaf.
+  const float* block_density;
+  std::uint32_t blocks;  // leaves a row: ceil(width / 32)
+};
+
+// Radiance of a texel in four bytes, because lookups are random accesses and pay by the cache line:
+// three mantissas of kMantissaBits bits, r lowest, and a common exponent above them (as in
+// Radiance's RGBE): channel = mantissa * 2^(exponent - 31) * EnvironmentView::radiance_unit.
+using PackedRadiance = std::uint32_t;
+inline constexpr std::uint32_t kMantissaBits = 9;
+inline constexpr std::uint32_t kMaxExponent = 31;
+
+struct EnvironmentView {
+  const PackedRadiance* packed;  // row-major from the top: the map as a light
+  float radiance_unit;           // power of two [scene radiance]
+  const float* rgb;              // three floats a texel: the map as it is seen
+  std::uint32_t width, height;
+  float map_from_world[9];  // rows: right, forward, up
 };
 
 // Fills dir, r, g, b (radiance) and pdf of rows [0, n) by inversion of the map's density at
@@ -65,10 +66,12 @@ struct InversionView {
 void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
                   const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out);
 
-// Fills radiance and light_pdf of rows [0, n). Rows with pdf == 0 (seen by the camera, directly or
-// over mirrors and glass) see the map interpolated between texel centres; the others see the texels
-// that the light samples see, which multiple importance sampling needs.
-void EvaluateEscaped(const EnvironmentView& map, std::uint32_t n, const EscapeColumns& rows);
+// Fills radiance of rows [0, n), and light_pdf if `inversion` is not null. Rows with pdf == 0 (seen
+// by the camera, directly or over mirrors and glass) see the map interpolated between texel
+// centres; the others see the texels that the light samples see, which multiple importance sampling
+// needs.
+void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion, std::uint32_t n,
+                     const EscapeColumns& rows);
 
 // Radiance of the texels in directions dir of rows [0, n) of `out`, into r, g, b.
 void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumns& out);

@@ -13,7 +13,7 @@ void UniformStrategy::Sample(const SurfaceColumns&, const UniformColumns& unifor
 
 void UniformStrategy::EvaluateEscaped(const SurfaceColumns&, std::uint32_t n,
                                       const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), n, rows);
+  skywave::EvaluateEscaped(texels_.view(), nullptr, n, rows);
   std::fill_n(rows.light_pdf, n, float(0.25 / std::numbers::pi));
 }
 
@@ -25,7 +25,7 @@ void CosineStrategy::Sample(const SurfaceColumns& surfaces, const UniformColumns
 
 void CosineStrategy::EvaluateEscaped(const SurfaceColumns& surfaces, std::uint32_t n,
                                      const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), n, rows);
+  skywave::EvaluateEscaped(texels_.view(), nullptr, n, rows);
   CosineDensity(surfaces, n, rows);
 }
 

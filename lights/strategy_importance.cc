@@ -85,9 +85,6 @@ ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, bool compensat
     for (std::uint32_t b = 0; b < blocks; ++b) {
       block_density_[std::size_t(row) * blocks + b] = float(row_density * block[b]);
     }
-    for (std::uint32_t column = 0; column < width; ++column) {
-      texels_.SetMass(column, row, mass[column]);
-    }
   });
 }
 
@@ -96,24 +93,23 @@ std::size_t ImportanceStrategy::table_bytes() const {
          block_density_.size() * sizeof(float);
 }
 
-EnvironmentView ImportanceStrategy::MapView() const {
-  EnvironmentView view = texels_.view();
-  view.block_density = block_density_.data();
-  return view;
-}
-
 InversionView ImportanceStrategy::Inversion() const {
-  return {.rows = rows_.view(), .columns = columns_.view(), .row_area = row_area_.data()};
+  return {.rows = rows_.view(),
+          .columns = columns_.view(),
+          .row_area = row_area_.data(),
+          .block_density = block_density_.data(),
+          .blocks = columns_.blocks()};
 }
 
 void ImportanceStrategy::Sample(const SurfaceColumns&, const UniformColumns& uniforms,
                                 std::uint32_t n, const LightColumns& out) const {
-  SampleTexels(MapView(), Inversion(), uniforms, n, out);
+  SampleTexels(texels_.view(), Inversion(), uniforms, n, out);
 }
 
 void ImportanceStrategy::EvaluateEscaped(const SurfaceColumns&, std::uint32_t n,
                                          const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(MapView(), n, rows);
+  const InversionView inversion = Inversion();
+  skywave::EvaluateEscaped(texels_.view(), &inversion, n, rows);
 }
 
 }  // namespace skywave

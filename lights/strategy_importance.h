@@ -32,7 +32,6 @@ class ImportanceStrategy final : public EnvStrategy {
                        const EscapeColumns& rows) const override;
 
  private:
-  EnvironmentView MapView() const;
   InversionView Inversion() const;
 
   Texels texels_;

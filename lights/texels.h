@@ -1,4 +1,4 @@
-// The packed form of a map that every lookup reads.
+// The forms of a map that lookups read: packed as a light, in full precision as it is seen.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,29 @@
 
 namespace skywave {
 
-// Radiance as halves with a common power of two, 11 bits a channel: exact for what comes from
-// Radiance files and half EXRs, unless the map spans more than 2^40. Immutable once built.
+// Immutable. Packing rounds each channel to 9 bits of the brightest channel of its texel, to
+// nearest: exact for what comes from Radiance files. Texels dimmer than 2^-40 of the brightest
+// become black as lights.
 class Texels {
  public:
   explicit Texels(const EnvironmentMap& map);
 
-  // Luminance of a texel as the halves hold it.
+  // Luminance of a texel as the packed form holds it: what light samples find there.
   float Luminance(std::uint32_t column, std::uint32_t row) const;
-  void SetMass(std::uint32_t column, std::uint32_t row, std::uint16_t mass);
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  std::size_t bytes() const { return records_.size() * sizeof(TexelRecord); }
-  // Without densities; a strategy that has them adds its own.
+  std::size_t bytes() const {
+    return packed_.size() * sizeof(PackedRadiance) + rgb_.size() * sizeof(float);
+  }
   EnvironmentView view() const;
 
  private:
   std::uint32_t width_, height_;
-  float scale_;
+  float unit_;
   std::array<float, 9> map_from_world_;
-  std::vector<TexelRecord> records_;
+  std::vector<PackedRadiance> packed_;
+  std::vector<float> rgb_;
 };
 
 }  // namespace skywave

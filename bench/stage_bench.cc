@@ -1,0 +1,220 @@
+// Every stage and the kernels inside it, on one wave of a real scene: ns an item (a row in).
+#include <benchmark/benchmark.h>
+
+#include "bench/wave_fixture.h"
+#include "kernels/accumulate.h"
+#include "kernels/camera.h"
+#include "kernels/environment.h"
+#include "kernels/sampler.h"
+
+namespace skywave {
+namespace {
+
+WaveFixture& CameraWave() {
+  static WaveFixture wave;
+  return wave;
+}
+WaveFixture& BounceWave() {
+  static WaveFixture wave = [] {
+    WaveFixture w;
+    w.Bounce();
+    return w;
+  }();
+  return wave;
+}
+
+// Runs `body` and reports the time of one of `items`.
+template <class Body>
+void Run(benchmark::State& state, std::uint32_t items, Body body) {
+  for (auto _ : state) body();
+  state.counters["ns_item"] =
+      benchmark::Counter(double(items) * 1e-9, benchmark::Counter::kIsIterationInvariantRate |
+                                                   benchmark::Counter::kInvert);
+  state.counters["items"] = items;
+}
+
+void GenerateStage(benchmark::State& state) {
+  WaveFixture& f = CameraWave();
+  Worker& w = f.worker;
+  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, w.uniforms, w.paths, w.rays[1]); });
+}
+void DrawUniformsKernel(benchmark::State& state) {
+  WaveFixture& f = CameraWave();
+  Run(state, f.n, [&] { DrawUniforms(f.worker.paths, nullptr, f.n, 3, {}, f.worker.uniforms); });
+}
+void DrawUniformsOfRowsKernel(benchmark::State& state) {
+  WaveFixture& f = CameraWave();
+  const std::uint32_t n = f.ranges.total();
+  Run(state, n,
+      [&] { DrawUniforms(f.worker.paths, f.worker.surfaces->path, n, 3, {}, f.worker.uniforms); });
+}
+void GenerateCameraRaysKernel(benchmark::State& state) {
+  WaveFixture& f = CameraWave();
+  Worker& w = f.worker;
+  Run(state, f.n, [&] { GenerateCameraRays(f.frame.camera, w.paths, w.uniforms, f.n, w.rays[1]); });
+}
+void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
+  WaveFixture& f = bounce ? BounceWave() : CameraWave();
+  Tracer tracer = f.frame.tracer;
+  tracer.closest = backend;
+  Run(state, f.n, [&] {
+    std::fill_n(f.worker.rays[0]->t_far, f.n, std::numeric_limits<float>::infinity());
+    TraceClosest(tracer, f.worker.rays[0], f.n, f.worker.hits);
+  });
+}
+void SortHitsStage(benchmark::State& state, bool bounce) {
+  WaveFixture& f = bounce ? BounceWave() : CameraWave();
+  Worker& w = f.worker;
+  Run(state, f.n, [&] {
+    SurfaceRanges ranges;
+    benchmark::DoNotOptimize(
+        SortHits(*f.frame.geometry, w.rays[0], w.hits, f.n, false, w.queue->queue, ranges));
+  });
+}
+void MoveEscapedKernel(benchmark::State& state) {
+  WaveFixture& f = BounceWave();
+  Worker& w = f.worker;
+  Run(state, f.n, [&] { MoveEscaped(w.rays[0], w.queue->queue, f.n, w.escaped); });
+}
+void MoveSurfacesStage(benchmark::State& state) {
+  WaveFixture& f = BounceWave();
+  Worker& w = f.worker;
+  Run(state, f.n,
+      [&] { MoveSurfaces(w.rays[0], w.hits, w.queue->queue, f.n, f.ranges, w.surfaces); });
+}
+void AddEscapedStage(benchmark::State& state, bool bounce) {
+  WaveFixture& f = bounce ? BounceWave() : CameraWave();
+  if (f.escaped == 0) return state.SkipWithError("no ray escapes");
+  Run(state, f.escaped,
+      [&] { AddEscaped(f.frame, f.worker.surfaces, f.worker.escaped, f.escaped, f.worker.paths); });
+}
+void PrepareSurfacesKernel(benchmark::State& state) {
+  static WaveFixture f;  // its own: the kernel works in place
+  Run(state, f.ranges.total(), [&] {
+    PrepareSurfaces(f.frame.geometry->triangles(), f.frame.geometry->materials().records,
+                    f.ranges.total(), f.worker.surfaces);
+  });
+}
+void SampleLightsStage(benchmark::State& state, const std::string& strategy) {
+  WaveFixture f(strategy);
+  Worker& w = f.worker;
+  Run(state, f.ranges.light_sampled(),
+      [&] { SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights); });
+}
+void EvaluateLightsStage(benchmark::State& state) {
+  static WaveFixture f;
+  Worker& w = f.worker;
+  SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights);
+  Run(state, f.ranges.light_sampled(),
+      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights); });
+}
+void TraceShadowsStage(benchmark::State& state, Backend backend) {
+  static WaveFixture f;
+  Worker& w = f.worker;
+  const std::uint32_t n =
+      SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights);
+  EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
+  const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
+  Tracer tracer = f.frame.tracer;
+  tracer.occlusion = backend;
+  Run(state, n, [&] {
+    std::copy(t_far.begin(), t_far.end(), w.lights->t_far);
+    TraceShadows(tracer, w.surfaces, n, w.lights);
+  });
+}
+void AddUnoccludedKernel(benchmark::State& state) {
+  static WaveFixture f;
+  Worker& w = f.worker;
+  const std::uint32_t n =
+      SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights);
+  EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
+  TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
+  Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
+}
+void ScatterStage(benchmark::State& state) {
+  WaveFixture& f = CameraWave();
+  Worker& w = f.worker;
+  Run(state, f.ranges.total(), [&] {
+    Scatter(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lobe, w.rays[1]);
+  });
+}
+void FilmStage(benchmark::State& state) {
+  WaveFixture& f = CameraWave();
+  Run(state, f.n, [&] { f.film.Add(f.worker.paths, f.n, f.worker.stats); });
+}
+void PathWave(benchmark::State& state) {
+  static WaveFixture f;
+  Run(state, f.range.count, [&] { RenderPathWave(f.frame, f.range, f.worker, f.film); });
+}
+
+// Every surface of the camera wave shaded as BSDF `kind`, light samples and scattering apart.
+void BsdfEvaluate(benchmark::State& state, std::uint32_t kind) {
+  static WaveFixture f;
+  Worker& w = f.worker;
+  const std::uint32_t n = f.ranges.total();
+  DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, w.uniforms);
+  f.frame.strategy->Sample(w.surfaces, w.uniforms, n, w.lights);
+  Run(state, n, [&] {
+    Bsdfs()[kind].evaluate_lights(w.surfaces, f.frame.geometry->materials(), n, f.frame.mis(),
+                                  w.lights);
+  });
+}
+void BsdfScatter(benchmark::State& state, std::uint32_t kind) {
+  static WaveFixture f;
+  Worker& w = f.worker;
+  const std::uint32_t n = f.ranges.total();
+  DrawUniforms(w.paths, w.surfaces->path, n, 2, {}, w.uniforms);
+  DrawUniforms(w.paths, w.surfaces->path, n, 3, {}, w.lobe);
+  Run(state, n, [&] {
+    Bsdfs()[kind].scatter(w.surfaces, f.frame.geometry->materials(),
+                          {.direction = w.uniforms, .lobe = w.lobe}, n, {}, w.rays[1], 0);
+  });
+}
+
+void Register() {
+  const auto add = [](const std::string& name, auto function, auto... values) {
+    benchmark::RegisterBenchmark(name.c_str(), function, values...);
+  };
+  add("stage/generate", GenerateStage);
+  add("kernel/draw_uniforms", DrawUniformsKernel);
+  add("kernel/draw_uniforms_of_rows", DrawUniformsOfRowsKernel);
+  add("kernel/camera_rays", GenerateCameraRaysKernel);
+  for (const Backend backend : {Backend::kStream, Backend::kPacket, Backend::kSingle}) {
+    const std::string name(ToString(backend));
+    add("stage/intersect/camera/" + name, TraceClosestStage, false, backend);
+    add("stage/intersect/bounce/" + name, TraceClosestStage, true, backend);
+    add("stage/shadow/" + name, TraceShadowsStage, backend);
+  }
+  add("stage/sort_hits/camera", SortHitsStage, false);
+  add("stage/sort_hits/bounce", SortHitsStage, true);
+  add("kernel/move_escaped", MoveEscapedKernel);
+  add("stage/move_surfaces", MoveSurfacesStage);
+  add("stage/escape/camera", AddEscapedStage, false);
+  add("stage/escape/bounce", AddEscapedStage, true);
+  add("kernel/prepare_surfaces", PrepareSurfacesKernel);
+  for (const StrategyFactory& strategy : Strategies()) {
+    const std::string name(strategy.name);
+    add("stage/light_sample/" + name, SampleLightsStage, name);
+  }
+  add("stage/evaluate", EvaluateLightsStage);
+  add("kernel/add_unoccluded", AddUnoccludedKernel);
+  add("stage/scatter", ScatterStage);
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    const std::string name(Bsdfs()[kind].name);
+    if (!Bsdfs()[kind].delta) add("kernel/evaluate_lights/" + name, BsdfEvaluate, kind);
+    add("kernel/scatter/" + name, BsdfScatter, kind);
+  }
+  add("stage/film", FilmStage);
+  add("wave/path", PathWave);
+}
+
+}  // namespace
+}  // namespace skywave
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  skywave::Register();
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

@@ -1,0 +1,204 @@
+#include "lights/clustering.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace skywave {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// The nearest partner of a cluster by some measure.
+struct Partner {
+  double measure = kInfinity;
+  std::size_t other = 0;
+};
+
+// Clusters that are left, side by side; a merged one is replaced by the last. Each knows its partner
+// of least error and, if separation matters, its nearest in space; both are kept exact.
+class PairwiseMerger {
+ public:
+  PairwiseMerger(std::span<const Vector3> samples, std::span<const double> frequencies,
+                 bool track_distance)
+      : track_distance_(track_distance),
+        centre_(samples.begin(), samples.end()),
+        frequency_(frequencies.begin(), frequencies.end()),
+        error_partner_(samples.size()),
+        near_partner_(samples.size()),
+        members_(samples.size()) {
+    for (std::size_t i = 0; i < samples.size(); ++i) members_[i] = {std::uint32_t(i)};
+    for (std::size_t i = 0; i < samples.size(); ++i) FindPartners(i);
+  }
+
+  std::size_t size() const { return centre_.size(); }
+
+  double LeastChordSquare() const {
+    double least = kInfinity;
+    for (const Partner& partner : near_partner_) least = std::min(least, partner.measure);
+    return least;
+  }
+
+  void MergeBest() {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < size(); ++i) {
+      if (error_partner_[i].measure < error_partner_[best].measure) best = i;
+    }
+    const std::size_t other = error_partner_[best].other;
+    Merge(std::min(best, other), std::max(best, other));
+  }
+
+  Clustering Result(std::size_t samples) const {
+    std::vector<std::size_t> order(size());
+    for (std::size_t i = 0; i < size(); ++i) order[i] = i;
+    const auto lowest = [&](std::size_t i) { return *std::ranges::min_element(members_[i]); };
+    std::ranges::sort(order, {}, lowest);
+    Clustering result;
+    result.cluster_of_sample.resize(samples);
+    for (std::size_t i : order) {
+      for (std::uint32_t member : members_[i]) {
+        result.cluster_of_sample[member] = std::uint32_t(result.directions.size());
+      }
+      result.directions.push_back(centre_[i]);
+      result.frequencies.push_back(frequency_[i]);
+    }
+    return result;
+  }
+
+ private:
+  static double ChordSquare(const Vector3& a, const Vector3& b) {
+    const Vector3 apart = a - b;
+    return Dot(apart, apart);
+  }
+
+  // The error of merging i and j, or some number >= bound if it is not below that. The chord is
+  // below the angle, which spares most of the arc sines.
+  double Error(std::size_t i, std::size_t j, double chord_square, double bound) const {
+    const double sum = frequency_[i] + frequency_[j];
+    const double weight = sum > 0 ? frequency_[i] / sum * frequency_[j] : 0;
+    const double least = weight * chord_square;
+    if (least >= bound) return least;
+    const double angle = 2 * std::asin(std::min(std::sqrt(chord_square) / 2, 1.0));
+    return weight * angle * angle;
+  }
+
+  // Lets i and j know each other as partners.
+  void Meet(std::size_t i, std::size_t j) {
+    const double chord_square = ChordSquare(centre_[i], centre_[j]);
+    const double bound = std::max(error_partner_[i].measure, error_partner_[j].measure);
+    const double error = Error(i, j, chord_square, bound);
+    if (error < error_partner_[i].measure) error_partner_[i] = {error, j};
+    if (error < error_partner_[j].measure) error_partner_[j] = {error, i};
+    if (!track_distance_) return;
+    if (chord_square < near_partner_[i].measure) near_partner_[i] = {chord_square, j};
+    if (chord_square < near_partner_[j].measure) near_partner_[j] = {chord_square, i};
+  }
+
+  // Partners of i among those before it when the table is built.
+  void FindPartners(std::size_t i) {
+    for (std::size_t j = 0; j < i; ++j) Meet(i, j);
+  }
+
+  void SearchAgain(std::size_t i) {
+    error_partner_[i] = near_partner_[i] = {};
+    for (std::size_t j = 0; j < size(); ++j) {
+      if (j != i) Meet(i, j);
+    }
+  }
+
+  // Merges j into i < j.
+  void Merge(std::size_t i, std::size_t j) {
+    const double sum = frequency_[i] + frequency_[j];
+    const double share = sum > 0 ? frequency_[i] / sum : 0.5;
+    const Vector3 heavier = frequency_[i] >= frequency_[j] ? centre_[i] : centre_[j];
+    centre_[i] = NormalizeOr(share * centre_[i] + (1 - share) * centre_[j], heavier);
+    frequency_[i] = sum;
+    members_[i].insert(members_[i].end(), members_[j].begin(), members_[j].end());
+
+    const std::size_t last = size() - 1;
+    std::vector<std::size_t> orphans = {i};
+    for (std::size_t k = 0; k <= last; ++k) {
+      if (k == i || k == j) continue;
+      const auto lost = [&](const Partner& p) {
+        return p.measure < kInfinity && (p.other == i || p.other == j);
+      };
+      if (lost(error_partner_[k]) || (track_distance_ && lost(near_partner_[k]))) {
+        orphans.push_back(k);
+      }
+    }
+    Replace(j, last);
+    for (std::size_t& orphan : orphans) {
+      if (orphan == last) orphan = j;
+      error_partner_[orphan] = near_partner_[orphan] = {};
+    }
+    for (std::size_t orphan : orphans) SearchAgain(orphan);
+  }
+
+  // Puts the last cluster into the place of j.
+  void Replace(std::size_t j, std::size_t last) {
+    if (j != last) {
+      centre_[j] = centre_[last];
+      frequency_[j] = frequency_[last];
+      error_partner_[j] = error_partner_[last];
+      near_partner_[j] = near_partner_[last];
+      members_[j] = std::move(members_[last]);
+      for (std::size_t k = 0; k < last; ++k) {
+        if (error_partner_[k].other == last) error_partner_[k].other = j;
+        if (near_partner_[k].other == last) near_partner_[k].other = j;
+      }
+    }
+    centre_.pop_back();
+    frequency_.pop_back();
+    error_partner_.pop_back();
+    near_partner_.pop_back();
+    members_.pop_back();
+  }
+
+  bool track_distance_;
+  std::vector<Vector3> centre_;
+  std::vector<double> frequency_;
+  std::vector<Partner> error_partner_, near_partner_;  // measures: error, squared chord
+  std::vector<std::vector<std::uint32_t>> members_;
+};
+
+}  // namespace
+
+std::vector<double> Frequencies(std::span<const CellSums> cells, ClusterFrequency frequency) {
+  std::vector<double> result;
+  for (const CellSums& cell : cells) {
+    switch (frequency) {
+      case ClusterFrequency::kOne: result.push_back(1); break;
+      case ClusterFrequency::kEnergy: result.push_back(cell.energy); break;
+      case ClusterFrequency::kMeanLuminance:
+        result.push_back(cell.solid_angle > 0 ? cell.energy / cell.solid_angle : 0);
+        break;
+    }
+  }
+  return result;
+}
+
+Clustering ClusterPairwise(std::span<const Vector3> samples, std::span<const double> frequencies,
+                           const ClusterStop& stop) {
+  assert(samples.size() == frequencies.size());
+  if (stop.clusters < 0 || !(stop.separation >= 0)) {
+    throw InputError({}, "the number of clusters and their separation must not be negative");
+  }
+  for (double frequency : frequencies) {
+    if (!(frequency >= 0 && std::isfinite(frequency))) {
+      throw InputError({}, "frequencies of samples must be finite and not negative");
+    }
+  }
+  const double chord = 2 * std::sin(std::min(stop.separation, M_PI) / 2);
+  PairwiseMerger merger(samples, frequencies, chord > 0);
+  const std::size_t most = stop.clusters > 0 ? std::size_t(stop.clusters) : samples.size();
+  while (merger.size() > 1 && (merger.size() > most ||
+                               (chord > 0 && merger.LeastChordSquare() < chord * chord))) {
+    merger.MergeBest();
+  }
+  return merger.Result(samples.size());
+}
+
+}  // namespace skywave
