@@ -202,7 +202,8 @@ HWY_AFTER_NAMESPACE();
 
 // The three entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
 // for every target, SKYWAVE_BSDF_TABLE(Name, "name") under HWY_ONCE defines NameKernels(), which
-// dispatches. Macros, because dispatch works on names of functions.
+// dispatches; NameIsLobed, a constant, says whether Draw looks at lobe_u. Macros, because dispatch
+// works on names of functions.
 #define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                \
   void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, \
                       std::uint32_t n, const BsdfValueColumns& out) {                             \

@@ -55,6 +55,7 @@ struct BsdfValueColumns {
 struct BsdfKernels {
   std::string_view name;
   bool delta;  // no density: no light samples, value and pdf are 0
+  bool lobed;  // chooses between lobes: needs ScatterUniforms::lobe.u
 
   // Rows [0, n): value and pdf of directions wi (dir columns of `lights`).
   void (*evaluate)(const SurfaceColumns& surfaces, const MaterialView& materials,

@@ -114,6 +114,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
+inline constexpr bool ConductorIsLobed = true;
 SKYWAVE_BSDF_TABLE(Conductor, "conductor")
 
 }  // namespace skywave

@@ -105,6 +105,7 @@ HWY_EXPORT(ScatterDielectric);
 BsdfKernels MirrorKernels() {
   return {.name = "mirror",
           .delta = true,
+          .lobed = false,
           .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
           .evaluate_lights = nullptr,
           .scatter = SKYWAVE_SCATTER(ScatterMirror)};
@@ -112,6 +113,7 @@ BsdfKernels MirrorKernels() {
 BsdfKernels DielectricKernels() {
   return {.name = "dielectric",
           .delta = true,
+          .lobed = true,
           .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
           .evaluate_lights = nullptr,
           .scatter = SKYWAVE_SCATTER(ScatterDielectric)};

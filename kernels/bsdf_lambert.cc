@@ -36,6 +36,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
+inline constexpr bool LambertIsLobed = false;
 SKYWAVE_BSDF_TABLE(Lambert, "lambert")
 
 }  // namespace skywave

@@ -1,6 +1,7 @@
 #include "kernels/environment.h"
 
 #include <algorithm>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/environment.cc"
@@ -18,19 +19,27 @@ constexpr std::uint32_t kChunk = 256;
 struct SearchColumns {
   alignas(64) float x[kChunk];               // in: uniform; out: position inside the item found
   alignas(64) std::uint32_t item[kChunk];    // in: tree; out: item, counted through all trees
-  alignas(64) std::uint32_t target[kChunk];  // scaled uniform, then first child
-  alignas(64) std::uint32_t low[kChunk], high[kChunk];  // cumulative masses around the child
+  alignas(64) std::uint32_t target[kChunk];  // position on the line of the node
+  alignas(64) std::uint32_t span[kChunk];    // start of the child, and of the next one << 16
 };
 
-// Number of the node's entries <= target. One node is one cache line.
-HWY_INLINE std::uint32_t CountNotAbove(const SearchNode& node, std::uint32_t target) {
+// The last child that does not start behind `target`. A node is one cache line.
+HWY_INLINE std::uint32_t FindChild(const SearchNode& node, std::uint32_t target) {
   const hn::CappedTag<std::int16_t, kNodeFan> d;
   const auto limit = hn::Set(d, static_cast<std::int16_t>(target));
-  std::size_t above = 0;
+  std::size_t behind = 0;
   for (std::size_t i = 0; i < kNodeFan; i += hn::Lanes(d)) {
-    above += hn::CountTrue(d, hn::Gt(hn::Load(d, node.cumulative + i), limit));
+    behind += hn::CountTrue(d, hn::Gt(hn::Load(d, node.start + i), limit));
   }
-  return kNodeFan - static_cast<std::uint32_t>(above);
+  return kNodeFan - 1 - static_cast<std::uint32_t>(behind);
+}
+
+// Start and end of a child from its span. Behind the last child stands the start of another node,
+// 0.
+HWY_INLINE VU SpanStart(VU span) { return hn::And(span, SetU(0xFFFFu)); }
+HWY_INLINE VU SpanEnd(VU span) {
+  const VU next = hn::ShiftRight<16>(span);
+  return IfThen(hn::Eq(next, SetU(0)), SetU(kNodeMass), next);
 }
 
 // Walks `n` searches down a level: `item` is the node on the way in and the child on the way out.
@@ -43,19 +52,19 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t n, SearchCol
   }
   for (std::uint32_t i = 0; i < n; ++i) {
     const SearchNode& node = nodes[s.item[i]];
-    const std::uint32_t child = CountNotAbove(node, s.target[i]);
-    s.high[i] = static_cast<std::uint32_t>(node.cumulative[child]);
-    s.low[i] = child == 0 ? 0 : static_cast<std::uint32_t>(node.cumulative[child - 1]);
+    const std::uint32_t child = FindChild(node, s.target[i]);
+    std::memcpy(&s.span[i], &node.start[child], sizeof s.span[i]);
     s.item[i] = s.item[i] * kNodeFan + child;
   }
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF low = ToFloat(Load(s.low + i)), high = ToFloat(Load(s.high + i));
-    Store(hn::Div(hn::Sub(Load(s.x + i), low), hn::Sub(high, low)), s.x + i);
+    const VU span = Load(s.span + i);
+    const VF start = ToFloat(SpanStart(span)), end = ToFloat(SpanEnd(span));
+    Store(hn::Div(hn::Sub(Load(s.x + i), start), hn::Sub(end, start)), s.x + i);
   }
 }
 
-// Searches the tree whose number stands in `item`. Afterwards high - low is the mass of the item in
-// its leaf. A level's nodes are numbered through all trees, so that the child numbers of one level,
+// Searches the tree whose number stands in `item`. Afterwards the span is that of the item in its
+// leaf. A level's nodes are numbered through all trees, so that the child numbers of one level,
 // less what the padding of the level above skips, are node numbers of the next.
 HWY_INLINE void Search(const SearchTreeView& trees, std::uint32_t n, SearchColumns& s) {
   alignas(64) std::uint32_t tree[kChunk];
@@ -91,20 +100,18 @@ HWY_INLINE VU BlockOf(const InversionView& inversion, VU column, VU row) {
   return hn::Add(hn::Mul(row, SetU(inversion.blocks)), hn::ShiftRight<5>(column));
 }
 
-// Mass of a texel in its leaf: two neighbours of the leaf's cumulative masses, which stand in pairs
-// in 32-bit words.
+// Mass of a texel in its leaf. Starts stand in pairs in 32-bit words: of an even child both ends
+// are in one word, of an odd one in two.
 HWY_INLINE VU LeafMass(const InversionView& inversion, VU block, VU column) {
   const SearchTreeView& trees = inversion.columns;
   const auto* words = reinterpret_cast<const std::uint32_t*>(trees.level[trees.levels - 1]);
   const VU child = hn::And(column, SetU(kNodeFan - 1));
-  const auto cumulative = [&](VU index) HWY_ATTR {
-    const VU word = Gather(words, hn::Add(hn::ShiftLeft<4>(block), hn::ShiftRight<1>(index)));
-    const MU odd = hn::TestBit(index, SetU(1));
-    return IfThen(odd, hn::ShiftRight<16>(word), hn::And(word, SetU(0xFFFFu)));
-  };
-  const MU first = hn::Eq(child, SetU(0));
-  const VU before = cumulative(IfThen(first, child, hn::Sub(child, SetU(1))));
-  return hn::Sub(cumulative(child), IfThen(first, SetU(0), before));
+  const VU at = hn::Add(hn::ShiftLeft<4>(block), hn::ShiftRight<1>(child));
+  const VU word = Gather(words, at);
+  const VU next = Gather(words, hn::Add(at, SetU(1)));
+  const VU odd_span = hn::Or(hn::ShiftRight<16>(word), hn::ShiftLeft<16>(next));
+  const VU span = IfThen(hn::TestBit(child, SetU(1)), odd_span, word);
+  return hn::Sub(SpanEnd(span), SpanStart(span));
 }
 
 HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {
@@ -139,7 +146,8 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
       const MU inside = RowsBelow(i, rows);
       const VU row = hn::IfThenElseZero(inside, Load(down.item + i));
       const VU column = hn::IfThenElseZero(inside, Load(across.item + i));
-      const VU mass = hn::Sub(Load(across.high + i), Load(across.low + i));
+      const VU span = Load(across.span + i);
+      const VU mass = hn::Sub(SpanEnd(span), SpanStart(span));
 
       const VU area = hn::ShiftLeft<1>(row);
       const VF w = hn::Add(Gather(areas, area),

@@ -15,14 +15,14 @@
 
 namespace skywave {
 
-// A discrete distribution over n items as a tree of cache lines: a node holds the cumulative masses
-// of its 32 children, integers that end at kNodeMass, so a step of a search is one line, compared
-// in one or two instructions, without a branch. Levels: 1, 2 or 3 for n up to 32, 1024 and 32768.
-// Cumulation keeps the order of the items: the inversion is monotone.
+// A discrete distribution over n items as a tree of cache lines: a node says where the masses of
+// its 32 children start, integers on a line of length kNodeMass, so a step of a search is one cache
+// line, compared in one or two instructions, without a branch. Levels: 1, 2 or 3 for n up to 32,
+// 1024 and 32768. Cumulation keeps the order of the items: the inversion is monotone.
 inline constexpr std::uint32_t kNodeFan = 32;
 inline constexpr std::uint32_t kNodeMass = 32767;  // the largest 16-bit signed integer
 struct alignas(64) SearchNode {
-  std::int16_t cumulative[kNodeFan];  // of children 0..k; repeats where a child has no mass
+  std::int16_t start[kNodeFan];  // start[0] = 0; a child without mass starts where the next does
 };
 struct SearchTreeView {
   std::uint32_t levels;

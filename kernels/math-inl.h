@@ -64,6 +64,7 @@ HWY_INLINE VF Atan2Turn(VF y, VF x) {
 
 // The bits of every lane in reverse order.
 HWY_INLINE VU ReverseBits(VU v) {
+#if HWY_TARGET == HWY_SCALAR
   const VU m1 = SetU(0x55555555u), m2 = SetU(0x33333333u), m4 = SetU(0x0F0F0F0Fu),
            m8 = SetU(0x00FF00FFu);
   v = hn::Or(hn::And(hn::ShiftRight<1>(v), m1), hn::ShiftLeft<1>(hn::And(v, m1)));
@@ -71,6 +72,23 @@ HWY_INLINE VU ReverseBits(VU v) {
   v = hn::Or(hn::And(hn::ShiftRight<4>(v), m4), hn::ShiftLeft<4>(hn::And(v, m4)));
   v = hn::Or(hn::And(hn::ShiftRight<8>(v), m8), hn::ShiftLeft<8>(hn::And(v, m8)));
   return hn::RotateRight<16>(v);
+#else
+  // Each nibble by a table of sixteen bytes, then the bytes of each lane in reverse order.
+  alignas(16) static constexpr std::uint8_t kLow[16] = {0x00, 0x80, 0x40, 0xC0, 0x20, 0xA0,
+                                                        0x60, 0xE0, 0x10, 0x90, 0x50, 0xD0,
+                                                        0x30, 0xB0, 0x70, 0xF0};
+  alignas(16) static constexpr std::uint8_t kHigh[16] = {0x0, 0x8, 0x4, 0xC, 0x2, 0xA, 0x6, 0xE,
+                                                         0x1, 0x9, 0x5, 0xD, 0x3, 0xB, 0x7, 0xF};
+  alignas(16) static constexpr std::uint8_t kOrder[16] = {3,  2,  1, 0, 7,  6,  5,  4,
+                                                          11, 10, 9, 8, 15, 14, 13, 12};
+  const hn::Repartition<std::uint8_t, U> bytes;
+  const auto nibble = hn::Set(bytes, std::uint8_t{0x0F});
+  const auto b = hn::BitCast(bytes, v);
+  const auto low = hn::TableLookupBytes(hn::LoadDup128(bytes, kLow), hn::And(b, nibble));
+  const auto shifted = hn::BitCast(bytes, hn::ShiftRight<4>(v));
+  const auto high = hn::TableLookupBytes(hn::LoadDup128(bytes, kHigh), hn::And(shifted, nibble));
+  return hn::BitCast(U(), hn::TableLookupBytes(hn::Or(low, high), hn::LoadDup128(bytes, kOrder)));
+#endif
 }
 
 // 32 random bits to [0, 1): the top 24, which a float holds exactly.

@@ -2,6 +2,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/partition.cc"
+#include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/simd-inl.h"
@@ -11,11 +12,16 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
+constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of a record
 
 void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
                   std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    // Records are random accesses: ask for those of later rows now.
+    for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
+      if (ahead < n && hits.geom[ahead] != kNoHit) hwy::Prefetch(triangles + hits.triangle[ahead]);
+    }
     const MU inside = RowsBelow(i, n);
     const MU hit = hn::And(inside, hn::Ne(Load(hits.geom + i), SetU(kNoHit)));
     // Triangle 0's record stands in for a miss: always there, and cached.

@@ -41,8 +41,9 @@ void Add(const CellSums& part, CellSums& sums) {
 
 Vector3 PositionOf(const CellSums& cell, const Vector3& sample, LightPosition position) {
   if (position == LightPosition::kSample) return sample;
-  const Vector3 centre = NormalizeOr(cell.area_moment, sample);
-  return position == LightPosition::kCentre ? centre : NormalizeOr(cell.energy_moment, centre);
+  const Vector3 centre = NormalizeOr(cell.area_moment, cell.solid_angle, sample);
+  if (position == LightPosition::kCentre) return centre;
+  return NormalizeOr(cell.energy_moment, cell.energy, centre);
 }
 
 }  // namespace
@@ -107,8 +108,7 @@ CellMap CellsOfRegions(int width, int height, std::span<const Region> regions) {
 std::vector<Vector3> RegionCentres(int width, int height, std::span<const Region> regions) {
   std::vector<Vector3> centres;
   for (const Region& r : regions) {
-    centres.push_back(
-        DirectionOfUv((r.x0 + r.x1) / (2.0 * width), (r.y0 + r.y1) / (2.0 * height)));
+    centres.push_back(DirectionOfUv((r.x0 + r.x1) / (2.0 * width), (r.y0 + r.y1) / (2.0 * height)));
   }
   return centres;
 }
@@ -125,7 +125,7 @@ LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, Light
     const std::vector<CellSums> cells =
         SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      samples[i] = NormalizeOr(cells[i].energy_moment, samples[i]);
+      samples[i] = NormalizeOr(cells[i].energy_moment, cells[i].energy, samples[i]);
     }
   }
   return LightsOfCells(map, VoronoiCells(map.width, map.height, samples), samples, position);

@@ -19,10 +19,10 @@ inline constexpr std::uint32_t kNoCell = 0xFFFFFFFFu;
 using CellMap = std::vector<std::uint32_t>;  // width * height: cell of a texel, or kNoCell
 
 struct DirectionalLight {
-  Vector3 direction;                  // towards the light, unit, map space
+  Vector3 direction;                      // towards the light, unit, map space
   std::array<double, 3> irradiance = {};  // on a surface that faces it [radiance * sr]
-  double energy = 0;                  // luminance of the irradiance
-  double solid_angle = 0;             // of its cell [sr]
+  double energy = 0;                      // luminance of the irradiance
+  double solid_angle = 0;                 // of its cell [sr]
 };
 
 struct LightSet {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "base/error.h"
 
@@ -18,8 +19,8 @@ struct Partner {
   std::size_t other = 0;
 };
 
-// Clusters that are left, side by side; a merged one is replaced by the last. Each knows its partner
-// of least error and, if separation matters, its nearest in space; both are kept exact.
+// Clusters that are left, side by side; a merged one is replaced by the last. Each knows its
+// partner of least error and, if separation matters, its nearest in space; both are kept exact.
 class PairwiseMerger {
  public:
   PairwiseMerger(std::span<const Vector3> samples, std::span<const double> frequencies,
@@ -30,8 +31,10 @@ class PairwiseMerger {
         error_partner_(samples.size()),
         near_partner_(samples.size()),
         members_(samples.size()) {
-    for (std::size_t i = 0; i < samples.size(); ++i) members_[i] = {std::uint32_t(i)};
-    for (std::size_t i = 0; i < samples.size(); ++i) FindPartners(i);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      members_[i] = {std::uint32_t(i)};
+      for (std::size_t j = 0; j < i; ++j) Meet(i, j);
+    }
   }
 
   std::size_t size() const { return centre_.size(); }
@@ -97,11 +100,6 @@ class PairwiseMerger {
     if (chord_square < near_partner_[j].measure) near_partner_[j] = {chord_square, i};
   }
 
-  // Partners of i among those before it when the table is built.
-  void FindPartners(std::size_t i) {
-    for (std::size_t j = 0; j < i; ++j) Meet(i, j);
-  }
-
   void SearchAgain(std::size_t i) {
     error_partner_[i] = near_partner_[i] = {};
     for (std::size_t j = 0; j < size(); ++j) {
@@ -114,7 +112,7 @@ class PairwiseMerger {
     const double sum = frequency_[i] + frequency_[j];
     const double share = sum > 0 ? frequency_[i] / sum : 0.5;
     const Vector3 heavier = frequency_[i] >= frequency_[j] ? centre_[i] : centre_[j];
-    centre_[i] = NormalizeOr(share * centre_[i] + (1 - share) * centre_[j], heavier);
+    centre_[i] = NormalizeOr(share * centre_[i] + (1 - share) * centre_[j], 1, heavier);
     frequency_[i] = sum;
     members_[i].insert(members_[i].end(), members_[j].begin(), members_[j].end());
 
@@ -170,8 +168,12 @@ std::vector<double> Frequencies(std::span<const CellSums> cells, ClusterFrequenc
   std::vector<double> result;
   for (const CellSums& cell : cells) {
     switch (frequency) {
-      case ClusterFrequency::kOne: result.push_back(1); break;
-      case ClusterFrequency::kEnergy: result.push_back(cell.energy); break;
+      case ClusterFrequency::kOne:
+        result.push_back(1);
+        break;
+      case ClusterFrequency::kEnergy:
+        result.push_back(cell.energy);
+        break;
       case ClusterFrequency::kMeanLuminance:
         result.push_back(cell.solid_angle > 0 ? cell.energy / cell.solid_angle : 0);
         break;
@@ -191,11 +193,11 @@ Clustering ClusterPairwise(std::span<const Vector3> samples, std::span<const dou
       throw InputError({}, "frequencies of samples must be finite and not negative");
     }
   }
-  const double chord = 2 * std::sin(std::min(stop.separation, M_PI) / 2);
+  const double chord = 2 * std::sin(std::min(stop.separation, std::numbers::pi) / 2);
   PairwiseMerger merger(samples, frequencies, chord > 0);
   const std::size_t most = stop.clusters > 0 ? std::size_t(stop.clusters) : samples.size();
-  while (merger.size() > 1 && (merger.size() > most ||
-                               (chord > 0 && merger.LeastChordSquare() < chord * chord))) {
+  while (merger.size() > 1 &&
+         (merger.size() > most || (chord > 0 && merger.LeastChordSquare() < chord * chord))) {
     merger.MergeBest();
   }
   return merger.Result(samples.size());

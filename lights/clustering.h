@@ -1,6 +1,6 @@
-// Clustering of sample directions by pairwise nearest neighbours (T 7.4.3; Velho, Gomes and Sobreiro
-// 1997, "Color Image Quantization by Pairwise Clustering"), which takes redundant lights out of a
-// set: Penrose samples pile up in the few texels of a sun.
+// Clustering of sample directions by pairwise nearest neighbours (T 7.4.3; Velho, Gomes and
+// Sobreiro 1997, "Color Image Quantization by Pairwise Clustering"), which takes redundant lights
+// out of a set: Penrose samples pile up in the few texels of a sun.
 #pragma once
 
 #include <cstdint>
@@ -26,16 +26,16 @@ struct ClusterStop {
 };
 
 struct Clustering {
-  std::vector<Vector3> directions;            // unit
-  std::vector<double> frequencies;            // sum over the members
+  std::vector<Vector3> directions;  // unit
+  std::vector<double> frequencies;  // sum over the members
   std::vector<std::uint32_t> cluster_of_sample;
 };
 
 // Again and again merges the pair with the least E = Fi Fj / (Fi + Fj) angle(ci, cj)^2 into
 // (Fi ci + Fj cj) / (Fi + Fj), put back on the sphere. Note that the pair of least E need not be
-// the nearest one. Time O(n^2) for most sets: a second for 10 000 samples. Cells have to be computed
-// anew by the caller. Throws InputError for a negative stop or a frequency that is negative or not
-// finite. Order of the result: by the lowest sample of each cluster.
+// the nearest one. Time O(n^2) for most sets: a second for 10 000 samples. Cells have to be
+// computed anew by the caller. Throws InputError for a negative stop or a frequency that is
+// negative or not finite. Order of the result: by the lowest sample of each cluster.
 Clustering ClusterPairwise(std::span<const Vector3> samples, std::span<const double> frequencies,
                            const ClusterStop& stop);
 

@@ -7,7 +7,7 @@
 namespace skywave {
 namespace {
 
-// Integer masses of a node's children, cumulated; mass[k] of child k on the way.
+// Integer masses of a node's children: their starts go to the node, the masses to mass[k].
 void FillNode(const double* weights, std::uint32_t count, SearchNode& node, std::uint32_t* mass) {
   double total = 0;
   for (std::uint32_t k = 0; k < count; ++k) total += weights[k];
@@ -26,12 +26,12 @@ void FillNode(const double* weights, std::uint32_t count, SearchNode& node, std:
   } else {
     mass[0] = kNodeMass;  // never reached: its parent gives it no mass
   }
-  std::uint32_t cumulative = 0;
+  std::uint32_t start = 0;
   for (std::uint32_t k = 0; k < kNodeFan; ++k) {
-    cumulative += mass[k];
-    node.cumulative[k] = std::int16_t(cumulative);
+    node.start[k] = std::int16_t(start);
+    start += mass[k];
   }
-  assert(cumulative == kNodeMass);
+  assert(start == kNodeMass);
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ SearchTrees::SearchTrees(std::uint32_t items, std::uint32_t trees) : items_(item
   for (std::uint32_t level = levels_; level-- > 0;) {
     width = (width + kNodeFan - 1) / kNodeFan;
     nodes_[level] = width;
-    level_[level].resize(std::size_t(width) * trees);
+    level_[level].resize(std::size_t(width) * trees + 1);  // the padding starts with a 0
   }
 }
 

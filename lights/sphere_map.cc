@@ -22,7 +22,8 @@ double SineSquareIntegral(double a, double h) {
   if (h < 0.01) {  // three-point Gauss-Legendre: error below h^7 / 1e4
     const double middle = a + h / 2, offset = h / 2 * std::sqrt(0.6);
     const auto square = [](double x) { return std::sin(x) * std::sin(x); };
-    return h / 18 * (5 * square(middle - offset) + 8 * square(middle) + 5 * square(middle + offset));
+    return h / 18 *
+           (5 * square(middle - offset) + 8 * square(middle) + 5 * square(middle + offset));
   }
   return h / 2 - std::cos(2 * a + h) * std::sin(h) / 2;
 }

@@ -101,8 +101,7 @@ Strata StrataByVariation(const SphereMap& map, double* zeta_minimum) {
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const double luminance = map.luminance[sorted[i]];
     x += map.solid_angle[sorted[i] / map.width];
-    const double zeta =
-        (brightest + luminance) / 2 * x + (luminance + dimmest) / 2 * (4 * kPi - x);
+    const double zeta = (brightest + luminance) / 2 * x + (luminance + dimmest) / 2 * (4 * kPi - x);
     if (zeta < best) best = zeta, count = i + 1;
   }
   if (zeta_minimum) *zeta_minimum = map.AreaInPixels(best);

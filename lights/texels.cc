@@ -25,6 +25,14 @@ PackedRadiance Pack(const float* rgb, double inverse_unit) {
   return packed;
 }
 
+void Unpack(PackedRadiance packed, float unit, float* rgb) {
+  const int exponent = int(packed >> 3 * kMantissaBits) - int(kMaxExponent);
+  for (int c = 0; c < 3; ++c) {
+    const std::uint32_t mantissa = packed >> kMantissaBits * c & (kMantissas - 1);
+    rgb[c] = std::ldexp(float(mantissa) * unit, exponent);
+  }
+}
+
 }  // namespace
 
 Texels::Texels(const EnvironmentMap& map)
@@ -41,17 +49,28 @@ Texels::Texels(const EnvironmentMap& map)
     ++exponent;
   }
   unit_ = std::ldexp(1.0f, std::clamp(exponent - int(kMantissaBits), -90, 110));
-  for (std::size_t i = 0; i < packed_.size(); ++i) packed_[i] = Pack(&rgb_[3 * i], 1.0 / unit_);
+  // What a texel loses by rounding is handed to the next, so that energy is kept: a bright texel is
+  // off by a thousandth of itself, which would show in the light of the whole map.
+  float lost[3] = {};
+  double solid_angle = 1;
+  for (std::uint32_t row = 0; row < height_; ++row) {
+    const double next_solid_angle = RowSolidAngle(int(width_), int(height_), int(row));
+    for (float& channel : lost) channel *= float(solid_angle / next_solid_angle);
+    solid_angle = next_solid_angle;
+    for (std::uint32_t column = 0; column < width_; ++column) {
+      const std::size_t i = std::size_t(row) * width_ + column;
+      float wanted[3], held[3];
+      for (int c = 0; c < 3; ++c) wanted[c] = std::max(rgb_[3 * i + c] + lost[c], 0.0f);
+      packed_[i] = Pack(wanted, 1.0 / unit_);
+      Unpack(packed_[i], unit_, held);
+      for (int c = 0; c < 3; ++c) lost[c] += rgb_[3 * i + c] - held[c];
+    }
+  }
 }
 
 float Texels::Luminance(std::uint32_t column, std::uint32_t row) const {
-  const PackedRadiance packed = packed_[std::size_t(row) * width_ + column];
-  const int exponent = int(packed >> 3 * kMantissaBits) - int(kMaxExponent);
   float rgb[3];
-  for (int c = 0; c < 3; ++c) {
-    const std::uint32_t mantissa = packed >> kMantissaBits * c & (kMantissas - 1);
-    rgb[c] = std::ldexp(float(mantissa) * unit_, exponent);
-  }
+  Unpack(packed_[std::size_t(row) * width_ + column], unit_, rgb);
   return skywave::Luminance(rgb);
 }
 

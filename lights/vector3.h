@@ -27,10 +27,11 @@ inline Vector3 Cross(const Vector3& a, const Vector3& b) {
 }
 inline double Length(const Vector3& a) { return std::sqrt(Dot(a, a)); }
 
-// a / |a|, or `fallback` where a has no direction to speak of.
-inline Vector3 NormalizeOr(const Vector3& a, const Vector3& fallback) {
+// a / |a|, or `fallback` where a is but the rounding of a sum of vectors whose lengths sum to
+// `scale`.
+inline Vector3 NormalizeOr(const Vector3& a, double scale, const Vector3& fallback) {
   const double length = Length(a);
-  return length > 1e-150 ? (1 / length) * a : fallback;
+  return length > 1e-11 * scale ? (1 / length) * a : fallback;
 }
 
 // Angle between unit vectors [rad], accurate near 0 and pi.

@@ -11,10 +11,11 @@ namespace skywave {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kRootTiles = 16;       // tiles along each side that start from all samples
+constexpr int kRootTiles = 16;           // tiles along each side that start from all samples
 constexpr std::size_t kLeafTexels = 16;  // or smaller: every candidate is tried at every texel
-// Angles below this are left to the comparison at the texel, which knows its own rounding.
-constexpr double kAngleSlack = 1e-7;
+// Leads of one sample over another below this are left to the comparison at the texel, so that its
+// rounding decides, as it does when all samples are tried.
+constexpr double kDotSlack = 1e-14;
 
 struct Candidate {
   Vector3 direction;
@@ -24,7 +25,7 @@ struct Candidate {
 // A circular part of the sphere.
 struct Cap {
   Vector3 centre;
-  double sine_radius;  // > 1: too wide to rule any sample out
+  double sine, cosine;  // of the radius; cosine <= 0: too wide to rule any sample out
 };
 
 struct Diagram {
@@ -43,7 +44,7 @@ Cap CapOf(const Diagram& diagram, const Region& tile) {
   const int columns = tile.x1 - tile.x0;
   const double u = (tile.x0 + tile.x1) / (2.0 * diagram.width);
   const double v = (tile.y0 + tile.y1) / (2.0 * diagram.height);
-  Cap cap = {DirectionOfUv(u, v), 2};
+  Cap cap = {DirectionOfUv(u, v), 0, -1};
   if (2 * columns > diagram.width && columns > 1) return cap;
   double chord = 0;
   for (int y : {tile.y0, tile.y1 - 1}) {
@@ -51,15 +52,17 @@ Cap CapOf(const Diagram& diagram, const Region& tile) {
       chord = std::max(chord, Length(cap.centre - diagram.TexelCentre(x, y)));
     }
   }
-  const double radius = 2 * std::asin(std::min(chord / 2, 1.0)) + kAngleSlack;
-  if (radius < kPi / 2) cap.sine_radius = std::sin(radius);
+  const double radius = 2 * std::asin(std::min(chord / 2, 1.0));
+  cap.sine = std::sin(radius);
+  cap.cosine = std::cos(radius);
   return cap;
 }
 
 // Appends to `kept` those of `candidates` that may own a point of the cap: all but those s for
-// which the whole cap lies on the side of the centre's owner t, dot(p, t - s) > 0 for all p.
+// which the whole cap lies on the side of the centre's owner t, dot(p, t - s) > 0 for all p. That
+// is least where p leans from the centre by the radius, straight away from t - s.
 void Filter(std::span<const Candidate> candidates, const Cap& cap, std::vector<Candidate>& kept) {
-  if (cap.sine_radius > 1) {
+  if (cap.cosine <= 0) {
     kept.insert(kept.end(), candidates.begin(), candidates.end());
     return;
   }
@@ -69,12 +72,11 @@ void Filter(std::span<const Candidate> candidates, const Cap& cap, std::vector<C
     const double dot = Dot(candidate.direction, cap.centre);
     if (dot > best) best = dot, owner = &candidate;
   }
-  const double sine_square = cap.sine_radius * cap.sine_radius;
   for (const Candidate& candidate : candidates) {
     const Vector3 apart = owner->direction - candidate.direction;
     const double lead = Dot(apart, cap.centre);
-    if (lead > 0 && lead * lead > Dot(apart, apart) * sine_square && lead > 1e-14) continue;
-    kept.push_back(candidate);
+    const double across = std::sqrt(std::max(0.0, Dot(apart, apart) - lead * lead));
+    if (lead * cap.cosine - across * cap.sine <= kDotSlack) kept.push_back(candidate);
   }
 }
 

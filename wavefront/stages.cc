@@ -102,22 +102,20 @@ std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const UniformColumns& direction, const UniformColumns& lobe,
                       const RayColumns& rays) {
-  const std::uint32_t first = ranges.begin[first_kind], n = ranges.total() - first;
-  if (n == 0) return 0;
-  const std::uint32_t* path = surfaces.path + first;
-  DrawUniforms(paths, path, n, SamplePair(bounce, SampleUse::kScatter), {},
-               Slice(direction, first));
-  DrawUniforms(paths, path, n, SamplePair(bounce, SampleUse::kLobe), {}, Slice(lobe, first));
   const MaterialView materials = frame.geometry->materials();
+  const bool roulette = bounce >= kFirstRouletteBounce;
   std::uint32_t appended = 0;
   for (std::uint32_t kind = first_kind; kind < kBsdfKinds; ++kind) {
-    if (ranges.count(kind) == 0) continue;
-    const std::uint32_t begin = ranges.begin[kind];
-    const ScatterUniforms uniforms = {.direction = Slice(direction, begin),
-                                      .lobe = Slice(lobe, begin)};
-    const ScatterPolicy policy = {.roulette = bounce >= kFirstRouletteBounce, .first_row = begin};
-    appended = Bsdfs()[kind].scatter(Slice(surfaces, begin), materials, uniforms,
-                                     ranges.count(kind), policy, rays, appended);
+    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
+    if (n == 0) continue;
+    const BsdfKernels& bsdf = Bsdfs()[kind];
+    const SurfaceColumns rows = Slice(surfaces, begin);
+    DrawUniforms(paths, rows.path, n, SamplePair(bounce, SampleUse::kScatter), {}, direction);
+    if (bsdf.lobed || roulette) {
+      DrawUniforms(paths, rows.path, n, SamplePair(bounce, SampleUse::kLobe), {}, lobe);
+    }
+    appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, n,
+                            {.roulette = roulette, .first_row = begin}, rays, appended);
   }
   return appended;
 }
