@@ -180,7 +180,10 @@ HWY_INLINE VF FresnelConductor(VF c, VF eta, VF k) {
   const VF rs = hn::Div(hn::Sub(t1, t2), hn::Add(t1, t2));
   const VF t3 = hn::Add(hn::Mul(c2, a2_plus_b2), hn::Mul(s2, s2));
   const VF t4 = hn::Mul(t2, s2);
-  const VF rp = hn::Mul(rs, hn::Div(hn::Sub(t3, t4), hn::Max(hn::Add(t3, t4), Set(1e-30f))));
+  // At normal incidence on a perfect mirror t3 = t4 = 0.
+  const VF tiny = Set(1e-30f);
+  const VF rp =
+      hn::Mul(rs, hn::Div(hn::Add(hn::Sub(t3, t4), tiny), hn::Add(hn::Add(t3, t4), tiny)));
   return hn::Mul(Set(0.5f), hn::Add(rs, rp));
 }
 HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {

@@ -1,0 +1,285 @@
+// BSDFs without a density: where they send light and how much of it, against optics in double; and
+// what scattering does for every BSDF.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/shading_rows.h"
+#include "tests/support/statistics.h"
+#include "tests/support/targets.h"
+
+namespace skywave {
+namespace {
+
+const Vec kNormal = Unit({0.5, -0.3, -0.7});
+
+MaterialCase Mirror(const float (&eta)[3], const float (&k)[3]) {
+  MaterialRecord record = Conductor(0, eta, k);
+  record.color[0] = 0.9f, record.color[1] = 0.5f, record.color[2] = 0.25f;
+  return {"mirror", BsdfKind::kMirror, record};
+}
+MaterialCase Glass(float ior) {
+  return {"glass", BsdfKind::kDielectric, {.color = {1, 0.5f, 0.25f}, .ior = ior}};
+}
+
+// A normal and an eye that sees it at exactly cosine 1 too.
+Vec EyeAt(double cosine) { return cosine == 1 ? kNormal : AtAngle(kNormal, cosine); }
+
+TEST(Mirror, ReflectsByFresnel) {
+  const float none[3] = {0, 0, 0};
+  const float eta[3] = {0.143f, 0.375f, 1.442f}, k[3] = {3.983f, 2.386f, 1.603f};
+  for (const MaterialCase& material : {Mirror(none, none), Mirror(eta, k)}) {
+    for (const double cosine : {1.0, 0.99999, 0.9, 0.5, 0.1, 0.01}) {
+      const Vec wo = EyeAt(cosine);
+      const ShadingRows rows(material, 1, kNormal, wo);
+      soa::Table<RayColumns> rays(1);
+      ASSERT_EQ(rows.kernels.scatter(rows.surfaces, rows.materials(), ScatterRows(1, 1).view(), 1,
+                                     {}, rays, 0),
+                1u);
+      EXPECT_LT(Angle(RayDirection(rays, 0), 2 * Dot(kNormal, wo) * kNormal - wo), 1e-6);
+      EXPECT_EQ(rays->pdf[0], 0);
+      const float weight[3] = {rays->throughput_r[0], rays->throughput_g[0], rays->throughput_b[0]};
+      for (int c = 0; c < 3; ++c) {
+        const MaterialRecord& record = material.record;
+        const double exact =
+            record.color[c] * FresnelReflectance(Dot(kNormal, wo), {record.eta[c], record.k[c]});
+        EXPECT_NEAR(weight[c], exact, 1e-5) << "channel " << c << ", cosine " << cosine;
+      }
+    }
+  }
+}
+
+// At cosine 1 both polarisations of Fresnel's formula are 0 / 0 for the index that stands for a
+// perfect mirror.
+TEST(Mirror, PerfectMirrorSeenHeadOnLosesNothing) {
+  MaterialRecord record = {.color = {1, 1, 1}};
+  const Vec up = {0, 0, 1};
+  const ShadingRows rows({"", BsdfKind::kMirror, record}, 1, up, up);
+  soa::Table<RayColumns> rays(1);
+  rows.kernels.scatter(rows.surfaces, rows.materials(), ScatterRows(1, 1).view(), 1, {}, rays, 0);
+  EXPECT_EQ(rays->throughput_r[0], 1);
+}
+
+// The lobe is chosen by lobe.u: over an even grid of it the shares of the lobes are Fresnel's.
+TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
+  constexpr std::uint32_t kGrid = 4096;
+  ScatterRows uniforms(kGrid, 3);
+  for (std::uint32_t i = 0; i < kGrid; ++i) uniforms.lobe->u[i] = (float(i) + 0.5f) / kGrid;
+  for (const float ior : {1.0f, 1.1f, 1.5f, 2.4f, 0.75f}) {
+    for (const bool inside : {false, true}) {
+      for (const double cosine : {1.0, 0.9, 0.7, 0.5, 0.2, 0.05}) {
+        const Vec wo = EyeAt(cosine);
+        ShadingRows rows(Glass(ior), kGrid, kNormal, wo);
+        for (std::uint32_t i = 0; i < kGrid; ++i) {
+          rows.surfaces->material[i] = 1 | (inside ? kBackFace : 0);
+        }
+        soa::Table<RayColumns> rays(kGrid);
+        // Every sample goes on: what is not reflected is refracted.
+        ASSERT_EQ(rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {},
+                                       rays, 0),
+                  kGrid);
+        const double near = inside ? ior : 1, far = inside ? 1 : ior, ratio = near / far;
+        const double sine_t2 = ratio * ratio * (1 - cosine * cosine);
+        double reflectance = 1;
+        if (sine_t2 < 1) {
+          const double cos_t = std::sqrt(1 - sine_t2);
+          const double s = (near * cosine - far * cos_t) / (near * cosine + far * cos_t);
+          const double p = (far * cosine - near * cos_t) / (far * cosine + near * cos_t);
+          reflectance = (s * s + p * p) / 2;
+        }
+        const Vec mirrored = 2 * cosine * kNormal - wo;
+        const Vec refracted =
+            (ratio * cosine - std::sqrt(std::max(0.0, 1 - sine_t2))) * kNormal - ratio * wo;
+        std::uint32_t reflections = 0;
+        for (std::uint32_t i = 0; i < kGrid; ++i) {
+          const Vec wi = RayDirection(rays, i);
+          const Vec origin = Get(i, rays->org_x, rays->org_y, rays->org_z);
+          const SurfaceColumns& s = rows.surfaces;
+          const Vec front = Get(i, s.org_x, s.org_y, s.org_z);
+          const bool reflects = Dot(wi, kNormal) > 0;
+          reflections += reflects;
+          ASSERT_EQ(rays->pdf[i], 0);
+          ASSERT_LT(Angle(wi, reflects ? mirrored : refracted), 3e-6 / std::sqrt(cosine));
+          // Radiance over the squared index is what refraction keeps.
+          const double weight = reflects ? 1 : ratio * ratio;
+          ASSERT_NEAR(rays->throughput_r[i], weight, 1e-6 * weight);
+          ASSERT_NEAR(rays->throughput_b[i], weight / 4, 1e-6 * weight);
+          // It leaves from its own side, as far from the surface as on the other.
+          const Vec expected = reflects ? front : front - 2 * 0x1p-10 * kNormal;
+          ASSERT_LT(Length(origin - expected), 1e-6 * (1 + Length(front)));
+        }
+        EXPECT_NEAR(double(reflections) / kGrid, reflectance, 1.01 / kGrid + 2e-5)
+            << "index " << ior << (inside ? " from inside" : "") << ", cosine " << cosine;
+        EXPECT_TRUE(sine_t2 < 1 || reflections == kGrid) << "total internal reflection";
+      }
+    }
+  }
+}
+
+// A shading normal that would send the reflection below the surface gives way to the geometric one.
+TEST(Mirror, BentNormalsKeepTheReflectionAbove) {
+  constexpr std::uint32_t kRows = 2000;
+  const float none[3] = {0, 0, 0};
+  for (const MaterialCase& material : {Mirror(none, none), Glass(1.5f)}) {
+    ShadingRows rows(material, kRows, kNormal, kNormal);
+    Random random(5);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      const Vec ng = random.Direction(), ns = Unit(ng + 0.6 * random.Direction());
+      Vec wo = random.DirectionAbout(ng);
+      if (Dot(wo, ns) < 0.02) wo = Unit(ng + ns);
+      rows.Set(i, ns, ng, wo);
+    }
+    ScatterRows uniforms(kRows, 6);
+    std::fill_n(uniforms.lobe->u, kRows, 0.0f);  // glass reflects
+    soa::Table<RayColumns> rays(kRows);
+    ASSERT_EQ(
+        rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kRows, {}, rays, 0),
+        kRows);
+    const SurfaceColumns& s = rows.surfaces;
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      ASSERT_GT(Dot(RayDirection(rays, i), Get(i, s.ng_x, s.ng_y, s.ng_z)), 0) << "row " << i;
+    }
+  }
+}
+
+TEST(Bsdfs, TableIsInTheOrderOfTheKinds) {
+  const auto table = Bsdfs();
+  EXPECT_EQ(table[std::size_t(BsdfKind::kLambert)].name, "lambert");
+  EXPECT_EQ(table[std::size_t(BsdfKind::kConductor)].name, "conductor");
+  EXPECT_EQ(table[std::size_t(BsdfKind::kMirror)].name, "mirror");
+  EXPECT_EQ(table[std::size_t(BsdfKind::kDielectric)].name, "dielectric");
+  for (std::uint32_t k = 0; k < kBsdfKinds; ++k) {
+    EXPECT_EQ(table[k].delta, k >= kFirstDeltaBsdf) << table[k].name;
+    EXPECT_EQ(table[k].evaluate_lights == nullptr, table[k].delta) << table[k].name;
+  }
+}
+
+// ---- Scattering, for every BSDF ----
+
+class AnyBsdf : public testing::TestWithParam<std::uint32_t> {
+ protected:
+  AnyBsdf() : rows_(Material(), kFullWave, kNormal, kNormal) {
+    Random random(51);
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      const Vec ng = random.Direction(), ns = Unit(ng + 0.3 * random.Direction());
+      Vec wo = random.DirectionAbout(ng);
+      if (Dot(wo, ns) < 0.02) wo = Unit(ng + ns);
+      rows_.Set(i, ns, ng, wo);
+      const SurfaceColumns& s = rows_.surfaces;
+      s.throughput_r[i] = float(random.Between(0, 1)), s.throughput_g[i] = 0.1f;
+      s.throughput_b[i] = i % 3 == 0 ? 0.0f : 0.4f;
+      if (i % 13 == 0) s.throughput_r[i] = s.throughput_g[i] = s.throughput_b[i] = 0;
+      if (i % 2 == 0) s.material[i] |= kBackFace;
+    }
+  }
+  static MaterialCase Material() {
+    const float eta[3] = {0.143f, 0.375f, 1.442f}, k[3] = {3.983f, 2.386f, 1.603f};
+    switch (BsdfKind(GetParam())) {
+      case BsdfKind::kLambert:
+        return {"", BsdfKind::kLambert, {.color = {0.8f, 0.5f, 0.1f}}};
+      case BsdfKind::kConductor:
+        return {"", BsdfKind::kConductor, GoldConductor(0.3f)};
+      case BsdfKind::kMirror:
+        return Mirror(eta, k);
+      case BsdfKind::kDielectric:
+        return Glass(1.5f);
+    }
+    return {};
+  }
+  std::uint32_t Scatter(const ScatterRows& uniforms, std::uint32_t n, const ScatterPolicy& policy,
+                        const RayColumns& rays, std::uint32_t appended) const {
+    return rows_.kernels.scatter(rows_.surfaces, rows_.materials(), uniforms.view(), n, policy,
+                                 rays, appended);
+  }
+  ShadingRows rows_;
+};
+
+TEST_P(AnyBsdf, DeltaIsNeverMet) {
+  if (!rows_.kernels.delta) GTEST_SKIP();
+  const auto values = rows_.Evaluate(std::vector<Vec>(kFullWave, kNormal));
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    ASSERT_EQ(values->pdf[i] + values->r[i] + values->g[i] + values->b[i], 0);
+  }
+}
+
+// Rays in the order of their surfaces, behind those that were there.
+TEST_P(AnyBsdf, AppendsRaysInOrder) {
+  const ScatterRows uniforms(kFullWave, 53);
+  soa::Table<RayColumns> all(kFullWave);
+  const std::uint32_t alive = Scatter(uniforms, kFullWave, {}, all, 0);
+  ASSERT_GT(alive, kFullWave / 2);
+  for (std::uint32_t i = 0; i < alive; ++i) {
+    const std::uint32_t from = all->from[i];
+    ASSERT_TRUE(i == 0 || from > all->from[i - 1]) << "row " << i;
+    ASSERT_EQ(all->path[i], 7 * from + 1);
+    ASSERT_EQ(all->t_far[i], std::numeric_limits<float>::infinity());
+    ASSERT_NE(from % 13, 0u) << "a path without throughput goes on";
+    ASSERT_NEAR(Length(RayDirection(all, i)), 1, 1e-5);
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      constexpr std::uint32_t kBefore = 5, kFirstRow = 100;
+      soa::Table<RayColumns> rays(kFullWave + kBefore);
+      FillWithGarbage(rays.columns(), kFullWave + kBefore);
+      const auto before = ColumnBits(rays.columns(), kBefore);
+      const std::uint32_t end = Scatter(uniforms, n, {.first_row = kFirstRow}, rays, kBefore);
+      const auto expected =
+          std::uint32_t(std::lower_bound(all->from, all->from + alive, n) - all->from);
+      ASSERT_EQ(end, kBefore + expected) << n << " rows";
+      EXPECT_EQ(ColumnBits(rays.columns(), kBefore), before);
+      for (std::uint32_t i = 0; i < expected; ++i) rays->from[kBefore + i] -= kFirstRow;
+      EXPECT_EQ(ColumnBits(Slice(rays.columns(), kBefore), expected),
+                ColumnBits(all.columns(), expected))
+          << n << " rows";
+    }
+  });
+}
+
+// A path goes on with probability min(1, largest throughput), and what goes on makes up for the
+// rest.
+TEST_P(AnyBsdf, RouletteKeepsTheMean) {
+  constexpr std::uint32_t kGrid = 1024;
+  ScatterRows uniforms(kFullWave, 55);
+  soa::Table<RayColumns> all(kFullWave), some(kFullWave);
+  const std::uint32_t alive = Scatter(uniforms, kFullWave, {}, all, 0);
+  std::vector<std::uint32_t> survivals(kFullWave);
+  for (std::uint32_t step = 0; step < kGrid; ++step) {
+    std::fill_n(uniforms.lobe->v, kFullWave, (float(step) + 0.5f) / kGrid);
+    const std::uint32_t left = Scatter(uniforms, kFullWave, {.roulette = true}, some, 0);
+    std::uint32_t at = 0;
+    for (std::uint32_t i = 0; i < left; ++i) {
+      ++survivals[some->from[i]];
+      if (step % 64 != 0) continue;
+      while (all->from[at] != some->from[i]) ++at;
+      const double largest =
+          std::max({all->throughput_r[at], all->throughput_g[at], all->throughput_b[at]});
+      const double share = std::min(1.0, largest);
+      ASSERT_NEAR(some->throughput_r[i] * share, all->throughput_r[at], 1e-6);
+      ASSERT_NEAR(some->throughput_b[i] * share, all->throughput_b[at], 1e-6);
+    }
+  }
+  for (std::uint32_t i = 0; i < alive; ++i) {
+    const double largest =
+        std::max({all->throughput_r[i], all->throughput_g[i], all->throughput_b[i]});
+    ASSERT_NEAR(survivals[all->from[i]] / double(kGrid), std::min(1.0, largest), 1.01 / kGrid);
+  }
+}
+
+TEST_P(AnyBsdf, BitsDoNotDependOnTarget) {
+  const ScatterRows uniforms(kFullWave, 57);
+  ExpectSameOnEveryTarget([&] {
+    soa::Table<RayColumns> rays(kFullWave);
+    const std::uint32_t alive = Scatter(uniforms, kFullWave, {.roulette = true}, rays, 0);
+    return ColumnBits(rays.columns(), alive);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(All, AnyBsdf, testing::Range(0u, kBsdfKinds),
+                         [](const testing::TestParamInfo<std::uint32_t>& kind) {
+                           return std::string(Bsdfs()[kind.param].name);
+                         });
+
+}  // namespace
+}  // namespace skywave

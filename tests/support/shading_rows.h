@@ -1,0 +1,103 @@
+// Surfaces and materials for tests of BSDFs.
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "kernels/bsdf.h"
+#include "kernels/conductor_tables.h"
+#include "tests/support/random_rows.h"
+
+namespace skywave {
+
+struct MaterialCase {
+  std::string name;
+  BsdfKind kind;
+  MaterialRecord record;
+};
+
+inline MaterialRecord Conductor(float alpha, const float (&eta)[3], const float (&k)[3]) {
+  MaterialRecord record = {.color = {1, 1, 1}, .alpha = alpha, .ior = 1};
+  for (int c = 0; c < 3; ++c) {
+    record.eta[c] = eta[c], record.k[c] = k[c];
+    record.multiscatter[c] = ConductorMultiscatter(GgxTables(), alpha, eta[c], k[c]);
+  }
+  return record;
+}
+inline MaterialRecord WhiteConductor(float alpha) { return Conductor(alpha, {0, 0, 0}, {0, 0, 0}); }
+inline MaterialRecord GoldConductor(float alpha) {
+  return Conductor(alpha, {0.143f, 0.375f, 1.442f}, {3.983f, 2.386f, 1.603f});
+}
+
+// One surface in all rows: its material is record 1, so that an index that is dropped is seen.
+struct ShadingRows {
+  ShadingRows(const MaterialCase& material, std::uint32_t rows, Vec normal, Vec wo)
+      : kernels(Bsdfs()[std::size_t(material.kind)]),
+        records{MaterialRecord{}, material.record},
+        surfaces(rows) {
+    for (std::uint32_t i = 0; i < rows; ++i) Set(i, normal, normal, wo);
+  }
+  void Set(std::uint32_t i, Vec shading, Vec geometric, Vec wo) {
+    const SurfaceColumns& s = surfaces;
+    Put(shading, i, s.ns_x, s.ns_y, s.ns_z);
+    Put(geometric, i, s.ng_x, s.ng_y, s.ng_z);
+    Put(wo, i, s.wo_x, s.wo_y, s.wo_z);
+    s.throughput_r[i] = s.throughput_g[i] = s.throughput_b[i] = 1;
+    const float* color = records[1].color;
+    s.color_r[i] = color[0], s.color_g[i] = color[1], s.color_b[i] = color[2];
+    s.org_x[i] = float(i), s.org_y[i] = 2, s.org_z[i] = 3;
+    s.lift[i] = 0x1p-10f;
+    s.path[i] = 7 * i + 1;
+    s.material[i] = 1;
+  }
+  MaterialView materials() const { return {records.data(), &GgxTables()}; }
+
+  // Value and density of directions, one a row.
+  soa::Table<BsdfValueColumns> Evaluate(const std::vector<Vec>& wi) const {
+    const auto n = std::uint32_t(wi.size());
+    soa::Table<LightColumns> lights(n);
+    for (std::uint32_t i = 0; i < n; ++i)
+      Put(wi[i], i, lights->dir_x, lights->dir_y, lights->dir_z);
+    soa::Table<BsdfValueColumns> out(n);
+    kernels.evaluate(surfaces, materials(), lights, n, out);
+    return out;
+  }
+
+  BsdfKernels kernels;
+  std::vector<MaterialRecord> records;
+  soa::Table<SurfaceColumns> surfaces;
+};
+
+// Uniforms of n scattering events.
+struct ScatterRows {
+  explicit ScatterRows(std::uint32_t n) : direction(n), lobe(n) {}
+  ScatterRows(std::uint32_t n, std::uint32_t seed)
+      : direction(RandomUniforms(n, seed)), lobe(RandomUniforms(n, seed + 1)) {}
+  ScatterUniforms view() const { return {direction.columns(), lobe.columns()}; }
+  soa::Table<UniformColumns> direction, lobe;
+};
+
+inline Vec RayDirection(const RayColumns& rays, std::uint32_t row) {
+  return Get(row, rays.dir_x, rays.dir_y, rays.dir_z);
+}
+
+// Fresnel reflectance of unpolarised light at an index relative to the near side, by the amplitudes
+// in complex numbers; an index of 0 stands for a perfect mirror.
+inline double FresnelReflectance(double cosine, std::complex<double> index) {
+  if (index == 0.0) return 1;
+  const std::complex<double> sine2 = (1 - cosine * cosine) / (index * index);
+  const std::complex<double> inner = std::sqrt(1.0 - sine2);
+  const auto perpendicular = (cosine - index * inner) / (cosine + index * inner);
+  const auto parallel = (index * cosine - inner) / (index * cosine + inner);
+  return 0.5 * (std::norm(perpendicular) + std::norm(parallel));
+}
+
+// wo at an angle to a normal, with some azimuth.
+inline Vec AtAngle(Vec normal, double cosine) {
+  const Vec s = Unit(Cross(normal, {0.3, 0.9, 0.2})), t = Cross(normal, s);
+  const double sine = std::sqrt(1 - cosine * cosine);
+  return cosine * normal + sine * std::cos(0.7) * s + sine * std::sin(0.7) * t;
+}
+
+}  // namespace skywave
