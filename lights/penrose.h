@@ -1,7 +1,7 @@
 // Samples of a map with density proportional to importance and a blue-noise pattern, by the Penrose
 // tiling (Ostromoukhov et al. 2004; T 6.3).
 //
-// A sample of the tiling with value v at point p is taken when mag * I(p) > v - xi, with I the
+// A sample of the tiling with value v at point p is taken when mag * I(p) >= v - xi, with I the
 // importance there. Tiles are divided only where the largest importance of their texels can still
 // ask for their samples: a true bound, so that no sun is too small to be found.
 #pragma once
