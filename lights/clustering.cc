@@ -101,7 +101,6 @@ class PairwiseMerger {
   }
 
   void SearchAgain(std::size_t i) {
-    error_partner_[i] = near_partner_[i] = {};
     for (std::size_t j = 0; j < size(); ++j) {
       if (j != i) Meet(i, j);
     }
@@ -116,22 +115,34 @@ class PairwiseMerger {
     frequency_[i] = sum;
     members_[i].insert(members_[i].end(), members_[j].begin(), members_[j].end());
 
+    const auto lost = [&](const Partner& p) {
+      return p.measure < kInfinity && (p.other == i || p.other == j);
+    };
+    std::vector<std::uint8_t> lost_error(size()), lost_near(size());
+    for (std::size_t k = 0; k < size(); ++k) {
+      lost_error[k] = lost(error_partner_[k]);
+      lost_near[k] = lost(near_partner_[k]);
+    }
     const std::size_t last = size() - 1;
-    std::vector<std::size_t> orphans = {i};
-    for (std::size_t k = 0; k <= last; ++k) {
-      if (k == i || k == j) continue;
-      const auto lost = [&](const Partner& p) {
-        return p.measure < kInfinity && (p.other == i || p.other == j);
-      };
-      if (lost(error_partner_[k]) || (track_distance_ && lost(near_partner_[k]))) {
+    lost_error[j] = lost_error[last];
+    lost_near[j] = lost_near[last];
+    Replace(j, last);
+    error_partner_[i] = near_partner_[i] = {};
+    std::vector<std::size_t> orphans;
+    for (std::size_t k = 0; k < size(); ++k) {
+      if (k == i) continue;
+      // What is no worse than the partner that k has lost is the best there is: without it, clouds
+      // of equal samples would be searched again and again.
+      const double error = error_partner_[k].measure, near = near_partner_[k].measure;
+      if (lost_error[k]) error_partner_[k].measure = std::nextafter(error, kInfinity);
+      if (lost_near[k]) near_partner_[k].measure = std::nextafter(near, kInfinity);
+      Meet(k, i);
+      if ((lost_error[k] && error_partner_[k].measure > error) ||
+          (lost_near[k] && near_partner_[k].measure > near)) {
         orphans.push_back(k);
       }
     }
-    Replace(j, last);
-    for (std::size_t& orphan : orphans) {
-      if (orphan == last) orphan = j;
-      error_partner_[orphan] = near_partner_[orphan] = {};
-    }
+    for (std::size_t orphan : orphans) error_partner_[orphan] = near_partner_[orphan] = {};
     for (std::size_t orphan : orphans) SearchAgain(orphan);
   }
 
@@ -193,7 +204,8 @@ Clustering ClusterPairwise(std::span<const Vector3> samples, std::span<const dou
       throw InputError({}, "frequencies of samples must be finite and not negative");
     }
   }
-  const double chord = 2 * std::sin(std::min(stop.separation, std::numbers::pi) / 2);
+  const double chord = stop.separation > std::numbers::pi ? std::numeric_limits<double>::infinity()
+                                                          : 2 * std::sin(stop.separation / 2);
   PairwiseMerger merger(samples, frequencies, chord > 0);
   const std::size_t most = stop.clusters > 0 ? std::size_t(stop.clusters) : samples.size();
   while (merger.size() > 1 &&
