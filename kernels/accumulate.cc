@@ -60,6 +60,63 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
   }
 }
 
+// Radiance in units as integers: adding 2^52 leaves the rounded value in the mantissa of a double.
+HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
+  const hn::CappedTag<double, kPadRows / 2> d;
+  const hn::RebindToUnsigned<decltype(d)> bits;
+  const hn::Rebind<float, decltype(d)> half;
+  alignas(kColumnAlignment) float lanes[kPadRows];
+  Store(value, lanes);
+  const auto magic = hn::Set(d, 0x1p52);
+  for (std::size_t i = 0; i < hn::Lanes(F()); i += hn::Lanes(d)) {
+    const auto scaled = hn::Mul(hn::PromoteTo(d, hn::LoadU(half, lanes + i)), hn::Set(d, units));
+    const auto rounded = hn::BitCast(bits, hn::Add(hn::Min(scaled, magic), magic));
+    hn::StoreU(hn::Sub(rounded, hn::BitCast(bits, magic)), bits, out + i);
+  }
+}
+
+HWY_INLINE std::uint64_t SaturatingSum(std::uint64_t a, std::uint64_t b) {
+  const std::uint64_t sum = a + b;
+  return sum < a ? ~std::uint64_t{0} : sum;
+}
+
+FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                     std::uint64_t* sums) {
+  const VF zero = hn::Zero(F()), limit = Set(scale.limit);
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+  FilmCounts counts = {0, 0};
+  alignas(kColumnAlignment) std::uint64_t units[3][kPadRows];
+  for (std::uint32_t i = 0; i < n; i += lanes) {
+    const V3 rgb = Load3(paths.r + i, paths.g + i, paths.b + i);
+    const MF inside = hn::RebindMask(F(), RowsBelow(i, n));
+    const MF valid =
+        hn::And(hn::And(hn::Ge(rgb.x, zero), hn::Ge(rgb.y, zero)), hn::Ge(rgb.z, zero));
+    counts.invalid += hn::CountTrue(F(), hn::AndNot(valid, inside));
+    counts.clamped += hn::CountTrue(F(), hn::And(inside, hn::Gt(MaxComponent(rgb), limit)));
+    const auto keep = [&](VF value) HWY_ATTR {
+      // A comparison with NaN fails, so NaN becomes 0 like negative values.
+      return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);
+    };
+    ToUnits(keep(rgb.x), scale.units, units[0]);
+    ToUnits(keep(rgb.y), scale.units, units[1]);
+    ToUnits(keep(rgb.z), scale.units, units[2]);
+    // Samples of a pixel follow each other: sum them before the memory is touched.
+    const std::uint32_t rows = std::min(lanes, n - i);
+    for (std::uint32_t lane = 0; lane < rows;) {
+      const std::uint32_t pixel = paths.pixel[i + lane];
+      std::uint64_t r = 0, g = 0, b = 0;  // at most 16 * 2^52
+      for (; lane < rows && paths.pixel[i + lane] == pixel; ++lane) {
+        r += units[0][lane], g += units[1][lane], b += units[2][lane];
+      }
+      std::uint64_t* sum = sums + std::size_t(pixel) * 3;
+      sum[0] = SaturatingSum(sum[0], r);
+      sum[1] = SaturatingSum(sum[1], g);
+      sum[2] = SaturatingSum(sum[2], b);
+    }
+  }
+  return counts;
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
@@ -69,6 +126,7 @@ namespace skywave {
 
 HWY_EXPORT(AddEscapedRadiance);
 HWY_EXPORT(AddUnoccludedRadiance);
+HWY_EXPORT(AddToFilm);
 
 void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
                         const PathColumns& paths) {
@@ -77,6 +135,11 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
 void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path, std::uint32_t n,
                            const PathColumns& paths) {
   HWY_DYNAMIC_DISPATCH(AddUnoccludedRadiance)(lights, path, n, paths);
+}
+
+FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                     std::uint64_t* sums) {
+  return HWY_DYNAMIC_DISPATCH(AddToFilm)(paths, n, scale, sums);
 }
 
 }  // namespace skywave

@@ -17,4 +17,19 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
 void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path, std::uint32_t n,
                            const PathColumns& paths);
 
+// What a film keeps of a path's radiance (wavefront/film.h).
+struct FilmScale {
+  double units;  // a unit of radiance
+  float limit;   // brightest sample [scene radiance]; limit * units <= 2^52
+};
+struct FilmCounts {
+  std::uint64_t clamped, invalid;
+};
+
+// Adds rows [0, n) of `paths` to their pixels: three saturating sums a pixel at sums[3 * pixel].
+// Returns how many samples were brighter than the limit, and how many had a NaN or negative
+// channel.
+FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                     std::uint64_t* sums);
+
 }  // namespace skywave

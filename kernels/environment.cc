@@ -220,8 +220,9 @@ struct LookupColumns {
 
 // Finds the texels of directions [begin, begin + rows) and asks the memory for them: by the time
 // all are found the first have arrived.
-HWY_INLINE void FindTexels(const EnvironmentView& map, const float* x, const float* y,
-                           const float* z, std::uint32_t rows, LookupColumns& lookup) {
+HWY_INLINE void FindTexels(const EnvironmentView& map, const InversionView* inversion,
+                           const float* x, const float* y, const float* z, std::uint32_t rows,
+                           LookupColumns& lookup) {
   for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
     const MF inside = hn::RebindMask(F(), RowsBelow(i, rows));
     // Rows behind the last look along +z.
@@ -236,6 +237,13 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const float* x, const flo
   for (std::uint32_t i = 0; i < rows; ++i) {
     hwy::Prefetch(map.packed + std::size_t(lookup.row[i]) * map.width + lookup.column[i]);
   }
+  if (inversion == nullptr) return;
+  const SearchTreeView& trees = inversion->columns;
+  const SearchNode* leaves = trees.level[trees.levels - 1];
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    hwy::Prefetch(leaves + std::size_t(lookup.row[i]) * inversion->blocks +
+                  lookup.column[i] / kNodeFan);
+  }
 }
 
 HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
@@ -249,8 +257,8 @@ void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion,
   LookupColumns lookup;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
-    FindTexels(map, escaped.dir_x + begin, escaped.dir_y + begin, escaped.dir_z + begin, rows,
-               lookup);
+    FindTexels(map, inversion, escaped.dir_x + begin, escaped.dir_y + begin, escaped.dir_z + begin,
+               rows, lookup);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const std::uint32_t to = begin + i;
       const MF seen = hn::Eq(Load(escaped.pdf + to), zero);
@@ -279,7 +287,7 @@ void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumn
   LookupColumns lookup;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
-    FindTexels(map, out.dir_x + begin, out.dir_y + begin, out.dir_z + begin, rows, lookup);
+    FindTexels(map, nullptr, out.dir_x + begin, out.dir_y + begin, out.dir_z + begin, rows, lookup);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const std::uint32_t to = begin + i;
       Store3(FetchTexels(map, Load(lookup.column + i), Load(lookup.row + i)), out.r + to,

@@ -120,11 +120,16 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     }
   }
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
-  for (const Material& material : scene.materials) materials_.push_back(PackMaterial(material));
+  for (const Material& material : scene.materials) {
+    materials_.push_back(PackMaterial(material));
+    // Tens of milliseconds, so only for those who need them.
+    if (material.bsdf == BsdfKind::kConductor) conductor_tables_ = &GgxTables();
+  }
 
   const auto start = std::chrono::steady_clock::now();
-  const std::string config = fmt::format("threads={},set_affinity=0{}{}", threads,
-                                         embree_config.empty() ? "" : ",", embree_config);
+  const std::string config =
+      fmt::format("threads={},set_affinity=0,{}", threads,
+                  embree_config.empty() ? DefaultEmbreeConfig() : embree_config);
   device_ = rtcNewDevice(config.c_str());
   if (device_ == nullptr) {
     throw InputError(InputPosition::File(path), "Embree does not start with: " + config);
@@ -147,13 +152,17 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+std::string DefaultEmbreeConfig() {
+  return __builtin_cpu_supports("avx2") ? "isa=avx2" : "verbose=0";
+}
+
 Geometry::~Geometry() {
   if (scene_ != nullptr) rtcReleaseScene(scene_);
   if (device_ != nullptr) rtcReleaseDevice(device_);
 }
 
 MaterialView Geometry::materials() const {
-  return {.records = materials_.data(), .conductor = &GgxTables()};
+  return {.records = materials_.data(), .conductor = conductor_tables_};
 }
 
 std::size_t Geometry::bytes() const {

@@ -20,7 +20,7 @@ class Geometry {
  public:
   // Checks every index and coordinate (InputError names `path` and the mesh), turns triangles whose
   // vertex normals point the other way, packs the tables and builds the BVH on `threads` threads
-  // (0: all). `embree_config` is handed to rtcNewDevice, for instance "isa=avx2".
+  // (0: all). `embree_config` is handed to rtcNewDevice; empty stands for DefaultEmbreeConfig().
   Geometry(const Scene& scene, const std::string& path, int threads = 0,
            const std::string& embree_config = "");
   ~Geometry();
@@ -41,8 +41,13 @@ class Geometry {
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;
   std::vector<MaterialRecord> materials_;
+  const ConductorTables* conductor_tables_ = nullptr;  // null: no conductor
   double build_seconds_ = 0;
 };
+
+// "isa=avx2" where the processor has it: hits then have the same bits on every such machine, and on
+// AVX-512 machines nothing is lost (measured: docs/benchmarks.md).
+std::string DefaultEmbreeConfig();
 
 // Hash of everything that decides what a scene looks like: meshes, materials, camera and
 // environment. Two scenes with the same hash give the same picture for the same settings.
