@@ -111,7 +111,10 @@ HWY_INLINE VU LeafMass(const InversionView& inversion, VU block, VU column) {
   const VU next = Gather(words, hn::Add(at, SetU(1)));
   const VU odd_span = hn::Or(hn::ShiftRight<16>(word), hn::ShiftLeft<16>(next));
   const VU span = IfThen(hn::TestBit(child, SetU(1)), odd_span, word);
-  return hn::Sub(SpanEnd(span), SpanStart(span));
+  // Not SpanEnd: in front of the first child with mass the next one starts at 0 too.
+  const VU end =
+      IfThen(hn::Eq(child, SetU(kNodeFan - 1)), SetU(kNodeMass), hn::ShiftRight<16>(span));
+  return hn::Sub(end, SpanStart(span));
 }
 
 HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {

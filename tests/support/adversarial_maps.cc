@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "lights/strategy.h"
+
 namespace skywave {
 namespace {
 
@@ -93,6 +95,25 @@ const Image& AdversarialMap(const std::string& name) {
 std::span<const NamedOrientation> Orientations() {
   static const std::vector<NamedOrientation> orientations = MakeOrientations();
   return orientations;
+}
+
+Image HeldMap(const EnvironmentMap& map) {
+  Image held(map.latlong.width, map.latlong.height);
+  const auto n = std::uint32_t(held.width * held.height);
+  soa::Table<EscapeColumns> rows(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double u = (i % std::uint32_t(held.width) + 0.5) / held.width;
+    const double v = (i / std::uint32_t(held.width) + 0.5) / held.height;
+    Put(WorldDirection(map.map_from_world, u, v), i, rows->dir_x, rows->dir_y, rows->dir_z);
+    rows->pdf[i] = 1;
+  }
+  const soa::Table<SurfaceColumns> surfaces(1);
+  MakeStrategy("uniform", map)->EvaluateEscaped(surfaces, n, rows);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    float* const pixel = &held.rgb[3 * std::size_t(i)];
+    pixel[0] = rows->radiance_r[i], pixel[1] = rows->radiance_g[i], pixel[2] = rows->radiance_b[i];
+  }
+  return held;
 }
 
 Vec WorldDirection(const std::array<float, 9>& m, double u, double v) {

@@ -26,6 +26,9 @@ struct NamedOrientation {
 // As it is, rotated about an odd axis, and mirrored.
 std::span<const NamedOrientation> Orientations();
 
+// The map as strategies hold it, rounded: what a ray through the centre of every texel finds.
+Image HeldMap(const EnvironmentMap& map);
+
 // Between directions in the world and positions on a map, u and v in [0, 1].
 Vec WorldDirection(const std::array<float, 9>& map_from_world, double u, double v);
 void MapPosition(const std::array<float, 9>& map_from_world, Vec world, double& u, double& v);
