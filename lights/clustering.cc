@@ -19,8 +19,14 @@ struct Partner {
   std::size_t other = 0;
 };
 
+// Samples without frequency count as this much of the largest: they merge first and move nobody,
+// but still go to their nearest.
+constexpr double kLeastFrequency = 1e-12;
+
 // Clusters that are left, side by side; a merged one is replaced by the last. Each knows its
-// partner of least error and, if separation matters, its nearest in space; both are kept exact.
+// partner of least error among those of more frequency and, if separation matters, its nearest in
+// space; both are kept exact. With partners among all, one sample of little frequency would be
+// everybody's, and its merging would send everybody to search again.
 class PairwiseMerger {
  public:
   PairwiseMerger(std::span<const Vector3> samples, std::span<const double> frequencies,
@@ -28,10 +34,16 @@ class PairwiseMerger {
       : track_distance_(track_distance),
         centre_(samples.begin(), samples.end()),
         frequency_(frequencies.begin(), frequencies.end()),
+        identity_(samples.size()),
         error_partner_(samples.size()),
         near_partner_(samples.size()),
         members_(samples.size()) {
+    if (samples.empty()) return;
+    const double largest = *std::ranges::max_element(frequency_);
+    const double least = largest > 0 ? kLeastFrequency * largest : 1;
+    for (double& frequency : frequency_) frequency = std::max(frequency, least);
     for (std::size_t i = 0; i < samples.size(); ++i) {
+      identity_[i] = std::uint32_t(i);
       members_[i] = {std::uint32_t(i)};
       for (std::size_t j = 0; j < i; ++j) Meet(i, j);
     }
@@ -54,19 +66,21 @@ class PairwiseMerger {
     Merge(std::min(best, other), std::max(best, other));
   }
 
-  Clustering Result(std::size_t samples) const {
+  Clustering Result(std::span<const double> frequencies) const {
     std::vector<std::size_t> order(size());
     for (std::size_t i = 0; i < size(); ++i) order[i] = i;
     const auto lowest = [&](std::size_t i) { return *std::ranges::min_element(members_[i]); };
     std::ranges::sort(order, {}, lowest);
     Clustering result;
-    result.cluster_of_sample.resize(samples);
+    result.cluster_of_sample.resize(frequencies.size());
     for (std::size_t i : order) {
+      double sum = 0;
       for (std::uint32_t member : members_[i]) {
+        sum += frequencies[member];
         result.cluster_of_sample[member] = std::uint32_t(result.directions.size());
       }
       result.directions.push_back(centre_[i]);
-      result.frequencies.push_back(frequency_[i]);
+      result.frequencies.push_back(sum);
     }
     return result;
   }
@@ -77,13 +91,13 @@ class PairwiseMerger {
     return Dot(apart, apart);
   }
 
-  // The error of merging i and j, or some number >= bound if it is not below that. The chord is
+  // The error of merging i and j, or some number > bound if it is above that. The chord is
   // below the angle, which spares most of the arc sines.
   double Error(std::size_t i, std::size_t j, double chord_square, double bound) const {
     const double sum = frequency_[i] + frequency_[j];
-    const double weight = sum > 0 ? frequency_[i] / sum * frequency_[j] : 0;
+    const double weight = frequency_[i] / sum * frequency_[j];
     const double least = weight * chord_square;
-    if (least >= bound) return least;
+    if (least > bound) return least;
     const double angle = 2 * std::asin(std::min(std::sqrt(chord_square) / 2, 1.0));
     return weight * angle * angle;
   }
@@ -91,10 +105,12 @@ class PairwiseMerger {
   // Lets i and j know each other as partners.
   void Meet(std::size_t i, std::size_t j) {
     const double chord_square = ChordSquare(centre_[i], centre_[j]);
-    const double bound = std::max(error_partner_[i].measure, error_partner_[j].measure);
-    const double error = Error(i, j, chord_square, bound);
-    if (error < error_partner_[i].measure) error_partner_[i] = {error, j};
-    if (error < error_partner_[j].measure) error_partner_[j] = {error, i};
+    const bool i_is_lighter = frequency_[i] != frequency_[j] ? frequency_[i] < frequency_[j]
+                                                             : identity_[i] < identity_[j];
+    const std::size_t lighter = i_is_lighter ? i : j;
+    Partner& partner = error_partner_[lighter];
+    const double error = Error(i, j, chord_square, partner.measure);
+    if (error < partner.measure) partner = {error, i + j - lighter};
     if (!track_distance_) return;
     if (chord_square < near_partner_[i].measure) near_partner_[i] = {chord_square, j};
     if (chord_square < near_partner_[j].measure) near_partner_[j] = {chord_square, i};
@@ -109,7 +125,7 @@ class PairwiseMerger {
   // Merges j into i < j.
   void Merge(std::size_t i, std::size_t j) {
     const double sum = frequency_[i] + frequency_[j];
-    const double share = sum > 0 ? frequency_[i] / sum : 0.5;
+    const double share = frequency_[i] / sum;
     const Vector3 heavier = frequency_[i] >= frequency_[j] ? centre_[i] : centre_[j];
     centre_[i] = NormalizeOr(share * centre_[i] + (1 - share) * centre_[j], 1, heavier);
     frequency_[i] = sum;
@@ -151,6 +167,7 @@ class PairwiseMerger {
     if (j != last) {
       centre_[j] = centre_[last];
       frequency_[j] = frequency_[last];
+      identity_[j] = identity_[last];
       error_partner_[j] = error_partner_[last];
       near_partner_[j] = near_partner_[last];
       members_[j] = std::move(members_[last]);
@@ -161,6 +178,7 @@ class PairwiseMerger {
     }
     centre_.pop_back();
     frequency_.pop_back();
+    identity_.pop_back();
     error_partner_.pop_back();
     near_partner_.pop_back();
     members_.pop_back();
@@ -169,6 +187,7 @@ class PairwiseMerger {
   bool track_distance_;
   std::vector<Vector3> centre_;
   std::vector<double> frequency_;
+  std::vector<std::uint32_t> identity_;                // decides between equal frequencies
   std::vector<Partner> error_partner_, near_partner_;  // measures: error, squared chord
   std::vector<std::vector<std::uint32_t>> members_;
 };
@@ -212,7 +231,7 @@ Clustering ClusterPairwise(std::span<const Vector3> samples, std::span<const dou
          (merger.size() > most || (chord > 0 && merger.LeastChordSquare() < chord * chord))) {
     merger.MergeBest();
   }
-  return merger.Result(samples.size());
+  return merger.Result(frequencies);
 }
 
 }  // namespace skywave

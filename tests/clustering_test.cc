@@ -166,6 +166,16 @@ TEST(Clustering, DegenerateSets) {
             1u);
 }
 
+TEST(Clustering, SamplesWithoutEnergyJoinTheirNearest) {
+  const std::vector<Vector3> samples = {DirectionOfUv(0.2, 0.5), DirectionOfUv(0.6, 0.5),
+                                        DirectionOfUv(0.58, 0.5), DirectionOfUv(0.22, 0.5),
+                                        DirectionOfUv(0.21, 0.5)};
+  const auto c = ClusterPairwise(samples, std::vector<double>{5, 1e-3, 0, 0, 0}, {.clusters = 2});
+  EXPECT_EQ(c.cluster_of_sample, (std::vector<std::uint32_t>{0, 1, 1, 0, 0}));
+  EXPECT_EQ(c.frequencies, (std::vector<double>{5, 1e-3}));
+  EXPECT_LT(AngleBetween(c.directions[1], samples[1]), 1e-6);
+}
+
 TEST(Clustering, RefusesBadParameters) {
   const std::vector<Vector3> samples = {{0, 0, 1}, {0, 1, 0}};
   const std::vector<double> ones = {1, 1};
