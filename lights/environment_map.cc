@@ -14,9 +14,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Bilinear sample of the angular map at (x, y) in the unit disk, kept a pixel inside the rim.
+// Bilinear sample of the angular map at (x, y) in the unit disk, kept a pixel and a half inside the
+// rim: the centres of the four pixels around a point are up to sqrt(2) pixels away.
 void AddAngularSample(const Image& image, double x, double y, double sum[3]) {
-  const double limit = 1 - 2.0 / image.width, radius = std::hypot(x, y);
+  const double limit = std::max(0.0, 1 - 3.0 / image.width), radius = std::hypot(x, y);
   if (radius > limit) x *= limit / radius, y *= limit / radius;
   const double px = std::clamp((x + 1) / 2 * image.width - 0.5, 0.0, image.width - 1.0);
   const double py = std::clamp((1 - y) / 2 * image.height - 0.5, 0.0, image.height - 1.0);

@@ -48,7 +48,7 @@ Texels::Texels(const EnvironmentMap& map)
   if (std::lround(std::ldexp(double(brightest), int(kMantissaBits) - exponent)) >= kMantissas) {
     ++exponent;
   }
-  unit_ = std::ldexp(1.0f, std::clamp(exponent - int(kMantissaBits), -90, 110));
+  unit_ = std::ldexp(1.0f, std::clamp(exponent - int(kMantissaBits), -90, 119));
   // What a texel loses by rounding is handed to the next, so that energy is kept: a bright texel is
   // off by a thousandth of itself, which would show in the light of the whole map.
   float lost[3] = {};
@@ -60,7 +60,7 @@ Texels::Texels(const EnvironmentMap& map)
     for (std::uint32_t column = 0; column < width_; ++column) {
       const std::size_t i = std::size_t(row) * width_ + column;
       float wanted[3], held[3];
-      for (int c = 0; c < 3; ++c) wanted[c] = std::max(rgb_[3 * i + c] + lost[c], 0.0f);
+      for (int c = 0; c < 3; ++c) wanted[c] = std::clamp(rgb_[3 * i + c] + lost[c], 0.0f, brightest);
       packed_[i] = Pack(wanted, 1.0 / unit_);
       Unpack(packed_[i], unit_, held);
       for (int c = 0; c < 3; ++c) lost[c] += rgb_[3 * i + c] - held[c];
