@@ -230,6 +230,7 @@ HWY_AFTER_NAMESPACE();
   BsdfKernels Bsdf##Kernels() {                                                       \
     return {.name = label,                                                            \
             .delta = false,                                                           \
+            .lobed = Bsdf##IsLobed,                                                   \
             .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                             \
             .evaluate_lights =                                                        \
                 [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,   \
