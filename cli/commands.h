@@ -13,5 +13,6 @@ void AddRenderCommand(CLI::App& program, Run& run);
 void AddCompareCommand(CLI::App& program, Run& run);
 void AddStrategiesCommand(CLI::App& program, Run& run);
 void AddBenchCommand(CLI::App& program, Run& run);
+void AddProbeCommand(CLI::App& program, Run& run);
 
 }  // namespace skywave

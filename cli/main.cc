@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   skywave::AddCompareCommand(program, run);
   skywave::AddStrategiesCommand(program, run);
   skywave::AddBenchCommand(program, run);
+  skywave::AddProbeCommand(program, run);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

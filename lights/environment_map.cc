@@ -35,22 +35,7 @@ Projection DetectProjection(const Image& image, const std::string& path) {
 Image ToLatLong(Image image, Projection projection) {
   if (projection == Projection::kLatLong) return image;
   CheckProjectionSize(projection, image.width, image.height);
-  int height = 1;
-  switch (projection) {
-    case Projection::kAngular:
-      height = image.width / 2;
-      break;
-    case Projection::kHorizontalCross:
-    case Projection::kCubeStrip:
-      height = 2 * (image.width / (projection == Projection::kCubeStrip ? 6 : 4));
-      break;
-    case Projection::kVerticalCross:
-      height = 2 * (image.width / 3);
-      break;
-    default:
-      height = int(std::int64_t(image.width) * 2 / 3);
-  }
-  height = std::max(height, 1);
+  const int height = LatLongHeight(projection, image.width, image.height);
   return Resample(image, projection, Projection::kLatLong, 2 * height, height);
 }
 

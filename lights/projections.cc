@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "base/error.h"
@@ -287,6 +288,15 @@ void CheckProjectionSize(Projection projection, int width, int height) {
   }
 }
 
+int LatLongHeight(Projection projection, int width, int height) {
+  if (projection == Projection::kLatLong) return height;
+  if (const CubeLayout* layout = LayoutOf(projection)) return 2 * (width / layout->columns);
+  // An angular map has its width in texels around; a ball and a square have four for three.
+  const int rows =
+      projection == Projection::kAngular ? width / 2 : int(std::int64_t(width) * 2 / 3);
+  return std::max(rows, 1);
+}
+
 void DefaultSize(Projection projection, int latlong_height, int& width, int& height) {
   const int side = std::max(latlong_height, 1);
   if (const CubeLayout* layout = LayoutOf(projection)) {
@@ -297,7 +307,6 @@ void DefaultSize(Projection projection, int latlong_height, int& width, int& hei
     width = 2 * side;
     height = side;
   } else {
-    // An angular map of width W has W texels around; a ball and a square have nearly as many.
     width = height = projection == Projection::kAngular ? 2 * side : side + side / 2;
   }
 }

@@ -62,6 +62,9 @@ double PixelSolidAngle(Projection projection, int width, int height, int x, int 
 // projection: crosses and strips are made of square faces. Others may have any size.
 void CheckProjectionSize(Projection projection, int width, int height);
 
+// Rows of the lat-long map of the same angular resolution.
+int LatLongHeight(Projection projection, int width, int height);
+
 // The size that keeps the number of texels of a lat-long map of height `latlong_height` around the
 // equator: what a conversion has if it is given none.
 void DefaultSize(Projection projection, int latlong_height, int& width, int& height);

@@ -1,0 +1,16 @@
+// A cube map as six files, one a face.
+#pragma once
+
+#include <string>
+
+#include "image/image.h"
+
+namespace skywave {
+
+// "map.exr" names map-right.exr, map-left.exr, map-up.exr, map-down.exr, map-front.exr and
+// map-back.exr: the squares of Projection::kCubeStrip. Throws InputError where a file cannot be
+// read or written, or the six are not squares of one size.
+Image ReadCubeFaces(const std::string& path, const ReadLimits& limits = {});
+void WriteCubeFaces(const std::string& path, const Image& strip);
+
+}  // namespace skywave
