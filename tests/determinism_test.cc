@@ -1,7 +1,13 @@
 // The same picture, bit by bit, however the work is cut and whatever it runs on.
 #include <gtest/gtest.h>
+#include <pmmintrin.h>
+#include <xmmintrin.h>
 
+#include <algorithm>
+#include <atomic>
+#include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/files.h"
@@ -9,6 +15,7 @@
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/targets.h"
+#include "wavefront/integrator.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -34,8 +41,6 @@ const RenderJob& Job(const Case& test) {
   request.integrator = test.integrator;
   request.options.light_samples = 3;
   request.max_depth = 8;
-  // Embree's device caps the threads of the process at its own.
-  request.options.threads = 8;
   return *jobs.emplace_back(name, std::make_unique<RenderJob>(BuiltinScene(test.scene), request))
               .second;
 }
@@ -74,6 +79,34 @@ TEST_P(Determinism, ThreadsDoNotMatter) {
     frame.options.wave = 64;  // small tiles: something to share out
     EXPECT_EQ(Render(frame, job()).sums, Reference()) << threads << " threads";
   }
+}
+
+// RenderFrame leaves it to TBB and Embree how many threads there are: no more than cores. Here they
+// are the operating system's, each with a worker of its own, and take the tiles in any order.
+TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
+  const FrameView frame = job().frame();
+  const std::vector<Tile> tiles = CutTiles(frame.options.width, frame.options.height, 5, 16);
+  ASSERT_GT(tiles.size(), 16u);
+  Film film = job().MakeFilm();
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as RenderFrame does
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    Worker worker(64);
+    for (std::size_t i = next++; i < tiles.size(); i = next++) {
+      const std::uint32_t total = tiles[i].width * tiles[i].height * 5;
+      for (std::uint32_t first = 0; first < total; first += 64) {
+        const WaveRange range = {tiles[i], first, std::min(64u, total - first)};
+        const bool path = frame.options.integrator == Integrator::kPath;
+        (path ? RenderPathWave : RenderDirectWave)(frame, range, worker, film);
+      }
+      std::this_thread::yield();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) threads.emplace_back(work);
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(std::vector<std::uint64_t>(film.sums().begin(), film.sums().end()), Reference());
 }
 
 TEST_P(Determinism, WavesAndBackendsDoNotMatter) {
