@@ -14,7 +14,10 @@ namespace skywave {
 // become black as lights.
 class Texels {
  public:
-  explicit Texels(const EnvironmentMap& map);
+  explicit Texels(const EnvironmentMap& map) : Texels(map, map.latlong) {}
+  // As a light only `light` shines, a part of the map of its size: what is left of a map after
+  // directional lights have been taken out.
+  Texels(const EnvironmentMap& map, const Image& light);
 
   // Luminance of a texel as the packed form holds it: what light samples find there.
   float Luminance(std::uint32_t column, std::uint32_t row) const;
@@ -32,6 +35,7 @@ class Texels {
   std::array<float, 9> map_from_world_;
   std::vector<PackedRadiance> packed_;
   std::vector<float> rgb_;
+  std::vector<RowArea> row_area_;
 };
 
 }  // namespace skywave
