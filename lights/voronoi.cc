@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -25,7 +26,7 @@ struct Candidate {
 // A circular part of the sphere.
 struct Cap {
   Vector3 centre;
-  double sine, cosine;  // of the radius; cosine <= 0: too wide to rule any sample out
+  double sine, cosine;  // of the radius
 };
 
 struct Diagram {
@@ -38,34 +39,27 @@ struct Diagram {
   }
 };
 
-// The cap about a tile's middle that holds its texel centres. Up to a quarter turn either way the
-// farthest point of a lat-long rectangle from its middle is a corner.
+// The cap about a tile's middle that holds its texel centres. Of a lat-long rectangle less than
+// half a turn wide, as all tiles are, the farthest point from the middle is a corner.
 Cap CapOf(const Diagram& diagram, const Region& tile) {
-  const int columns = tile.x1 - tile.x0;
   const double u = (tile.x0 + tile.x1) / (2.0 * diagram.width);
   const double v = (tile.y0 + tile.y1) / (2.0 * diagram.height);
-  Cap cap = {DirectionOfUv(u, v), 0, -1};
-  if (2 * columns > diagram.width && columns > 1) return cap;
+  const Vector3 centre = DirectionOfUv(u, v);
   double chord = 0;
   for (int y : {tile.y0, tile.y1 - 1}) {
     for (int x : {tile.x0, tile.x1 - 1}) {
-      chord = std::max(chord, Length(cap.centre - diagram.TexelCentre(x, y)));
+      chord = std::max(chord, Length(centre - diagram.TexelCentre(x, y)));
     }
   }
   const double radius = 2 * std::asin(std::min(chord / 2, 1.0));
-  cap.sine = std::sin(radius);
-  cap.cosine = std::cos(radius);
-  return cap;
+  return {centre, std::sin(radius), std::cos(radius)};
 }
 
 // Appends to `kept` those of `candidates` that may own a point of the cap: all but those s for
 // which the whole cap lies on the side of the centre's owner t, dot(p, t - s) > 0 for all p. That
 // is least where p leans from the centre by the radius, straight away from t - s.
 void Filter(std::span<const Candidate> candidates, const Cap& cap, std::vector<Candidate>& kept) {
-  if (cap.cosine <= 0) {
-    kept.insert(kept.end(), candidates.begin(), candidates.end());
-    return;
-  }
+  assert(cap.cosine > 0);
   const Candidate* owner = &candidates[0];
   double best = -2;
   for (const Candidate& candidate : candidates) {

@@ -220,6 +220,18 @@ TEST(Cells, LloydStepsDrawLightsToTheirEnergy) {
     }
     return sum;
   };
+  // One step is what its definition says.
+  const auto cells = SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
+  std::vector<Vector3> moved;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    moved.push_back(NormalizeOr(cells[i].energy_moment, cells[i].energy, samples[i]));
+  }
+  const LightSet stepped = VoronoiLights(map, samples, LightPosition::kSample, 1);
+  const LightSet expected = VoronoiLights(map, moved, LightPosition::kSample);
+  ASSERT_EQ(stepped.lights.size(), expected.lights.size());
+  for (std::size_t i = 0; i < stepped.lights.size(); ++i) {
+    EXPECT_EQ(stepped.lights[i].direction, expected.lights[i].direction);
+  }
   const double none = spread(0), one = spread(1), five = spread(5);
   EXPECT_LT(one, none);
   EXPECT_LT(five, one);

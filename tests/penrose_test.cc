@@ -259,6 +259,14 @@ TEST(MaxPyramid, BoundsEveryRectangle) {
         }
       }
       ASSERT_GE(pyramid.Bound(r), exact) << name;
+      const int side = std::max({r.x1 - r.x0, r.y1 - r.y0, 1});
+      float near = 0;
+      for (int y = std::max(r.y0 - side + 1, 0); y < std::min(r.y1 + side - 1, h); ++y) {
+        for (int x = std::max(r.x0 - side + 1, 0); x < std::min(r.x1 + side - 1, w); ++x) {
+          near = std::max(near, pyramid.At(x, y));
+        }
+      }
+      ASSERT_LE(pyramid.Bound(r), near) << name;
     }
   }
   EXPECT_THROW(MakeMaxPyramid(2, 1, {1, NAN}), InputError);
@@ -377,6 +385,7 @@ TEST(Penrose, PlacesWrapInUAndReflectInV) {
       across = std::min(across, 64 - across);
       EXPECT_LT(across, 12);
       EXPECT_LT(std::abs(s.v * 32 - (y + 0.5)), 12);
+      EXPECT_LT(s.v, 1 - 1e-9);  // reflected, not pressed against the edge
     }
   }
   EXPECT_GT(wrapped, 5);
@@ -520,6 +529,24 @@ TEST(Penrose, RelaxedSamplesKeepTheirDistance) {
     }
     EXPECT_GT(least, 0.6) << count;
     EXPECT_GT(sum / inner, 0.83) << count;
+  }
+}
+
+TEST(PenroseCorrections, AreTheTablesInTheMiddleOfItsRows) {
+  const PenroseCorrections& table = DefaultPenroseCorrections();
+  for (const std::uint64_t value : {1u, 4u, 30u, 200u}) {
+    const int birth = BirthLevel(value);
+    const BornSample born = {{}, Polar(1, 30), value, birth};
+    for (int level = birth; level < birth + 4; ++level) {
+      for (int row = 0; row < kPenroseRows; ++row) {
+        const double t = level + (row + 0.5) / kPenroseRows;
+        const double x = (std::pow(kPhi * kPhi, t) - 1) / std::sqrt(5.0);
+        const Complex expected =
+            BasisAtLevel(born.axis, birth, level) * table[row][StructuralClass(value, level)];
+        const Complex off = PenroseCorrection(table, born, x) - expected;
+        EXPECT_NEAR(std::hypot(off.re, off.im), 0, 1e-9);
+      }
+    }
   }
 }
 

@@ -1,0 +1,167 @@
+// Queues: every ray in the right one, once, in order, with all it needs.
+
+#include "kernels/partition.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+
+#include "tests/support/random_rows.h"
+#include "tests/support/targets.h"
+
+namespace skywave {
+namespace {
+
+class Partition : public testing::Test {
+ protected:
+  Partition() : rays_(kFullWave), hits_(kFullWave), triangles_(100) {
+    Random random(91);
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      // The flags beside the kind must not disturb it.
+      triangles_[i].tag = (random.Word() & (kMaterialMask | kFlatTriangle)) | i % kBsdfKinds
+                                                                                  << kKindShift;
+    }
+    // Columns of different values everywhere.
+    std::uint32_t next = 1;
+    RayColumns rays = rays_;
+    RayColumns::ForEachColumn(rays, [&](auto*& column) { Number(column, next); });
+    HitColumns hits = hits_;
+    HitColumns::ForEachColumn(hits, [&](auto*& column) { Number(column, next); });
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      const bool hit = i < 40 ? i % 2 == 0 : random.Float() < 0.7f;
+      hits.geom[i] = hit ? 0 : kNoHit;
+      // A miss leaves what was there, far outside the table.
+      hits.triangle[i] = hit ? random.Word() % std::uint32_t(triangles_.size()) : 0x3FFFFFFFu;
+      rays.pdf[i] = random.Float() < 0.5f ? 0.0f : 1.5f;
+    }
+  }
+  template <class T>
+  static void Number(T* column, std::uint32_t& next) {
+    for (std::uint32_t i = 0; i < kFullWave; ++i) column[i] = T(next++);
+  }
+  std::uint32_t QueueOf(std::uint32_t row) const {
+    if (hits_->geom[row] == kNoHit) return kMissQueue;
+    return triangles_[hits_->triangle[row]].tag >> kKindShift;
+  }
+  // Rows below n of a queue, in order.
+  std::vector<std::uint32_t> RowsOf(std::uint32_t queue, std::uint32_t n, bool only_sparse) const {
+    std::vector<std::uint32_t> rows;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const bool dropped = only_sparse && queue != kMissQueue && rays_->pdf[i] > 0;
+      if (QueueOf(i) == queue && !dropped) rows.push_back(i);
+    }
+    return rows;
+  }
+  template <class T>
+  static void ExpectMoved(const T* from, const T* to, const std::vector<std::uint32_t>& rows,
+                          const char* column, T factor = T(1)) {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      ASSERT_EQ(to[k], factor * from[rows[k]]) << column << " of row " << rows[k];
+    }
+  }
+
+  soa::Table<RayColumns> rays_;
+  soa::Table<HitColumns> hits_;
+  std::vector<TriangleRecord> triangles_;
+  std::vector<std::uint32_t> queue_ = std::vector<std::uint32_t>(PaddedRows(kFullWave));
+};
+
+TEST_F(Partition, ClassifiesAndCounts) {
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      for (const bool only_sparse : {false, true}) {
+        std::fill(queue_.begin(), queue_.end(), 0u);
+        // Counts are added to what is there.
+        std::array<std::uint32_t, kBsdfKinds + 1> count = {10, 20, 30, 40, 50};
+        ClassifyHits(hits_, triangles_.data(), only_sparse ? rays_->pdf : nullptr, n, queue_.data(),
+                     count.data());
+        for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
+          const auto rows = RowsOf(k, n, only_sparse);
+          EXPECT_EQ(count[k], 10 * (k + 1) + rows.size())
+              << "queue " << k << " of " << n << " rows";
+          for (const std::uint32_t row : rows) ASSERT_EQ(queue_[row], k) << "row " << row;
+        }
+        std::size_t queued = 0;
+        for (std::uint32_t i = 0; i < n; ++i) queued += queue_[i] <= kMissQueue;
+        std::size_t wanted = 0;
+        for (std::uint32_t k = 0; k <= kMissQueue; ++k) wanted += count[k] - 10 * (k + 1);
+        EXPECT_EQ(queued, wanted);
+        // Whole vectors are written; what is behind n of the last one is in no queue.
+        for (std::uint32_t i = n; i < (n + kPadRows - 1) / kPadRows * kPadRows; ++i) {
+          ASSERT_TRUE(queue_[i] > kMissQueue || queue_[i] == 0) << "padding row " << i;
+        }
+      }
+    }
+  });
+}
+
+TEST_F(Partition, EscapesOnly) {
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      const auto rows = RowsOf(kMissQueue, n, false);
+      EXPECT_EQ(ClassifyEscapes(hits_, n, queue_.data()), rows.size());
+      for (std::uint32_t i = 0; i < n; ++i) {
+        ASSERT_EQ(queue_[i] == kMissQueue, QueueOf(i) == kMissQueue) << "row " << i;
+        ASSERT_TRUE(queue_[i] >= kMissQueue);
+      }
+    }
+  });
+}
+
+TEST_F(Partition, MovesEscapedRays) {
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      std::array<std::uint32_t, kBsdfKinds + 1> count = {};
+      ClassifyHits(hits_, triangles_.data(), nullptr, n, queue_.data(), count.data());
+      soa::Table<EscapeColumns> to(kFullWave);
+      FillWithGarbage(to.columns(), kFullWave);
+      MoveEscaped(rays_, queue_.data(), n, to);
+      const auto rows = RowsOf(kMissQueue, n, false);
+      ExpectMoved(rays_->dir_x, to->dir_x, rows, "dir_x");
+      ExpectMoved(rays_->dir_y, to->dir_y, rows, "dir_y");
+      ExpectMoved(rays_->dir_z, to->dir_z, rows, "dir_z");
+      ExpectMoved(rays_->throughput_r, to->throughput_r, rows, "throughput_r");
+      ExpectMoved(rays_->throughput_g, to->throughput_g, rows, "throughput_g");
+      ExpectMoved(rays_->throughput_b, to->throughput_b, rows, "throughput_b");
+      ExpectMoved(rays_->pdf, to->pdf, rows, "pdf");
+      ExpectMoved(rays_->path, to->path, rows, "path");
+      ExpectMoved(rays_->from, to->from, rows, "from");
+    }
+  });
+}
+
+TEST_F(Partition, MovesHits) {
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      std::array<std::uint32_t, kBsdfKinds + 1> count = {};
+      ClassifyHits(hits_, triangles_.data(), nullptr, n, queue_.data(), count.data());
+      for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+        soa::Table<SurfaceColumns> to(kFullWave);
+        FillWithGarbage(to.columns(), kFullWave);
+        MoveHits(rays_, hits_, queue_.data(), kind, n, to);
+        const auto rows = RowsOf(kind, n, false);
+        ExpectMoved(rays_->dir_x, to->wo_x, rows, "wo_x", -1.0f);
+        ExpectMoved(rays_->dir_y, to->wo_y, rows, "wo_y", -1.0f);
+        ExpectMoved(rays_->dir_z, to->wo_z, rows, "wo_z", -1.0f);
+        ExpectMoved(hits_->ng_x, to->ng_x, rows, "ng_x");
+        ExpectMoved(hits_->ng_y, to->ng_y, rows, "ng_y");
+        ExpectMoved(hits_->ng_z, to->ng_z, rows, "ng_z");
+        ExpectMoved(rays_->throughput_r, to->throughput_r, rows, "throughput_r");
+        ExpectMoved(rays_->throughput_g, to->throughput_g, rows, "throughput_g");
+        ExpectMoved(rays_->throughput_b, to->throughput_b, rows, "throughput_b");
+        ExpectMoved(rays_->t_far, to->t, rows, "t");
+        ExpectMoved(hits_->u, to->u, rows, "u");
+        ExpectMoved(hits_->v, to->v, rows, "v");
+        ExpectMoved(hits_->triangle, to->triangle, rows, "triangle");
+        ExpectMoved(rays_->path, to->path, rows, "path");
+        ExpectMoved(rays_->org_x, to->org_x, rows, "org_x");
+        ExpectMoved(rays_->org_y, to->org_y, rows, "org_y");
+        ExpectMoved(rays_->org_z, to->org_z, rows, "org_z");
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace skywave

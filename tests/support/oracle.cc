@@ -1,0 +1,245 @@
+#include "tests/support/oracle.h"
+
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "scene/geometry.h"
+
+namespace skywave {
+namespace {
+
+using glm::dvec3;
+
+constexpr std::uint32_t kFirstRouletteBounce = 3;
+
+double MaxComponent(const dvec3& v) { return std::max({v.x, v.y, v.z}); }
+
+RTCRay EmbreeRay(const dvec3& origin, const dvec3& direction) {
+  RTCRay ray = {};
+  ray.org_x = float(origin.x), ray.org_y = float(origin.y), ray.org_z = float(origin.z);
+  ray.dir_x = float(direction.x), ray.dir_y = float(direction.y), ray.dir_z = float(direction.z);
+  ray.tfar = std::numeric_limits<float>::infinity();
+  ray.mask = ~0u;
+  return ray;
+}
+
+double FilterOffset(const std::vector<float>& offsets, double uniform) {
+  const double at = uniform * double(offsets.size() - 1);
+  const auto cell = std::size_t(at);
+  return offsets[cell] + (at - double(cell)) * (double(offsets[cell + 1]) - offsets[cell]);
+}
+
+}  // namespace
+
+Oracle::Oracle(const Scene& scene, OracleLights lights)
+    : camera_(scene.camera.value()), environment_(scene.environments.at(0), lights) {
+  for (const Material& material : scene.materials) {
+    materials_.push_back(MakeOracleMaterial(material));
+  }
+  for (const Mesh& mesh : scene.meshes) AddMesh(mesh);
+  BuildEmbreeScene();
+}
+
+Oracle::~Oracle() {
+  rtcReleaseScene(scene_);
+  rtcReleaseDevice(device_);
+}
+
+void Oracle::AddMesh(const Mesh& mesh) {
+  for (const glm::uvec3& corners : mesh.triangles) {
+    Triangle t = {.corner = {}, .normal = {}, .material = mesh.material, .smooth = false};
+    for (int i = 0; i < 3; ++i) {
+      t.corner[i] = mesh.positions[corners[i]];
+      if (!mesh.normals.empty()) t.normal[i] = mesh.normals[corners[i]];
+    }
+    t.smooth = !mesh.normals.empty();
+    // The outside is where the vertex normals point.
+    const glm::vec3 face = glm::cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]);
+    if (t.smooth && glm::dot(face, t.normal[0] + t.normal[1] + t.normal[2]) < 0) {
+      std::swap(t.corner[1], t.corner[2]);
+      std::swap(t.normal[1], t.normal[2]);
+    }
+    triangles_.push_back(t);
+  }
+}
+
+void Oracle::BuildEmbreeScene() {
+  device_ = rtcNewDevice(DefaultEmbreeConfig().c_str());
+  scene_ = rtcNewScene(device_);
+  rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<glm::vec3*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                              sizeof(glm::vec3), 3 * triangles_.size()));
+  auto* indices = static_cast<glm::uvec3*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(glm::uvec3), triangles_.size()));
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    std::copy_n(triangles_[i].corner, 3, vertices + 3 * i);
+    indices[i] = glm::uvec3(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene_, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene_);
+}
+
+bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query = {};
+  query.ray = EmbreeRay(ray.origin, ray.direction);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene_, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+
+  const Triangle& t = triangles_[query.hit.primID];
+  const double u = query.hit.u, v = query.hit.v, w = 1 - u - v;
+  const dvec3 a(t.corner[0]), b(t.corner[1]), c(t.corner[2]);
+  const dvec3 wo = -ray.direction;
+  dvec3 ng = glm::normalize(glm::cross(b - a, c - a)), ns = ng;
+  if (t.smooth) {
+    ns = glm::normalize(w * dvec3(t.normal[0]) + u * dvec3(t.normal[1]) + v * dvec3(t.normal[2]));
+  }
+  const bool back = glm::dot(ng, wo) < 0;
+  if (back) ng = -ng, ns = -ns;
+  // Smooth normals that look away from the eye cannot shade.
+  if (!(glm::dot(ns, wo) > 1e-4)) ns = ng;
+  hit.surface = {&materials_[t.material], wo, ng, ns, back};
+  hit.point = w * a + u * b + v * c;
+  const double extent = MaxComponent(glm::abs(hit.point));
+  hit.lift = (extent + query.ray.tfar) * 0x1p-16;
+  return true;
+}
+
+bool Oracle::Occluded(const Ray& ray) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay query = EmbreeRay(ray.origin, ray.direction);
+  rtcOccluded1(scene_, &context, &query);
+  return query.tfar < 0;
+}
+
+Oracle::Ray Oracle::LeaveFrom(const Hit& hit, const dvec3& direction) const {
+  const dvec3& ng = hit.surface.ng;
+  const double side = glm::dot(ng, direction) < 0 ? -1 : 1;
+  return {hit.point + side * hit.lift * ng, direction};
+}
+
+// What a ray that left the scene sees. `pdf`: of its direction by BSDF sampling, 0 if it had none
+// and so no light sample can have found the same light.
+dvec3 Oracle::LightFromSky(const dvec3& direction, double pdf, const RenderOptions& options) const {
+  if (pdf == 0) return environment_.Seen(direction);
+  if (!options.mis) return dvec3(0);
+  const OracleEnvironment::Lit lit = environment_.AsLight(direction);
+  const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
+  const double light_pdf = samples * lit.pdf;
+  return lit.radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
+}
+
+// One light sample, not yet divided by their number.
+dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
+                              OracleRandom& random) const {
+  const OracleEnvironment::LightSample light = environment_.Sample(random);
+  const OracleValue bsdf = EvaluateBsdf(hit.surface, light.direction);
+  if (!(MaxComponent(bsdf.value * light.radiance) > 0)) return dvec3(0);
+  if (Occluded(LeaveFrom(hit, light.direction))) return dvec3(0);
+  double weight = 1;
+  if (options.mis) {
+    const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
+    const double light_pdf = samples * light.pdf;
+    weight = light_pdf * light_pdf / (light_pdf * light_pdf + bsdf.pdf * bsdf.pdf);
+  }
+  return bsdf.value * light.radiance * (weight / light.pdf);
+}
+
+dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& random) const {
+  const bool direct = options.integrator == Integrator::kDirect;
+  dvec3 radiance(0), throughput(1);
+  double pdf = 0;
+  for (std::uint32_t bounce = 0;; ++bounce) {
+    Hit hit;
+    // Behind the last surface, and behind the BSDF sample of `direct`, only the sky counts.
+    const bool last = bounce == options.max_depth || (direct && pdf > 0);
+    if (last ? !Occluded(ray) : !Intersect(ray, hit)) {
+      return radiance + throughput * LightFromSky(ray.direction, pdf, options);
+    }
+    if (last) return radiance;
+
+    if (!hit.surface.material->delta()) {
+      const std::uint32_t samples = direct ? options.light_samples : 1;
+      for (std::uint32_t i = 0; i < samples; ++i) {
+        radiance += throughput * LightFromSample(hit, options, random) / double(samples);
+      }
+      if (direct && !options.mis) return radiance;
+    }
+    const OracleScatter scattered = ScatterBsdf(hit.surface, random);
+    if (!scattered.alive) return radiance;
+    throughput *= scattered.weight;
+    if (bounce >= kFirstRouletteBounce) {
+      const double survival = std::min(1.0, MaxComponent(throughput));
+      if (!(random() < survival)) return radiance;
+      throughput /= survival;
+    }
+    pdf = scattered.pdf;
+    ray = LeaveFrom(hit, scattered.wi);
+  }
+}
+
+void Oracle::RenderRow(int y, const RenderOptions& options, const std::vector<float>& filter,
+                       OraclePicture& picture) const {
+  const glm::dmat4 world(camera_.world_from_camera);
+  const double shorter = std::min(options.width, options.height);
+  const double slope = 2 * std::tan(glm::radians(double(camera_.fov_degrees)) / 2) / shorter;
+  const double n = options.samples_per_pixel;
+  for (int x = 0; x < options.width; ++x) {
+    OracleRandom random(std::uint64_t{options.seed} << 32 | options.first_sample,
+                        std::uint64_t(y) * options.width + x);
+    dvec3 mean(0), squares(0);
+    for (std::uint32_t i = 0; i < options.samples_per_pixel; ++i) {
+      const double film_x = x + 0.5 + FilterOffset(filter, random());
+      const double film_y = y + 0.5 + FilterOffset(filter, random());
+      const glm::dvec4 through((film_x - 0.5 * options.width) * slope,
+                               (0.5 * options.height - film_y) * slope, 1, 0);
+      const dvec3 value =
+          Radiance({dvec3(world[3]), glm::normalize(dvec3(world * through))}, options, random);
+      const dvec3 difference = value - mean;
+      mean += difference / double(i + 1);
+      squares += difference * (value - mean);
+    }
+    for (int c = 0; c < 3; ++c) {
+      picture.mean.Pixel(x, y)[c] = float(mean[c]);
+      picture.variance[(std::size_t(y) * options.width + x) * 3 + c] =
+          n > 1 ? squares[c] / (n - 1) / n : 0;
+    }
+  }
+}
+
+OraclePicture Oracle::Render(const RenderOptions& options) const {
+  OraclePicture picture;
+  picture.mean = Image(options.width, options.height);
+  picture.variance.resize(picture.mean.rgb.size());
+  const std::vector<float> filter = FilterOffsets(options.filter, options.filter_radius);
+  std::atomic<int> next_row = 0;
+  const auto start = std::chrono::steady_clock::now();
+  const auto work = [&] {
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    for (int y = next_row++; y < options.height; y = next_row++) {
+      RenderRow(y, options, filter, picture);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int i = 0; i < std::max(options.threads, 1); ++i) threads.emplace_back(work);
+  for (std::thread& thread : threads) thread.join();
+  picture.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return picture;
+}
+
+}  // namespace skywave

@@ -1,0 +1,74 @@
+// The correctness reference and the speed floor of the engine: a plain depth-first path tracer. One
+// path at a time, single rays of Embree, shading in double, its own BSDFs, environment, light
+// samples, camera and random numbers. It shares with the engine only the meaning of the scene (the
+// conventions of kernels/bsdf.h, kernels/environment.h and wavefront/integrator.h) and the tables
+// FilterOffsets() and GgxTables().
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "image/image.h"
+#include "tests/support/oracle_bsdf.h"
+#include "tests/support/oracle_environment.h"
+#include "wavefront/frame.h"
+
+namespace skywave {
+
+struct OraclePicture {
+  Image mean;
+  std::vector<double> variance;  // of the mean, three a pixel; 0 for a single sample
+  double seconds = 0;            // wall clock
+};
+
+class Oracle {
+ public:
+  // The scene needs a camera and a light with its map in memory (or none).
+  explicit Oracle(const Scene& scene, OracleLights lights = OracleLights::kImportance);
+  ~Oracle();
+  Oracle(const Oracle&) = delete;
+  Oracle& operator=(const Oracle&) = delete;
+
+  // Film, integrator, samples, depth, filter (its radius set), seed and threads of `options` count;
+  // wave and backend mean nothing here. The same bits for any number of threads.
+  OraclePicture Render(const RenderOptions& options) const;
+
+ private:
+  struct Triangle {
+    glm::vec3 corner[3], normal[3];
+    std::uint32_t material;
+    bool smooth;
+  };
+  struct Ray {
+    glm::dvec3 origin, direction;
+  };
+  struct Hit {
+    OracleSurface surface;
+    glm::dvec3 point;
+    double lift;  // distance between the point and origins of rays that leave it
+  };
+
+  void AddMesh(const Mesh& mesh);
+  void BuildEmbreeScene();
+  bool Intersect(const Ray& ray, Hit& hit) const;
+  bool Occluded(const Ray& ray) const;
+  Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
+  glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
+                          const RenderOptions& options) const;
+  glm::dvec3 LightFromSample(const Hit& hit, const RenderOptions& options,
+                             OracleRandom& random) const;
+  glm::dvec3 Radiance(Ray ray, const RenderOptions& options, OracleRandom& random) const;
+  void RenderRow(int y, const RenderOptions& options, const std::vector<float>& filter,
+                 OraclePicture& picture) const;
+
+  Camera camera_;
+  OracleEnvironment environment_;
+  std::vector<OracleMaterial> materials_;
+  std::vector<Triangle> triangles_;
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+}  // namespace skywave

@@ -1,0 +1,208 @@
+#include "tests/support/oracle_bsdf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "kernels/conductor_tables.h"
+
+namespace skywave {
+namespace {
+
+using glm::dvec3;
+constexpr double kPi = glm::pi<double>();
+
+double Square(double x) { return x * x; }
+
+// Reflectance of a conductor: the index times the complex cosine inside is a + i b (Born and Wolf,
+// 14.2). An index of 0 reflects everything.
+double ConductorReflectance(double cosine, double eta, double k) {
+  const double c = std::max(cosine, 1e-9), s2 = 1 - c * c, s_tan = s2 / c;
+  const double real = eta * eta - k * k - s2;
+  const double modulus = std::hypot(real, 2 * eta * k);
+  const double a = std::sqrt(std::max(0.0, 0.5 * (modulus + real)));
+  const double b2 = std::max(0.0, 0.5 * (modulus - real));
+  const double perpendicular = (Square(a - c) + b2) / (Square(a + c) + b2);
+  const double below = Square(a + s_tan) + b2;
+  const double ratio = below > 0 ? (Square(a - s_tan) + b2) / below : 1;
+  return 0.5 * perpendicular * (1 + ratio);
+}
+dvec3 ConductorReflectance(double cosine, const OracleMaterial& m) {
+  if (m.eta == dvec3(0) && m.k == dvec3(0)) return dvec3(1);
+  return {ConductorReflectance(cosine, m.eta.x, m.k.x),
+          ConductorReflectance(cosine, m.eta.y, m.k.y),
+          ConductorReflectance(cosine, m.eta.z, m.k.z)};
+}
+
+// E(cosine): albedo of single scattering with F = 1, bilinear in the square roots as the table is.
+double SingleScatterAlbedo(double alpha, double cosine) {
+  const double row = std::sqrt(alpha) * (kAlbedoRows - 1);
+  const double column = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
+  const int r = int(row), c = int(column);
+  const float* e = &GgxTables().albedo[r * int(kAlbedoColumns + 1) + c];
+  const float* below = e + kAlbedoColumns + 1;
+  const double fr = row - r, fc = column - c;
+  return (1 - fr) * ((1 - fc) * e[0] + fc * e[1]) + fr * ((1 - fc) * below[0] + fc * below[1]);
+}
+
+// Kulla and Conty 2017: what single scattering loses, spread so that it is reciprocal, each further
+// bounce darkened by the mean Fresnel reflectance.
+dvec3 MultiscatterFactor(const OracleMaterial& m) {
+  constexpr int kSteps = 2048;
+  double albedo = 0;
+  dvec3 fresnel(0);
+  for (int i = 0; i < kSteps; ++i) {
+    const double c = (i + 0.5) / kSteps;
+    albedo += 2 * c / kSteps * SingleScatterAlbedo(m.alpha, c);
+    fresnel += 2 * c / kSteps * ConductorReflectance(c, m);
+  }
+  const double lost = std::max(1 - albedo, 1e-6);
+  return fresnel * fresnel * albedo / (1.0 - fresnel * lost) / (kPi * lost);
+}
+
+// Orthonormal axes about n.
+struct Basis {
+  explicit Basis(const dvec3& n) : z(n) {
+    x = glm::normalize(glm::cross(std::fabs(n.x) > 0.7 ? dvec3(0, 1, 0) : dvec3(1, 0, 0), n));
+    y = glm::cross(n, x);
+  }
+  dvec3 Local(const dvec3& w) const { return {glm::dot(x, w), glm::dot(y, w), glm::dot(z, w)}; }
+  dvec3 World(const dvec3& w) const { return w.x * x + w.y * y + w.z * z; }
+  dvec3 x, y, z;
+};
+
+dvec3 CosineDirection(OracleRandom& random) {
+  const double radius2 = random(), turn = 2 * kPi * random();
+  const double radius = std::sqrt(radius2);
+  return {radius * std::cos(turn), radius * std::sin(turn), std::sqrt(1 - radius2)};
+}
+
+// Smith's Lambda of GGX (Heitz 2014, eq. 72).
+double Lambda(double alpha, const dvec3& w) {
+  const double z2 = std::max(w.z * w.z, 1e-30);
+  return 0.5 * (std::sqrt(1 + alpha * alpha * (w.x * w.x + w.y * w.y) / z2) - 1);
+}
+
+// Local frame. Walter et al. 2007, height-correlated masking.
+OracleValue EvaluateConductor(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
+  const dvec3 h = glm::normalize(wo + wi);
+  const double a2 = m.alpha * m.alpha;
+  const double d = a2 / (kPi * Square(a2 * h.z * h.z + h.x * h.x + h.y * h.y));
+  const double lambda_o = Lambda(m.alpha, wo), lambda_i = Lambda(m.alpha, wi);
+  const double lost_o = 1 - SingleScatterAlbedo(m.alpha, wo.z);
+  const double lost_i = 1 - SingleScatterAlbedo(m.alpha, wi.z);
+  const double over_4_cos = d / (4 * wo.z);
+  const dvec3 single =
+      over_4_cos / (1 + lambda_o + lambda_i) * ConductorReflectance(glm::dot(wo, h), m);
+  const dvec3 multiple = lost_o * lost_i * wi.z * m.multiscatter;
+  const double visible_normals = over_4_cos / (1 + lambda_o);
+  return {m.reflectance * (single + multiple),
+          (1 - lost_o) * visible_normals + lost_o * wi.z / kPi};
+}
+
+// A visible normal, by the projected area of the stretched hemisphere (Heitz 2018, listing 1).
+dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
+  const dvec3 view = glm::normalize(dvec3(alpha * wo.x, alpha * wo.y, wo.z));
+  const Basis basis(view);
+  const double radius = std::sqrt(random()), turn = 2 * kPi * random();
+  // basis.x is perpendicular to view; the half disk towards +z is squeezed along the axis that
+  // leans towards it.
+  const dvec3 side =
+      view.z < 0.9999999 ? glm::normalize(glm::cross(dvec3(0, 0, 1), view)) : basis.x;
+  const dvec3 lean = glm::cross(view, side);
+  const double t1 = radius * std::cos(turn), s = 0.5 * (1 + view.z);
+  const double t2 = (1 - s) * std::sqrt(1 - t1 * t1) + s * radius * std::sin(turn);
+  const dvec3 n = t1 * side + t2 * lean + std::sqrt(std::max(0.0, 1 - t1 * t1 - t2 * t2)) * view;
+  return glm::normalize(dvec3(alpha * n.x, alpha * n.y, std::max(1e-9, n.z)));
+}
+
+// The normal a delta BSDF acts about: the shading normal unless its reflection enters the surface.
+dvec3 DeltaNormal(const OracleSurface& s) {
+  const dvec3 reflected = 2 * glm::dot(s.ns, s.wo) * s.ns - s.wo;
+  return glm::dot(reflected, s.ng) > 0 ? s.ns : s.ng;
+}
+
+OracleScatter ScatterMirror(const OracleSurface& s) {
+  const dvec3 n = DeltaNormal(s);
+  const double cosine = glm::dot(n, s.wo);
+  const dvec3 wi = 2 * cosine * n - s.wo;
+  return {wi, s.material->reflectance * ConductorReflectance(std::min(cosine, 1.0), *s.material), 0,
+          glm::dot(s.ng, wi) > 0};
+}
+
+OracleScatter ScatterGlass(const OracleSurface& s, OracleRandom& random) {
+  const OracleMaterial& m = *s.material;
+  const dvec3 n = DeltaNormal(s);
+  const double near = s.back ? m.ior : 1, far = s.back ? 1 : m.ior;
+  const double c = std::clamp(glm::dot(n, s.wo), 0.0, 1.0);
+  const double sine_inside = near / far * std::sqrt(1 - c * c);
+  double reflectance = 1, cosine_inside = 0;
+  if (sine_inside < 1) {
+    cosine_inside = std::sqrt(1 - sine_inside * sine_inside);
+    const double perpendicular =
+        (near * c - far * cosine_inside) / (near * c + far * cosine_inside);
+    const double parallel = (far * c - near * cosine_inside) / (far * c + near * cosine_inside);
+    reflectance = 0.5 * (Square(perpendicular) + Square(parallel));
+  }
+  if (random() < reflectance) {
+    const dvec3 wi = 2 * c * n - s.wo;
+    return {wi, m.reflectance, 0, glm::dot(s.ng, wi) > 0};
+  }
+  // Snell: the tangential part is scaled by the ratio of the indices. Radiance is carried in a
+  // wider cone on the side of the smaller index.
+  const dvec3 wi = glm::normalize(near / far * (c * n - s.wo) - cosine_inside * n);
+  return {wi, m.reflectance * Square(near / far), 0, glm::dot(s.ng, wi) < 0};
+}
+
+}  // namespace
+
+OracleMaterial MakeOracleMaterial(const Material& material) {
+  OracleMaterial m = {.bsdf = material.bsdf,
+                      .reflectance = material.reflectance,
+                      .eta = material.eta,
+                      .k = material.k,
+                      .alpha = std::clamp(double(material.alpha), 1e-3, 1.0),
+                      .ior = material.ior,
+                      .multiscatter = dvec3(0)};
+  if (m.bsdf == BsdfKind::kConductor) m.multiscatter = MultiscatterFactor(m);
+  return m;
+}
+
+OracleValue EvaluateBsdf(const OracleSurface& s, const dvec3& wi) {
+  const double cosine = glm::dot(s.ns, wi);
+  if (!(cosine > 0) || !(glm::dot(s.ng, wi) > 0)) return {dvec3(0), 0};
+  if (s.material->bsdf == BsdfKind::kLambert) {
+    return {s.material->reflectance * cosine / kPi, cosine / kPi};
+  }
+  const Basis basis(s.ns);
+  return EvaluateConductor(*s.material, basis.Local(s.wo), basis.Local(wi));
+}
+
+OracleScatter ScatterBsdf(const OracleSurface& s, OracleRandom& random) {
+  const OracleMaterial& m = *s.material;
+  if (m.bsdf == BsdfKind::kMirror) return ScatterMirror(s);
+  if (m.bsdf == BsdfKind::kDielectric) return ScatterGlass(s, random);
+  const Basis basis(s.ns);
+  const dvec3 wo = basis.Local(s.wo);
+  OracleScatter out;
+  dvec3 local;
+  if (m.bsdf == BsdfKind::kLambert || random() < 1 - SingleScatterAlbedo(m.alpha, wo.z)) {
+    local = CosineDirection(random);
+  } else {
+    const dvec3 h = VisibleNormal(m.alpha, wo, random);
+    local = 2 * glm::dot(wo, h) * h - wo;
+  }
+  out.wi = basis.World(local);
+  if (!(local.z > 0) || !(glm::dot(s.ng, out.wi) > 0)) return out;
+  if (m.bsdf == BsdfKind::kLambert) {
+    out.weight = m.reflectance, out.pdf = local.z / kPi;
+  } else {
+    const OracleValue value = EvaluateConductor(m, wo, local);
+    if (!(value.pdf > 0)) return out;
+    out.weight = value.value / value.pdf, out.pdf = value.pdf;
+  }
+  out.alive = true;
+  return out;
+}
+
+}  // namespace skywave

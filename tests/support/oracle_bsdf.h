@@ -1,0 +1,41 @@
+// The BSDFs of the oracle, in double, written from the formulae. Conventions: kernels/bsdf.h.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "scene/scene.h"
+#include "tests/support/oracle_random.h"
+
+namespace skywave {
+
+struct OracleMaterial {
+  BsdfKind bsdf;
+  glm::dvec3 reflectance, eta, k;
+  double alpha, ior;
+  glm::dvec3 multiscatter;  // conductor: factor of (1 - E(wo)) (1 - E(wi)) cos [1/sr]
+  bool delta() const { return bsdf == BsdfKind::kMirror || bsdf == BsdfKind::kDielectric; }
+};
+OracleMaterial MakeOracleMaterial(const Material& material);
+
+// A point to shade; directions are unit vectors in the world, normals on wo's side.
+struct OracleSurface {
+  const OracleMaterial* material;
+  glm::dvec3 wo, ng, ns;
+  bool back;  // seen from where the triangle's normal does not point
+};
+
+struct OracleValue {
+  glm::dvec3 value;  // f |cos| [1/sr]
+  double pdf;        // of wi [1/sr]
+};
+// For BSDFs that are no delta distributions.
+OracleValue EvaluateBsdf(const OracleSurface& surface, const glm::dvec3& wi);
+
+struct OracleScatter {
+  glm::dvec3 wi, weight;  // weight: f |cos| / pdf, or the factor of a delta lobe
+  double pdf = 0;         // 0: delta
+  bool alive = false;     // false: absorbed
+};
+OracleScatter ScatterBsdf(const OracleSurface& surface, OracleRandom& random);
+
+}  // namespace skywave

@@ -1,0 +1,75 @@
+// Small scenes for tests of whole renders, and the request that renders one.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "scene/scene_building.h"
+#include "scene/shapes.h"
+#include "wavefront/job.h"
+
+namespace skywave {
+
+// A map whose texels the engine's packed form holds exactly (kernels/environment.h): channels are
+// rounded to 8 bits of the texel's brightest.
+inline Image Packable(Image map) {
+  for (std::size_t i = 0; i < map.rgb.size(); i += 3) {
+    const float brightest = std::max({map.rgb[i], map.rgb[i + 1], map.rgb[i + 2]});
+    if (!(brightest > 0)) continue;
+    const float unit = std::ldexp(1.0f, std::ilogb(brightest) - 7);
+    for (std::size_t c = 0; c < 3; ++c) map.rgb[i + c] = std::round(map.rgb[i + c] / unit) * unit;
+  }
+  return map;
+}
+
+// A sky of smooth colours, above the horizon brighter, with a sun of the given radiance that covers
+// all texels within `radius` [rad] of its centre. The sun stands left of the middle of the map.
+inline Image SkyWithSun(int width, int height, float sun, double radius) {
+  Image map(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double theta = M_PI * (y + 0.5) / height, phi = 2 * M_PI * ((x + 0.5) / width - 0.5);
+      const double cosine =
+          std::cos(theta) * std::cos(0.8) + std::sin(theta) * std::sin(0.8) * std::cos(phi + 0.9);
+      float* const rgb = map.Pixel(x, y);
+      const bool lit = std::acos(std::clamp(cosine, -1.0, 1.0)) < radius;
+      const double up = std::cos(theta), side = std::sin(phi);
+      rgb[0] = float(lit ? sun : 0.30 + 0.10 * up + 0.10 * side);
+      rgb[1] = float(lit ? 0.9 * sun : 0.35 + 0.20 * up - 0.05 * side);
+      rgb[2] = float(lit ? 0.7 * sun : 0.40 + 0.35 * up);
+    }
+  }
+  return Packable(map);
+}
+
+inline void SetLight(Scene& scene, Image map,
+                     const glm::mat3& world_from_map = EnvironmentFrame('y', false, 0)) {
+  EnvironmentLight light;
+  light.map = std::move(map);
+  light.world_from_map = world_from_map;
+  scene.environments = {std::move(light)};
+}
+inline void SetConstantLight(Scene& scene, float radiance) {
+  scene.environments = {
+      {.scale = glm::vec3(radiance), .world_from_map = EnvironmentFrame('y', false, 0)}};
+}
+
+// Flat shading: the same triangles without their normals.
+inline Mesh Facetted(Mesh mesh) {
+  mesh.normals.clear();
+  return mesh;
+}
+
+// A small job: everything that tests do not set otherwise.
+inline JobRequest SmallRequest(int width, int height, std::uint32_t samples_per_pixel) {
+  JobRequest request;
+  request.scene = "test";
+  request.width = width, request.height = height;
+  request.samples_per_pixel = samples_per_pixel;
+  request.options.threads = 2;
+  request.options.wave = 512;
+  return request;
+}
+
+}  // namespace skywave
