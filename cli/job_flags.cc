@@ -4,6 +4,8 @@
 
 #include <charconv>
 
+#include "lights/projections.h"
+
 namespace skywave {
 namespace {
 
@@ -42,12 +44,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")
       ->group(light);
   AddParsed(command, "--env-projection", "how its pixels lie (default: by shape)",
-            "latlong|angular", r.environment.projection,
-            [](const std::string& t) -> std::optional<Projection> {
-              if (t == "latlong") return Projection::kLatLong;
-              if (t == "angular") return Projection::kAngular;
-              return std::nullopt;
-            });
+            ProjectionNames(), r.environment.projection, ParseProjection);
   command
       .add_option("--env-rotate", r.environment.rotation_degrees,
                   "turn about the up axis, counter-clockwise from above")
@@ -111,8 +108,7 @@ std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
   const EnvironmentRequest& e = r.environment;
   if (!e.path.empty()) text += fmt::format(" --env {}", e.path);
   if (e.projection) {
-    text += fmt::format(" --env-projection {}",
-                        *e.projection == Projection::kLatLong ? "latlong" : "angular");
+    text += fmt::format(" --env-projection {}", ToString(*e.projection));
   }
   if (e.rotation_degrees != 0) text += fmt::format(" --env-rotate {}", e.rotation_degrees);
   if (e.intensity != 1) text += fmt::format(" --env-intensity {}", e.intensity);

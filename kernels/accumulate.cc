@@ -91,7 +91,10 @@ FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale&
     const MF valid =
         hn::And(hn::And(hn::Ge(rgb.x, zero), hn::Ge(rgb.y, zero)), hn::Ge(rgb.z, zero));
     counts.invalid += hn::CountTrue(F(), hn::AndNot(valid, inside));
-    counts.clamped += hn::CountTrue(F(), hn::And(inside, hn::Gt(MaxComponent(rgb), limit)));
+    // Channel by channel: the maximum of a NaN and a number is another one on another target.
+    const MF bright =
+        hn::Or(hn::Or(hn::Gt(rgb.x, limit), hn::Gt(rgb.y, limit)), hn::Gt(rgb.z, limit));
+    counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
     const auto keep = [&](VF value) HWY_ATTR {
       // A comparison with NaN fails, so NaN becomes 0 like negative values.
       return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);

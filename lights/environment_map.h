@@ -9,21 +9,30 @@
 
 namespace skywave {
 
-// How the pixels of a map file lie on the sphere.
-enum class Projection { kLatLong, kAngular };
+// How the pixels of a map file lie on the sphere: lights/projections.h has the conventions.
+enum class Projection {
+  kLatLong,
+  kAngular,
+  kMirrorBall,
+  kHorizontalCross,
+  kVerticalCross,
+  kCubeStrip,
+  kOctahedral,
+};
 
 struct EnvironmentMap {
   Image latlong;                        // conventions: kernels/environment.h
   std::array<float, 9> map_from_world;  // rows: right, forward, up; orthonormal, may mirror
 };
 
-// Twice as wide as high: lat-long; square: Debevec's angular map. Throws InputError for any other
-// shape, naming `path` and the flag that decides.
+// 2:1 is lat-long, square Debevec's angular map, 4:3 a horizontal and 3:4 a vertical cube cross.
+// Throws InputError for any other shape, naming `path` and the flag that decides.
 Projection DetectProjection(const Image& image, const std::string& path);
 
-// Lat-long version of a map: itself, or an angular map resampled to width x width / 2, which keeps
-// the angular resolution of the original. Every lat-long pixel is the mean of 4 x 4 interpolated
-// samples; pixels outside the disk are never read.
+// Lat-long version of a map: itself, or any other projection resampled (lights/resample.h) to a
+// size that keeps its angular resolution: as many columns as an angular map has, 4 columns for 3 of
+// a ball or an octahedral square, 4 for each pixel of a cube's edge. Throws InputError for a cube
+// whose faces are not square.
 Image ToLatLong(Image image, Projection projection);
 
 // Direction in map space (right, forward, up) to a point of the angular map in [-1, 1]^2, x to the

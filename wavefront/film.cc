@@ -1,7 +1,9 @@
 #include "wavefront/film.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "kernels/accumulate.h"
 
@@ -26,6 +28,15 @@ void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
   stats.clamped_samples += counts.clamped;
   stats.invalid_samples += counts.invalid;
   stats.samples += n;
+}
+
+void Film::Merge(const Film& other) {
+  assert(sums_.size() == other.sums_.size() && unit_ == other.unit_);
+  std::transform(sums_.begin(), sums_.end(), other.sums_.begin(), sums_.begin(),
+                 [](std::uint64_t a, std::uint64_t b) {
+                   const std::uint64_t sum = a + b;
+                   return sum < a ? std::numeric_limits<std::uint64_t>::max() : sum;
+                 });
 }
 
 Image Film::Resolve(std::uint64_t samples) const {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "image/image.h"
@@ -28,8 +29,16 @@ class Film {
   // counted in `stats`, a sample once.
   void Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats);
 
+  // Adds the sums of `other`, a film of the same size for the same brightest radiance that holds
+  // other samples: afterwards it is as if all had been added to this one.
+  void Merge(const Film& other);
+
   // The mean of `samples` samples in every pixel.
   Image Resolve(std::uint64_t samples) const;
+
+  // The sums as they are kept, three a pixel [units].
+  std::span<const std::uint64_t> sums() const { return sums_; }
+  double unit() const { return unit_; }  // [scene radiance], a power of two
 
  private:
   int width_, height_;

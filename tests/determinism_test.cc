@@ -1,0 +1,148 @@
+// The same picture, bit by bit, however the work is cut and whatever it runs on.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "base/files.h"
+#include "scene/builtin.h"
+#include "tests/support/program.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/targets.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+struct Case {
+  std::string scene;
+  Integrator integrator;
+};
+void PrintTo(const Case& test, std::ostream* out) {
+  *out << test.scene << " " << ToString(test.integrator);
+}
+
+// Jobs are built once: reading and building take longer than the renders.
+const RenderJob& Job(const Case& test) {
+  static std::vector<std::pair<std::string, std::unique_ptr<RenderJob>>> jobs;
+  const std::string name = test.scene + std::string(ToString(test.integrator));
+  for (const auto& [known, job] : jobs) {
+    if (known == name) return *job;
+  }
+  // Not a multiple of any tile; 5 samples, so that waves end inside pixels.
+  JobRequest request = SmallRequest(37, 29, 5);
+  request.integrator = test.integrator;
+  request.options.light_samples = 3;
+  request.max_depth = 8;
+  // Embree's device caps the threads of the process at its own.
+  request.options.threads = 8;
+  return *jobs.emplace_back(name, std::make_unique<RenderJob>(BuiltinScene(test.scene), request))
+              .second;
+}
+
+struct Rendered {
+  std::vector<std::uint64_t> sums;
+  RenderStats stats;
+};
+Rendered Render(const FrameView& frame, const RenderJob& job) {
+  Film film = job.MakeFilm();
+  const FrameResult result = RenderFrame(frame, film);
+  return {{film.sums().begin(), film.sums().end()}, result.stats};
+}
+
+class Determinism : public testing::TestWithParam<Case> {
+ protected:
+  const RenderJob& job() const { return Job(GetParam()); }
+  // The picture on one thread with the default wave.
+  const std::vector<std::uint64_t>& Reference() {
+    if (reference_.empty()) {
+      FrameView frame = job().frame();
+      frame.options.threads = 1;
+      reference_ = Render(frame, job()).sums;
+    }
+    return reference_;
+  }
+
+ private:
+  std::vector<std::uint64_t> reference_;
+};
+
+TEST_P(Determinism, ThreadsDoNotMatter) {
+  for (const int threads : {1, 2, 3, 8}) {
+    FrameView frame = job().frame();
+    frame.options.threads = threads;
+    frame.options.wave = 64;  // small tiles: something to share out
+    EXPECT_EQ(Render(frame, job()).sums, Reference()) << threads << " threads";
+  }
+}
+
+TEST_P(Determinism, WavesAndBackendsDoNotMatter) {
+  std::uint64_t rays[kRayKinds] = {};
+  for (const Backend backend : {Backend::kStream, Backend::kPacket, Backend::kSingle}) {
+    for (const std::uint32_t wave : {1u, 17u, 256u, 2048u}) {
+      SCOPED_TRACE(std::string(ToString(backend)) + ", wave " + std::to_string(wave));
+      FrameView frame = job().frame();
+      frame.options.wave = wave;
+      frame.tracer.closest = frame.tracer.occlusion = backend;
+      const Rendered rendered = Render(frame, job());
+      EXPECT_EQ(rendered.sums, Reference());
+      EXPECT_EQ(rendered.stats.samples, 37u * 29 * 5);
+      for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+        if (rays[kind] == 0) rays[kind] = rendered.stats.rays[kind];
+        EXPECT_EQ(rendered.stats.rays[kind], rays[kind]);
+      }
+    }
+  }
+}
+
+TEST_P(Determinism, RangesOfSamplesAddUp) {
+  Film merged = job().MakeFilm();
+  for (const auto& [first, count] : {std::pair{3u, 2u}, std::pair{0u, 1u}, std::pair{1u, 2u}}) {
+    FrameView frame = job().frame();
+    frame.options.first_sample = first;
+    frame.options.samples_per_pixel = count;
+    Film part = job().MakeFilm();
+    RenderFrame(frame, part);
+    merged.Merge(part);
+  }
+  EXPECT_EQ(std::vector<std::uint64_t>(merged.sums().begin(), merged.sums().end()), Reference());
+}
+
+TEST_P(Determinism, EveryInstructionSetGivesTheSameBits) {
+  Reference();
+  ForEachTarget([&] { EXPECT_EQ(Render(job().frame(), job()).sums, Reference()); });
+}
+
+TEST_P(Determinism, SeedsGiveOtherPictures) {
+  FrameView frame = job().frame();
+  frame.options.seed = 1;
+  EXPECT_NE(Render(frame, job()).sums, Reference());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Builtin, Determinism,
+    testing::Values(Case{"gallery", Integrator::kPath}, Case{"gallery", Integrator::kDirect},
+                    Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect}),
+    [](const auto& test) {
+      return test.param.scene + "_" + std::string(ToString(test.param.integrator));
+    });
+
+// The files too: what only says how the picture was made is not in them.
+TEST_F(Program, WritesTheSameBytesWhateverTheThreadsWaveBackendAndNames) {
+  const std::string picture = "render spheres --size 40x30 --spp 3 --seed 9 -q";
+  ASSERT_EQ(Run(picture + " -o a.exr --threads 1").exit_code, 0);
+  ASSERT_EQ(
+      Run(picture + " -o other.name.exr --threads 3 --wave 33 --backend single --stats s.json")
+          .exit_code,
+      0);
+  ASSERT_EQ(Run(picture + " --backend packet").exit_code, 0);
+  for (const char* const name : {"other.name", "spheres"}) {
+    EXPECT_TRUE(Bytes("a.exr") == Bytes(std::string(name) + ".exr")) << name;
+    EXPECT_TRUE(Bytes("a.png") == Bytes(std::string(name) + ".png")) << name;
+  }
+  ASSERT_EQ(Run("render spheres --size 40x30 --spp 3 --seed 10 -q -o b.exr").exit_code, 0);
+  EXPECT_FALSE(Bytes("a.png") == Bytes("b.png"));
+}
+
+}  // namespace
+}  // namespace skywave
