@@ -61,7 +61,9 @@ Made MakePresampled(const EnvironmentMap& map, const StrategyValues& values) {
   if (ChoiceValue(values, "mode", kModes) == 0) {
     return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
   }
-  const LightSet cells = BuildLights(MakeSphereMap(map.latlong), options);
+  // Cells of the light that samples will find, so that every texel with light has a cell.
+  const Image held = Texels(map).Held();
+  const LightSet cells = BuildLights(MakeSphereMap(held), options);
   // A black map has no cells: one that is all of it is sampled uniformly.
   if (cells.lights.empty()) return MakeAlias(map, values);
   return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,

@@ -51,7 +51,9 @@ std::vector<double> StratumImportance(const Texels& light, const SphereMap& map,
 
 HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& options)
     : options_(options) {
-  const SphereMap sphere = MakeSphereMap(map.latlong);
+  // The light that samples will find, so that A and B divide exactly that.
+  const Image held = Texels(map).Held();
+  const SphereMap sphere = MakeSphereMap(held);
   const Strata strata = Divide(sphere, options);
   const Image a = StratumImage(sphere, strata, true), b = StratumImage(sphere, strata, false);
   const SphereMap sphere_a = MakeSphereMap(a);
@@ -69,7 +71,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
     rest_lights_.emplace(MakeLights(map, b, rest));
     texels_.emplace(map, options.inside ? a : Image(width, height));
   } else {
-    texels_.emplace(map, options.inside ? map.latlong : b);
+    texels_.emplace(map, options.inside ? held : b);
     rest_table_.emplace(std::uint32_t(width), std::uint32_t(height),
                         StratumImportance(*texels_, sphere, strata, false));
   }
@@ -90,11 +92,18 @@ std::size_t HybridStrategy::table_bytes() const {
          (rest_lights_ ? rest_lights_->bytes() : 0);
 }
 
+bool HybridStrategy::RestIsDark() const {
+  return share_ >= 1 || (rest_lights_ && rest_lights_->size() == 0);
+}
+
 LightPlan HybridStrategy::Plan(std::uint32_t requested) const {
   // A stratum without light needs no samples.
-  const std::uint32_t drawn = options_.all && share_ >= 1 ? 0 : requested;
-  if (!options_.all) return {.drawn = drawn};
-  return {.fixed = lights_->size(), .drawn = drawn, .random_fixed = options_.inside};
+  if (options_.all) {
+    return {.fixed = lights_->size(),
+            .drawn = RestIsDark() ? 0 : requested,
+            .random_fixed = options_.inside};
+  }
+  return {.drawn = RestIsDark() && lights_->size() == 0 ? 0 : requested};
 }
 
 void HybridStrategy::SampleRest(const UniformColumns& uniforms, std::uint32_t n, float samples,
@@ -118,7 +127,7 @@ void HybridStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
     }
   } else if (options_.all || lights_->size() == 0) {
     SampleRest(uniforms, n, samples, out);
-  } else if (share_ >= 1) {
+  } else if (RestIsDark()) {
     PickDirectional(lights_->records(), lights_->tree(), uniforms.u, n, samples, out);
   } else {
     // Lights of A below the share of A, samples of B above: B's uniforms lie in t_far meanwhile,

@@ -55,6 +55,7 @@ class HybridStrategy final : public EnvStrategy {
                        const EscapeColumns& rows) const override;
 
  private:
+  bool RestIsDark() const;
   void SampleRest(const UniformColumns& uniforms, std::uint32_t n, float samples,
                   const LightColumns& out) const;
 

@@ -73,7 +73,8 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
     for (std::uint32_t column = 0; column < width_; ++column) {
       const std::size_t i = std::size_t(row) * width_ + column;
       float wanted[3], held[3];
-      for (int c = 0; c < 3; ++c) wanted[c] = std::clamp(light.rgb[3 * i + c] + lost[c], 0.0f, brightest);
+      for (int c = 0; c < 3; ++c)
+        wanted[c] = std::clamp(light.rgb[3 * i + c] + lost[c], 0.0f, brightest);
       packed_[i] = Pack(wanted, 1.0 / unit_);
       Unpack(packed_[i], unit_, held);
       for (int c = 0; c < 3; ++c) lost[c] += light.rgb[3 * i + c] - held[c];
@@ -85,6 +86,12 @@ float Texels::Luminance(std::uint32_t column, std::uint32_t row) const {
   float rgb[3];
   Unpack(packed_[std::size_t(row) * width_ + column], unit_, rgb);
   return skywave::Luminance(rgb);
+}
+
+Image Texels::Held() const {
+  Image held(static_cast<int>(width_), static_cast<int>(height_));
+  for (std::size_t i = 0; i < packed_.size(); ++i) Unpack(packed_[i], unit_, &held.rgb[3 * i]);
+  return held;
 }
 
 EnvironmentView Texels::view() const {

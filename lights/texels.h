@@ -22,6 +22,9 @@ class Texels {
   // Luminance of a texel as the packed form holds it: what light samples find there.
   float Luminance(std::uint32_t column, std::uint32_t row) const;
 
+  // The whole of it: the map that light samples and escaped rays with a density see.
+  Image Held() const;
+
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
   std::size_t bytes() const {
