@@ -86,7 +86,7 @@ void AddEscapedStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
   if (f.escaped == 0) return state.SkipWithError("no ray escapes");
   Run(state, f.escaped,
-      [&] { AddEscaped(f.frame, f.worker.surfaces, f.worker.escaped, f.escaped, f.worker.paths); });
+      [&] { AddEscaped(f.frame, f.Points(), f.worker.escaped, f.escaped, f.worker.paths); });
 }
 void PrepareSurfacesKernel(benchmark::State& state) {
   static WaveFixture f;  // its own: the kernel works in place
@@ -99,20 +99,19 @@ void SampleLightsStage(benchmark::State& state, const std::string& strategy) {
   WaveFixture f(strategy);
   Worker& w = f.worker;
   Run(state, f.ranges.light_sampled(),
-      [&] { SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights); });
+      [&] { SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights); });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights);
+  SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights);
   Run(state, f.ranges.light_sampled(),
       [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
-  const std::uint32_t n =
-      SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights);
+  const std::uint32_t n = SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights);
   EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
@@ -125,8 +124,7 @@ void TraceShadowsStage(benchmark::State& state, Backend backend) {
 void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  const std::uint32_t n =
-      SampleLights(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lights);
+  const std::uint32_t n = SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights);
   EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
@@ -153,7 +151,7 @@ void BsdfEvaluate(benchmark::State& state, std::uint32_t kind) {
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
   DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, w.uniforms);
-  f.frame.strategy->Sample(w.surfaces, w.uniforms, n, w.lights);
+  f.frame.strategy->Sample(f.Points(), w.uniforms, n, {}, w.lights);
   Run(state, n, [&] {
     Bsdfs()[kind].evaluate_lights(w.surfaces, f.frame.geometry->materials(), n, f.frame.mis(),
                                   w.lights);

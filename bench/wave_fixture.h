@@ -64,6 +64,13 @@ struct WaveFixture {
     MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
   }
 
+  ShadePoints Points() const {
+    return {.surfaces = worker.surfaces,
+            .ranges = ranges,
+            .materials = materials,
+            .paths = worker.paths};
+  }
+
   static JobRequest Request(const std::string& strategy) {
     JobRequest request;
     request.scene = Variable("SKYWAVE_BENCH_SCENE", "gallery");
@@ -78,6 +85,7 @@ struct WaveFixture {
 
   RenderJob job;
   FrameView frame;
+  MaterialView materials = frame.geometry->materials();
   Film film;
   Worker worker;
   WaveRange range;

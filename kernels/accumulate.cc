@@ -29,13 +29,12 @@ HWY_INLINE void AddToPaths(const V3& gain, const std::uint32_t* path, std::uint3
 void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
                         const PathColumns& paths) {
   const VF zero = hn::Zero(F()), one = Set(1.0f);
-  const VF share = Set(mis.light_samples);
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   for (std::uint32_t i = 0; i < n; i += lanes) {
     const VF pdf = Load(rows.pdf + i);
     VF weight = zero;
     if (mis.enabled) {
-      const VF light = hn::Mul(Load(rows.light_pdf + i), share);
+      const VF light = Load(rows.light_pdf + i);
       const VF p2 = hn::Mul(pdf, pdf);
       weight = hn::Div(p2, hn::Add(p2, hn::Mul(light, light)));
     }

@@ -82,7 +82,7 @@ template <class Bsdf>
 void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
                        const MisPolicy& mis, const LightColumns& lights) {
   const VF zero = hn::Zero(F());
-  const VF share = Set(mis.light_samples);
+  const VF one = Set(1.0f);
   const VF open = Set(std::numeric_limits<float>::infinity()), closed = Set(-1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const ShadingLanes lanes(s, i);
@@ -91,13 +91,13 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     const V3 wi = ToLocal(lanes.frame, world);
     const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
     const VF pdf = Load(lights.pdf + i);
-    const VF effective = hn::Mul(pdf, share);
-    VF factor = hn::Div(Set(1.0f), effective);
+    VF factor = hn::Div(one, pdf);
     if (mis.enabled) {
       // p / (p^2 + q^2): the weight p^2 / (p^2 + q^2) over p.
-      const VF p2 = hn::Mul(effective, effective), q2 = hn::Mul(result.pdf, result.pdf);
-      factor = hn::Div(effective, hn::Add(p2, q2));
+      const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(result.pdf, result.pdf);
+      factor = hn::Div(pdf, hn::Add(p2, q2));
     }
+    factor = IfThen(hn::Eq(pdf, open), one, factor);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
     const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);

@@ -23,11 +23,11 @@ struct MaterialView {
 };
 
 // How light and BSDF samples of the same direction share the work: power heuristic, exponent 2
-// (Veach and Guibas 1995), over `light_samples` samples of the one and one of the other. Without it
-// light samples count in full and directions drawn from a density see no light.
+// (Veach and Guibas 1995), between the density of light samples (which counts how many there are)
+// and that of one BSDF sample. Without it light samples count in full and directions drawn from a
+// density see no light.
 struct MisPolicy {
   bool enabled = true;
-  float light_samples = 1;
 };
 
 // Russian roulette after scattering: a path goes on with probability min(1, largest throughput).
@@ -62,7 +62,7 @@ struct BsdfKernels {
                    const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& out);
 
   // Rows [0, n): turns the radiance of a light sample into what the path gains if the light is
-  // seen, throughput * value * radiance / (pdf * light_samples) * MIS weight, and opens (t_far
+  // seen, throughput * value * radiance / pdf * MIS weight, and opens (t_far
   // infinite) or closes (t_far negative) its shadow ray. Null for delta BSDFs.
   void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
                           std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);

@@ -139,8 +139,10 @@ struct SurfaceRanges {
 struct LightColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit, towards the light
   float *r, *g, *b;              // in: radiance; out: what the path gains if nothing is in between
-  float* pdf;                    // of dir by the strategy [1/sr]; <= 0: no sample
-  float* t_far;                  // infinity: trace; negative: nothing to trace, or occluded
+  // Samples of the surface a steradian around dir [1/sr]. <= 0: no sample. Infinite: a directional
+  // light, r, g, b are its irradiance, and no BSDF sample can meet it.
+  float* pdf;
+  float* t_far;  // infinity: trace; negative: nothing to trace, or occluded
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {

@@ -8,93 +8,13 @@
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/search-inl.h"
 #include "kernels/sphere-inl.h"
+#include "kernels/texels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
-
-// Columns of a search in flight. A chunk stays in the first-level cache.
-constexpr std::uint32_t kChunk = 256;
-struct SearchColumns {
-  alignas(64) float x[kChunk];               // in: uniform; out: position inside the item found
-  alignas(64) std::uint32_t item[kChunk];    // in: tree; out: item, counted through all trees
-  alignas(64) std::uint32_t target[kChunk];  // position on the line of the node
-  alignas(64) std::uint32_t span[kChunk];    // start of the child, and of the next one << 16
-};
-
-// The last child that does not start behind `target`. A node is one cache line.
-HWY_INLINE std::uint32_t FindChild(const SearchNode& node, std::uint32_t target) {
-  const hn::CappedTag<std::int16_t, kNodeFan> d;
-  const auto limit = hn::Set(d, static_cast<std::int16_t>(target));
-  std::size_t behind = 0;
-  for (std::size_t i = 0; i < kNodeFan; i += hn::Lanes(d)) {
-    behind += hn::CountTrue(d, hn::Gt(hn::Load(d, node.start + i), limit));
-  }
-  return kNodeFan - 1 - static_cast<std::uint32_t>(behind);
-}
-
-// Start and end of a child from its span. Behind the last child stands the start of another node,
-// 0.
-HWY_INLINE VU SpanStart(VU span) { return hn::And(span, SetU(0xFFFFu)); }
-HWY_INLINE VU SpanEnd(VU span) {
-  const VU next = hn::ShiftRight<16>(span);
-  return IfThen(hn::Eq(next, SetU(0)), SetU(kNodeMass), next);
-}
-
-// Walks `n` searches down a level: `item` is the node on the way in and the child on the way out.
-HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t n, SearchColumns& s) {
-  const VF node_mass = Set(float(kNodeMass));
-  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF scaled = hn::Mul(Load(s.x + i), node_mass);
-    Store(scaled, s.x + i);
-    Store(ToUnsigned(scaled), s.target + i);
-  }
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const SearchNode& node = nodes[s.item[i]];
-    const std::uint32_t child = FindChild(node, s.target[i]);
-    std::memcpy(&s.span[i], &node.start[child], sizeof s.span[i]);
-    s.item[i] = s.item[i] * kNodeFan + child;
-  }
-  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VU span = Load(s.span + i);
-    const VF start = ToFloat(SpanStart(span)), end = ToFloat(SpanEnd(span));
-    Store(hn::Div(hn::Sub(Load(s.x + i), start), hn::Sub(end, start)), s.x + i);
-  }
-}
-
-// Searches the tree whose number stands in `item`. Afterwards the span is that of the item in its
-// leaf. A level's nodes are numbered through all trees, so that the child numbers of one level,
-// less what the padding of the level above skips, are node numbers of the next.
-HWY_INLINE void Search(const SearchTreeView& trees, std::uint32_t n, SearchColumns& s) {
-  alignas(64) std::uint32_t tree[kChunk];
-  std::copy_n(s.item, n, tree);
-  for (std::uint32_t level = 0; level < trees.levels; ++level) {
-    if (level > 0) {
-      // Child c of node (tree, k) is node tree * nodes + (k * fan + c) of the next level.
-      const std::uint32_t above = trees.nodes[level - 1] * kNodeFan, here = trees.nodes[level];
-      for (std::uint32_t i = 0; i < n; ++i) {
-        s.item[i] -= tree[i] * (above - here);
-        hwy::Prefetch(trees.level[level] + s.item[i]);
-      }
-    }
-    DescendLevel(trees.level[level], n, s);
-  }
-  const std::uint32_t slots = trees.nodes[trees.levels - 1] * kNodeFan;
-  for (std::uint32_t i = 0; i < n; ++i) s.item[i] -= tree[i] * slots;
-}
-
-HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
-  const VU mantissa = SetU((1u << kMantissaBits) - 1);
-  // 2^(exponent - 31) assembled in the exponent field of a float.
-  const VU exponent = hn::ShiftRight<3 * kMantissaBits>(packed);
-  const VF power = AsFloat(hn::ShiftLeft<23>(hn::Add(exponent, SetU(127 - kMaxExponent))));
-  const VF scale = hn::Mul(power, Set(unit));
-  return Scale({ToFloat(hn::And(packed, mantissa)),
-                ToFloat(hn::And(hn::ShiftRight<kMantissaBits>(packed), mantissa)),
-                ToFloat(hn::And(hn::ShiftRight<2 * kMantissaBits>(packed), mantissa))},
-               scale);
-}
 
 HWY_INLINE VU BlockOf(const InversionView& inversion, VU column, VU row) {
   return hn::Add(hn::Mul(row, SetU(inversion.blocks)), hn::ShiftRight<5>(column));
@@ -117,21 +37,10 @@ HWY_INLINE VU LeafMass(const InversionView& inversion, VU block, VU column) {
   return hn::Sub(end, SpanStart(span));
 }
 
-HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {
-  const float* r = map.map_from_world;  // orthonormal: its transpose is its inverse
-  return Add(Add(Scale(Set3(r), m.x), Scale(Set3(r + 3), m.y)), Scale(Set3(r + 6), m.z));
-}
-HWY_INLINE V3 MapFromWorld(const EnvironmentView& map, const V3& w) {
-  const float* r = map.map_from_world;
-  return {Dot(Set3(r), w), Dot(Set3(r + 3), w), Dot(Set3(r + 6), w)};
-}
-
 void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
-                  const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out) {
+                  const UniformColumns& uniforms, std::uint32_t n, float samples,
+                  const LightColumns& out) {
   SearchColumns down, across;
-  const VF width = Set(float(map.width));
-  const VU equator = SetU((map.height + 1) / 2);
-  const auto* areas = reinterpret_cast<const float*>(inversion.row_area);
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
     std::copy_n(uniforms.v + begin, rows, down.x);
@@ -143,50 +52,18 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
     for (std::uint32_t i = 0; i < rows; ++i) {
       hwy::Prefetch(map.packed + std::size_t(down.item[i]) * map.width + across.item[i]);
     }
-
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       // Rows behind the last are unspecified: keep the gathers inside the tables.
       const MU inside = RowsBelow(i, rows);
       const VU row = hn::IfThenElseZero(inside, Load(down.item + i));
       const VU column = hn::IfThenElseZero(inside, Load(across.item + i));
       const VU span = Load(across.span + i);
-      const VU mass = hn::Sub(SpanEnd(span), SpanStart(span));
-
-      const VU area = hn::ShiftLeft<1>(row);
-      const VF w = hn::Add(Gather(areas, area),
-                           hn::Mul(Gather(areas, hn::Add(area, SetU(1))), Load(down.x + i)));
-      const VF sine = hn::Mul(Set(2.0f), SafeSqrt(hn::Mul(w, hn::Sub(Set(1.0f), w))));
-      const VF up_north = hn::Sub(Set(1.0f), hn::Mul(Set(2.0f), w));
-      const VF up = IfThen(hn::RebindMask(F(), hn::Lt(row, equator)), up_north, hn::Neg(up_north));
-      // u = 1/2 looks forward: the turn from forward to right is u - 1/2.
-      const VF u = hn::Div(hn::Add(ToFloat(column), Load(across.x + i)), width);
-      VF sin_turn, cos_turn;
-      SinCosTurn(u, sin_turn, cos_turn);
-      const V3 direction = {hn::Neg(hn::Mul(sine, sin_turn)), hn::Neg(hn::Mul(sine, cos_turn)), up};
-
-      const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
-      const V3 radiance = UnpackRadiance(Gather(map.packed, texel), map.radiance_unit);
-      const VF density = Gather(inversion.block_density, BlockOf(inversion, column, row));
-      const std::uint32_t to = begin + i;
-      Store3(WorldFromMap(map, direction), out.dir_x + to, out.dir_y + to, out.dir_z + to);
-      Store3(radiance, out.r + to, out.g + to, out.b + to);
-      Store(hn::Mul(density, ToFloat(mass)), out.pdf + to);
+      const VF mass = ToFloat(hn::Sub(SpanEnd(span), SpanStart(span)));
+      const VF block = Gather(inversion.block_density, BlockOf(inversion, column, row));
+      EmitTexels(map, column, row, Load(across.x + i), Load(down.x + i),
+                 hn::Mul(hn::Mul(block, mass), Set(samples)), out, begin + i);
     }
   }
-}
-
-// Position of a direction on the map: u, v in [0, 1].
-HWY_INLINE void MapPosition(const EnvironmentView& map, const V3& dir, VF& u, VF& v) {
-  const V3 m = MapFromWorld(map, dir);
-  u = hn::Add(Set(0.5f), Atan2Turn(m.x, m.y));
-  const VF sine = hn::Sqrt(hn::Add(hn::Mul(m.x, m.x), hn::Mul(m.y, m.y)));
-  v = hn::Mul(Set(2.0f), Atan2Turn(sine, m.z));
-}
-
-// Cell of a position in [0, 1] on a line of `count` cells.
-HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
-  const VF scaled = hn::Max(hn::Mul(position, Set(float(count))), hn::Zero(F()));
-  return hn::Min(ToUnsigned(hn::Min(scaled, Set(float(count)))), SetU(count - 1));
 }
 
 // The map between texel centres, in full precision.
@@ -223,8 +100,8 @@ struct LookupColumns {
 
 // Finds the texels of directions [begin, begin + rows) and asks the memory for them: by the time
 // all are found the first have arrived.
-HWY_INLINE void FindTexels(const EnvironmentView& map, const InversionView* inversion,
-                           const float* x, const float* y, const float* z, std::uint32_t rows,
+HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& density, const float* x,
+                           const float* y, const float* z, std::uint32_t rows,
                            LookupColumns& lookup) {
   for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
     const MF inside = hn::RebindMask(F(), RowsBelow(i, rows));
@@ -240,48 +117,59 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const InversionView* inve
   for (std::uint32_t i = 0; i < rows; ++i) {
     hwy::Prefetch(map.packed + std::size_t(lookup.row[i]) * map.width + lookup.column[i]);
   }
-  if (inversion == nullptr) return;
-  const SearchTreeView& trees = inversion->columns;
-  const SearchNode* leaves = trees.level[trees.levels - 1];
-  for (std::uint32_t i = 0; i < rows; ++i) {
-    hwy::Prefetch(leaves + std::size_t(lookup.row[i]) * inversion->blocks +
-                  lookup.column[i] / kNodeFan);
+  if (density.inversion != nullptr) {
+    const SearchTreeView& trees = density.inversion->columns;
+    const SearchNode* leaves = trees.level[trees.levels - 1];
+    for (std::uint32_t i = 0; i < rows; ++i) {
+      hwy::Prefetch(leaves + std::size_t(lookup.row[i]) * density.inversion->blocks +
+                    lookup.column[i] / kNodeFan);
+    }
+  } else if (density.table != nullptr) {
+    for (std::uint32_t i = 0; i < rows; ++i) {
+      hwy::Prefetch(density.table + std::size_t(lookup.row[i]) * map.width + lookup.column[i]);
+    }
   }
 }
 
-HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
+HWY_INLINE VF DensityOf(const EnvironmentView& map, const TexelDensity& density, float samples,
+                        VU column, VU row) {
   const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
-  return UnpackRadiance(Gather(map.packed, texel), map.radiance_unit);
+  VF sum = hn::Zero(F());
+  if (density.inversion != nullptr) {
+    const VU block = BlockOf(*density.inversion, column, row);
+    sum = hn::Mul(Gather(density.inversion->block_density, block),
+                  ToFloat(LeafMass(*density.inversion, block, column)));
+  } else if (density.table != nullptr) {
+    sum = Gather(density.table, texel);
+  }
+  sum = hn::Mul(sum, Set(samples));
+  return density.fixed == nullptr ? sum : hn::Add(sum, Gather(density.fixed, texel));
 }
 
-void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion, std::uint32_t n,
-                     const EscapeColumns& escaped) {
+void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, std::uint32_t n,
+                     float samples, const EscapeColumns& escaped) {
   const VF zero = hn::Zero(F());
   LookupColumns lookup;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
-    FindTexels(map, inversion, escaped.dir_x + begin, escaped.dir_y + begin, escaped.dir_z + begin,
+    FindTexels(map, density, escaped.dir_x + begin, escaped.dir_y + begin, escaped.dir_z + begin,
                rows, lookup);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const std::uint32_t to = begin + i;
       const MF seen = hn::Eq(Load(escaped.pdf + to), zero);
       V3 radiance = {zero, zero, zero};
-      VF density = zero;
+      VF light_pdf = zero;
       if (!hn::AllTrue(F(), seen)) {
         const VU column = Load(lookup.column + i), row = Load(lookup.row + i);
         radiance = FetchTexels(map, column, row);
-        if (inversion != nullptr) {
-          const VU block = BlockOf(*inversion, column, row);
-          density = hn::Mul(Gather(inversion->block_density, block),
-                            ToFloat(LeafMass(*inversion, block, column)));
-        }
+        light_pdf = DensityOf(map, density, samples, column, row);
       }
       if (!hn::AllFalse(F(), seen)) {
         radiance =
             IfThen(seen, InterpolateTexels(map, Load(lookup.u + i), Load(lookup.v + i)), radiance);
       }
       Store3(radiance, escaped.radiance_r + to, escaped.radiance_g + to, escaped.radiance_b + to);
-      Store(density, escaped.light_pdf + to);
+      Store(light_pdf, escaped.light_pdf + to);
     }
   }
 }
@@ -290,7 +178,8 @@ void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumn
   LookupColumns lookup;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
-    FindTexels(map, nullptr, out.dir_x + begin, out.dir_y + begin, out.dir_z + begin, rows, lookup);
+    FindTexels(map, TexelDensity{}, out.dir_x + begin, out.dir_y + begin, out.dir_z + begin, rows,
+               lookup);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const std::uint32_t to = begin + i;
       Store3(FetchTexels(map, Load(lookup.column + i), Load(lookup.row + i)), out.r + to,
@@ -299,31 +188,33 @@ void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumn
   }
 }
 
-void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out) {
+void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, float samples,
+                  const LightColumns& out) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     Store3(UniformSphere(Load(uniforms.u + i), Load(uniforms.v + i)), out.dir_x + i, out.dir_y + i,
            out.dir_z + i);
-    Store(Set(0.25f * kInvPi), out.pdf + i);
+    Store(Set(0.25f * kInvPi * samples), out.pdf + i);
   }
 }
 
 void SampleCosine(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
-                  const LightColumns& out) {
+                  float samples, const LightColumns& out) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 local = CosineHemisphere(Load(uniforms.u + i), Load(uniforms.v + i));
     const Frame frame = MakeFrame(Load3(surfaces.ns_x + i, surfaces.ns_y + i, surfaces.ns_z + i));
     Store3(ToWorld(frame, local), out.dir_x + i, out.dir_y + i, out.dir_z + i);
-    Store(hn::Mul(local.z, Set(kInvPi)), out.pdf + i);
+    Store(hn::Mul(local.z, Set(kInvPi * samples)), out.pdf + i);
   }
 }
 
-void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, const EscapeColumns& rows) {
+void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, float samples,
+                   const EscapeColumns& rows) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU from = hn::IfThenElseZero(RowsBelow(i, n), Load(rows.from + i));
     const V3 ns = {Gather(surfaces.ns_x, from), Gather(surfaces.ns_y, from),
                    Gather(surfaces.ns_z, from)};
     const VF cosine = Dot(ns, Load3(rows.dir_x + i, rows.dir_y + i, rows.dir_z + i));
-    Store(hn::Mul(hn::Max(cosine, hn::Zero(F())), Set(kInvPi)), rows.light_pdf + i);
+    Store(hn::Mul(hn::Max(cosine, hn::Zero(F())), Set(kInvPi * samples)), rows.light_pdf + i);
   }
 }
 
@@ -342,25 +233,28 @@ HWY_EXPORT(SampleCosine);
 HWY_EXPORT(CosineDensity);
 
 void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
-                  const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out) {
-  HWY_DYNAMIC_DISPATCH(SampleTexels)(map, inversion, uniforms, n, out);
+                  const UniformColumns& uniforms, std::uint32_t n, float samples,
+                  const LightColumns& out) {
+  HWY_DYNAMIC_DISPATCH(SampleTexels)(map, inversion, uniforms, n, samples, out);
 }
-void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion, std::uint32_t n,
-                     const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(EvaluateEscaped)(map, inversion, n, rows);
+void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, std::uint32_t n,
+                     float samples, const EscapeColumns& rows) {
+  HWY_DYNAMIC_DISPATCH(EvaluateEscaped)(map, density, n, samples, rows);
 }
 void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumns& out) {
   HWY_DYNAMIC_DISPATCH(LookUpTexels)(map, n, out);
 }
-void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out) {
-  HWY_DYNAMIC_DISPATCH(SampleSphere)(uniforms, n, out);
+void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, float samples,
+                  const LightColumns& out) {
+  HWY_DYNAMIC_DISPATCH(SampleSphere)(uniforms, n, samples, out);
 }
 void SampleCosine(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
-                  const LightColumns& out) {
-  HWY_DYNAMIC_DISPATCH(SampleCosine)(surfaces, uniforms, n, out);
+                  float samples, const LightColumns& out) {
+  HWY_DYNAMIC_DISPATCH(SampleCosine)(surfaces, uniforms, n, samples, out);
 }
-void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(CosineDensity)(surfaces, n, rows);
+void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, float samples,
+                   const EscapeColumns& rows) {
+  HWY_DYNAMIC_DISPATCH(CosineDensity)(surfaces, n, samples, rows);
 }
 
 }  // namespace skywave

@@ -38,9 +38,8 @@ struct RowArea {
 };
 
 struct InversionView {
-  SearchTreeView rows;      // one tree over the rows
-  SearchTreeView columns;   // one tree a row over its columns
-  const RowArea* row_area;  // height entries
+  SearchTreeView rows;     // one tree over the rows
+  SearchTreeView columns;  // one tree a row over its columns
   // Density of a texel [1/sr] = block_density[row * blocks + column / 32] * mass in its leaf.
   const float* block_density;
   std::uint32_t blocks;  // leaves a row: ceil(width / 32)
@@ -59,31 +58,47 @@ struct EnvironmentView {
   const float* rgb;              // three floats a texel: the map as it is seen
   std::uint32_t width, height;
   float map_from_world[9];  // rows: right, forward, up
+  const RowArea* row_area;  // height entries
 };
+
+// Density of light samples over the texels [1/sr]: for each sample that a surface draws that of an
+// inversion or of a table with a value a texel, and once more, whatever the number of samples, that
+// of the fixed ones.
+struct TexelDensity {
+  const InversionView* inversion = nullptr;
+  const float* table = nullptr;
+  const float* fixed = nullptr;
+};
+
+// `samples` below: light samples of the kind that a surface takes. Densities are multiplied by it,
+// so that they say how many samples a steradian gets and combine in multiple importance sampling
+// whatever the number.
 
 // Fills dir, r, g, b (radiance) and pdf of rows [0, n) by inversion of the map's density at
 // uniforms (u: column, v: row).
 void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
-                  const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out);
+                  const UniformColumns& uniforms, std::uint32_t n, float samples,
+                  const LightColumns& out);
 
-// Fills radiance of rows [0, n), and light_pdf if `inversion` is not null. Rows with pdf == 0 (seen
-// by the camera, directly or over mirrors and glass) see the map interpolated between texel
-// centres; the others see the texels that the light samples see, which multiple importance sampling
-// needs.
-void EvaluateEscaped(const EnvironmentView& map, const InversionView* inversion, std::uint32_t n,
-                     const EscapeColumns& rows);
+// Fills radiance and light_pdf of rows [0, n). Rows with pdf == 0 (seen by the camera, directly or
+// over mirrors and glass) see the map interpolated between texel centres; the others see the texels
+// that the light samples see, which multiple importance sampling needs.
+void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, std::uint32_t n,
+                     float samples, const EscapeColumns& rows);
 
 // Radiance of the texels in directions dir of rows [0, n) of `out`, into r, g, b.
 void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumns& out);
 
-// Directions uniform over the sphere; pdf 1 / 4 pi [1/sr].
-void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, const LightColumns& out);
-
-// Directions about the shading normal, pdf cos / pi [1/sr].
-void SampleCosine(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
+// Directions uniform over the sphere; pdf samples / 4 pi [1/sr].
+void SampleSphere(const UniformColumns& uniforms, std::uint32_t n, float samples,
                   const LightColumns& out);
 
+// Directions about the shading normal, pdf samples * cos / pi [1/sr].
+void SampleCosine(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
+                  float samples, const LightColumns& out);
+
 // The density of SampleCosine at surface rows[i].from in direction rows[i].dir, into light_pdf.
-void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, const EscapeColumns& rows);
+void CosineDensity(const SurfaceColumns& surfaces, std::uint32_t n, float samples,
+                   const EscapeColumns& rows);
 
 }  // namespace skywave

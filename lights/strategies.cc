@@ -1,37 +1,122 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "base/error.h"
+#include "lights/light_builder.h"
 #include "lights/strategy.h"
 #include "lights/strategy_baselines.h"
+#include "lights/strategy_hybrid.h"
 #include "lights/strategy_importance.h"
+#include "lights/strategy_lights.h"
+#include "lights/strategy_texels.h"
 
 namespace skywave {
 namespace {
 
+using Made = std::unique_ptr<EnvStrategy>;
+
 constexpr StrategyParameter kImportanceParameters[] = {
     {"compensate", "0", "1: subtract the mean from the density (needs BSDF sampling beside it)"}};
 
-const StrategyFactory kStrategies[] = {
-    {"importance", "2D inversion: density proportional to the map's luminance",
-     kImportanceParameters,
-     [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
-       return std::make_unique<ImportanceStrategy>(map, BoolValue(values, "compensate"));
-     }},
-    {"uniform",
-     "uniform over the sphere (baseline)",
-     {},
-     [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
-       return std::make_unique<UniformStrategy>(map);
-     }},
-    {"cosine",
-     "cosine about the shading normal (baseline)",
-     {},
-     [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
-       return std::make_unique<CosineStrategy>(map);
-     }},
-};
+std::vector<StrategyParameter> WithLights(std::vector<StrategyParameter> parameters) {
+  parameters.insert(parameters.end(), LightParameters().begin(), LightParameters().end());
+  return parameters;
+}
+
+std::span<const StrategyParameter> LightsParameters() {
+  static const std::vector<StrategyParameter> parameters = WithLights({kPickParameter});
+  return parameters;
+}
+std::span<const StrategyParameter> PresampledParameters() {
+  static const std::vector<StrategyParameter> parameters = [] {
+    std::vector<StrategyParameter> all = WithLights(
+        {{"mode", "jittered", "fixed: the cell's light; jittered: a texel of it by importance"},
+         kFromParameter});
+    for (StrategyParameter& parameter : all) {
+      if (parameter.key == "lights") parameter = {"lights", "360", "number of cells"};
+    }
+    return all;
+  }();
+  return parameters;
+}
+
+template <LightSource kSource>
+Made MakeLightsStrategy(const EnvironmentMap& map, const StrategyValues& values) {
+  constexpr std::string_view kNames[] = {"penrose", "median-cut", "variance-cut"};
+  LightOptions options = ReadLightOptions(values);
+  options.source = kSource;
+  return std::make_unique<LightsStrategy>(kNames[int(kSource)], map, options, ReadPickAll(values));
+}
+
+Made MakeAlias(const EnvironmentMap& map, const StrategyValues&) {
+  return std::make_unique<CellStrategy>("alias", map, CellMap(map.latlong.rgb.size() / 3, 0), 1);
+}
+
+Made MakePresampled(const EnvironmentMap& map, const StrategyValues& values) {
+  constexpr std::string_view kModes[] = {"fixed", "jittered"};
+  LightOptions options = ReadLightOptions(values);
+  options.source = ReadLightSource(values);
+  if (ChoiceValue(values, "mode", kModes) == 0) {
+    return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
+  }
+  // Cells of the light that samples will find, so that every texel with light has a cell.
+  const Image held = Texels(map).Held();
+  const LightSet cells = BuildLights(MakeSphereMap(held), options);
+  // A black map has no cells: one that is all of it is sampled uniformly.
+  if (cells.lights.empty()) return MakeAlias(map, values);
+  return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,
+                                        std::uint32_t(cells.lights.size()));
+}
+
+const std::vector<StrategyFactory>& Table() {
+  static const std::vector<StrategyFactory> table = {
+      {"importance", "2D inversion: density proportional to the map's luminance",
+       kImportanceParameters,
+       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
+         return std::make_unique<ImportanceStrategy>(map, BoolValue(values, "compensate"));
+       }},
+      {"warp",
+       "hierarchical warp down a pyramid of luminance",
+       {},
+       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
+         return std::make_unique<WarpStrategy>(map);
+       }},
+      {"alias", "one alias table over all texels (loses stratification)", {}, MakeAlias},
+      {"uniform",
+       "uniform over the sphere (baseline)",
+       {},
+       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
+         return std::make_unique<UniformStrategy>(map);
+       }},
+      {"cosine",
+       "cosine about the shading normal (baseline)",
+       {},
+       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
+         return std::make_unique<CosineStrategy>(map);
+       }},
+      {"bsdf",
+       "BSDF sampling alone (baseline)",
+       {},
+       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
+         return std::make_unique<BsdfStrategy>(map);
+       }},
+      {"median-cut", "directional lights of regions of equal energy (Debevec 2005)",
+       LightsParameters(), MakeLightsStrategy<LightSource::kMedianCut>},
+      {"variance-cut", "directional lights of regions of least variance", LightsParameters(),
+       MakeLightsStrategy<LightSource::kVarianceCut>},
+      {"penrose", "directional lights by the Penrose tiling (Ostromoukhov et al. 2004)",
+       LightsParameters(), MakeLightsStrategy<LightSource::kPenrose>},
+      {"presampled", "cells of the map, picked by energy (T 7.3)", PresampledParameters(),
+       MakePresampled},
+      {"hybrid", "the bright part as lights, the rest at random (T 7.4)", HybridParameters(),
+       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
+         return std::make_unique<HybridStrategy>(map, ReadHybridOptions(values));
+       }},
+  };
+  return table;
+}
 
 [[noreturn]] void ThrowUsage(const std::string& reason) {
   throw InputError(InputPosition::File("--strategy"), reason, kExitUsage);
@@ -64,13 +149,13 @@ StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text
 
 }  // namespace
 
-std::span<const StrategyFactory> Strategies() { return kStrategies; }
+std::span<const StrategyFactory> Strategies() { return Table(); }
 
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
                                           const EnvironmentMap& map) {
   const std::size_t colon = specification.find(':');
   const std::string name = specification.substr(0, colon);
-  for (const StrategyFactory& factory : kStrategies) {
+  for (const StrategyFactory& factory : Strategies()) {
     if (factory.name != name) continue;
     const std::string_view values = colon == std::string::npos
                                         ? std::string_view()
@@ -78,19 +163,54 @@ std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
     return factory.make(map, ParseValues(factory, values));
   }
   std::string names;
-  for (const StrategyFactory& factory : kStrategies) {
+  for (const StrategyFactory& factory : Strategies()) {
     names += (names.empty() ? "" : ", ") + std::string(factory.name);
   }
   ThrowUsage(fmt::format("there is no strategy '{}'; there are {}", name, names));
 }
 
+namespace {
+
+const std::string& TextValue(const StrategyValues& values, std::string_view key) {
+  return std::find_if(values.begin(), values.end(),
+                      [&](const auto& value) { return value.first == key; })
+      ->second;
+}
+
+}  // namespace
+
 bool BoolValue(const StrategyValues& values, std::string_view key) {
-  const auto found = std::find_if(values.begin(), values.end(),
-                                  [&](const auto& value) { return value.first == key; });
-  const std::string& text = found->second;
+  const std::string& text = TextValue(values, key);
   if (text == "1" || text == "true" || text == "on") return true;
   if (text == "0" || text == "false" || text == "off") return false;
   ThrowUsage(fmt::format("{}={} is neither 0 nor 1", key, text));
+}
+
+double NumberValue(const StrategyValues& values, std::string_view key, double low, double high) {
+  const std::string& text = TextValue(values, key);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() ||
+      !(value >= low && value <= high)) {
+    ThrowUsage(fmt::format("{}={} is no number from {} to {}", key, text, low, high));
+  }
+  return value;
+}
+
+int IntValue(const StrategyValues& values, std::string_view key, int low, int high) {
+  const double value = NumberValue(values, key, low, high);
+  if (value != int(value)) ThrowUsage(fmt::format("{}={} is no whole number", key, value));
+  return int(value);
+}
+
+std::size_t ChoiceValue(const StrategyValues& values, std::string_view key,
+                        std::span<const std::string_view> choices) {
+  const std::string& text = TextValue(values, key);
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  if (found == choices.end()) {
+    ThrowUsage(fmt::format("{}={} is none of {}", key, text, fmt::join(choices, ", ")));
+  }
+  return std::size_t(found - choices.begin());
 }
 
 }  // namespace skywave

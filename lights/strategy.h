@@ -12,33 +12,63 @@
 #include <string_view>
 #include <vector>
 
+#include "kernels/bsdf.h"
 #include "kernels/columns.h"
 #include "lights/environment_map.h"
 
 namespace skywave {
 
+// The points that light is sampled for, and what a strategy may want to know of them.
+struct ShadePoints {
+  const SurfaceColumns& surfaces;
+  const SurfaceRanges& ranges;  // rows of each BSDF
+  const MaterialView& materials;
+  const PathColumns& paths;  // for strategies that draw more uniforms than they are given
+};
+
+// How many light samples a surface takes: `fixed` ones whatever the user asks for (each directional
+// light, or each cell, once), then `drawn` random ones. Samples 0..fixed-1 are the fixed ones.
+struct LightPlan {
+  std::uint32_t fixed = 0, drawn = 1;
+  bool random_fixed = false;  // fixed samples need uniforms too
+  std::uint32_t total() const { return fixed + drawn; }
+};
+
+// Which light sample is wanted: number `index` of a plan for `requested` samples.
+struct LightCall {
+  std::uint32_t index = 0, requested = 1;
+  std::uint32_t pair = 0;  // pair of dimensions of its uniforms (kernels/sampler.h)
+};
+
 // Immutable after construction, shared by all threads. Sample and EvaluateEscaped are called once a
-// wave; their bodies are kernel calls.
+// wave and sample; their bodies are kernel calls.
 class EnvStrategy {
  public:
   virtual ~EnvStrategy() = default;
   virtual std::string_view name() const = 0;
   virtual std::size_t table_bytes() const = 0;
 
-  // Draws one light sample for each of surfaces [0, n): writes dir (unit, world), r, g, b (radiance
-  // from there) and pdf [1/sr] of `out`. pdf <= 0 says that there is no sample.
-  virtual void Sample(const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                      std::uint32_t n, const LightColumns& out) const = 0;
+  // The samples a surface takes where the user asks for `requested` of them.
+  virtual LightPlan Plan(std::uint32_t requested) const { return {.drawn = requested}; }
+
+  // Draws one light sample for each of surfaces [0, n), which take light samples: writes dir, r, g,
+  // b and pdf of `out` (see LightColumns). Densities count all samples of the plan.
+  virtual void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
+                      LightCall call, const LightColumns& out) const = 0;
 
   // Writes radiance and light_pdf of rows [0, n): what a ray that leaves the scene sees, and the
-  // density with which Sample would have chosen its direction at surface `from` of `surfaces`
-  // [1/sr]. Where pdf is 0 the ray had no light sample for a partner and light_pdf is unspecified.
-  virtual void EvaluateEscaped(const SurfaceColumns& surfaces, std::uint32_t n,
+  // density of light samples in its direction at surface `from` of `points`, all samples of the
+  // plan counted [1/sr]. Radiance that directional lights stand for is left out, except where pdf
+  // is 0: such a ray had no light sample for a partner, sees the whole map, and its light_pdf is
+  // unspecified.
+  virtual void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
                                const EscapeColumns& rows) const = 0;
 
   // False: the density misses light that is there (it is zero where radiance is not), so the
   // strategy is right only together with BSDF sampling.
   virtual bool complete() const { return true; }
+  // False: lights stand for parts of the map, so the expected picture differs from the map's.
+  virtual bool unbiased() const { return true; }
 };
 
 // A parameter of a strategy as the user gives it: --strategy name:key=value,key=value.
@@ -60,7 +90,12 @@ std::span<const StrategyFactory> Strategies();
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
                                           const EnvironmentMap& map);
 
-// The value of `key`, which the factory declares: given or default.
+// The value of `key`, which the factory declares: given or default. Throws InputError for a text
+// that is no such value or out of range.
 bool BoolValue(const StrategyValues& values, std::string_view key);
+int IntValue(const StrategyValues& values, std::string_view key, int low, int high);
+double NumberValue(const StrategyValues& values, std::string_view key, double low, double high);
+std::size_t ChoiceValue(const StrategyValues& values, std::string_view key,
+                        std::span<const std::string_view> choices);
 
 }  // namespace skywave

@@ -1,17 +1,12 @@
 #include "lights/strategy_importance.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace skywave {
-namespace {
 
-// The function whose shape the density takes, one value a texel: luminance, less its mean over the
-// sphere where compensated, times solid angle.
-std::vector<double> Importance(const Texels& texels, bool& compensate) {
+std::vector<double> TexelImportance(const Texels& texels, bool& compensate) {
   const std::uint32_t width = texels.width(), height = texels.height();
   std::vector<double> solid_angle(height);
   double energy = 0;
@@ -44,72 +39,20 @@ std::vector<double> Importance(const Texels& texels, bool& compensate) {
   return importance;
 }
 
-RowArea AreaOfRow(std::uint32_t row, std::uint32_t height) {
-  const auto square = [](double x) { return x * x; };
-  const double top = std::numbers::pi / 2 * row / height;
-  const double bottom = std::numbers::pi / 2 * (row + 1) / height;
-  const bool north = row < (height + 1) / 2;
-  const double start = square(north ? std::sin(top) : std::cos(top));
-  const double end = square(north ? std::sin(bottom) : std::cos(bottom));
-  return {float(start), float(end - start)};
-}
-
-}  // namespace
-
 ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, bool compensate)
     : texels_(map),
       compensated_(compensate),
-      rows_(texels_.height(), 1),
-      columns_(texels_.width(), texels_.height()) {
-  const std::uint32_t width = texels_.width(), height = texels_.height();
-  const std::uint32_t blocks = columns_.blocks();
-  const std::vector<double> importance = Importance(texels_, compensated_);
+      table_(texels_.width(), texels_.height(), TexelImportance(texels_, compensated_)) {}
 
-  std::vector<double> row_weight(height), row_block(rows_.blocks());
-  std::vector<std::uint16_t> row_mass(height);
-  row_area_.resize(height);
-  for (std::uint32_t row = 0; row < height; ++row) {
-    const double* begin = &importance[std::size_t(row) * width];
-    for (std::uint32_t column = 0; column < width; ++column) row_weight[row] += begin[column];
-    row_area_[row] = AreaOfRow(row, height);
-  }
-  rows_.Set(0, row_weight.data(), row_mass.data(), row_block.data());
-
-  block_density_.resize(std::size_t(height) * blocks);
-  tbb::parallel_for(0u, height, [&](std::uint32_t row) {
-    std::vector<std::uint16_t> mass(width);
-    std::vector<double> block(blocks);
-    columns_.Set(row, &importance[std::size_t(row) * width], mass.data(), block.data());
-    const double row_density = row_block[row / kNodeFan] * row_mass[row] /
-                               RowSolidAngle(int(width), int(height), int(row));
-    for (std::uint32_t b = 0; b < blocks; ++b) {
-      block_density_[std::size_t(row) * blocks + b] = float(row_density * block[b]);
-    }
-  });
+void ImportanceStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
+                                LightCall call, const LightColumns& out) const {
+  SampleTexels(texels_.view(), table_.view(), uniforms, n, float(call.requested), out);
 }
 
-std::size_t ImportanceStrategy::table_bytes() const {
-  return texels_.bytes() + rows_.bytes() + columns_.bytes() + row_area_.size() * sizeof(RowArea) +
-         block_density_.size() * sizeof(float);
-}
-
-InversionView ImportanceStrategy::Inversion() const {
-  return {.rows = rows_.view(),
-          .columns = columns_.view(),
-          .row_area = row_area_.data(),
-          .block_density = block_density_.data(),
-          .blocks = columns_.blocks()};
-}
-
-void ImportanceStrategy::Sample(const SurfaceColumns&, const UniformColumns& uniforms,
-                                std::uint32_t n, const LightColumns& out) const {
-  SampleTexels(texels_.view(), Inversion(), uniforms, n, out);
-}
-
-void ImportanceStrategy::EvaluateEscaped(const SurfaceColumns&, std::uint32_t n,
-                                         const EscapeColumns& rows) const {
-  const InversionView inversion = Inversion();
-  skywave::EvaluateEscaped(texels_.view(), &inversion, n, rows);
+void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n,
+                                         std::uint32_t requested, const EscapeColumns& rows) const {
+  const InversionView inversion = table_.view();
+  skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, float(requested), rows);
 }
 
 }  // namespace skywave

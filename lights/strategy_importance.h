@@ -13,7 +13,7 @@
 // that is drawn. A black map is sampled uniformly over the sphere.
 #pragma once
 
-#include "lights/search_tree.h"
+#include "lights/inversion_table.h"
 #include "lights/strategy.h"
 #include "lights/texels.h"
 
@@ -24,21 +24,21 @@ class ImportanceStrategy final : public EnvStrategy {
   ImportanceStrategy(const EnvironmentMap& map, bool compensate);
 
   std::string_view name() const override { return "importance"; }
-  std::size_t table_bytes() const override;
+  std::size_t table_bytes() const override { return texels_.bytes() + table_.bytes(); }
   bool complete() const override { return !compensated_; }
-  void Sample(const SurfaceColumns& surfaces, const UniformColumns& uniforms, std::uint32_t n,
-              const LightColumns& out) const override;
-  void EvaluateEscaped(const SurfaceColumns& surfaces, std::uint32_t n,
+  void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
+              LightCall call, const LightColumns& out) const override;
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
                        const EscapeColumns& rows) const override;
 
  private:
-  InversionView Inversion() const;
-
   Texels texels_;
   bool compensated_;
-  SearchTrees rows_, columns_;
-  std::vector<RowArea> row_area_;
-  std::vector<float> block_density_;  // [1/sr], height * blocks
+  InversionTable table_;
 };
+
+// Luminance times solid angle of every texel; less the mean over the sphere where `compensate` (set
+// to false where the map nowhere rises above it); solid angle alone for a black map.
+std::vector<double> TexelImportance(const Texels& texels, bool& compensate);
 
 }  // namespace skywave

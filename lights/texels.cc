@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace skywave {
 namespace {
@@ -33,15 +34,27 @@ void Unpack(PackedRadiance packed, float unit, float* rgb) {
   }
 }
 
+RowArea AreaOfRow(std::uint32_t row, std::uint32_t height) {
+  const auto square = [](double x) { return x * x; };
+  const double top = std::numbers::pi / 2 * row / height;
+  const double bottom = std::numbers::pi / 2 * (row + 1) / height;
+  const bool north = row < (height + 1) / 2;
+  const double start = square(north ? std::sin(top) : std::cos(top));
+  const double end = square(north ? std::sin(bottom) : std::cos(bottom));
+  return {float(start), float(end - start)};
+}
+
 }  // namespace
 
-Texels::Texels(const EnvironmentMap& map)
+Texels::Texels(const EnvironmentMap& map, const Image& light)
     : width_(std::uint32_t(map.latlong.width)),
       height_(std::uint32_t(map.latlong.height)),
       map_from_world_(map.map_from_world),
       packed_(std::size_t(width_) * height_),
-      rgb_(map.latlong.rgb) {
-  const float brightest = *std::max_element(rgb_.begin(), rgb_.end());
+      rgb_(map.latlong.rgb),
+      row_area_(height_) {
+  for (std::uint32_t row = 0; row < height_; ++row) row_area_[row] = AreaOfRow(row, height_);
+  const float brightest = *std::max_element(light.rgb.begin(), light.rgb.end());
   int exponent = 0;
   if (brightest > 0) std::frexp(brightest, &exponent);
   // One unit finer would let the brightest texel itself round up to 2^9.
@@ -60,10 +73,11 @@ Texels::Texels(const EnvironmentMap& map)
     for (std::uint32_t column = 0; column < width_; ++column) {
       const std::size_t i = std::size_t(row) * width_ + column;
       float wanted[3], held[3];
-      for (int c = 0; c < 3; ++c) wanted[c] = std::clamp(rgb_[3 * i + c] + lost[c], 0.0f, brightest);
+      for (int c = 0; c < 3; ++c)
+        wanted[c] = std::clamp(light.rgb[3 * i + c] + lost[c], 0.0f, brightest);
       packed_[i] = Pack(wanted, 1.0 / unit_);
       Unpack(packed_[i], unit_, held);
-      for (int c = 0; c < 3; ++c) lost[c] += rgb_[3 * i + c] - held[c];
+      for (int c = 0; c < 3; ++c) lost[c] += light.rgb[3 * i + c] - held[c];
     }
   }
 }
@@ -74,13 +88,20 @@ float Texels::Luminance(std::uint32_t column, std::uint32_t row) const {
   return skywave::Luminance(rgb);
 }
 
+Image Texels::Held() const {
+  Image held(static_cast<int>(width_), static_cast<int>(height_));
+  for (std::size_t i = 0; i < packed_.size(); ++i) Unpack(packed_[i], unit_, &held.rgb[3 * i]);
+  return held;
+}
+
 EnvironmentView Texels::view() const {
   EnvironmentView view = {.packed = packed_.data(),
                           .radiance_unit = unit_,
                           .rgb = rgb_.data(),
                           .width = width_,
                           .height = height_,
-                          .map_from_world = {}};
+                          .map_from_world = {},
+                          .row_area = row_area_.data()};
   std::copy(map_from_world_.begin(), map_from_world_.end(), view.map_from_world);
   return view;
 }

@@ -14,10 +14,16 @@ namespace skywave {
 // become black as lights.
 class Texels {
  public:
-  explicit Texels(const EnvironmentMap& map);
+  explicit Texels(const EnvironmentMap& map) : Texels(map, map.latlong) {}
+  // As a light only `light` shines, a part of the map of its size: what is left of a map after
+  // directional lights have been taken out.
+  Texels(const EnvironmentMap& map, const Image& light);
 
   // Luminance of a texel as the packed form holds it: what light samples find there.
   float Luminance(std::uint32_t column, std::uint32_t row) const;
+
+  // The whole of it: the map that light samples and escaped rays with a density see.
+  Image Held() const;
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
@@ -32,6 +38,7 @@ class Texels {
   std::array<float, 9> map_from_world_;
   std::vector<PackedRadiance> packed_;
   std::vector<float> rgb_;
+  std::vector<RowArea> row_area_;
 };
 
 }  // namespace skywave

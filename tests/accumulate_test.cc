@@ -26,7 +26,7 @@ TEST(Accumulate, WeightsOfLightAndBsdfSamplesSumToOne) {
       {"gold", BsdfKind::kConductor, GoldConductor(0.2f)}};
   for (const MaterialCase& material : materials) {
     for (const float light_samples : {1.0f, 3.0f, 16.0f}) {
-      const MisPolicy mis = {.enabled = true, .light_samples = light_samples};
+      const MisPolicy mis = {.enabled = true};
       ShadingRows rows(material, kRows, normal, AtAngle(normal, 0.6));
       Random random(101);
       std::vector<Vec> wi(kRows);
@@ -34,7 +34,8 @@ TEST(Accumulate, WeightsOfLightAndBsdfSamplesSumToOne) {
       for (std::uint32_t i = 0; i < kRows; ++i) {
         wi[i] = random.DirectionAbout(normal);
         Put(wi[i], i, lights->dir_x, lights->dir_y, lights->dir_z);
-        lights->pdf[i] = float(std::pow(10, random.Between(-3, 3)));
+        // Densities count the samples.
+        lights->pdf[i] = light_samples * float(std::pow(10, random.Between(-3, 3)));
         lights->r[i] = lights->g[i] = lights->b[i] = 2;
       }
       const auto values = rows.Evaluate(wi);
@@ -52,14 +53,14 @@ TEST(Accumulate, WeightsOfLightAndBsdfSamplesSumToOne) {
       AddEscapedRadiance(escaped, kRows, mis, paths);
       for (std::uint32_t i = 0; i < kRows; ++i) {
         if (Dot(wi[i], normal) < 1e-3) continue;
-        // Both over what they would be without their weights; light samples are light_samples many.
+        // Both over what they would be without their weights.
         const double integrand = 2.0 * values->r[i];
-        const double light_weight = lights->r[i] * light_pdf[i] * light_samples / integrand;
+        const double light_weight = lights->r[i] * light_pdf[i] / integrand;
         const double bsdf_weight = paths->r[i] * values->pdf[i] / integrand;
         ASSERT_NEAR(light_weight + bsdf_weight, 1, 1e-5) << material.name << " row " << i;
         ASSERT_GE(light_weight, 0);
         ASSERT_GE(bsdf_weight, 0);
-        const double p = double(light_pdf[i]) * light_samples, q = values->pdf[i];
+        const double p = light_pdf[i], q = values->pdf[i];
         ASSERT_NEAR(bsdf_weight, q * q / (p * p + q * q), 1e-5) << "power heuristic";
       }
     }
@@ -103,10 +104,10 @@ TEST_F(AccumulateRows, EscapedRadianceGoesToItsPath) {
     for (const bool enabled : {true, false}) {
       for (const std::uint32_t n : kRowCounts) {
         const auto paths = Started(), before = Started();
-        AddEscapedRadiance(escaped_, n, {.enabled = enabled, .light_samples = 2}, paths);
+        AddEscapedRadiance(escaped_, n, {.enabled = enabled}, paths);
         std::vector<double> r(kFullWave), g(kFullWave);
         for (std::uint32_t i = 0; i < n; ++i) {
-          const double p = escaped_->pdf[i], l = 2.0 * escaped_->light_pdf[i];
+          const double p = escaped_->pdf[i], l = escaped_->light_pdf[i];
           const double weight = p == 0 ? 1 : enabled ? p * p / (p * p + l * l) : 0;
           r[to_[i]] = weight * escaped_->radiance_r[i];
           g[to_[i]] = weight * 2 * escaped_->throughput_g[i];

@@ -398,15 +398,19 @@ TEST_P(DenseBsdfRows, NothingIsReflectedThroughTheSurface) {
 TEST_P(DenseBsdfRows, LightSamplesAreWeighted) {
   const auto values = rows_.Evaluate(wi_);
   const SurfaceColumns& s = rows_.surfaces;
-  for (const float share : {1.0f, 4.0f}) {
+  // A directional light is a sample of infinite density: it counts in full, with or without MIS.
+  for (const bool directional : {false, true}) {
     for (const bool enabled : {true, false}) {
       const auto lights = CopyOfLights();
+      if (directional) {
+        std::fill_n(lights->pdf, kFullWave, std::numeric_limits<float>::infinity());
+      }
       rows_.kernels.evaluate_lights(rows_.surfaces, rows_.materials(), kFullWave,
-                                    {.enabled = enabled, .light_samples = share}, lights);
+                                    {.enabled = enabled}, lights);
       std::uint32_t open = 0;
       for (std::uint32_t i = 0; i < kFullWave; ++i) {
-        const double p = double(lights_->pdf[i]) * share, q = values->pdf[i];
-        const double factor = p <= 0 ? 0 : enabled ? p / (p * p + q * q) : 1 / p;
+        const double p = lights_->pdf[i], q = values->pdf[i];
+        const double factor = directional ? 1 : p <= 0 ? 0 : enabled ? p / (p * p + q * q) : 1 / p;
         const double exact[3] = {factor * s.throughput_r[i] * values->r[i] * lights_->r[i],
                                  factor * s.throughput_g[i] * values->g[i] * lights_->g[i],
                                  factor * s.throughput_b[i] * values->b[i] * lights_->b[i]};

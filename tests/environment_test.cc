@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "lights/strategy.h"
 #include "tests/support/adversarial_maps.h"
+#include "tests/support/shade_points.h"
 #include "tests/support/targets.h"
 
 namespace skywave {
@@ -29,7 +30,7 @@ soa::Table<EscapeColumns> LookUp(const EnvironmentMap& map, const std::vector<Ve
     rows->pdf[i] = pdf;
   }
   const soa::Table<SurfaceColumns> surfaces(1);
-  MakeStrategy("uniform", map)->EvaluateEscaped(surfaces, n, rows);
+  MakeStrategy("uniform", map)->EvaluateEscaped(PointsOn(surfaces), n, 1, rows);
   return rows;
 }
 
@@ -161,7 +162,7 @@ TEST(EnvironmentLookup, RowsMayMixBothViewsAndTargetsAgree) {
         Put(directions[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
         rows->pdf[i] = i % 3 == 1 ? 0.0f : 0.5f;
       }
-      strategy->EvaluateEscaped(surfaces, n, rows);
+      strategy->EvaluateEscaped(PointsOn(surfaces), n, 1, rows);
       for (std::uint32_t i = 0; i < n; ++i) {
         const EscapeColumns& exact = i % 3 == 1 ? smooth : texels;
         ASSERT_EQ(rows->radiance_r[i], exact.radiance_r[i]) << "row " << i << " of " << n;

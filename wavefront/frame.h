@@ -39,9 +39,8 @@ struct FrameView {
   CameraView camera;
   Tracer tracer;
 
-  MisPolicy mis() const {
-    return {.enabled = options.mis, .light_samples = float(light_samples())};
-  }
+  MisPolicy mis() const { return {.enabled = options.mis}; }
+  // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
     return options.integrator == Integrator::kDirect ? options.light_samples : 1;
   }

@@ -24,9 +24,15 @@ void CountShadowRays(RenderStats& stats, const LightColumns& lights, std::uint32
   stats.rays[std::uint32_t(RayKind::kShadow)] += open;
 }
 
+// The surfaces of the bounce at hand, as strategies see them.
+ShadePoints Points(const MaterialView& materials, const Worker& w) {
+  return {.surfaces = w.surfaces, .ranges = w.ranges, .materials = materials, .paths = w.paths};
+}
+
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
-SurfaceRanges MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                           bool only_delta, Worker& w, StageClock& clock) {
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n, bool only_delta,
+                  Worker& w, StageClock& clock) {
+  const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
   TraceClosest(frame.tracer, rays, n, w.hits);
   clock.Lap(Stage::kIntersect);
@@ -35,15 +41,14 @@ SurfaceRanges MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  AddEscaped(frame, w.surfaces, w.escaped, escaped, w.paths);
+  AddEscaped(frame, Points(materials, w), w.escaped, escaped, w.paths);
   clock.Lap(Stage::kEscape);
+  w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
   clock.Lap(Stage::kPartition);
-  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records, ranges.total(),
-                  w.surfaces);
+  PrepareSurfaces(frame.geometry->triangles(), materials.records, ranges.total(), w.surfaces);
   CheckSurfaces(w.surfaces, ranges.total());
   clock.Lap(Stage::kSurface);
-  return ranges;
 }
 
 // The end of a path: only what lies beyond the scene can still be seen.
@@ -54,24 +59,28 @@ void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Wo
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
-  AddEscaped(frame, w.surfaces, w.escaped, escaped, w.paths);
+  AddEscaped(frame, Points(frame.geometry->materials(), w), w.escaped, escaped, w.paths);
   clock.Lap(Stage::kEscape);
 }
 
-// Light sample `index` of every surface: draw, evaluate, trace, add.
-void LightSurfaces(const FrameView& frame, const SurfaceRanges& ranges, std::uint32_t bounce,
-                   std::uint32_t index, Worker& w, StageClock& clock) {
-  const std::uint32_t n =
-      SampleLights(frame, w.paths, w.surfaces, ranges, bounce, index, w.uniforms, w.lights);
-  CheckLightSamples(w.lights, n);
-  clock.Lap(Stage::kLightSample);
-  EvaluateLights(frame, w.surfaces, ranges, w.lights);
-  CountShadowRays(w.stats, w.lights, n);
-  clock.Lap(Stage::kEvaluate);
-  TraceShadows(frame.tracer, w.surfaces, n, w.lights);
-  clock.Lap(Stage::kShadow);
-  AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
-  clock.Lap(Stage::kAccumulate);
+// The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
+// lights come light by light, so that a stream of shadow rays has one direction.
+void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+  const MaterialView materials = frame.geometry->materials();
+  const std::uint32_t samples = frame.strategy->Plan(frame.light_samples()).total();
+  for (std::uint32_t index = 0; index < samples; ++index) {
+    const std::uint32_t n =
+        SampleLights(frame, Points(materials, w), bounce, index, w.uniforms, w.lights);
+    CheckLightSamples(w.lights, n);
+    clock.Lap(Stage::kLightSample);
+    EvaluateLights(frame, w.surfaces, w.ranges, w.lights);
+    CountShadowRays(w.stats, w.lights, n);
+    clock.Lap(Stage::kEvaluate);
+    TraceShadows(frame.tracer, w.surfaces, n, w.lights);
+    clock.Lap(Stage::kShadow);
+    AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
+    clock.Lap(Stage::kAccumulate);
+  }
 }
 
 void FinishWave(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
@@ -96,9 +105,9 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
       MeetSky(frame, *rays, n, w, clock);
       break;
     }
-    const SurfaceRanges ranges = MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
-    LightSurfaces(frame, ranges, bounce, 0, w, clock);
-    n = Scatter(frame, w.paths, w.surfaces, ranges, /*first_kind=*/0, bounce, w.uniforms, w.lobe,
+    MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
+    LightSurfaces(frame, bounce, w, clock);
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, /*first_kind=*/0, bounce, w.uniforms, w.lobe,
                 *next);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
@@ -123,12 +132,11 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
       MeetSky(frame, *rays, n, w, clock);
       break;
     }
-    const SurfaceRanges ranges = MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
-    for (std::uint32_t index = 0; index < frame.light_samples(); ++index) {
-      LightSurfaces(frame, ranges, bounce, index, w, clock);
-    }
-    n = Scatter(frame, w.paths, w.surfaces, ranges, first_kind, bounce, w.uniforms, w.lobe, *next);
-    delta_rays = ranges.total() > ranges.light_sampled();
+    MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
+    LightSurfaces(frame, bounce, w, clock);
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
+                *next);
+    delta_rays = w.ranges.total() > w.ranges.light_sampled();
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }

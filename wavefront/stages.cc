@@ -15,6 +15,9 @@ namespace {
 // Bounces before this one are never cut by roulette.
 constexpr std::uint32_t kFirstRouletteBounce = 3;
 
+// Between the pairs of dimensions of one fixed light sample and the next: more than a path uses.
+constexpr std::uint32_t kFixedSamplePairs = 1u << 16;
+
 // Walks the samples of `range` without dividing per row: runs of samples of one pixel.
 void StartPaths(const RenderOptions& options, const WaveRange& range, const PathColumns& paths) {
   const std::uint32_t spp = options.samples_per_pixel;
@@ -67,22 +70,31 @@ void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uin
   }
 }
 
-void AddEscaped(const FrameView& frame, const SurfaceColumns& from, const EscapeColumns& escaped,
+void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths) {
   if (n == 0) return;
-  frame.strategy->EvaluateEscaped(from, n, escaped);
+  frame.strategy->EvaluateEscaped(from, n, frame.light_samples(), escaped);
   AddEscapedRadiance(escaped, n, frame.mis(), paths);
 }
 
-std::uint32_t SampleLights(const FrameView& frame, const PathColumns& paths,
-                           const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
-                           std::uint32_t bounce, std::uint32_t index,
-                           const UniformColumns& uniforms, const LightColumns& lights) {
-  const std::uint32_t n = ranges.light_sampled();
+std::uint32_t SampleLights(const FrameView& frame, const ShadePoints& points, std::uint32_t bounce,
+                           std::uint32_t index, const UniformColumns& uniforms,
+                           const LightColumns& lights) {
+  const std::uint32_t n = points.ranges.light_sampled();
   if (n == 0) return 0;
-  DrawUniforms(paths, surfaces.path, n, SamplePair(bounce, SampleUse::kLight),
-               {.stride = frame.light_samples(), .offset = index}, uniforms);
-  frame.strategy->Sample(surfaces, uniforms, n, lights);
+  const LightPlan plan = frame.strategy->Plan(frame.light_samples());
+  LightCall call = {.index = index,
+                    .requested = frame.light_samples(),
+                    .pair = SamplePair(bounce, SampleUse::kLight)};
+  if (index >= plan.fixed) {
+    DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
+                 {.stride = plan.drawn, .offset = index - plan.fixed}, uniforms);
+  } else if (plan.random_fixed) {
+    // Every fixed sample is an integral of its own, so it has a sequence of its own.
+    call.pair += kFixedSamplePairs * (index + 1);
+    DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
+  }
+  frame.strategy->Sample(points, uniforms, n, call, lights);
   return n;
 }
 

@@ -39,14 +39,14 @@ void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uin
 
 // Adds the map's radiance along escaped rays to their paths. `from`: the surfaces of the bounce
 // before, which the strategy may ask.
-void AddEscaped(const FrameView& frame, const SurfaceColumns& from, const EscapeColumns& escaped,
+void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths);
 
-// Draws light sample `index` of every surface that takes light samples. Returns their number.
-std::uint32_t SampleLights(const FrameView& frame, const PathColumns& paths,
-                           const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
-                           std::uint32_t bounce, std::uint32_t index,
-                           const UniformColumns& uniforms, const LightColumns& lights);
+// Draws light sample `index` of the strategy's plan for every surface that takes light samples.
+// Returns their number.
+std::uint32_t SampleLights(const FrameView& frame, const ShadePoints& points, std::uint32_t bounce,
+                           std::uint32_t index, const UniformColumns& uniforms,
+                           const LightColumns& lights);
 
 // Turns light samples into contributions and opens or closes their shadow rays.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,

@@ -38,6 +38,7 @@ struct Worker {
   soa::Table<QueueColumns> queue;
   soa::Table<EscapeColumns> escaped;
   soa::Table<SurfaceColumns> surfaces;
+  SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
   soa::Table<LightColumns> lights;
   soa::Table<UniformColumns> uniforms, lobe;
   RenderStats stats;

@@ -1,0 +1,149 @@
+#include "kernels/texel_samplers.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/texel_samplers.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/search-inl.h"
+#include "kernels/texels-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+HWY_INLINE VU Halves(VU words, bool high) {
+  return high ? hn::ShiftRight<16>(words) : hn::And(words, SetU(0xFFFFu));
+}
+
+// Splits at `share` of kWarpOne: adds 1 to `cell` where x falls behind it, and stretches x to [0,
+// 1).
+HWY_INLINE void SplitAt(VU share, VF& x, VU& cell) {
+  const VF scaled = hn::Mul(x, Set(float(kWarpOne)));
+  const VF edge = ToFloat(share);
+  const MF behind = hn::Ge(scaled, edge);
+  const VF position = IfThen(behind, hn::Sub(scaled, edge), scaled);
+  const VF length = IfThen(behind, hn::Sub(Set(float(kWarpOne)), edge), edge);
+  x = hn::Min(hn::Div(position, length), Set(0x1.fffffep-1f));
+  cell = hn::Add(cell, hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(1)));
+}
+
+void SampleTexelsByWarp(const EnvironmentView& map, const WarpView& warp, const float* density,
+                        const UniformColumns& uniforms, std::uint32_t n, float samples,
+                        const LightColumns& out) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const MF inside = hn::RebindMask(F(), RowsBelow(i, n));
+    VF x = hn::IfThenElseZero(inside, Load(uniforms.u + i));
+    VF y = hn::IfThenElseZero(inside, Load(uniforms.v + i));
+    VU column = hn::Zero(U()), row = hn::Zero(U());
+    for (std::uint32_t l = 0; l < warp.levels; ++l) {
+      const WarpLevel& level = warp.level[l];
+      const auto* words = reinterpret_cast<const std::uint32_t*>(level.records);
+      const VU at = hn::ShiftLeft<1>(hn::Add(hn::Mul(row, SetU(level.width)), column));
+      const VU first = Gather(words, at);
+      VU left = Halves(first, true);
+      if (level.split_y) {
+        const VU below = Halves(Gather(words, hn::Add(at, SetU(1))), false);
+        const VU row_before = hn::Add(row, row);
+        row = row_before;
+        SplitAt(Halves(first, false), y, row);
+        left = IfThen(hn::Eq(row, row_before), left, below);
+      }
+      if (level.split_x) {
+        column = hn::Add(column, column);
+        SplitAt(left, x, column);
+      }
+    }
+    const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
+    EmitTexels(map, column, row, x, y, hn::Mul(Gather(density, texel), Set(samples)), out, i);
+  }
+}
+
+// Draws a texel in cell `cell` of each lane at (x, y) and emits it.
+HWY_INLINE void EmitFromCells(const EnvironmentView& map, const CellsView& cells, VU cell, VF x,
+                              VF y, VF scale, const LightColumns& out, std::uint32_t to) {
+  const VU begin = Gather(cells.begin, cell);
+  const VU count = hn::Sub(Gather(cells.begin, hn::Add(cell, SetU(1))), begin);
+  const VF position = hn::Mul(x, ToFloat(count));
+  const VU index = hn::Min(ToUnsigned(position), hn::Sub(count, SetU(1)));
+  VU slot = hn::Add(begin, index);
+  const auto* words = reinterpret_cast<const std::uint32_t*>(cells.slots);
+  const VU at = hn::ShiftLeft<1>(slot);
+  const VF keep = AsFloat(Gather(words, at));
+  const VU other = Gather(words, hn::Add(at, SetU(1)));
+  const MF kept = hn::Lt(y, keep);
+  slot = IfThen(hn::RebindMask(U(), kept), slot, other);
+  const VF below = IfThen(kept, y, hn::Sub(y, keep));
+  const VF length = IfThen(kept, keep, hn::Sub(Set(1.0f), keep));
+  const VF fy = hn::Min(hn::Div(below, hn::Max(length, Set(1e-20f))), Set(0x1.fffffep-1f));
+  const VF fx = Clamp(hn::Sub(position, ToFloat(index)), 0.0f, 0x1.fffffep-1f);
+  const VU texel = Gather(cells.texel, slot);
+  // texel = row * width + column; the float quotient may be one off.
+  const VU width = SetU(map.width);
+  VU row = ToUnsigned(hn::Mul(ToFloat(texel), Set(1.0f / float(map.width))));
+  row = IfThen(hn::Gt(hn::Mul(row, width), texel), hn::Sub(row, SetU(1)), row);
+  VU column = hn::Sub(texel, hn::Mul(row, width));
+  const MU next = hn::Gt(column, SetU(map.width - 1));
+  row = IfThen(next, hn::Add(row, SetU(1)), row);
+  column = IfThen(next, hn::Sub(column, width), column);
+  EmitTexels(map, column, row, fx, fy, hn::Mul(Gather(cells.density, texel), scale), out, to);
+}
+
+void SampleCells(const EnvironmentView& map, const CellsView& cells, const SearchTreeView* tree,
+                 const UniformColumns& uniforms, std::uint32_t n, float samples,
+                 const LightColumns& out) {
+  SearchColumns search;
+  for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
+    const std::uint32_t rows = std::min(kChunk, n - begin);
+    std::copy_n(uniforms.u + begin, rows, search.x);
+    std::fill_n(search.item, rows, 0u);
+    if (tree != nullptr) Search(*tree, rows, search);
+    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
+      const MU inside = RowsBelow(i, rows);
+      const MF used = hn::RebindMask(F(), inside);
+      EmitFromCells(map, cells, hn::IfThenElseZero(inside, Load(search.item + i)),
+                    hn::IfThenElseZero(used, Load(search.x + i)),
+                    hn::IfThenElseZero(used, Load(uniforms.v + begin + i)), Set(samples), out,
+                    begin + i);
+    }
+  }
+}
+
+void SampleOneCell(const EnvironmentView& map, const CellsView& cells, std::uint32_t cell,
+                   float scale, const UniformColumns& uniforms, std::uint32_t n,
+                   const LightColumns& out) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const MF used = hn::RebindMask(F(), RowsBelow(i, n));
+    EmitFromCells(map, cells, SetU(cell), hn::IfThenElseZero(used, Load(uniforms.u + i)),
+                  hn::IfThenElseZero(used, Load(uniforms.v + i)), Set(scale), out, i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(SampleTexelsByWarp);
+HWY_EXPORT(SampleCells);
+HWY_EXPORT(SampleOneCell);
+
+void SampleTexelsByWarp(const EnvironmentView& map, const WarpView& warp, const float* density,
+                        const UniformColumns& uniforms, std::uint32_t n, float samples,
+                        const LightColumns& out) {
+  HWY_DYNAMIC_DISPATCH(SampleTexelsByWarp)(map, warp, density, uniforms, n, samples, out);
+}
+void SampleCells(const EnvironmentView& map, const CellsView& cells, const SearchTreeView* tree,
+                 const UniformColumns& uniforms, std::uint32_t n, float samples,
+                 const LightColumns& out) {
+  HWY_DYNAMIC_DISPATCH(SampleCells)(map, cells, tree, uniforms, n, samples, out);
+}
+void SampleOneCell(const EnvironmentView& map, const CellsView& cells, std::uint32_t cell,
+                   float scale, const UniformColumns& uniforms, std::uint32_t n,
+                   const LightColumns& out) {
+  HWY_DYNAMIC_DISPATCH(SampleOneCell)(map, cells, cell, scale, uniforms, n, out);
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

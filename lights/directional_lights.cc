@@ -1,0 +1,32 @@
+#include "lights/directional_lights.h"
+
+#include <algorithm>
+
+namespace skywave {
+
+DirectionalLights::DirectionalLights(std::span<const DirectionalLight> lights,
+                                     const std::array<float, 9>& map_from_world)
+    : tree_(std::max<std::uint32_t>(std::uint32_t(lights.size()), 1), 1) {
+  std::vector<double> energy(tree_.items());
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const DirectionalLight& light = lights[i];
+    energy[i] = light.energy;
+    LightRecord record = {};
+    for (int axis = 0; axis < 3; ++axis) {
+      // The rows of map_from_world are right, forward and up in the world.
+      record.direction[axis] = float(light.direction.x * map_from_world[std::size_t(axis)] +
+                                     light.direction.y * map_from_world[std::size_t(3 + axis)] +
+                                     light.direction.z * map_from_world[std::size_t(6 + axis)]);
+      record.irradiance[axis] = float(light.irradiance[std::size_t(axis)]);
+    }
+    records_.push_back(record);
+  }
+  std::vector<std::uint16_t> mass(tree_.items());
+  std::vector<double> block(tree_.blocks());
+  tree_.Set(0, energy.data(), mass.data(), block.data());
+  for (std::size_t i = 0; i < records_.size(); ++i) {
+    records_[i].probability = float(block[i / kNodeFan] * mass[i]);
+  }
+}
+
+}  // namespace skywave

@@ -1,0 +1,39 @@
+// From a map, or a stratum of it, to the directional lights that stand for it: the parameters that
+// several strategies share, in one place.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "lights/cells.h"
+#include "lights/clustering.h"
+#include "lights/strategy.h"
+
+namespace skywave {
+
+enum class LightSource { kPenrose, kMedianCut, kVarianceCut };
+
+struct LightOptions {
+  LightSource source = LightSource::kPenrose;
+  int lights = 64;
+  LightPosition position = LightPosition::kCentroid;
+  int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
+  std::optional<ClusterFrequency> cluster;
+  ClusterStop stop;  // used where cluster is set
+};
+
+// Places lights, clusters and relaxes them as the options say, and gives each the light of its
+// cell. The energy of the lights is the energy of the map. Fewer lights than asked for where texels
+// with energy or clustering allow no more; none for a black map.
+LightSet BuildLights(const SphereMap& map, const LightOptions& options);
+
+// The parameters behind LightOptions, for the table of strategies; `kFromParameter` besides for
+// strategies that take lights from any source.
+std::span<const StrategyParameter> LightParameters();
+inline constexpr StrategyParameter kFromParameter = {
+    "from", "penrose", "who places the lights: penrose, median-cut or variance-cut"};
+
+LightOptions ReadLightOptions(const StrategyValues& values);
+LightSource ReadLightSource(const StrategyValues& values);
+
+}  // namespace skywave
