@@ -128,7 +128,7 @@ std::string Pbrt(std::span<const DirectionalLight> lights, const ExportOptions& 
   }
   if (!options.residual.empty()) {
     // Light space of pbrt's maps: x back, y left, z up. Columns of the matrix are its axes.
-    const Vector3 x = -1.0 * axes.forward, y = -1.0 * axes.right, z = axes.up;
+    const Vector3 zero, x = zero - axes.forward, y = zero - axes.right, z = axes.up;
     text += fmt::format(
         "# The rest of the map, as an equal-area octahedral square\nAttributeBegin\n"
         "  Transform [ {:g} {:g} {:g} 0 {:g} {:g} {:g} 0 {:g} {:g} {:g} 0 0 0 0 1 ]\n"
@@ -255,10 +255,10 @@ WorldAxes AxesOf(LightFormat format, char up_axis) {
   if (format == LightFormat::kTable || format == LightFormat::kJson) return {x, y, z};
   if (up_axis == 0) up_axis = format == LightFormat::kBlender ? 'z' : 'y';
   WorldAxes axes = up_axis == 'z'   ? WorldAxes{x, y, z}
-                   : up_axis == 'x' ? WorldAxes{-1.0 * z, y, x}
-                                    : WorldAxes{x, -1.0 * z, y};
+                   : up_axis == 'x' ? WorldAxes{Vector3() - z, y, x}
+                                    : WorldAxes{x, Vector3() - z, y};
   const bool left_handed = format == LightFormat::kPbrt || format == LightFormat::kPovray;
-  if (left_handed) axes.forward = -1.0 * axes.forward;
+  if (left_handed) axes.forward = Vector3() - axes.forward;
   return axes;
 }
 
