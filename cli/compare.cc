@@ -17,6 +17,9 @@ struct CompareFlags {
 };
 
 int CompareMain(const CompareFlags& flags) {
+  for (const std::string& path : {flags.map, flags.json}) {
+    if (!path.empty()) CheckWritable(path);
+  }
   const Image image = ReadImage(flags.image), reference = ReadImage(flags.reference);
   const ImageDifference d = Compare(image, reference);
   const std::pair<const char*, double> rows[] = {

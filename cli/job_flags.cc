@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <cmath>
+#include <cstring>
 
 #include "lights/projections.h"
 
@@ -34,7 +38,30 @@ bool ParseSize(const std::string& text, int& width, int& height) {
   return w.ec == std::errc() && w.ptr == middle && h.ec == std::errc() && h.ptr == end;
 }
 
+// `text` as one word of a shell command.
+std::string Quoted(const std::string& text) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::strchr("_-+=:,./", c) != nullptr;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 }  // namespace
+
+CLI::Validator FiniteNumber(double low, double high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) {
+        double value = 0;
+        const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        return is_number && value >= low && value <= high
+                   ? std::string()
+                   : fmt::format("'{}' is no number from {:g} to {:g}", text, low, high);
+      },
+      fmt::format("FLOAT in [{:g} - {:g}]", low, high));
+}
 
 void AddJobFlags(CLI::App& command, JobRequest& r) {
   RenderOptions& o = r.options;
@@ -48,9 +75,10 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command
       .add_option("--env-rotate", r.environment.rotation_degrees,
                   "turn about the up axis, counter-clockwise from above")
+      ->check(FiniteNumber(-1e6, 1e6))
       ->type_name("DEGREES");
   command.add_option("--env-intensity", r.environment.intensity, "factor of its radiance")
-      ->check(CLI::Range(0.0f, 1e12f));
+      ->check(FiniteNumber(0, 1e12));
   AddParsed(command, "--env-up", "up axis of map and automatic camera (default: the scene's)",
             "x|y|z", r.environment.up_axis, [](const std::string& t) -> std::optional<char> {
               if (t == "x" || t == "y" || t == "z") return t[0];
@@ -67,7 +95,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
           "--size",
           [&r](const std::string& text) {
             int width = 0, height = 0;
-            if (!ParseSize(text, width, height)) {
+            if (!ParseSize(text, width, height) || width < 1 || height < 1) {
               throw CLI::ValidationError("--size",
                                          "'" + text + "' is not WxH, for example 640x480");
             }
@@ -89,7 +117,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   AddParsed(command, "--filter", "pixel filter (default: the scene's, or blackman-harris)",
             "box|triangle|gaussian|blackman-harris", r.filter, ParsePixelFilter);
   command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")
-      ->check(CLI::Range(0.0f, 100.0f));
+      ->check(FiniteNumber(0, 100));
   command.add_option("--seed", o.seed, "of the random numbers")->capture_default_str();
 
   command.add_option("--threads", o.threads, "0: as many as the process may use")
@@ -104,9 +132,9 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
 }
 
 std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
-  std::string text = fmt::format("skywave render {}", r.scene);
+  std::string text = "skywave render " + Quoted(r.scene);
   const EnvironmentRequest& e = r.environment;
-  if (!e.path.empty()) text += fmt::format(" --env {}", e.path);
+  if (!e.path.empty()) text += " --env " + Quoted(e.path);
   if (e.projection) {
     text += fmt::format(" --env-projection {}", ToString(*e.projection));
   }
@@ -114,15 +142,15 @@ std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
   if (e.intensity != 1) text += fmt::format(" --env-intensity {}", e.intensity);
   if (e.up_axis) text += fmt::format(" --env-up {}", *e.up_axis);
   if (e.limits.trust_input) text += " --trust-input";
-  text += fmt::format(" --strategy {} --size {}x{} --spp {} --integrator {}", r.strategy, o.width,
-                      o.height, o.samples_per_pixel, ToString(o.integrator));
+  text += fmt::format(" --strategy {} --size {}x{} --spp {} --integrator {}", Quoted(r.strategy),
+                      o.width, o.height, o.samples_per_pixel, ToString(o.integrator));
   if (o.integrator == Integrator::kDirect) {
     text += fmt::format(" --light-samples {}", o.light_samples);
   }
   text += fmt::format(" --max-depth {} --filter {} --filter-radius {} --seed {}", o.max_depth,
                       ToString(o.filter), o.filter_radius, o.seed);
   if (!o.mis) text += " --no-mis";
-  if (!r.embree_config.empty()) text += fmt::format(" --embree-config {}", r.embree_config);
+  if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);
   return text;
 }
 

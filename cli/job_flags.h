@@ -8,6 +8,9 @@
 
 namespace skywave {
 
+// A number in [low, high]. Unlike CLI::Range it does not let NaN pass.
+CLI::Validator FiniteNumber(double low, double high);
+
 // Adds the flags to `command`; they write to `request`, which must outlive the parse.
 void AddJobFlags(CLI::App& command, JobRequest& request);
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/job_flags.h"
@@ -40,6 +41,10 @@ Metadata Provenance(const RenderFlags& flags, const RenderJob& job) {
 int RenderMain(RenderFlags& flags) {
   if (flags.output.empty()) {
     flags.output = std::filesystem::path(flags.request.scene).stem().string() + ".exr";
+  }
+  if (std::filesystem::path(flags.output).extension() != ".exr") {
+    throw InputError(InputPosition::File("--output " + flags.output),
+                     "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
   }
   const std::string png = PngPath(flags.output);
   for (const std::string& path : {flags.output, png, flags.stats}) {
@@ -81,7 +86,8 @@ void AddRenderCommand(CLI::App& program, Run& run) {
   AddJobFlags(*command, flags->request);
   command->add_option("-o,--output", flags->output,
                       "EXR file; the PNG goes beside it (default: name of the scene)");
-  command->add_option("--exposure", flags->tone.exposure_stops, "of the PNG [stops]");
+  command->add_option("--exposure", flags->tone.exposure_stops, "of the PNG [stops]")
+      ->check(FiniteNumber(-100, 100));
   command
       ->add_option_function<std::string>(
           "--tone",

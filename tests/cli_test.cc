@@ -1,0 +1,364 @@
+// The program as its users meet it: help, exit codes, messages, files.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+constexpr char kTriangle[] =
+    "WorldBegin\nShape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+    "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n";
+constexpr char kLight[] = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+
+std::string Ply(const std::string& vertices, const std::string& face) {
+  return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+         vertices + face + "\n";
+}
+constexpr char kVertices[] = "0 0 0\n1 0 0\n0 1 0\n";
+
+Image Map(float value) {
+  Image map(8, 4);
+  for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = value * float(1 + i % 5);
+  return map;
+}
+
+class Cli : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    Put("dark.pbrt", kTriangle);
+    Put("scene.pbrt", std::string("WorldBegin\n") + kLight + (kTriangle + 11));
+    Put("unknown.pbrt", std::string("# a comment\n\nFrobnicate 3\n") + kTriangle);
+    Put("empty.pbrt", std::string("WorldBegin\n") + kLight + "WorldEnd\n");
+    Put("range.pbrt", std::string("WorldBegin\n") + kLight +
+                          "\nShape \"trianglemesh\" \"integer indices\" [0 1 3]\n"
+                          "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+    Put("film.pbrt",
+        std::string("Film \"image\" \"integer xresolution\" 0\n") + Bytes("scene.pbrt"));
+    Put("good.ply", Ply(kVertices, "3 0 1 2"));
+    Put("range.ply", Ply(kVertices, "3 0 1 3"));
+    Put("nan.ply", Ply("0 0 0\n1 nan 0\n0 1 0\n", "3 0 1 2"));
+    Put("far.ply", Ply("0 0 0\n1 3e38 0\n0 1 0\n", "3 0 1 2"));
+    Put("scene.obj", "v 0 0 0\n");
+    WriteExr(Path("map.exr"), Map(1));
+    Put("cut.exr", Bytes("map.exr").substr(0, Bytes("map.exr").size() - 40));
+    Put("text.exr", "not a picture");
+    Image odd(7, 4);
+    WriteExr(Path("odd.exr"), odd);
+    Image bad = Map(1);
+    bad.rgb[0] = std::numeric_limits<float>::quiet_NaN();
+    bad.rgb[7] = -2;
+    bad.rgb[30] = std::numeric_limits<float>::infinity();
+    bad.rgb[33] = -1;
+    WritePfm(Path("bad.pfm"), bad);
+    std::filesystem::create_directory(Path("folder"));
+  }
+};
+
+// ---- Help ----
+
+TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
+  const Result result = Run("--help");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* const part : {"render", "compare", "strategies", "bench", "-o gallery.exr"}) {
+    EXPECT_TRUE(Contains(result.out, part)) << part;
+  }
+  EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(Contains(Run("--version").out, "skywave 0."));
+}
+
+TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
+  for (const std::string command : {"render", "compare", "strategies", "bench"}) {
+    const Result result = Run(command + " --help");
+    EXPECT_EQ(result.exit_code, 0) << command;
+    EXPECT_TRUE(Contains(result.out, "Example")) << command;
+    EXPECT_TRUE(Contains(result.out, "  skywave ")) << command;
+  }
+  const std::string help = Run("render --help").out;
+  for (const char* const flag :
+       {"--env", "--strategy", "--size", "--spp", "--integrator", "--max-depth", "--filter",
+        "--seed", "--threads", "--wave", "--backend", "--output", "--stats"}) {
+    EXPECT_TRUE(Contains(help, flag)) << flag;
+  }
+}
+
+TEST_F(Cli, StrategiesAreListedWithTheirParameters) {
+  const Result result = Run("strategies");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* const part : {"importance", "compensate=0", "uniform", "cosine"}) {
+    EXPECT_TRUE(Contains(result.out, part)) << part;
+  }
+}
+
+// ---- Bad input ----
+
+struct BadCase {
+  std::string arguments;
+  int exit_code;
+  std::vector<std::string> message;  // parts of it
+};
+
+TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
+  const std::string small = " --size 4x3 --spp 1";
+  const BadCase cases[] = {
+      // Scenes
+      {"render nosuch.pbrt", kExitBadInput, {"nosuch.pbrt", "no such file", "gallery"}},
+      {"render galery", kExitBadInput, {"galery", "gallery, spheres"}},
+      {"render scene.obj", kExitBadInput, {"scene.obj", ".pbrt or .ply"}},
+      {"render folder", kExitBadInput, {"folder"}},
+      {"render unknown.pbrt", kExitBadInput, {"unknown.pbrt:3: ", "Frobnicate"}},
+      {"render empty.pbrt", kExitBadInput, {"empty.pbrt", "no triangle"}},
+      {"render dark.pbrt", kExitBadInput, {"dark.pbrt", "no light", "--env"}},
+      {"render good.ply", kExitBadInput, {"good.ply", "no light", "--env"}},
+      {"render range.pbrt", kExitBadInput, {"range.pbrt:4: ", "3"}},
+      {"render range.ply --env map.exr", kExitBadInput, {"range.ply", "3"}},
+      {"render nan.ply --env map.exr", kExitBadInput, {"nan.ply"}},
+      {"render far.ply --env map.exr", kExitBadInput, {"far.ply", "vertex 1"}},
+      {"render film.pbrt", kExitBadInput, {"film.pbrt:1: ", "resolution"}},
+      // Maps
+      {"render scene.pbrt --env nosuch.exr", kExitIo, {"nosuch.exr", "No such file"}},
+      {"render scene.pbrt --env folder", kExitIo, {"folder"}},
+      {"render scene.pbrt --env cut.exr", kExitBadInput, {"cut.exr", "byte"}},
+      {"render scene.pbrt --env text.exr", kExitBadInput, {"text.exr"}},
+      {"render scene.pbrt --env odd.exr", kExitBadInput, {"odd.exr", "7 x 4", "--env-projection"}},
+      // Outputs
+      {"render scene.pbrt -o missing/a.exr", kExitIo, {"missing/a.exr", "no folder missing"}},
+      {"render scene.pbrt -o folder", kExitUsage, {"folder", ".exr"}},
+      {"render scene.pbrt -o a.png", kExitUsage, {"a.png", ".exr"}},
+      {"render scene.pbrt -o scene.pbrt/a.exr", kExitIo, {"scene.pbrt/a.exr"}},
+      {"render scene.pbrt -o a.exr --stats missing/s.json", kExitIo, {"missing/s.json"}},
+      {"compare map.exr odd.exr", kExitBadInput, {"8 x 4", "7 x 4"}},
+      {"compare map.exr nosuch.exr", kExitIo, {"nosuch.exr"}},
+      {"compare map.exr cut.exr --map e.png --json e.json", kExitBadInput, {"cut.exr"}},
+      {"compare map.exr map.exr --json missing/e.json", kExitIo, {"missing/e.json"}},
+      // Flags
+      {"", kExitUsage, {"--help"}},
+      {"rendr", kExitUsage, {"--help"}},
+      {"render", kExitUsage, {"scene is required"}},
+      {"compare map.exr", kExitUsage, {"reference is required"}},
+      {"render scene.pbrt --frob", kExitUsage, {"--frob"}},
+      {"render scene.pbrt surplus", kExitUsage, {"surplus"}},
+      {"render scene.pbrt --size 0x0", kExitUsage, {"--size", "0x0"}},
+      {"render scene.pbrt --size -4x3", kExitUsage, {"--size"}},
+      {"render scene.pbrt --size 10", kExitUsage, {"--size", "WxH"}},
+      {"render scene.pbrt --size 4x3x2", kExitUsage, {"--size", "4x3x2"}},
+      {"render scene.pbrt --size 99999999999x1", kExitUsage, {"--size"}},
+      {"render scene.pbrt --size 30000x30000", kExitBadInput, {"30000 x 30000"}},
+      {"render scene.pbrt --spp 0", kExitUsage, {"--spp"}},
+      {"render scene.pbrt --spp many", kExitUsage, {"--spp", "many"}},
+      {"render scene.pbrt --max-depth -1", kExitUsage, {"--max-depth"}},
+      {"render scene.pbrt --light-samples 0", kExitUsage, {"--light-samples"}},
+      {"render scene.pbrt --wave 0", kExitUsage, {"--wave"}},
+      {"render scene.pbrt --threads -1", kExitUsage, {"--threads"}},
+      {"render scene.pbrt --seed 99999999999", kExitUsage, {"--seed"}},
+      {"render scene.pbrt --integrator bdpt", kExitUsage, {"--integrator", "bdpt", "direct|path"}},
+      {"render scene.pbrt --filter cubic", kExitUsage, {"--filter", "cubic", "gaussian"}},
+      {"render scene.pbrt --filter-radius nan", kExitUsage, {"--filter-radius", "nan"}},
+      {"render scene.pbrt --filter-radius -1", kExitUsage, {"--filter-radius"}},
+      {"render scene.pbrt --backend gpu", kExitUsage, {"--backend", "gpu", "stream"}},
+      {"render scene.pbrt --env-up w", kExitUsage, {"--env-up", "x|y|z"}},
+      {"render scene.pbrt --env-rotate inf", kExitUsage, {"--env-rotate", "inf"}},
+      {"render scene.pbrt --env-intensity nan", kExitUsage, {"--env-intensity", "nan"}},
+      {"render scene.pbrt --env-projection flat", kExitUsage, {"--env-projection", "latlong"}},
+      {"render scene.pbrt --exposure nan", kExitUsage, {"--exposure", "nan"}},
+      {"render scene.pbrt --tone rosy", kExitUsage, {"--tone", "filmic"}},
+      {"render scene.pbrt --strategy best", kExitUsage, {"best", "importance"}},
+      {"render scene.pbrt --strategy uniform:a=1", kExitUsage, {"a=1", "uniform", "none"}},
+      {"render scene.pbrt --strategy importance:b=1", kExitUsage, {"b=1", "compensate"}},
+      {"render scene.pbrt --strategy importance:compensate=2", kExitUsage, {"compensate=2"}},
+      {"render scene.pbrt --env map.exr --strategy importance:compensate=1 --no-mis",
+       kExitUsage,
+       {"compensate=1", "--no-mis"}},
+      {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
+      {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
+  };
+  const std::set<std::string> before = Files();
+  for (const BadCase& test : cases) {
+    SCOPED_TRACE("skywave " + test.arguments);
+    const bool sized = Contains(test.arguments, "--size") ||
+                       Contains(test.arguments, "film.pbrt") ||
+                       !Contains(test.arguments, "render ");
+    const Result result = Run(test.arguments + (sized ? "" : small));
+    EXPECT_EQ(result.exit_code, test.exit_code) << result.err;
+    for (const std::string& part : test.message) {
+      EXPECT_TRUE(Contains(result.err, part)) << "no \"" << part << "\" in: " << result.err;
+    }
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(Files(), before);
+  }
+}
+
+// What was there before a failure is there after it.
+TEST_F(Cli, AFailureKeepsTheOldPicture) {
+  Put("a.exr", "old");
+  EXPECT_NE(Run("render scene.pbrt --env cut.exr -o a.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("a.exr"), "old");
+}
+
+TEST_F(Cli, BadPixelsOfAMapAreReported) {
+  const Result result = Run("render good.ply --env bad.pfm --size 4x3 --spp 2 -o a.exr");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(Contains(result.err, "bad.pfm: 1 NaN, 1 infinite and 2 negative pixels"))
+      << result.err;
+  EXPECT_TRUE(Contains(result.err, "no camera")) << result.err;
+  for (const float value : ReadImage(Path("a.exr")).rgb) EXPECT_TRUE(std::isfinite(value));
+  EXPECT_EQ(Run("render good.ply --env bad.pfm --size 4x3 --spp 2 -o a.exr --quiet").err, "");
+}
+
+// ---- What it writes ----
+
+TEST_F(Cli, RenderWritesAnExrAndAPngNamedAfterTheScene) {
+  const std::set<std::string> before = Files();
+  const Result result = Run("render scene.pbrt --size 5x4 --spp 2");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "scene.exr") && Contains(result.out, "scene.png")) << result.out;
+  std::set<std::string> expected = before;
+  expected.insert({"scene.exr", "scene.png"});
+  EXPECT_EQ(Files(), expected);
+  const Image image = ReadImage(Path("scene.exr"));
+  EXPECT_EQ(image.width, 5);
+  EXPECT_EQ(image.height, 4);
+}
+
+TEST_F(Cli, StatisticsHaveThePromisedKeys) {
+  ASSERT_EQ(Run("render scene.pbrt --size 6x5 --spp 3 -q --stats s.json --threads 1 --max-depth 3")
+                .exit_code,
+            0);
+  const auto json = nlohmann::json::parse(Bytes("s.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-render-stats-1");
+  EXPECT_TRUE(json.at("version").is_string());
+  const auto& settings = json.at("settings");
+  EXPECT_EQ(settings.at("width"), 6);
+  EXPECT_EQ(settings.at("height"), 5);
+  EXPECT_EQ(settings.at("samples_per_pixel"), 3);
+  EXPECT_EQ(settings.at("integrator"), "path");
+  EXPECT_EQ(settings.at("max_depth"), 3);
+  EXPECT_EQ(settings.at("strategy"), "importance");
+  EXPECT_EQ(settings.at("threads"), 1);
+  EXPECT_EQ(settings.at("wave"), 2048);
+  EXPECT_EQ(settings.at("backend"), "stream");
+  EXPECT_EQ(json.at("scene").at("triangles"), 1);
+  EXPECT_EQ(json.at("scene").at("hash").get<std::string>().size(), 16u);
+  for (const char* const key : {"load", "build", "tables", "render", "write"}) {
+    EXPECT_GE(json.at("seconds").at(key).get<double>(), 0) << key;
+  }
+  EXPECT_GT(json.at("peak_memory_mib").get<double>(), 1);
+  EXPECT_EQ(json.at("samples"), 6 * 5 * 3);
+  EXPECT_EQ(json.at("rays").at("camera").at("count"), 6 * 5 * 3);
+  for (const char* const key : {"camera", "bounce", "shadow"}) {
+    EXPECT_GE(json.at("rays").at(key).at("mrays_per_s").get<double>(), 0) << key;
+  }
+  double share = 0;
+  EXPECT_EQ(json.at("stages").size(), 11u);
+  for (const auto& stage : json.at("stages")) share += stage.at("share").get<double>();
+  EXPECT_NEAR(share, 1, 1e-9);
+  EXPECT_GE(json.at("waves").get<int>(), 1);
+  EXPECT_FALSE(json.at("occupancy").empty());
+  EXPECT_EQ(json.at("clamped_samples"), 0);
+  EXPECT_EQ(json.at("invalid_samples"), 0);
+  for (const char* const key : {"msamples_per_s", "mrays_per_s"}) EXPECT_GT(json.at(key), 0) << key;
+}
+
+std::string Value(const Metadata& metadata, const std::string& name) {
+  for (const auto& [key, value] : metadata) {
+    if (key == name) return value;
+  }
+  return "(none)";
+}
+
+// The metadata says how the picture came to be, and its command repeats it to the last byte.
+TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
+  std::filesystem::create_directory(Path("my maps"));
+  std::filesystem::copy_file(Path("map.exr"), Path("my maps/sky's.exr"));
+  const std::string commands[] = {
+      "render scene.pbrt --size 9x7 --spp 3",
+      "render good.ply --env map.exr --env-rotate 31.7 --env-intensity 0.3 --env-up z --seed 77 "
+      "--size 8x6 --spp 5 --integrator direct --light-samples 3 --no-mis --threads 2 --wave 33",
+      "render scene.pbrt --env \"my maps/sky's.exr\" --env-projection latlong --size 7x7 --spp 2 "
+      "--filter gaussian --filter-radius 0.7 --max-depth 2 --embree-config isa=sse2 "
+      "--strategy importance:compensate=1 --backend single",
+  };
+  for (const std::string& command : commands) {
+    SCOPED_TRACE(command);
+    const Result first = Run(command + " -q -o first.exr");
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const Metadata metadata = ReadExrMetadata(Path("first.exr"));
+    EXPECT_TRUE(Contains(Value(metadata, "software"), "skywave 0."));
+    EXPECT_TRUE(Contains(command, "--spp " + Value(metadata, "samples")));
+    EXPECT_EQ(Value(metadata, "seed"), Contains(command, "--seed") ? "77" : "0");
+    EXPECT_EQ(Value(metadata, "sceneHash").size(), 16u);
+    const std::string repeat = Value(metadata, "command");
+    ASSERT_EQ(repeat.substr(0, 8), "skywave ");
+    const Result second = Run(repeat.substr(8) + " -q -o second.exr");
+    ASSERT_EQ(second.exit_code, 0) << repeat << "\n" << second.err;
+    EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
+    EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
+  }
+}
+
+TEST_F(Cli, TheSceneHashTellsScenesApart) {
+  const auto hash = [&](const std::string& arguments) {
+    EXPECT_EQ(Run("render " + arguments + " -q --size 3x3 --spp 1 -o h.exr").exit_code, 0);
+    return Value(ReadExrMetadata(Path("h.exr")), "sceneHash");
+  };
+  const std::string plain = hash("scene.pbrt");
+  EXPECT_EQ(hash("scene.pbrt --seed 3"), plain);
+  EXPECT_NE(hash("scene.pbrt --env map.exr"), plain);
+  EXPECT_NE(hash("good.ply --env map.exr"), hash("good.ply --env map.exr --env-rotate 5"));
+}
+
+TEST_F(Cli, CompareOfEqualPicturesIsZero) {
+  const Result result = Run("compare map.exr map.exr --json c.json --map d.png");
+  EXPECT_EQ(result.exit_code, 0);
+  const auto json = nlohmann::json::parse(Bytes("c.json"));
+  for (const char* const key : {"mse", "rmse", "relative_mse", "mean_absolute", "thesis_euclidean",
+                                "thesis_luminance", "max_absolute"}) {
+    EXPECT_EQ(json.at(key).get<double>(), 0) << key;
+    EXPECT_TRUE(Contains(result.out, key)) << key;
+  }
+  EXPECT_EQ(json.at("different_pixels"), 0);
+  EXPECT_TRUE(Files().contains("d.png"));
+}
+
+TEST_F(Cli, CompareFindsTheDifference) {
+  Image other = Map(1);
+  other.Pixel(3, 2)[1] += 0.5f;
+  WriteExr(Path("other.exr"), other);
+  ASSERT_EQ(Run("compare other.exr map.exr --json c.json").exit_code, 0);
+  const auto json = nlohmann::json::parse(Bytes("c.json"));
+  EXPECT_EQ(json.at("max_absolute").get<double>(), 0.5);
+  EXPECT_EQ(json.at("max_at"), nlohmann::json({3, 2}));
+  EXPECT_EQ(json.at("different_pixels"), 1);
+  EXPECT_NEAR(json.at("mse").get<double>(), 0.25 / 3 / 32, 1e-9);
+}
+
+TEST_F(Cli, BenchReportsItsSummary) {
+  const Result result =
+      Run("bench scene.pbrt --size 16x16 --spp 2 --repetitions 3 --json b.json --threads 1");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "SUMMARY msamples_per_s=")) << result.out;
+  const auto json = nlohmann::json::parse(Bytes("b.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-bench-1");
+  EXPECT_EQ(json.at("render_seconds").size(), 3u);
+  for (const char* const backend : {"stream", "packet", "single"}) {
+    EXPECT_EQ(json.at("replay_seconds").at(backend).at("closest").size(), 3u);
+  }
+  EXPECT_GT(json.at("summary").at("embree_fraction").get<double>(), 0);
+}
+
+}  // namespace
+}  // namespace skywave
