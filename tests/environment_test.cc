@@ -335,7 +335,9 @@ TEST(AngularMap, BecomesTheSameSky) {
       const Vec d = WorldDirection(kUpright, (x + 0.5) / latlong.width, (y + 0.5) / latlong.height);
       const auto exact = sky(d);
       // Behind the viewer directions are kept a pixel and a half inside the rim, pi * 3 / 256 off.
-      const double tolerance = d.y < -0.98 ? 0.05 : 2e-3;
+      // The mean over a texel at a pole lies further from the pole than the texel's middle.
+      const bool pole = y == 0 || y == latlong.height - 1;
+      const double tolerance = d.y < -0.98 ? 0.05 : pole ? 5e-3 : 2e-3;
       for (int c = 0; c < 3; ++c) {
         ASSERT_NEAR(latlong.Pixel(x, y)[c], exact[c], tolerance)
             << x << " " << y << " channel " << c;
