@@ -28,7 +28,7 @@ CameraView FlatCamera(std::uint32_t width, float scale, const float* offsets) {
 }
 
 TEST(Camera, FindsPixelsOfAnyFilm) {
-  for (const std::uint32_t width : {1u, 2u, 3u, 7u, 640u, 1921u, 4099u, 16384u, 32768u}) {
+  for (const std::uint32_t width : {1u, 2u, 3u, 7u, 41u, 49u, 640u, 1921u, 4099u, 16384u, 32768u}) {
     const std::uint32_t height = width == 1 ? 4099 : std::min(width, 32768u);
     std::vector<std::uint32_t> rows = {0, 1, height / 3, height / 2, height - 1};
     Random random(81);
