@@ -332,8 +332,18 @@ TEST(AngularMap, BecomesTheSameSky) {
   ASSERT_EQ(latlong.height, 128);
   for (int y = 0; y < latlong.height; ++y) {
     for (int x = 0; x < latlong.width; ++x) {
-      const Vec d = WorldDirection(kUpright, (x + 0.5) / latlong.width, (y + 0.5) / latlong.height);
-      const auto exact = sky(d);
+      // A pixel is the mean over its area: points of equal shares of it, in the cosine too.
+      constexpr int kSide = 8;
+      std::array<double, 3> exact = {};
+      Vec d;
+      for (int s = 0; s < kSide * kSide; ++s) {
+        const double top = std::cos(kPi * y / latlong.height);
+        const double bottom = std::cos(kPi * (y + 1) / latlong.height);
+        const double cosine = top + (bottom - top) * (s / kSide + 0.5) / kSide;
+        d = WorldDirection(kUpright, (x + (s % kSide + 0.5) / kSide) / latlong.width,
+                           std::acos(cosine) / kPi);
+        for (int c = 0; c < 3; ++c) exact[c] += sky(d)[c] / (kSide * kSide);
+      }
       // Behind the viewer directions are kept a pixel and a half inside the rim, pi * 3 / 256 off.
       // The mean over a texel at a pole lies further from the pole than the texel's middle.
       const bool pole = y == 0 || y == latlong.height - 1;

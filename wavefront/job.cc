@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "base/error.h"
+#include "lights/projections.h"
 #include "scene/reader.h"
 
 namespace skywave {
@@ -45,10 +46,8 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
     Image image = ReadImage(light.map_path, wish.limits);
     const Projection projection =
         wish.projection ? *wish.projection : DetectProjection(image, light.map_path);
-    notes.push_back(
-        fmt::format("{}: {} x {}, {} {}", light.map_path, image.width, image.height,
-                    wish.projection ? "read as" : "taken for",
-                    projection == Projection::kLatLong ? "a lat-long map" : "an angular map"));
+    notes.push_back(fmt::format("{}: {} x {}, {} {}", light.map_path, image.width, image.height,
+                                wish.projection ? "read as" : "taken for", ToString(projection)));
     const BadPixels bad = RepairRadiance(image);
     if (bad.total() > 0) {
       notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels set to 0",
