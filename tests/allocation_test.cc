@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstddef>
 
+#include "lights/strategy.h"
 #include "scene/builtin.h"
 #include "tests/support/render_scenes.h"
 #include "wavefront/integrator.h"
@@ -77,14 +78,17 @@ TEST(Allocations, OfEveryKindAreCounted) {
 class WaveAllocations : public testing::TestWithParam<Backend> {};
 
 TEST_P(WaveAllocations, AreNone) {
-  for (const char* const strategy : {"importance", "uniform", "cosine"}) {
+  Scene scene = BuiltinScene("spheres");
+  SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // tables of a moment
+  for (const StrategyFactory& factory : Strategies()) {
+    const std::string strategy(factory.name);
     SCOPED_TRACE(strategy);
     JobRequest request = SmallRequest(32, 24, 4);
     request.strategy = strategy;
     request.max_depth = 12;
     request.options.backend = GetParam();
     request.options.light_samples = 3;
-    const RenderJob job(BuiltinScene("spheres"), request);
+    const RenderJob job(scene, request);
     const FrameView frame = job.frame();
     Film film = job.MakeFilm();
     Worker worker(600);  // the last wave is smaller

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/files.h"
+#include "lights/strategy.h"
 #include "scene/builtin.h"
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
@@ -144,6 +145,28 @@ TEST_P(Determinism, RangesOfSamplesAddUp) {
 TEST_P(Determinism, EveryInstructionSetGivesTheSameBits) {
   Reference();
   ForEachTarget([&] { EXPECT_EQ(Render(job().frame(), job()).sums, Reference()); });
+}
+
+TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
+  Scene scene = BuiltinScene("spheres");
+  SetLight(scene, SkyWithSun(64, 32, 100, 0.2));
+  for (const StrategyFactory& factory : Strategies()) {
+    SCOPED_TRACE(factory.name);
+    JobRequest request = SmallRequest(19, 13, 3);
+    request.strategy = factory.name;
+    for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+      request.integrator = integrator;
+      request.options.light_samples = 2;
+      const RenderJob job(scene, request);
+      const std::vector<std::uint64_t> reference = Render(job.frame(), job).sums;
+      ForEachTarget([&] { EXPECT_EQ(Render(job.frame(), job).sums, reference); });
+      for (const std::uint32_t wave : {1u, 17u}) {
+        FrameView frame = job.frame();
+        frame.options.wave = wave;
+        EXPECT_EQ(Render(frame, job).sums, reference) << wave;
+      }
+    }
+  }
 }
 
 TEST_P(Determinism, SeedsGiveOtherPictures) {
