@@ -10,18 +10,16 @@ namespace {
 constexpr int kMantissas = 1 << kMantissaBits;
 
 // Radiance in units in which the brightest texel of the map is in [kMantissas / 2, kMantissas).
+// Rounds down: what is lost is never negative.
 PackedRadiance Pack(const float* rgb, double inverse_unit) {
   const double brightest = std::max({rgb[0], rgb[1], rgb[2]}) * inverse_unit;
   int exponent = 0;
   std::frexp(brightest, &exponent);  // brightest < 2^exponent
-  exponent = std::max(exponent - int(kMantissaBits), -int(kMaxExponent));
-  // Rounding may lift the largest mantissa to 2^9: then all lose a bit.
-  if (std::lround(std::ldexp(brightest, -exponent)) >= kMantissas) ++exponent;
-  PackedRadiance packed = std::uint32_t(std::min(exponent, 0) + int(kMaxExponent))
-                          << 3 * kMantissaBits;
+  exponent = std::clamp(exponent - int(kMantissaBits), -int(kMaxExponent), 0);
+  PackedRadiance packed = std::uint32_t(exponent + int(kMaxExponent)) << 3 * kMantissaBits;
   for (int c = 0; c < 3; ++c) {
-    const long mantissa = std::lround(std::ldexp(rgb[c] * inverse_unit, -std::min(exponent, 0)));
-    packed |= std::uint32_t(std::min<long>(mantissa, kMantissas - 1)) << kMantissaBits * c;
+    const auto mantissa = std::uint32_t(std::ldexp(rgb[c] * inverse_unit, -exponent));
+    packed |= std::min<std::uint32_t>(mantissa, kMantissas - 1) << kMantissaBits * c;
   }
   return packed;
 }
@@ -57,13 +55,13 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
   const float brightest = *std::max_element(light.rgb.begin(), light.rgb.end());
   int exponent = 0;
   if (brightest > 0) std::frexp(brightest, &exponent);
-  // One unit finer would let the brightest texel itself round up to 2^9.
-  if (std::lround(std::ldexp(double(brightest), int(kMantissaBits) - exponent)) >= kMantissas) {
-    ++exponent;
-  }
+  // Room for a unit above the brightest texel, which takes what its neighbours hand on.
+  if (std::ldexp(double(brightest), int(kMantissaBits) - exponent) > kMantissas - 2) ++exponent;
   unit_ = std::ldexp(1.0f, std::clamp(exponent - int(kMantissaBits), -90, 119));
+  const float most = unit_ * float(kMantissas - 1);
   // What a texel loses by rounding is handed to the next, so that energy is kept: a bright texel is
-  // off by a thousandth of itself, which would show in the light of the whole map.
+  // off by some thousandths of itself, which would show in the light of the whole map. Rounding is
+  // down, so nothing is ever taken from a texel: a sun spills over, it casts no darkness.
   float lost[3] = {};
   double solid_angle = 1;
   for (std::uint32_t row = 0; row < height_; ++row) {
@@ -74,7 +72,7 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
       const std::size_t i = std::size_t(row) * width_ + column;
       float wanted[3], held[3];
       for (int c = 0; c < 3; ++c)
-        wanted[c] = std::clamp(light.rgb[3 * i + c] + lost[c], 0.0f, brightest);
+        wanted[c] = std::clamp(light.rgb[3 * i + c] + lost[c], 0.0f, most);
       packed_[i] = Pack(wanted, 1.0 / unit_);
       Unpack(packed_[i], unit_, held);
       for (int c = 0; c < 3; ++c) lost[c] += light.rgb[3 * i + c] - held[c];

@@ -40,13 +40,13 @@ class Table {
   explicit Table(std::uint32_t rows) : rows_(rows) {
     const std::size_t padded = PaddedRows(rows);
     std::size_t bytes = 0;
-    Columns::ForEachColumn(columns_, [&](auto*& column) { bytes += Room(*column, padded); });
+    Columns::ForEachColumn(columns_, [&](auto*& column) { bytes += Room(column, padded); });
     block_.reset(static_cast<std::byte*>(std::aligned_alloc(kColumnAlignment, bytes)));
     std::byte* next = block_.get();
     for (std::size_t i = 0; i < bytes; ++i) next[i] = std::byte{0};
     Columns::ForEachColumn(columns_, [&](auto*& column) {
       column = reinterpret_cast<std::remove_reference_t<decltype(column)>>(next);
-      next += Room(*column, padded);
+      next += Room(column, padded);
     });
   }
 
@@ -57,8 +57,9 @@ class Table {
   const Columns* operator->() const { return &columns_; }
 
  private:
+  // Bytes of a column; only its type matters.
   template <class T>
-  static constexpr std::size_t Room(const T&, std::size_t padded) {
+  static constexpr std::size_t Room(const T*, std::size_t padded) {
     return (padded * sizeof(T) + kColumnAlignment - 1) / kColumnAlignment * kColumnAlignment;
   }
   struct Free {
