@@ -130,6 +130,16 @@ TEST(Film, SamplesAreRoundedToTheNearestUnit) {
     EXPECT_GE(film.unit() * 0x1p52, 64.0 * brightest) << brightest;
     EXPECT_EQ(std::exp2(std::round(std::log2(film.unit()))), film.unit());
     EXPECT_EQ(stats.clamped_samples, 0u);
+
+    // Radiance of a few units: rounding errors cancel, truncation would add up.
+    const double before = double(film.sums()[0]);
+    exact = 0;
+    for (Sample& sample : samples) {
+      sample.rgb[0] = float(film.unit() * random.Between(0, 100));
+      exact += sample.rgb[0] / film.unit();
+    }
+    Add(samples, 0, samples.size(), 100, film, stats);
+    EXPECT_NEAR(double(film.sums()[0]) - before, double(exact), 0.05 * double(samples.size()));
   }
 }
 

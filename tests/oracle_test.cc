@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lights/strategy.h"
+#include "scene/mesh.h"
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
@@ -245,6 +246,49 @@ TEST(OraclePictures, EveryDepthOfBothIntegratorsAgrees) {
       SCOPED_TRACE(std::string(ToString(integrator)) + " " + std::to_string(depth));
       ExpectSame(scene, Request(integrator, depth));
     }
+  }
+}
+
+// In closed bodies the index ratios of both sides cancel: here light crosses one side only, into
+// the glass and out of it, before it meets sky, floor or eye.
+TEST(OraclePictures, LightThatCrossesOneSideOfAGlassAgrees) {
+  for (const bool upside_down : {false, true}) {
+    SCOPED_TRACE(upside_down);
+    Scene scene;
+    Place(scene, Quad(8), AddLambert(scene, "floor", {0.5f, 0.55f, 0.6f}), {0, -1, 0});
+    Mesh sheet = Quad(1.5f);
+    if (upside_down) FlipOrientation(sheet);
+    Place(scene, sheet, AddGlass(scene, 1.5f), {0, 0.2f, 0});
+    SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
+    scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0, 0}, {0, 1, 0}, 40, false);
+    ExpectSame(scene, Request(Integrator::kPath, 6));
+  }
+}
+
+TEST(OraclePictures, TheEyeWithinGlassAgrees) {
+  Scene scene;
+  Place(scene, Sphere(2, 8), AddGlass(scene, 1.5f), glm::vec3(0));
+  SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
+  scene.camera = LookAtCamera({0.5f, 0.2f, 1}, {0, 0.3f, 0}, {0, 1, 0}, 70, false);
+  ExpectSame(scene, Request(Integrator::kPath, 20));
+}
+
+// Open sheets whose normals lean by up to 60 degrees: nothing behind them hides what would leak.
+TEST(OraclePictures, NormalsThatLeanFarAgree) {
+  for (const MaterialCase& material : {kLambert, kRoughGold, kMirror, kGlass}) {
+    SCOPED_TRACE(material.name);
+    Scene scene;
+    const std::uint32_t index = material.add(scene);
+    Mesh sheet = Quad(1.2f);
+    for (std::size_t i = 0; i < sheet.normals.size(); ++i) {
+      const glm::vec3& p = sheet.positions[i];
+      sheet.normals[i] = glm::normalize(glm::vec3(1.4f * p.x, 1, -0.9f * p.z));
+    }
+    Place(scene, sheet, index, glm::vec3(0));
+    SetLight(scene, SkyWithSun(64, 32, 8, 0.5), EnvironmentFrame('z', false, 70));
+    scene.camera = LookAtCamera({0.4f, 0.9f, 3}, {0, 0, 0}, {0, 1, 0}, 50, false);
+    ExpectSame(scene, Request(Integrator::kPath, 4));
+    ExpectSame(scene, Request(Integrator::kDirect, 4));
   }
 }
 
