@@ -14,9 +14,10 @@
 #include "wavefront/render.h"
 
 namespace {
-thread_local bool counting = false;
-thread_local std::size_t allocations = 0;
-void Count() { allocations += counting; }
+// Volatile: the compiler knows malloc and would move what it cannot touch.
+thread_local volatile bool counting = false;
+thread_local volatile std::size_t allocations = 0;
+void Count() { allocations = allocations + counting; }
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)

@@ -19,11 +19,7 @@
 namespace skywave {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(SKYWAVE_CHECKS)
-constexpr int kRuns = 5;
-#else
 constexpr int kRuns = 16;
-#endif
 constexpr std::uint32_t kSamples = 32;  // of a run
 constexpr int kWidth = 32, kHeight = 24;
 // Pictures that this program compares: the level of each keeps that of the suite.
