@@ -2,7 +2,8 @@
 // and parameters, with
 //   Value  Evaluate(wo, wi)                  local frame, +z is the shading normal
 //   Sample Draw(wo, direction_u, direction_v, lobe_u)
-// and gets its three kernels from EvaluateRows, EvaluateLightRows and ScatterRows.
+//   VF     Blurred(wo, wi, radius)           luminance of value, blurred over an angle; optional
+// and gets its kernels from EvaluateRows, EvaluateLightRows, WeighCellRows and ScatterRows.
 #if defined(SKYWAVE_KERNELS_BSDF_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_BSDF_INL_H_
 #undef SKYWAVE_KERNELS_BSDF_INL_H_
@@ -107,6 +108,71 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
     StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
     StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
+  }
+}
+
+HWY_INLINE VF Luminance(const V3& rgb) {
+  return hn::Add(hn::Add(hn::Mul(rgb.x, Set(0.2126f)), hn::Mul(rgb.y, Set(0.7152f))),
+                 hn::Mul(rgb.z, Set(0.0722f)));
+}
+
+// A vector of surfaces and the weights that cells of the map have for it (BsdfKernels).
+template <class Bsdf>
+struct CellWeights {
+  HWY_INLINE CellWeights(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t i,
+                         std::uint32_t n)
+      : lanes(s, i), bsdf(s, materials, i, n) {
+    // A tenth of the mean over the hemisphere of a diffuse surface of this colour, or of 4 %.
+    least = hn::Mul(Set(0.05f * kInvPi), hn::Max(Luminance(ColorOf(s, i)), Set(0.04f)));
+  }
+
+  HWY_INLINE VF Weight(const V3& dir, VF energy, VF radius, VF reach) const {
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    const V3 wi = ToLocal(lanes.frame, dir);
+    const VF height = hn::Min(Dot(lanes.ng, dir), wi.z);
+    VF value;
+    if constexpr (requires { bsdf.Blurred(lanes.wo, wi, radius); }) {
+      value = bsdf.Blurred(lanes.wo, wi, radius);
+    } else {
+      value = Luminance(bsdf.Evaluate(lanes.wo, wi).value);
+    }
+    value = hn::Max(IfThen(hn::Gt(height, zero), value, zero), least);
+    // Of a cell that is mostly below the horizon little rises above it, and that is grazing.
+    const VF above = Clamp(hn::Add(one, hn::Div(height, reach)), 0.0f, 1.0f);
+    return hn::Mul(hn::Mul(value, energy), hn::Mul(above, above));
+  }
+
+  ShadingLanes lanes;
+  Bsdf bsdf;
+  VF least;
+};
+
+template <class Bsdf>
+void WeighCellsRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                    const LightCell* cells, std::uint32_t count, float* sums,
+                    std::uint32_t stride) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const CellWeights<Bsdf> weights(s, materials, i, n);
+    VF sum = hn::Zero(F());
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const LightCell& cell = cells[k];
+      sum = hn::Add(
+          sum, weights.Weight(Set3(cell.dir), Set(cell.energy), Set(cell.radius), Set(cell.reach)));
+      Store(sum, sums + std::size_t(k) * stride + i);
+    }
+  }
+}
+
+template <class Bsdf>
+void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                   const LightCell* cells, const std::uint32_t* cell, float* weight) {
+  const auto* fields = reinterpret_cast<const float*>(cells);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const CellWeights<Bsdf> weights(s, materials, i, n);
+    const VU at = hn::ShiftLeft<3>(hn::IfThenElseZero(RowsBelow(i, n), Load(cell + i)));
+    const auto field = [&](std::uint32_t f)
+                           HWY_ATTR { return Gather(fields, hn::Add(at, SetU(f))); };
+    Store(weights.Weight({field(0), field(1), field(2)}, field(3), field(4), field(5)), weight + i);
   }
 }
 
@@ -216,6 +282,15 @@ HWY_AFTER_NAMESPACE();
                               const MisPolicy& mis, const LightColumns& lights) {                 \
     EvaluateLightRows<Bsdf>(s, m, n, mis, lights);                                                \
   }                                                                                               \
+  void WeighCells##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,          \
+                        const LightCell* cells, std::uint32_t count, float* sums,                 \
+                        std::uint32_t stride) {                                                   \
+    WeighCellsRows<Bsdf>(s, m, n, cells, count, sums, stride);                                    \
+  }                                                                                               \
+  void WeighCell##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,           \
+                       const LightCell* cells, const std::uint32_t* cell, float* weight) {        \
+    WeighCellRows<Bsdf>(s, m, n, cells, cell, weight);                                            \
+  }                                                                                               \
   std::uint32_t Scatter##Bsdf(const SurfaceColumns& s, const MaterialView& m,                     \
                               const ScatterUniforms& uniforms, std::uint32_t n,                   \
                               const ScatterPolicy& policy, const RayColumns& rays,                \
@@ -223,21 +298,35 @@ HWY_AFTER_NAMESPACE();
     return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
   }
 
-#define SKYWAVE_BSDF_TABLE(Bsdf, label)                                               \
-  HWY_EXPORT(Evaluate##Bsdf);                                                         \
-  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                 \
-  HWY_EXPORT(Scatter##Bsdf);                                                          \
-  BsdfKernels Bsdf##Kernels() {                                                       \
-    return {.name = label,                                                            \
-            .delta = false,                                                           \
-            .lobed = Bsdf##IsLobed,                                                   \
-            .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                             \
-            .evaluate_lights =                                                        \
-                [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,   \
-                   const MisPolicy& mis, const LightColumns& lights) {                \
-                  HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights); \
-                },                                                                    \
-            .scatter = SKYWAVE_SCATTER(Scatter##Bsdf)};                               \
+#define SKYWAVE_BSDF_TABLE(Bsdf, label)                                                          \
+  HWY_EXPORT(Evaluate##Bsdf);                                                                    \
+  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                            \
+  HWY_EXPORT(WeighCells##Bsdf);                                                                  \
+  HWY_EXPORT(WeighCell##Bsdf);                                                                   \
+  HWY_EXPORT(Scatter##Bsdf);                                                                     \
+  BsdfKernels Bsdf##Kernels() {                                                                  \
+    return {                                                                                     \
+        .name = label,                                                                           \
+        .delta = false,                                                                          \
+        .lobed = Bsdf##IsLobed,                                                                  \
+        .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
+        .evaluate_lights =                                                                       \
+            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
+               const MisPolicy& mis, const LightColumns& lights) {                               \
+              HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                \
+            },                                                                                   \
+        .weigh_cells =                                                                           \
+            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
+               const LightCell* cells, std::uint32_t count, float* sums, std::uint32_t stride) { \
+              HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)                                             \
+              (s, m, n, cells, count, sums, stride);                                             \
+            },                                                                                   \
+        .weigh_cell =                                                                            \
+            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
+               const LightCell* cells, const std::uint32_t* cell, float* weight) {               \
+              HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);               \
+            },                                                                                   \
+        .scatter = SKYWAVE_SCATTER(Scatter##Bsdf)};                                              \
   }
 
 #define SKYWAVE_EVALUATE(function)                                                                \

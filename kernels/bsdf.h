@@ -52,6 +52,20 @@ struct BsdfValueColumns {
   }
 };
 
+// A part of the map as a surface weighs it, for strategies that sample the product of light and
+// BSDF: eight floats, read by gathers.
+struct LightCell {
+  float dir[3];  // centroid of its light, world space, unit
+  float energy;  // luminance of its irradiance on a surface that faces it
+  float radius;  // root mean square angle between its light and dir [rad]
+  float reach;   // sine of the largest angle between its texels and dir; 1 from a right angle on
+  float unused[2];
+};
+static_assert(sizeof(LightCell) == 8 * sizeof(float));
+
+// Weight of a cell for a surface: its energy times the luminance of value in its centre, of a BSDF
+// blurred to the size of the cell and never below a small share of the mean over all directions; 0
+// for cells that are wholly below the horizon.
 struct BsdfKernels {
   std::string_view name;
   bool delta;  // no density: no light samples, value and pdf are 0
@@ -66,6 +80,16 @@ struct BsdfKernels {
   // infinite) or closes (t_far negative) its shadow ray. Null for delta BSDFs.
   void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
                           std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);
+
+  // Rows [0, n) and all of cells [0, count): sums of the weights of cells 0 to k, in
+  // sums[k * stride + row]; stride >= PaddedRows(n). Null for delta BSDFs.
+  void (*weigh_cells)(const SurfaceColumns& surfaces, const MaterialView& materials,
+                      std::uint32_t n, const LightCell* cells, std::uint32_t count, float* sums,
+                      std::uint32_t stride);
+
+  // The weight of cell cell[i] for rows i in [0, n). Null for delta BSDFs.
+  void (*weigh_cell)(const SurfaceColumns& surfaces, const MaterialView& materials, std::uint32_t n,
+                     const LightCell* cells, const std::uint32_t* cell, float* weight);
 
   // Draws a direction for rows [0, n) and appends the rays that go on to `rays` from its row
   // `appended`; returns the new number of rows. At most one ray a row.

@@ -53,18 +53,35 @@ struct Conductor {
     return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
   }
 
-  // D(h) of GGX. The sine is taken from x and y: 1 - z^2 has no digits left for narrow lobes.
-  HWY_INLINE VF Distribution(const V3& h) const {
-    const VF a2 = hn::Mul(alpha, alpha);
+  // D(h) of GGX of squared width a2. The sine is taken from x and y: 1 - z^2 has no digits left for
+  // narrow lobes.
+  static HWY_INLINE VF Distribution(const V3& h, VF a2) {
     const VF s2 = hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y));
     const VF d = hn::Add(hn::Mul(a2, hn::Mul(h.z, h.z)), s2);
     return hn::Div(a2, hn::Mul(Set(kPi), hn::Max(hn::Mul(d, d), Set(1e-30f))));
   }
 
-  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+  static HWY_INLINE V3 HalfVector(const V3& wo, const V3& wi) {
     const V3 sum = Add(wo, wi);
-    const V3 h = Scale(sum, hn::Div(Set(1.0f), hn::Sqrt(hn::Max(Dot(sum, sum), Set(1e-20f)))));
-    const VF d = Distribution(h);
+    return Scale(sum, hn::Div(Set(1.0f), hn::Sqrt(hn::Max(Dot(sum, sum), Set(1e-20f)))));
+  }
+
+  // The half vector turns half as far as wi, so light spread over an angle widens D by half of it.
+  // Masking by V-cavities (Cook and Torrance 1982); Fresnel's reflectance is nearly the same for
+  // all wi that matter.
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const V3 h = HalfVector(wo, wi);
+    const VF half = hn::Mul(Set(0.5f), radius);
+    const VF d = Distribution(h, hn::Add(hn::Mul(alpha, alpha), hn::Mul(half, half)));
+    const VF lower = hn::Min(wo.z, wi.z);
+    const VF g = hn::Mul(hn::Mul(Set(2.0f), h.z), hn::Div(lower, hn::Max(Dot(wo, h), Set(1e-6f))));
+    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    return hn::Mul(hn::Mul(Luminance(color), hn::Min(g, Set(1.0f))), hn::Mul(d, quarter_over_cos));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const V3 h = HalfVector(wo, wi);
+    const VF d = Distribution(h, hn::Mul(alpha, alpha));
     const VF lambda_o = Lambda(wo), lambda_i = Lambda(wi);
     const VF one = Set(1.0f);
     const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));

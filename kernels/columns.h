@@ -112,6 +112,8 @@ struct SurfaceColumns {
   float *color_r, *color_g, *color_b;  // reflectance at the hit
   float* lift;                         // distance between the hit and origins of rays that leave it
   std::uint32_t* material;             // row in MaterialTable | kBackFace
+  // What the light strategy keeps of the row, from its samples to the rays that leave it.
+  float* light_norm;
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -122,7 +124,7 @@ struct SurfaceColumns {
     f(self.org_x), f(self.org_y), f(self.org_z);
     f(self.ns_x), f(self.ns_y), f(self.ns_z);
     f(self.color_r), f(self.color_g), f(self.color_b);
-    f(self.lift), f(self.material);
+    f(self.lift), f(self.material), f(self.light_norm);
   }
 };
 

@@ -20,6 +20,9 @@ constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
   return 1 + 3 * bounce + static_cast<std::uint32_t>(use);
 }
 
+// A path uses fewer pairs than this: whoever needs more for the same event adds multiples of it.
+inline constexpr std::uint32_t kPairBlock = 1u << 16;
+
 // Which point of a pixel's sequence a path takes: sample * stride + offset. Light samples of a hit
 // that takes n of them are points sample * n + j of one sequence: stratified among themselves too.
 struct SampleIndexing {

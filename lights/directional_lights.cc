@@ -12,12 +12,10 @@ DirectionalLights::DirectionalLights(std::span<const DirectionalLight> lights,
     const DirectionalLight& light = lights[i];
     energy[i] = light.energy;
     LightRecord record = {};
-    for (int axis = 0; axis < 3; ++axis) {
-      // The rows of map_from_world are right, forward and up in the world.
-      record.direction[axis] = float(light.direction.x * map_from_world[std::size_t(axis)] +
-                                     light.direction.y * map_from_world[std::size_t(3 + axis)] +
-                                     light.direction.z * map_from_world[std::size_t(6 + axis)]);
-      record.irradiance[axis] = float(light.irradiance[std::size_t(axis)]);
+    const std::array<float, 3> direction = WorldFromMap(light.direction, map_from_world);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      record.direction[axis] = direction[axis];
+      record.irradiance[axis] = float(light.irradiance[axis]);
     }
     records_.push_back(record);
   }

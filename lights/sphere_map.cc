@@ -99,4 +99,14 @@ void UvOfDirection(const Vector3& direction, double& u, double& v) {
   v = std::atan2(std::hypot(direction.x, direction.y), direction.z) / kPi;
 }
 
+std::array<float, 3> WorldFromMap(const Vector3& d, const std::array<float, 9>& map_from_world) {
+  std::array<float, 3> world;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // The rows are right, forward and up in the world.
+    world[axis] = float(d.x * map_from_world[axis] + d.y * map_from_world[3 + axis] +
+                        d.z * map_from_world[6 + axis]);
+  }
+  return world;
+}
+
 }  // namespace skywave

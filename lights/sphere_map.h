@@ -6,6 +6,7 @@
 // Units: radiance is that of the image, energy is luminance integrated over solid angle.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -52,5 +53,9 @@ SphereMap MakeSphereMap(const Image& image);
 // Unit vector of (u, v) in [0, 1]^2, and back; u in [0, 1).
 Vector3 DirectionOfUv(double u, double v);
 void UvOfDirection(const Vector3& direction, double& u, double& v);
+
+// A direction of map space in the world.
+std::array<float, 3> WorldFromMap(const Vector3& direction,
+                                  const std::array<float, 9>& map_from_world);
 
 }  // namespace skywave

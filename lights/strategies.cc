@@ -10,6 +10,8 @@
 #include "lights/strategy_hybrid.h"
 #include "lights/strategy_importance.h"
 #include "lights/strategy_lights.h"
+#include "lights/strategy_product.h"
+#include "lights/strategy_ris.h"
 #include "lights/strategy_texels.h"
 
 namespace skywave {
@@ -19,6 +21,13 @@ using Made = std::unique_ptr<EnvStrategy>;
 
 constexpr StrategyParameter kImportanceParameters[] = {
     {"compensate", "0", "1: subtract the mean from the density (needs BSDF sampling beside it)"}};
+
+constexpr StrategyParameter kProductParameters[] = {
+    {"cells", "96", "number of cells that the map is cut into, up to 256"}};
+
+constexpr StrategyParameter kRisParameters[] = {
+    {"map", "4", "candidates from the map, 1 to 256"},
+    {"bsdf", "1", "candidates from the BSDF, 0 to 256"}};
 
 std::vector<StrategyParameter> WithLights(std::vector<StrategyParameter> parameters) {
   parameters.insert(parameters.end(), LightParameters().begin(), LightParameters().end());
@@ -110,6 +119,19 @@ const std::vector<StrategyFactory>& Table() {
        LightsParameters(), MakeLightsStrategy<LightSource::kPenrose>},
       {"presampled", "cells of the map, picked by energy (T 7.3)", PresampledParameters(),
        MakePresampled},
+      {"product", "cells of the map picked by light times BSDF (Conty Estevez and Lecocq 2018)",
+       kProductParameters,
+       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
+         return std::make_unique<ProductStrategy>(
+             map, IntValue(values, "cells", 1, int(kMaxProductCells)));
+       }},
+      {"ris", "the best of several candidates from map and BSDF (Talbot et al. 2005)",
+       kRisParameters,
+       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
+         return std::make_unique<RisStrategy>(
+             map, CandidateCounts{.map = std::uint32_t(IntValue(values, "map", 1, 256)),
+                                  .bsdf = std::uint32_t(IntValue(values, "bsdf", 0, 256))});
+       }},
       {"hybrid", "the bright part as lights, the rest at random (T 7.4)", HybridParameters(),
        [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
          return std::make_unique<HybridStrategy>(map, ReadHybridOptions(values));

@@ -60,7 +60,8 @@ class EnvStrategy {
   // density of light samples in its direction at surface `from` of `points`, all samples of the
   // plan counted [1/sr]. Radiance that directional lights stand for is left out, except where pdf
   // is 0: such a ray had no light sample for a partner, sees the whole map, and its light_pdf is
-  // unspecified.
+  // unspecified. Rows with a density left surfaces that Sample has been called for (of which it may
+  // have kept light_norm).
   virtual void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
                                const EscapeColumns& rows) const = 0;
 

@@ -30,7 +30,7 @@ soa::Table<EscapeColumns> LookUp(const EnvironmentMap& map, const std::vector<Ve
     rows->pdf[i] = pdf;
   }
   const soa::Table<SurfaceColumns> surfaces(1);
-  MakeStrategy("uniform", map)->EvaluateEscaped(PointsOn(surfaces), n, 1, rows);
+  MakeStrategy("uniform", map)->EvaluateEscaped(LambertPoints(surfaces, 1), n, 1, rows);
   return rows;
 }
 
@@ -162,7 +162,7 @@ TEST(EnvironmentLookup, RowsMayMixBothViewsAndTargetsAgree) {
         Put(directions[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
         rows->pdf[i] = i % 3 == 1 ? 0.0f : 0.5f;
       }
-      strategy->EvaluateEscaped(PointsOn(surfaces), n, 1, rows);
+      strategy->EvaluateEscaped(LambertPoints(surfaces, n), n, 1, rows);
       for (std::uint32_t i = 0; i < n; ++i) {
         const EscapeColumns& exact = i % 3 == 1 ? smooth : texels;
         ASSERT_EQ(rows->radiance_r[i], exact.radiance_r[i]) << "row " << i << " of " << n;

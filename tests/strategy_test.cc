@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "kernels/sampler.h"
 #include "tests/support/adversarial_maps.h"
+#include "tests/support/map_cells.h"
 #include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
@@ -33,6 +34,10 @@ struct Subject {
   bool whole_sphere = true;
   // Monotone in both uniforms: well-distributed points stay well distributed.
   bool stratified = true;
+  // No samples at all where a surface reflects none of the map's light.
+  bool for_reflection = false;
+  // Relative error of densities that two formulae compute.
+  float precision = 2e-6f;
 };
 
 const std::vector<Subject>& Subjects() {
@@ -45,6 +50,13 @@ const std::vector<Subject>& Subjects() {
       {.specification = "alias", .stratified = false},
       {.specification = "presampled:lights=40", .stratified = false},
       {.specification = "presampled:lights=40,mode=fixed", .has_density = false, .unbiased = false},
+      // Cells are picked by differences of sums and seen with the terms of the sums.
+      {.specification = "product:cells=30",
+       .whole_sphere = false,
+       .stratified = false,
+       .for_reflection = true,
+       .precision = 1e-3f},
+      {.specification = "ris", .has_density = false, .whole_sphere = false},
       {.specification = "bsdf", .has_density = false, .complete = false},
       {.specification = "median-cut:lights=20", .has_density = false, .unbiased = false},
       {.specification = "variance-cut:lights=20", .has_density = false, .unbiased = false},
@@ -71,15 +83,12 @@ constexpr double kRounding = 2e-6;  // of a direction and of its way back to the
 // Surfaces of one normal.
 soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {
   soa::Table<SurfaceColumns> surfaces(rows);
-  for (std::uint32_t i = 0; i < rows; ++i) {
-    Put(normal, i, surfaces->ns_x, surfaces->ns_y, surfaces->ns_z);
-    Put(normal, i, surfaces->ng_x, surfaces->ng_y, surfaces->ng_z);
-    Put(normal, i, surfaces->wo_x, surfaces->wo_y, surfaces->wo_z);
-  }
+  for (std::uint32_t i = 0; i < rows; ++i) PutSurface(normal, i, surfaces);
   return surfaces;
 }
 
-// What a ray along `directions` sees, as one that has a light sample for a partner.
+// What a ray along `directions` sees, as one that has a light sample for a partner: it left row 0
+// of `surfaces`, or the row of its own number.
 soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceColumns& surfaces,
                                    const std::vector<Vec>& directions, bool row_by_row) {
   soa::Table<EscapeColumns> rows(std::uint32_t(directions.size()));
@@ -88,51 +97,13 @@ soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceCol
     rows->pdf[i] = 1;
     rows->from[i] = row_by_row ? i : 0;
   }
-  strategy.EvaluateEscaped(PointsOn(surfaces), std::uint32_t(directions.size()), 1, rows);
+  const std::uint32_t left = row_by_row ? std::uint32_t(directions.size()) : 1;
+  const LambertPoints points(surfaces, left);
+  soa::Table<LightColumns> samples(left);
+  strategy.Sample(points, RandomUniforms(left, 1), left, {}, samples);
+  strategy.EvaluateEscaped(points, std::uint32_t(directions.size()), 1, rows);
   return rows;
 }
-
-// A map cut into cells that are no larger than a texel and fine enough to integrate a cosine over.
-class Cells {
- public:
-  explicit Cells(const EnvironmentMap& map, int across = 256) : map_(map) {
-    const int finer = std::max((across - 1 + map.latlong.width) / map.latlong.width,
-                               (across / 2 - 1 + map.latlong.height) / map.latlong.height);
-    width_ = map.latlong.width * finer, height_ = map.latlong.height * finer;
-    for (int y = 0; y < height_; ++y) {
-      const double top = std::cos(kPi * y / height_), bottom = std::cos(kPi * (y + 1) / height_);
-      const double v = std::acos((top + bottom) / 2) / kPi;
-      for (int x = 0; x < width_; ++x) {
-        directions_.push_back(WorldDirection(map.map_from_world, (x + 0.5) / width_, v));
-        solid_angles_.push_back(2 * kPi / width_ * (top - bottom));
-      }
-    }
-  }
-  std::size_t size() const { return directions_.size(); }
-  const std::vector<Vec>& directions() const { return directions_; }
-  double solid_angle(std::size_t cell) const { return solid_angles_[cell]; }
-
-  // Cells are gathered in at most 48 x 24 bins.
-  static constexpr int kAcross = 48, kDown = 24;
-  std::size_t Bin(int x, int y) const {
-    return std::size_t(y * kDown / height_ * kAcross + x * kAcross / width_);
-  }
-  std::size_t BinOfCell(std::size_t cell) const {
-    return Bin(int(cell) % width_, int(cell) / width_);
-  }
-  std::size_t BinOf(Vec direction) const {
-    double u, v;
-    MapPosition(map_.map_from_world, direction, u, v);
-    return Bin(std::clamp(int(u * width_), 0, width_ - 1),
-               std::clamp(int(v * height_), 0, height_ - 1));
-  }
-
- private:
-  const EnvironmentMap& map_;
-  int width_, height_;
-  std::vector<Vec> directions_;
-  std::vector<double> solid_angles_;
-};
 
 double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
 
@@ -153,7 +124,8 @@ class StrategyOnMap : public testing::TestWithParam<Case> {
   }
   soa::Table<LightColumns> Draw(const SurfaceColumns& surfaces, std::uint32_t seed) const {
     soa::Table<LightColumns> out(kSamples);
-    strategy_->Sample(PointsOn(surfaces), RandomUniforms(kSamples, seed), kSamples, {}, out);
+    strategy_->Sample(LambertPoints(surfaces, kSamples), RandomUniforms(kSamples, seed), kSamples,
+                      {}, out);
     return out;
   }
 
@@ -164,7 +136,7 @@ class StrategyOnMap : public testing::TestWithParam<Case> {
 
 TEST_P(StrategyOnMap, DensityIntegratesToOne) {
   if (!subject_.has_density) GTEST_SKIP();
-  const Cells cells(map_);
+  const MapCells cells(map_);
   const auto surfaces = SurfacesWith(kNormal, 1);
   const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
   double integral = 0;
@@ -172,21 +144,29 @@ TEST_P(StrategyOnMap, DensityIntegratesToOne) {
     ASSERT_GE(rows->light_pdf[i], 0) << "cell " << i;
     integral += rows->light_pdf[i] * cells.solid_angle(i);
   }
+  if (subject_.for_reflection && integral == 0) {
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+      const bool light = rows->radiance_r[i] + rows->radiance_g[i] + rows->radiance_b[i] > 0;
+      ASSERT_FALSE(light && Dot(cells.directions()[i], kNormal) > 0) << "cell " << i;
+    }
+    return;
+  }
   // Densities that are constant in a texel are summed without error, others by the midpoint rule.
   EXPECT_NEAR(integral, 1, subject_.whole_sphere ? 1e-5 : 2e-4);
 }
 
 TEST_P(StrategyOnMap, DirectionsFollowTheDensity) {
   if (!subject_.has_density) GTEST_SKIP();
-  const Cells cells(map_);
+  const MapCells cells(map_);
   const auto surfaces = SurfacesWith(kNormal, kSamples);
   const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
-  std::vector<double> expected(Cells::kAcross * Cells::kDown), observed(expected.size());
+  std::vector<double> expected(MapCells::kAcross * MapCells::kDown), observed(expected.size());
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     expected[cells.BinOfCell(i)] += kSamples * double(rows->light_pdf[i]) * cells.solid_angle(i);
   }
   const auto samples = Draw(surfaces, 11);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
+    if (subject_.for_reflection && !(samples->pdf[i] > 0)) continue;
     ++observed[cells.BinOf(Get(i, samples->dir_x, samples->dir_y, samples->dir_z))];
   }
   EXPECT_TRUE(MatchesExpected(observed, expected, Level(), 1e-3 * kSamples));
@@ -197,13 +177,14 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
   soa::Table<SurfaceColumns> surfaces(kSamples);
   Random random(12);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
-    Put(random.Direction(), i, surfaces->ns_x, surfaces->ns_y, surfaces->ns_z);
+    PutSurface(random.Direction(), i, surfaces);
   }
   const auto samples = Draw(surfaces, 13);
   std::vector<Vec> directions(kSamples);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     directions[i] = Get(i, samples->dir_x, samples->dir_y, samples->dir_z);
     ASSERT_NEAR(Length(directions[i]), 1, 2e-6) << "row " << i;
+    if (subject_.for_reflection && samples->pdf[i] == 0) continue;
     // At the horizon a density may vanish.
     if (subject_.whole_sphere) {
       ASSERT_GT(samples->pdf[i], 0) << "row " << i;
@@ -217,6 +198,7 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
   const Image image = HeldMap(map_);
   std::uint32_t exceptions = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
+    if (subject_.for_reflection && samples->pdf[i] == 0) continue;
     double u, v;
     MapPosition(map_.map_from_world, directions[i], u, v);
     const bool at_border = BorderDistance(image.width, image.height, u, v) < kRounding;
@@ -224,10 +206,10 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
                                      std::clamp(int(v * image.height), 0, image.height - 1));
     const float density_error = std::fabs(samples->pdf[i] - seen->light_pdf[i]);
     // A cosine keeps an absolute precision, near the horizon too.
-    const bool same =
-        density_error <= 2e-6f * samples->pdf[i] + (subject_.whole_sphere ? 0 : 2e-7f) &&
-        samples->r[i] == seen->radiance_r[i] && samples->g[i] == seen->radiance_g[i] &&
-        samples->b[i] == seen->radiance_b[i];
+    const bool same = density_error <= subject_.precision * samples->pdf[i] +
+                                           (subject_.whole_sphere ? 0 : 2e-7f) &&
+                      samples->r[i] == seen->radiance_r[i] &&
+                      samples->g[i] == seen->radiance_g[i] && samples->b[i] == seen->radiance_b[i];
     const bool right =
         samples->r[i] == texel[0] && samples->g[i] == texel[1] && samples->b[i] == texel[2];
     if (same && right) continue;
@@ -243,7 +225,7 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
 
 TEST_P(StrategyOnMap, EstimatesAreUnbiased) {
   if (!subject_.unbiased || !subject_.has_density) GTEST_SKIP();
-  const Cells cells(map_);
+  const MapCells cells(map_);
   const auto surfaces = SurfacesWith(kNormal, kSamples);
   const auto seen = Evaluate(*strategy_, surfaces, cells.directions(), false);
   const auto samples = Draw(surfaces, 14);
@@ -284,7 +266,7 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
   if (plan.total() == 0 || !subject_.whole_sphere || !subject_.complete) GTEST_SKIP();
   const Image image = HeldMap(map_);
   double exact[2] = {}, whole = 0;
-  const Cells cells(map_);
+  const MapCells cells(map_);
   const auto response = [&](Vec w) { return 0.5 + std::max(0.0, Dot(w, kNormal)); };
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     double u, v;
@@ -305,7 +287,7 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
   for (auto& sum : sums) sum.resize(kRows);
   for (std::uint32_t index = 0; index < plan.total(); ++index) {
     soa::Table<LightColumns> out(kRows);
-    strategy_->Sample(PointsOn(surfaces), RandomUniforms(kRows, 100 + index), kRows,
+    strategy_->Sample(LambertPoints(surfaces, kRows), RandomUniforms(kRows, 100 + index), kRows,
                       {.index = index, .requested = kRequested}, out);
     for (std::uint32_t i = 0; i < kRows; ++i) {
       if (!(out->pdf[i] > 0)) continue;
@@ -333,7 +315,7 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
 TEST_P(StrategyOnMap, DensityIsPositiveWhereThereIsLight) {
   if (!subject_.complete || !subject_.has_density) GTEST_SKIP();
   EXPECT_TRUE(strategy_->complete());
-  const Cells cells(map_);
+  const MapCells cells(map_);
   const auto surfaces = SurfacesWith(kNormal, 1);
   const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
@@ -372,7 +354,7 @@ TEST_P(StrategyAlone, BitsDoNotDependOnTarget) {
     const auto uniforms = RandomUniforms(kFullWave, 21);
     ExpectSameOnEveryTarget([&] {
       soa::Table<LightColumns> out(kFullWave);
-      strategy->Sample(PointsOn(surfaces), uniforms, kFullWave, {}, out);
+      strategy->Sample(LambertPoints(surfaces, kFullWave), uniforms, kFullWave, {}, out);
       std::vector<Vec> directions(kFullWave);
       for (std::uint32_t i = 0; i < kFullWave; ++i) {
         directions[i] = Get(i, out->dir_x, out->dir_y, out->dir_z);
@@ -393,7 +375,7 @@ TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
   const auto surfaces = SurfacesWith(kNormal, kFullWave);
   const auto uniforms = RandomUniforms(kFullWave, 22);
   soa::Table<LightColumns> full(kFullWave);
-  strategy->Sample(PointsOn(surfaces), uniforms, kFullWave, {}, full);
+  strategy->Sample(LambertPoints(surfaces, kFullWave), uniforms, kFullWave, {}, full);
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       // Garbage behind row n must neither be read as a row nor crash a gather.
@@ -405,9 +387,9 @@ TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
       FillWithGarbage(out.columns(), kFullWave);
       for (std::uint32_t i = 0; i < n; ++i) {
         some->u[i] = uniforms->u[i], some->v[i] = uniforms->v[i];
-        Put(kNormal, i, some_surfaces->ns_x, some_surfaces->ns_y, some_surfaces->ns_z);
+        PutSurface(kNormal, i, some_surfaces);
       }
-      strategy->Sample(PointsOn(some_surfaces), some, n, {}, out);
+      strategy->Sample(LambertPoints(some_surfaces, n), some, n, {}, out);
       for (std::uint32_t i = 0; i < n; ++i) out->t_far[i] = full->t_far[i];  // the BSDF's
       EXPECT_EQ(ColumnBits(out.columns(), n), ColumnBits(full.columns(), n)) << n << " rows";
 
@@ -419,7 +401,7 @@ TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
         rows->pdf[i] = i % 3 == 0 ? 0.0f : 1.0f;
         rows->from[i] = i;
       }
-      strategy->EvaluateEscaped(PointsOn(some_surfaces), n, 1, rows);
+      strategy->EvaluateEscaped(LambertPoints(some_surfaces, n), n, 1, rows);
       for (std::uint32_t i = 0; i < n; ++i) {
         ASSERT_TRUE(std::isfinite(rows->radiance_r[i])) << "row " << i << " of " << n;
         if (i % 3 != 0 && subject_.has_density) {
@@ -447,7 +429,7 @@ double MeanError(const EnvStrategy& strategy, const SurfaceColumns& surfaces, st
       paths->sample[i] = i;
     }
     DrawUniforms(paths, nullptr, n, SamplePair(0, SampleUse::kLight), {}, uniforms);
-    strategy.Sample(PointsOn(surfaces), uniforms, n, {}, out);
+    strategy.Sample(LambertPoints(surfaces, n), uniforms, n, {}, out);
     double sum = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       sum += Smooth(Get(i, out->dir_x, out->dir_y, out->dir_z));
@@ -470,7 +452,7 @@ TEST_P(StrategyAlone, KeepsStratification) {
   const EnvironmentMap map = {image, Orientations()[1].map_from_world};
   const auto strategy = MakeStrategy(subject_.specification, map);
   const auto surfaces = SurfacesWith(kNormal, 4096);
-  const Cells cells(map, 1024);
+  const MapCells cells(map, 1024);
   const auto seen = Evaluate(*strategy, surfaces, cells.directions(), false);
   double exact = 0;
   for (std::uint32_t i = 0; i < cells.size(); ++i) {

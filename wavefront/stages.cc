@@ -15,9 +15,6 @@ namespace {
 // Bounces before this one are never cut by roulette.
 constexpr std::uint32_t kFirstRouletteBounce = 3;
 
-// Between the pairs of dimensions of one fixed light sample and the next: more than a path uses.
-constexpr std::uint32_t kFixedSamplePairs = 1u << 16;
-
 // Walks the samples of `range` without dividing per row: runs of samples of one pixel.
 void StartPaths(const RenderOptions& options, const WaveRange& range, const PathColumns& paths) {
   const std::uint32_t spp = options.samples_per_pixel;
@@ -91,7 +88,7 @@ std::uint32_t SampleLights(const FrameView& frame, const ShadePoints& points, st
                  {.stride = plan.drawn, .offset = index - plan.fixed}, uniforms);
   } else if (plan.random_fixed) {
     // Every fixed sample is an integral of its own, so it has a sequence of its own.
-    call.pair += kFixedSamplePairs * (index + 1);
+    call.pair += kPairBlock * (index + 1);
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
   frame.strategy->Sample(points, uniforms, n, call, lights);

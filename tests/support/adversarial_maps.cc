@@ -109,7 +109,7 @@ Image HeldMap(const EnvironmentMap& map) {
     rows->pdf[i] = 1;
   }
   const soa::Table<SurfaceColumns> surfaces(1);
-  MakeStrategy("uniform", map)->EvaluateEscaped(PointsOn(surfaces), n, 1, rows);
+  MakeStrategy("uniform", map)->EvaluateEscaped(LambertPoints(surfaces, 1), n, 1, rows);
   for (std::uint32_t i = 0; i < n; ++i) {
     float* const pixel = &held.rgb[3 * std::size_t(i)];
     pixel[0] = rows->radiance_r[i], pixel[1] = rows->radiance_g[i], pixel[2] = rows->radiance_b[i];

@@ -2,14 +2,41 @@
 #pragma once
 
 #include "lights/strategy.h"
+#include "tests/support/random_rows.h"
 
 namespace skywave {
 
-inline ShadePoints PointsOn(const SurfaceColumns& surfaces) {
-  static const SurfaceRanges ranges;
-  static const MaterialView materials = {};
-  static const PathColumns paths = {};
-  return {.surfaces = surfaces, .ranges = ranges, .materials = materials, .paths = paths};
+// Rows [0, rows) as surfaces of one BSDF.
+inline SurfaceRanges RangesOf(BsdfKind kind, std::uint32_t rows) {
+  SurfaceRanges ranges;
+  for (std::uint32_t k = std::uint32_t(kind); k < kBsdfKinds; ++k) ranges.begin[k + 1] = rows;
+  return ranges;
+}
+
+// Rows [0, rows) of `surfaces`, Lambert all of them.
+class LambertPoints {
+ public:
+  LambertPoints(const SurfaceColumns& surfaces, std::uint32_t rows)
+      : surfaces_(surfaces), ranges_(RangesOf(BsdfKind::kLambert, rows)) {}
+  operator ShadePoints() const {
+    return {.surfaces = surfaces_, .ranges = ranges_, .materials = materials_, .paths = paths_};
+  }
+
+ private:
+  SurfaceColumns surfaces_;
+  SurfaceRanges ranges_;
+  MaterialView materials_ = {};
+  soa::Table<PathColumns> paths_{1};  // of all rows
+};
+
+// A grey surface that faces the eye.
+inline void PutSurface(Vec normal, std::uint32_t i, const SurfaceColumns& surfaces) {
+  Put(normal, i, surfaces.ns_x, surfaces.ns_y, surfaces.ns_z);
+  Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);
+  Put(normal, i, surfaces.wo_x, surfaces.wo_y, surfaces.wo_z);
+  Put({0.5, 0.5, 0.5}, i, surfaces.color_r, surfaces.color_g, surfaces.color_b);
+  surfaces.material[i] = 0;
+  surfaces.path[i] = 0;
 }
 
 }  // namespace skywave
