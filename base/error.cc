@@ -11,6 +11,7 @@ std::string ToString(const InputPosition& position) {
 }
 
 InputError::InputError(const InputPosition& position, const std::string& reason, int exit_code)
-    : std::runtime_error(ToString(position) + ": " + reason), exit_code_(exit_code) {}
+    : std::runtime_error(position.path.empty() ? reason : ToString(position) + ": " + reason),
+      exit_code_(exit_code) {}
 
 }  // namespace skywave

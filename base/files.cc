@@ -1,5 +1,6 @@
 #include "base/files.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -7,6 +8,7 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 
 #include "base/error.h"
 
@@ -20,6 +22,31 @@ using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
 
 [[noreturn]] void ThrowIo(const std::string& path, const std::string& reason) {
   throw InputError(InputPosition::File(path), reason, kExitIo);
+}
+
+// Something that is written into, not replaced: a terminal, a pipe, /dev/null.
+bool IsSpecial(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) &&
+         !std::filesystem::is_regular_file(path, ignored) &&
+         !std::filesystem::is_directory(path, ignored);
+}
+
+// The file that a link stands for, so that the link survives.
+std::string Target(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(path, error)) return path;
+  const std::filesystem::path target = std::filesystem::weakly_canonical(path, error);
+  return error ? path : target.string();
+}
+
+void SyncToDisk(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDONLY);
+  if (file < 0) return;
+  const bool synced = ::fsync(file) == 0;
+  const int error = errno;
+  ::close(file);
+  if (!synced) throw std::runtime_error(std::strerror(error));
 }
 
 std::string TemporaryName(const std::string& path) {
@@ -41,16 +68,20 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes) {
     }
     bytes.append(chunk, got);
   }
-  if (std::ferror(file.get())) ThrowIo(path, std::string("cannot be read: ") + std::strerror(errno));
+  if (std::ferror(file.get()))
+    ThrowIo(path, std::string("cannot be read: ") + std::strerror(errno));
   return bytes;
 }
 
 void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string&)>& write) {
-  const std::string temporary = TemporaryName(path);
+  if (IsSpecial(path)) return write(path);
+  const std::string target = Target(path);
+  const std::string temporary = TemporaryName(target);
   try {
     write(temporary);
-    std::filesystem::rename(temporary, path);
+    SyncToDisk(temporary);
+    std::filesystem::rename(temporary, target);
   } catch (const InputError&) {
     std::remove(temporary.c_str());
     throw;
@@ -72,6 +103,13 @@ void WriteFileAtomically(const std::string& path, std::string_view bytes) {
   });
 }
 
+void CheckNotInput(const std::string& output, const std::string& input) {
+  std::error_code ignored;
+  if (!std::filesystem::equivalent(output, input, ignored)) return;
+  throw InputError(InputPosition::File(output), "is an input of this command; write elsewhere",
+                   kExitUsage);
+}
+
 void CheckWritable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;
@@ -79,7 +117,11 @@ void CheckWritable(const std::string& path) {
     ThrowIo(path, "cannot be written: there is no folder " + folder.string());
   }
   if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
-  const std::string temporary = TemporaryName(path);
+  if (IsSpecial(path)) {
+    if (::access(path.c_str(), W_OK) == 0) return;
+    ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
+  }
+  const std::string temporary = TemporaryName(Target(path));
   std::FILE* file = std::fopen(temporary.c_str(), "wb");
   if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
   std::fclose(file);

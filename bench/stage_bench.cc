@@ -17,11 +17,9 @@ WaveFixture& CameraWave() {
   return wave;
 }
 WaveFixture& BounceWave() {
-  static WaveFixture wave = [] {
-    WaveFixture w;
-    w.Bounce();
-    return w;
-  }();
+  static WaveFixture wave;
+  static const bool bounced = (wave.Bounce(), true);
+  static_cast<void>(bounced);
   return wave;
 }
 
@@ -97,23 +95,28 @@ void PrepareSurfacesKernel(benchmark::State& state) {
                     f.ranges.total(), f.worker.surfaces);
   });
 }
-void SampleLightsStage(benchmark::State& state, const std::string& strategy) {
+// A fixed sample of the plan (one light, one cell), or a drawn one.
+void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
   WaveFixture f(strategy);
   Worker& w = f.worker;
-  Run(state, f.ranges.light_sampled(),
-      [&] { SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights); });
+  const LightPlan plan = f.plan();
+  if ((fixed ? plan.fixed : plan.drawn) == 0) return state.SkipWithError("not in its plan");
+  Run(state, f.ranges.light_sampled(), [&] {
+    SampleLights(f.frame, f.Points(), plan, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lights);
+  });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights);
+  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
   Run(state, f.ranges.light_sampled(),
       [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
-  const std::uint32_t n = SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights);
+  const std::uint32_t n = f.ranges.light_sampled();
+  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
   EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
@@ -126,7 +129,8 @@ void TraceShadowsStage(benchmark::State& state, Backend backend) {
 void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  const std::uint32_t n = SampleLights(f.frame, f.Points(), 0, 0, w.uniforms, w.lights);
+  const std::uint32_t n = f.ranges.light_sampled();
+  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
   EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
@@ -194,7 +198,8 @@ void Register() {
   add("kernel/prepare_surfaces", PrepareSurfacesKernel);
   for (const StrategyFactory& strategy : Strategies()) {
     const std::string name(strategy.name);
-    add("stage/light_sample/" + name, SampleLightsStage, name);
+    add("stage/light_sample/" + name + "/fixed", SampleLightsStage, name, true);
+    add("stage/light_sample/" + name + "/drawn", SampleLightsStage, name, false);
   }
   add("stage/evaluate", EvaluateLightsStage);
   add("kernel/add_unoccluded", AddUnoccludedKernel);

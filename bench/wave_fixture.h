@@ -3,14 +3,12 @@
 // SKYWAVE_BENCH_SCENE, SKYWAVE_BENCH_ENV, SKYWAVE_BENCH_STRATEGY, SKYWAVE_BENCH_WAVE.
 #pragma once
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
 #include <cstdlib>
 #include <string>
 
 #include "kernels/partition.h"
 #include "kernels/surface.h"
+#include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/job.h"
 #include "wavefront/stages.h"
@@ -29,8 +27,6 @@ struct WaveFixture {
         frame(job.frame()),
         film(job.MakeFilm()),
         worker(job.options().wave) {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     const auto width = std::uint32_t(job.options().width),
                height = std::uint32_t(job.options().height);
     range = {.tile = {0, height / 2, width, height - height / 2},
@@ -83,6 +79,9 @@ struct WaveFixture {
     return request;
   }
 
+  LightPlan plan() const { return frame.strategy->Plan(frame.light_samples()); }
+
+  FlushDenormals flush;
   RenderJob job;
   FrameView frame;
   MaterialView materials = frame.geometry->materials();

@@ -33,7 +33,9 @@ constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kS
 constexpr double kMaxRecordedRays = 5e7;
 
 int BenchMain(BenchFlags& flags) {
+  if (!flags.json.empty()) CheckWritable(flags.json);
   const RenderJob job(flags.request);
+  for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
   FrameView frame = job.frame();
   const RenderOptions& options = job.options();
 

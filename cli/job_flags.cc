@@ -113,7 +113,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command
       .add_option("--max-depth", r.max_depth,
                   "surfaces a path scatters at (default: the scene's, or 5)")
-      ->check(CLI::Range(0, 1 << 20));
+      ->check(CLI::Range(0u, kMaxDepth));
   AddParsed(command, "--filter", "pixel filter (default: the scene's, or blackman-harris)",
             "box|triangle|gaussian|blackman-harris", r.filter, ParsePixelFilter);
   command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")

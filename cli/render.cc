@@ -48,7 +48,10 @@ int RenderMain(RenderFlags& flags) {
   }
   const std::string png = PngPath(flags.output);
   for (const std::string& path : {flags.output, png, flags.stats}) {
-    if (!path.empty()) CheckWritable(path);
+    if (path.empty()) continue;
+    CheckNotInput(path, flags.request.scene);
+    CheckNotInput(path, flags.request.environment.path);
+    CheckWritable(path);
   }
   const RenderJob job(flags.request);
   if (!flags.quiet) {

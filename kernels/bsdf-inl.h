@@ -111,10 +111,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
   }
 }
 
-HWY_INLINE VF Luminance(const V3& rgb) {
-  return hn::Add(hn::Add(hn::Mul(rgb.x, Set(0.2126f)), hn::Mul(rgb.y, Set(0.7152f))),
-                 hn::Mul(rgb.z, Set(0.0722f)));
-}
+HWY_INLINE VF Luminance(const V3& rgb) { return Dot(rgb, Set3(kLuminance)); }
 
 // A vector of surfaces and the weights that cells of the map have for it (BsdfKernels).
 template <class Bsdf>
@@ -269,7 +266,7 @@ HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
 
-// The three entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
+// The entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
 // for every target, SKYWAVE_BSDF_TABLE(Name, "name") under HWY_ONCE defines NameKernels(), which
 // dispatches; NameIsLobed, a constant, says whether Draw looks at lobe_u. Macros, because dispatch
 // works on names of functions.

@@ -63,9 +63,6 @@ struct LightCell {
 };
 static_assert(sizeof(LightCell) == 8 * sizeof(float));
 
-// Weight of a cell for a surface: its energy times the luminance of value in its centre, of a BSDF
-// blurred to the size of the cell and never below a small share of the mean over all directions; 0
-// for cells that are wholly below the horizon.
 struct BsdfKernels {
   std::string_view name;
   bool delta;  // no density: no light samples, value and pdf are 0
@@ -80,6 +77,10 @@ struct BsdfKernels {
   // infinite) or closes (t_far negative) its shadow ray. Null for delta BSDFs.
   void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
                           std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);
+
+  // The weight of a cell is its energy times the luminance of value in its centre, of a BSDF
+  // blurred to the size of the cell and never below a small share of the mean over all directions;
+  // less and less for cells below the horizon, 0 where no texel of them rises above it.
 
   // Rows [0, n) and all of cells [0, count): sums of the weights of cells 0 to k, in
   // sums[k * stride + row]; stride >= PaddedRows(n). Null for delta BSDFs.

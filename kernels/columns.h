@@ -163,6 +163,9 @@ struct UniformColumns {
   }
 };
 
+// Luminance of linear RGB: the same weights as image/image.h.
+inline constexpr float kLuminance[3] = {0.2125f, 0.7154f, 0.0721f};
+
 // A slice of a table: the same columns from row `begin` on.
 template <class Columns>
 Columns Slice(Columns columns, std::uint32_t begin) {
@@ -175,7 +178,7 @@ Columns Slice(Columns columns, std::uint32_t begin) {
 // What shading must know of a triangle: 16 bytes, one gather of a line.
 struct TriangleRecord {
   std::uint32_t normal[3];  // of the corners, octahedral, 16 bits a coordinate (EncodeNormal)
-  std::uint32_t tag;        // material | kFlat | kind << kKindShift
+  std::uint32_t tag;        // material | kFlatTriangle | kind << kKindShift
 };
 inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
 inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal

@@ -18,7 +18,7 @@ struct ConductorTables {
   float mean_albedo[kAlbedoRows];
 };
 
-// Computed once, in double, by quadrature over the visible normals; some milliseconds.
+// Computed once, in double, by quadrature over the visible normals; tens of milliseconds.
 const ConductorTables& GgxTables();
 
 // Factor of (1 - E(wo)) (1 - E(wi)) cos(wi) in the multiple-scattering lobe, for one channel of a

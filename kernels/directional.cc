@@ -84,8 +84,7 @@ void PickOverSplit(const LightRecord* lights, const SearchTreeView& tree, const 
       Store3(IfThen(picked, light.direction, direction), out.dir_x + to, out.dir_y + to,
              out.dir_z + to);
       Store3(IfThen(picked, light.irradiance, radiance), out.r + to, out.g + to, out.b + to);
-      const VF rest = hn::Mul(Load(out.pdf + to), Set(1.0f - share));
-      Store(IfThen(picked, delta, rest), out.pdf + to);
+      Store(IfThen(picked, delta, Load(out.pdf + to)), out.pdf + to);
     }
   }
 }

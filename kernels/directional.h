@@ -25,9 +25,9 @@ void PickDirectional(const LightRecord* lights, const SearchTreeView& tree, cons
                      std::uint32_t n, float samples, const LightColumns& out);
 
 // Lights of A or samples of B: rows whose uniform u lies below `share` take a light, picked at
-// u / share and worth 1 / share of it; the others keep what `out` holds, a sample of B, whose
-// density shrinks to 1 - share of itself. `rest` receives (u - share) / (1 - share), which is the
-// uniform to draw B's samples with beforehand.
+// u / share and worth 1 / share of it; the others keep what `out` holds, a sample of B drawn as one
+// of samples * (1 - share). `rest` receives (u - share) / (1 - share), which is the uniform to draw
+// B's samples with beforehand.
 void SplitUniforms(const float* u, std::uint32_t n, float share, float* rest);
 void PickOverSplit(const LightRecord* lights, const SearchTreeView& tree, const float* u,
                    std::uint32_t n, float share, float samples, const LightColumns& out);

@@ -10,7 +10,8 @@
 
 namespace skywave {
 
-// Surfaces are weighed in chunks: the sums of a chunk over all cells stay in the first-level cache.
+// Surfaces are weighed in chunks: the sums of a chunk over a hundred cells stay in the first-level
+// cache.
 inline constexpr std::uint32_t kProductRows = 64;
 inline constexpr std::uint32_t kMaxProductCells = 256;
 // Between the sums of one cell and the next: room for whole vectors, and no power of two, whose

@@ -13,7 +13,7 @@ struct BrightSpot {
   int x, y;           // brightest texel
   Vector3 direction;  // of its centre, map space
   double luminance;   // there
-  double share = 0;   // of the map's energy within kSpotRadius of it
+  double share = 0;   // of the map's energy within kSpotRadiusDegrees of it
 };
 inline constexpr double kSpotRadiusDegrees = 5;
 

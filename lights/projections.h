@@ -7,15 +7,13 @@
 //
 //   latlong           forward in the middle, right at u = 3/4, up along the top edge
 //   angular           (Debevec 1998) forward in the middle, right to the right, up up; distance
-//   from
-//                     the middle is the angle from forward, back is the whole rim
+//                     from the middle is the angle from forward, back is the whole rim
 //   mirror-ball       a photograph, by a far camera that looks forward, of a mirroring ball that
 //                     fills the picture: back (the camera) in the middle, forward the whole rim,
 //                     right to the right, up up. Equal areas.
 //   horizontal-cross  4:3; left, front, right, back in the middle row, up above and down below
-//   front vertical-cross    3:4; left, front, right in the second row, up above and down below
-//   front, back
-//                     below down, upside down, so that it goes on where down ends
+//   vertical-cross    3:4; left, front, right in the second row, up above and down below front,
+//                     back below down, upside down, so that it goes on where down ends
 //   cube-strip        6:1; right, left, up, down, front, back, each as in horizontal-cross
 //   octahedral        square of equal areas (Clarberg 2008) as pbrt-v4 reads it: up in the middle,
 //                     down in the corners, back at the middle of the right edge, left at that of

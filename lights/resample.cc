@@ -101,8 +101,8 @@ bool IsWhole(const Image& image, int x, int y) {
   return true;
 }
 
-// Samples along each side of a target pixel: four, and two for each source pixel that is met there,
-// were both even over the sphere.
+// Samples along each side of a target pixel: four, or three for each source pixel that is met
+// there, were both even over the sphere.
 int SamplesAlongSide(const Image& image, int width, int height) {
   constexpr int kLeast = 4, kMost = 64;
   const double ratio = std::sqrt(double(image.width) * image.height / (double(width) * height));

@@ -22,7 +22,7 @@ namespace skywave {
 struct ShadePoints {
   const SurfaceColumns& surfaces;
   const SurfaceRanges& ranges;  // rows of each BSDF
-  const MaterialView& materials;
+  MaterialView materials;
   const PathColumns& paths;  // for strategies that draw more uniforms than they are given
 };
 
@@ -68,6 +68,9 @@ class EnvStrategy {
   // False: the density misses light that is there (it is zero where radiance is not), so the
   // strategy is right only together with BSDF sampling.
   virtual bool complete() const { return true; }
+  // False: directions that BSDF sampling draws see no light (EvaluateEscaped finds black where pdf
+  // is not 0), so nobody needs to trace them to see the map.
+  virtual bool shines_on_bsdf_samples() const { return true; }
   // False: lights stand for parts of the map, so the expected picture differs from the map's.
   virtual bool unbiased() const { return true; }
 };

@@ -133,7 +133,7 @@ void HybridStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
     // Lights of A below the share of A, samples of B above: B's uniforms lie in t_far meanwhile,
     // which nobody has written yet.
     SplitUniforms(uniforms.u, n, share_, out.t_far);
-    SampleRest({.u = out.t_far, .v = uniforms.v}, n, samples, out);
+    SampleRest({.u = out.t_far, .v = uniforms.v}, n, samples * (1 - share_), out);
     PickOverSplit(lights_->records(), lights_->tree(), uniforms.u, n, share_, samples, out);
   }
 }

@@ -12,10 +12,9 @@
 //                     their energy (its PT1)
 //   rest=importance   B by inversion, or presampled: the lights of
 //   rest-samples=360  cells of B, picked by energy (MPA, T 7.3)
-//   inside=0          1: a sample inside each of A's cells instead of its light, by importance: one
-//   a
-//                     cell, stratified, with a density. Unbiased with rest=importance. Needs
-//                     pick=all.
+//   inside=0          1: instead of the light of each of A's cells one sample inside the cell, by
+//                     importance: stratified, with a density. Unbiased with rest=importance.
+//                     Needs pick=all.
 #pragma once
 
 #include <optional>
@@ -47,6 +46,7 @@ class HybridStrategy final : public EnvStrategy {
 
   std::string_view name() const override { return "hybrid"; }
   std::size_t table_bytes() const override;
+  bool shines_on_bsdf_samples() const override { return rest_table_ || cells_; }
   bool unbiased() const override { return options_.inside && !options_.presampled; }
   LightPlan Plan(std::uint32_t requested) const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,

@@ -12,9 +12,8 @@
 //   cluster=none          F1, F2 or F3: merge lights pairwise (T 7.4.3), until
 //   clusters=0            so many are left, and
 //   separation=0          all are so many degrees apart
-//   pick=all              all lights at every hit, or power: as many as light samples are asked
-//   for,
-//                         picked by their energy
+//   pick=all              all lights at every hit, or power: as many as the user asks light samples
+//                         for, picked by their energy
 #pragma once
 
 #include "lights/directional_lights.h"
@@ -31,6 +30,7 @@ class LightsStrategy final : public EnvStrategy {
 
   std::string_view name() const override { return name_; }
   std::size_t table_bytes() const override { return texels_.bytes() + lights_.bytes(); }
+  bool shines_on_bsdf_samples() const override { return false; }
   bool unbiased() const override { return false; }
   LightPlan Plan(std::uint32_t requested) const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,

@@ -24,6 +24,7 @@ class RisStrategy final : public EnvStrategy {
 
   std::string_view name() const override { return "ris"; }
   std::size_t table_bytes() const override { return map_.table_bytes(); }
+  bool shines_on_bsdf_samples() const override { return false; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,

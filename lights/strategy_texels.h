@@ -8,7 +8,7 @@
 //   mode=fixed     the direction of the cell's light, worth its whole irradiance (the thesis):
 //                  biased, a finite set of directions
 //   mode=jittered  a texel in the cell by importance: unbiased, with a density
-//   cells=360, from=penrose, position=sample and the other parameters of lights.
+//   lights=360 cells, from=penrose, and the other parameters of directional lights.
 #pragma once
 
 #include "lights/cell_sampler.h"

@@ -9,9 +9,9 @@
 
 namespace skywave {
 
-// Immutable. Packing rounds each channel to 9 bits of the brightest channel of its texel, to
-// nearest: exact for what comes from Radiance files. Texels dimmer than 2^-40 of the brightest
-// become black as lights.
+// Immutable. Packing rounds each channel down to 9 bits of the brightest channel of its texel
+// (exact for what comes from Radiance files) and hands what is lost on to the next texel, so the
+// light of a map is kept. Texels dimmer than 2^-40 of the brightest become black as lights.
 class Texels {
  public:
   explicit Texels(const EnvironmentMap& map) : Texels(map, map.latlong) {}

@@ -130,22 +130,22 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   const std::string config =
       fmt::format("threads={},set_affinity=0,{}", threads,
                   embree_config.empty() ? DefaultEmbreeConfig() : embree_config);
-  device_ = rtcNewDevice(config.c_str());
-  if (device_ == nullptr) {
+  device_.reset(rtcNewDevice(config.c_str()));
+  if (!device_) {
     throw InputError(InputPosition::File(path), "Embree does not start with: " + config);
   }
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+  scene_.reset(rtcNewScene(device_.get()));
+  rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
+  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                              vertices_.data(), 0, 3 * sizeof(float), vertex_count);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(),
                              0, 3 * sizeof(std::uint32_t), triangle_count);
   rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_, geometry);
+  rtcAttachGeometry(scene_.get(), geometry);
   rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene_);
-  if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
+  rtcCommitScene(scene_.get());
+  if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
     throw InputError(InputPosition::File(path),
                      fmt::format("Embree cannot build the scene (error {})", int(error)));
   }
@@ -154,11 +154,6 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
 
 std::string DefaultEmbreeConfig() {
   return __builtin_cpu_supports("avx2") ? "isa=avx2" : "verbose=0";
-}
-
-Geometry::~Geometry() {
-  if (scene_ != nullptr) rtcReleaseScene(scene_);
-  if (device_ != nullptr) rtcReleaseDevice(device_);
 }
 
 MaterialView Geometry::materials() const {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "kernels/bsdf.h"
@@ -23,11 +24,8 @@ class Geometry {
   // (0: all). `embree_config` is handed to rtcNewDevice; empty stands for DefaultEmbreeConfig().
   Geometry(const Scene& scene, const std::string& path, int threads = 0,
            const std::string& embree_config = "");
-  ~Geometry();
-  Geometry(const Geometry&) = delete;
-  Geometry& operator=(const Geometry&) = delete;
 
-  RTCScene scene() const { return scene_; }
+  RTCScene scene() const { return scene_.get(); }
   const TriangleRecord* triangles() const { return triangles_.data(); }
   MaterialView materials() const;
   std::size_t triangle_count() const { return triangles_.size(); }
@@ -35,8 +33,12 @@ class Geometry {
   double build_seconds() const { return build_seconds_; }
 
  private:
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
+  struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+  };
+  std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device_;
+  std::unique_ptr<std::remove_pointer_t<RTCScene>, Release> scene_;
   std::vector<float> vertices_;         // xyz, one float of padding at the end
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;

@@ -243,7 +243,9 @@ void ReadLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
   }
   for (const char* name : {"filename", "mapname"}) {
     const auto file = FindString(parameters, name);
-    if (file && !file->empty()) light.map_path = ResolvePbrtPath(reader, *file, position);
+    if (!file || file->empty()) continue;
+    light.map_path = ResolvePbrtPath(reader, *file, position);
+    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3 has lat-longs
   }
   light.world_from_map = MapFrame(reader, parameters);
   ReportUnused(parameters, reader.warnings);

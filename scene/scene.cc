@@ -69,10 +69,15 @@ glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degree
                     : up_axis == 'x' ? glm::mat3(-z, y, x)
                                      : glm::mat3(x, -z, y);
   if (left_handed) frame[1] = -frame[1];
+  return EnvironmentTurn(up_axis, left_handed, rotation_degrees) * frame;
+}
+
+glm::mat3 EnvironmentTurn(char up_axis, bool left_handed, float rotation_degrees) {
   // A positive angle of the rotation formula is counter-clockwise seen from the tip of the axis in
   // a right-handed world only.
   const float angle = glm::radians(left_handed ? -rotation_degrees : rotation_degrees);
-  return glm::mat3(glm::rotate(glm::mat4(1), angle, frame[2])) * frame;
+  const glm::vec3 up(up_axis == 'x', up_axis == 'y', up_axis == 'z');
+  return glm::mat3(glm::rotate(glm::mat4(1), angle, up));
 }
 
 }  // namespace skywave

@@ -1,5 +1,5 @@
 // What is rendered, as plain data: what every reader and built-in scene produces and what
-// BuildGeometry (geometry.h) turns into Embree's and the kernels' tables.
+// Geometry (geometry.h) turns into Embree's and the kernels' tables.
 #pragma once
 
 #include <cstdint>
@@ -45,9 +45,10 @@ enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris };
 
 // An infinitely distant map, or a constant radiance where it has none.
 struct EnvironmentLight {
-  std::string map_path;      // empty: constant
-  std::optional<Image> map;  // or a lat-long map in memory (built-in skies)
-  glm::vec3 scale{1.0f};     // factor per channel, or the constant radiance
+  std::string map_path;            // empty: constant
+  std::optional<Image> map;        // or a lat-long map in memory (built-in skies)
+  bool equal_area_square = false;  // a square file is pbrt-v4's equal-area square
+  glm::vec3 scale{1.0f};           // factor per channel, or the constant radiance
   // Columns: the world directions of "right", "forward" and "up" of the map. Forward is the centre
   // of a lat-long image and of an angular map, right is where its right half looks. May mirror.
   glm::mat3 world_from_map{1.0f};  // columns: right, forward, up
@@ -92,5 +93,7 @@ Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed);
 // counter-clockwise about the up axis (seen from above) away from -z (y up), +y (z up) or +y
 // (x up); in a left-handed world away from +z, -y or -y. So it is never seen mirrored.
 glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degrees);
+// The rotation of it alone: turns a light about the up axis.
+glm::mat3 EnvironmentTurn(char up_axis, bool left_handed, float rotation_degrees);
 
 }  // namespace skywave

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and renders a built-in scene to renders/SCENE.exr and .png. Arguments go to
-# `skywave render`; without any the gallery is rendered.
+# Sets up, builds and renders the built-in gallery to renders/gallery.exr and .png; with arguments it
+# does what `skywave render` does with them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/build.sh

@@ -99,6 +99,7 @@ TEST(Camera, DirectionsMatchDoubleArithmetic) {
       ASSERT_EQ(rays->throughput_r[i] + rays->throughput_g[i] + rays->throughput_b[i], 3);
       ASSERT_EQ(rays->pdf[i], 0);
       ASSERT_EQ(rays->path[i], i);
+      ASSERT_EQ(rays->from[i], i);
     }
   }
 }

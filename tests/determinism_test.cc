@@ -1,8 +1,5 @@
 // The same picture, bit by bit, however the work is cut and whatever it runs on.
 #include <gtest/gtest.h>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -16,6 +13,7 @@
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/targets.h"
+#include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/render.h"
 
@@ -91,8 +89,7 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   Film film = job().MakeFilm();
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as RenderFrame does
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    const FlushDenormals flush;  // as RenderFrame does
     Worker worker(64);
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       const std::uint32_t total = tiles[i].width * tiles[i].height * 5;

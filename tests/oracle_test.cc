@@ -341,7 +341,7 @@ TEST(OracleItself, ALambertPlaneUnderConstantLightShowsItsAlbedo) {
 }
 
 // A difference that the eye does not see is found: the comparison has teeth.
-TEST(OracleItself, ADifferenceOfOnePercentIsFound) {
+TEST(OracleItself, ADifferenceOfThreePercentIsFound) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
   const RenderJob job(scene, Request(Integrator::kPath, 5));

@@ -71,7 +71,7 @@ TEST_F(Partition, ClassifiesAndCounts) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       for (const bool only_sparse : {false, true}) {
-        std::fill(queue_.begin(), queue_.end(), 0u);
+        std::fill(queue_.begin(), queue_.end(), 0xDEADBEEFu);
         // Counts are added to what is there.
         std::array<std::uint32_t, kBsdfKinds + 1> count = {10, 20, 30, 40, 50};
         ClassifyHits(hits_, triangles_.data(), only_sparse ? rays_->pdf : nullptr, n, queue_.data(),
@@ -89,7 +89,7 @@ TEST_F(Partition, ClassifiesAndCounts) {
         EXPECT_EQ(queued, wanted);
         // Whole vectors are written; what is behind n of the last one is in no queue.
         for (std::uint32_t i = n; i < (n + kPadRows - 1) / kPadRows * kPadRows; ++i) {
-          ASSERT_TRUE(queue_[i] > kMissQueue || queue_[i] == 0) << "padding row " << i;
+          ASSERT_GT(queue_[i], kMissQueue) << "padding row " << i;
         }
       }
     }

@@ -40,6 +40,11 @@ struct FrameView {
   Tracer tracer;
 
   MisPolicy mis() const { return {.enabled = options.mis}; }
+  // The BSDFs whose rays can still bring light where no further surface is shaded: all of them
+  // under multiple importance sampling, else mirrors and glass.
+  std::uint32_t first_bsdf_that_sees_light() const {
+    return options.mis && strategy->shines_on_bsdf_samples() ? 0 : kFirstDeltaBsdf;
+  }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
     return options.integrator == Integrator::kDirect ? options.light_samples : 1;

@@ -25,8 +25,11 @@ void CountShadowRays(RenderStats& stats, const LightColumns& lights, std::uint32
 }
 
 // The surfaces of the bounce at hand, as strategies see them.
-ShadePoints Points(const MaterialView& materials, const Worker& w) {
-  return {.surfaces = w.surfaces, .ranges = w.ranges, .materials = materials, .paths = w.paths};
+ShadePoints Points(const FrameView& frame, const Worker& w) {
+  return {.surfaces = w.surfaces,
+          .ranges = w.ranges,
+          .materials = frame.geometry->materials(),
+          .paths = w.paths};
 }
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
@@ -41,7 +44,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  AddEscaped(frame, Points(materials, w), w.escaped, escaped, w.paths);
+  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
@@ -59,18 +62,19 @@ void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Wo
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
-  AddEscaped(frame, Points(frame.geometry->materials(), w), w.escaped, escaped, w.paths);
+  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
   clock.Lap(Stage::kEscape);
 }
 
 // The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
 // lights come light by light, so that a stream of shadow rays has one direction.
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
-  const MaterialView materials = frame.geometry->materials();
-  const std::uint32_t samples = frame.strategy->Plan(frame.light_samples()).total();
-  for (std::uint32_t index = 0; index < samples; ++index) {
-    const std::uint32_t n =
-        SampleLights(frame, Points(materials, w), bounce, index, w.uniforms, w.lights);
+  const ShadePoints points = Points(frame, w);
+  const std::uint32_t n = w.ranges.light_sampled();
+  if (n == 0) return;
+  const LightPlan plan = frame.strategy->Plan(frame.light_samples());
+  for (std::uint32_t index = 0; index < plan.total(); ++index) {
+    SampleLights(frame, points, plan, bounce, index, w.uniforms, w.lights);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, w.lights);
@@ -107,8 +111,9 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     }
     MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
     LightSurfaces(frame, bounce, w, clock);
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, /*first_kind=*/0, bounce, w.uniforms, w.lobe,
-                *next);
+    const bool last = bounce + 1 == frame.options.max_depth;
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
+                bounce, w.uniforms, w.lobe, *next);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
@@ -121,8 +126,6 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   GenerateRays(frame, range, w.uniforms, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
-  // Without multiple importance sampling only mirrors and glass send rays on.
-  const std::uint32_t first_kind = frame.options.mis ? 0 : kFirstDeltaBsdf;
   std::uint32_t n = range.count;
   bool delta_rays = true;
   for (std::uint32_t bounce = 0; n > 0; ++bounce) {
@@ -134,8 +137,8 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     }
     MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
     LightSurfaces(frame, bounce, w, clock);
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
-                *next);
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
+                w.uniforms, w.lobe, *next);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);

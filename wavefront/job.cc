@@ -1,6 +1,7 @@
 #include "wavefront/job.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +13,10 @@
 namespace skywave {
 namespace {
 
+// Kernels find rows and columns of pixels by float arithmetic that is exact up to these.
+constexpr int kMaxFilmSide = 32768;
+constexpr std::int64_t kMaxFilmPixels = std::int64_t{1} << 28;
+
 using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) {
@@ -19,7 +24,8 @@ double SecondsSince(Clock::time_point start) {
 }
 
 // The light of the frame, as the request or else the scene has it, its pixels in memory.
-EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request) {
+EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
+                             std::vector<std::string>& notes) {
   const EnvironmentRequest& wish = request.environment;
   if (!wish.path.empty()) {
     EnvironmentLight light;
@@ -32,7 +38,14 @@ EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request) {
     throw InputError(InputPosition::File(request.scene),
                      "has no light; give an illumination map with --env MAP");
   }
-  return scene.environments.front();
+  if (scene.environments.size() > 1) {
+    notes.push_back(fmt::format("{}: of {} infinite lights only the first is used", request.scene,
+                                scene.environments.size()));
+  }
+  EnvironmentLight light = scene.environments.front();
+  light.world_from_map = EnvironmentTurn(scene.up_axis, scene.left_handed, wish.rotation_degrees) *
+                         light.world_from_map;
+  return light;
 }
 
 // Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it.
@@ -44,8 +57,10 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
   }
   if (!light.map) {
     Image image = ReadImage(light.map_path, wish.limits);
-    const Projection projection =
-        wish.projection ? *wish.projection : DetectProjection(image, light.map_path);
+    const bool equal_area = light.equal_area_square && image.width == image.height;
+    const Projection projection = wish.projection ? *wish.projection
+                                  : equal_area    ? Projection::kOctahedral
+                                                  : DetectProjection(image, light.map_path);
     notes.push_back(fmt::format("{}: {} x {}, {} {}", light.map_path, image.width, image.height,
                                 wish.projection ? "read as" : "taken for", ToString(projection)));
     const BadPixels bad = RepairRadiance(image);
@@ -59,7 +74,11 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
     light.map->rgb[i] *= light.scale[int(i % 3)] * wish.intensity;
   }
   light.scale = glm::vec3(1);
-  RepairRadiance(*light.map);
+  if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {
+    notes.push_back(
+        fmt::format("{}: {} pixels exceed all bounds at this intensity and are set to 0",
+                    light.map_path, bad.total()));
+  }
 }
 
 std::array<float, 9> Rows(const glm::mat3& columns) {
@@ -74,10 +93,18 @@ RenderJob::RenderJob(const JobRequest& request) {
   const auto start = Clock::now();
   Scene scene = ReadScene(request.scene);
   times_.load = SecondsSince(start);
-  Build(std::move(scene), request);
+  BuildOnThreads(std::move(scene), request);
 }
 
-RenderJob::RenderJob(Scene scene, const JobRequest& request) { Build(std::move(scene), request); }
+RenderJob::RenderJob(Scene scene, const JobRequest& request) {
+  BuildOnThreads(std::move(scene), request);
+}
+
+void RenderJob::BuildOnThreads(Scene scene, const JobRequest& request) {
+  const int threads = request.options.threads;
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] { Build(std::move(scene), request); });
+}
 
 void RenderJob::Build(Scene scene, const JobRequest& request) {
   notes_ = scene.warnings;
@@ -90,6 +117,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
       std::uint32_t(said.samples_per_pixel.value_or(int(options_.samples_per_pixel))));
   options_.max_depth =
       request.max_depth.value_or(std::uint32_t(said.max_depth.value_or(int(options_.max_depth))));
+  if (options_.max_depth > kMaxDepth) {
+    notes_.push_back(fmt::format("{}: a depth of {} is lowered to {}", request.scene,
+                                 options_.max_depth, kMaxDepth));
+    options_.max_depth = kMaxDepth;
+  }
   options_.integrator = request.integrator.value_or(
       ParseIntegrator(said.integrator.value_or("")).value_or(options_.integrator));
   options_.filter = request.filter.value_or(said.filter.value_or(options_.filter));
@@ -98,8 +130,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
         request.filter ? DefaultFilterRadius(options_.filter)
                        : said.filter_radius.value_or(DefaultFilterRadius(options_.filter));
   }
-  if (options_.width <= 0 || options_.height <= 0 ||
-      std::int64_t{options_.width} * options_.height > std::int64_t{1} << 28) {
+  if (options_.width <= 0 || options_.height <= 0 || options_.width > kMaxFilmSide ||
+      options_.height > kMaxFilmSide ||
+      std::int64_t{options_.width} * options_.height > kMaxFilmPixels) {
     throw InputError(InputPosition::File(request.scene),
                      fmt::format("a film of {} x {} pixels cannot be rendered", options_.width,
                                  options_.height));
@@ -107,9 +140,16 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   if (options_.samples_per_pixel == 0) {
     throw InputError(InputPosition::File(request.scene), "0 samples a pixel show nothing");
   }
+  if (std::uint64_t{options_.samples_per_pixel} * options_.light_samples > 0xFFFFFFFFu) {
+    throw InputError(InputPosition::File(request.scene),
+                     fmt::format("{} samples a pixel with {} light samples each are more than the "
+                                 "2^32 points of a pixel's sequence",
+                                 options_.samples_per_pixel, options_.light_samples),
+                     kExitUsage);
+  }
 
   const auto load_start = Clock::now();
-  EnvironmentLight light = ChooseLight(scene, request);
+  EnvironmentLight light = ChooseLight(scene, request, notes_);
   LoadMap(light, request.environment, notes_);
   times_.load += SecondsSince(load_start);
 
@@ -121,19 +161,19 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
       std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
   times_.build = geometry_->build_seconds();
 
-  const auto tables_start = Clock::now();
   brightest_ = *std::max_element(light.map->rgb.begin(), light.map->rgb.end());
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
   const EnvironmentMap map = {.latlong = std::move(*scene.environments[0].map),
                               .map_from_world = Rows(scene.environments[0].world_from_map)};
+  const auto tables_start = Clock::now();
   strategy_ = MakeStrategy(request.strategy, map);
+  times_.tables = SecondsSince(tables_start);
   if (!options_.mis && !strategy_->complete()) {
     throw InputError(InputPosition::File("--strategy " + request.strategy),
                      "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
   }
-  times_.tables = SecondsSince(tables_start);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   camera_ = MakeCameraView(*scene.camera, options_.width, options_.height, filter_offsets_.data());
 }

@@ -15,6 +15,9 @@
 
 namespace skywave {
 
+// Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).
+inline constexpr std::uint32_t kMaxDepth = 16384;
+
 // The map of the command line and how it lies in the world.
 struct EnvironmentRequest {
   std::string path;                      // empty: the scene's own light
@@ -60,6 +63,7 @@ class RenderJob {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
+  void BuildOnThreads(Scene scene, const JobRequest& request);
   void Build(Scene scene, const JobRequest& request);
 
   RenderOptions options_;

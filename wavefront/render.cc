@@ -1,31 +1,17 @@
 #include "wavefront/render.h"
 
-#include <pmmintrin.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <xmmintrin.h>
 
 #include <algorithm>
 #include <chrono>
 #include <memory>
 
+#include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 
 namespace skywave {
 namespace {
-
-// Denormals as zero while a tile renders, as Embree advises; the same bits on every thread.
-class FlushDenormals {
- public:
-  FlushDenormals() : saved_(_mm_getcsr()) {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-  }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
-
- private:
-  unsigned saved_;
-};
 
 void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& film) {
   const FlushDenormals flush;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
+#include <new>
 #include <type_traits>
 
 #include "kernels/columns.h"
@@ -42,6 +43,7 @@ class Table {
     std::size_t bytes = 0;
     Columns::ForEachColumn(columns_, [&](auto*& column) { bytes += Room(column, padded); });
     block_.reset(static_cast<std::byte*>(std::aligned_alloc(kColumnAlignment, bytes)));
+    if (!block_) throw std::bad_alloc();
     std::byte* next = block_.get();
     for (std::size_t i = 0; i < bytes; ++i) next[i] = std::byte{0};
     Columns::ForEachColumn(columns_, [&](auto*& column) {

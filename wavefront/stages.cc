@@ -74,12 +74,10 @@ void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeCol
   AddEscapedRadiance(escaped, n, frame.mis(), paths);
 }
 
-std::uint32_t SampleLights(const FrameView& frame, const ShadePoints& points, std::uint32_t bounce,
-                           std::uint32_t index, const UniformColumns& uniforms,
-                           const LightColumns& lights) {
+void SampleLights(const FrameView& frame, const ShadePoints& points, const LightPlan& plan,
+                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
+                  const LightColumns& lights) {
   const std::uint32_t n = points.ranges.light_sampled();
-  if (n == 0) return 0;
-  const LightPlan plan = frame.strategy->Plan(frame.light_samples());
   LightCall call = {.index = index,
                     .requested = frame.light_samples(),
                     .pair = SamplePair(bounce, SampleUse::kLight)};
@@ -92,7 +90,6 @@ std::uint32_t SampleLights(const FrameView& frame, const ShadePoints& points, st
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
   frame.strategy->Sample(points, uniforms, n, call, lights);
-  return n;
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,

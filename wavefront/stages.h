@@ -42,11 +42,11 @@ void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uin
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths);
 
-// Draws light sample `index` of the strategy's plan for every surface that takes light samples.
-// Returns their number.
-std::uint32_t SampleLights(const FrameView& frame, const ShadePoints& points, std::uint32_t bounce,
-                           std::uint32_t index, const UniformColumns& uniforms,
-                           const LightColumns& lights);
+// Draws light sample `index` of the strategy's plan for every surface that takes light samples, of
+// which there is at least one.
+void SampleLights(const FrameView& frame, const ShadePoints& points, const LightPlan& plan,
+                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
+                  const LightColumns& lights);
 
 // Turns light samples into contributions and opens or closes their shadow rays.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,

@@ -1,8 +1,5 @@
 #include "tests/support/oracle.h"
 
-#include <pmmintrin.h>
-#include <xmmintrin.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -11,6 +8,7 @@
 #include <thread>
 
 #include "scene/geometry.h"
+#include "wavefront/flush_denormals.h"
 
 namespace skywave {
 namespace {
@@ -229,8 +227,7 @@ OraclePicture Oracle::Render(const RenderOptions& options) const {
   std::atomic<int> next_row = 0;
   const auto start = std::chrono::steady_clock::now();
   const auto work = [&] {
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    const FlushDenormals flush;
     for (int y = next_row++; y < options.height; y = next_row++) {
       RenderRow(y, options, filter, picture);
     }

@@ -24,13 +24,13 @@ class Program : public testing::Test {
   void SetUp() override {
     const testing::TestInfo* const test = testing::UnitTest::GetInstance()->current_test_info();
     folder_ = testing::TempDir() + "skywave_" + std::to_string(::getpid()) + "_" + test->name();
-    std::filesystem::create_directories(folder_ + "/work");
+    std::filesystem::create_directories(folder_ + "/files");
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   // Runs `skywave arguments` in the test's folder. The shell splits the arguments.
   Result Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_ + "/work' && '" SKYWAVE_PROGRAM "' " + arguments +
+    const std::string command = "cd '" + folder_ + "/files' && '" SKYWAVE_PROGRAM "' " + arguments +
                                 " >../out 2>../err </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ + "/out"),
@@ -38,14 +38,14 @@ class Program : public testing::Test {
   }
 
   // A file in the folder in which the program runs.
-  std::string Path(const std::string& name) const { return folder_ + "/work/" + name; }
+  std::string Path(const std::string& name) const { return folder_ + "/files/" + name; }
   std::string Bytes(const std::string& name) const { return ReadFile(Path(name)); }
   void Put(const std::string& name, const std::string& bytes) const {
     WriteFileAtomically(Path(name), bytes);
   }
   std::set<std::string> Files() const {
     std::set<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/work")) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ + "/files")) {
       names.insert(entry.path().filename().string());
     }
     return names;
