@@ -1,5 +1,6 @@
 // The program as its users meet it: help, exit codes, messages, files.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <limits>
@@ -207,6 +208,48 @@ TEST_F(Cli, AFailureKeepsTheOldPicture) {
   Put("a.exr", "old");
   EXPECT_NE(Run("render scene.pbrt --env cut.exr -o a.exr").exit_code, 0);
   EXPECT_EQ(Bytes("a.exr"), "old");
+}
+
+TEST_F(Cli, AnInputIsNeverOverwritten) {
+  WriteExr(Path("sky.exr"), Image(4, 2));
+  Put("sky.pbrt", "WorldBegin Shape \"sphere\"");
+  const std::string before = Bytes("sky.exr");
+  const Result result = Run("render sky.pbrt --env sky.exr --size 8x8 --spp 1");
+  EXPECT_EQ(result.exit_code, 64);
+  EXPECT_NE(result.err.find("sky.exr: is an input"), std::string::npos) << result.err;
+  EXPECT_EQ(Bytes("sky.exr"), before);
+}
+
+TEST_F(Cli, LinksAndPipesSurviveBeingWrittenTo) {
+  std::filesystem::create_symlink("real.json", Path("link.json"));
+  Put("real.json", "old");
+  ASSERT_EQ(Run("render furnace --size 8x8 --spp 1 -q -o a.exr --stats link.json").exit_code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(Path("link.json")));
+  EXPECT_EQ(Bytes("real.json").front(), '{');
+  ASSERT_EQ(::mkfifo(Path("pipe").c_str(), 0600), 0);
+  const Result read = Run("render furnace --size 8x8 --spp 1 -q -o b.exr --stats pipe & cat pipe");
+  EXPECT_EQ(read.out.front(), '{') << read.out;
+  EXPECT_TRUE(std::filesystem::is_fifo(Path("pipe")));
+}
+
+TEST_F(Cli, SquareMapsOfPbrtFourAreOctahedral) {
+  Image map(8, 8);
+  for (float& value : map.rgb) value = 1;
+  WriteExr(Path("square.exr"), map);
+  for (const auto& [name, projection] :
+       {std::pair("filename", "octahedral"), std::pair("mapname", "angular")}) {
+    Put("s.pbrt", std::string("WorldBegin LightSource \"infinite\" \"string ") + name +
+                      "\" \"square.exr\" Shape \"sphere\"");
+    const Result result = Run("render s.pbrt --size 8x8 --spp 1 -o s.exr");
+    EXPECT_NE(result.err.find(projection), std::string::npos) << result.err;
+  }
+}
+
+TEST_F(Cli, FurtherInfiniteLightsAreMentioned) {
+  Put("two.pbrt", "WorldBegin LightSource \"infinite\" LightSource \"infinite\" Shape \"sphere\"");
+  const Result result = Run("render two.pbrt --size 8x8 --spp 1");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("of 2 infinite lights"), std::string::npos) << result.err;
 }
 
 TEST_F(Cli, BadPixelsOfAMapAreReported) {

@@ -30,7 +30,7 @@ class Program : public testing::Test {
 
   // Runs `skywave arguments` in the test's folder. The shell splits the arguments.
   Result Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_ + "/files' && '" SKYWAVE_PROGRAM "' " + arguments +
+    const std::string command = "cd '" + folder_ + "/files' || exit; '" SKYWAVE_PROGRAM "' " + arguments +
                                 " >../out 2>../err </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ + "/out"),
