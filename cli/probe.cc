@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "cli/job_flags.h"
 #include "cli/probe_commands.h"
 #include "lights/projections.h"
 
@@ -41,65 +42,70 @@ Image ReadProbeAsLatLong(const MapFlags& flags) {
   return ToLatLong(std::move(file.image), file.projection);
 }
 
-void AddStrataFlag(CLI::App& command, StrataRequest& request) {
-  command
+namespace {
+
+// An option that is read by `parse`, which returns an optional.
+template <class Parse, class Value>
+CLI::Option* AddParsed(CLI::App& command, const std::string& name, const std::string& help,
+                       const std::string& choices, Value& value, Parse parse) {
+  return command
       .add_option_function<std::string>(
-          "--strata", [&request](const std::string& text) { request = *ParseStrata(text); },
-          "only the bright part A: p of the energy (0.54), where the luminance varies most "
-          "(variation), or room for LIGHTS:DEGREES (64:10)")
-      ->check([](const std::string& text) {
-        return ParseStrata(text) ? ""
-                                 : "'" + text + "' is not a fraction, variation or LIGHTS:DEGREES";
-      })
-      ->type_name("P|variation|N:DEG");
+          name,
+          [&value, parse, name, choices](const std::string& text) {
+            const auto parsed = parse(text);
+            if (!parsed) throw CLI::ValidationError(name, "'" + text + "' is not " + choices);
+            value = *parsed;
+          },
+          help)
+      ->type_name(choices);
+}
+
+}  // namespace
+
+void AddStrataFlag(CLI::App& command, std::optional<StrataRequest>& request) {
+  AddParsed(command, "--strata",
+            "only the bright part A: p of the energy (0.54), where the luminance varies most "
+            "(variation), or room for LIGHTS:DEGREES (64:10)",
+            "P|variation|LIGHTS:DEGREES", request, ParseStrata);
 }
 
 void AddLightFlags(CLI::App& command, LightRequest& request) {
-  command
-      .add_option_function<std::string>(
-          "--method",
-          [&request](const std::string& text) { request.method = *ParseLightMethod(text); },
-          "median-cut, variance-cut or penrose (default: variance-cut)")
-      ->check(CLI::IsMember({"median-cut", "variance-cut", "penrose"}));
-  command.add_option("-n,--lights", request.count, "how many, before clustering")
+  LightOptions& lights = request.lights;
+  AddParsed(command, "--method",
+            fmt::format("who places them (default: {})", ToString(lights.source)),
+            "median-cut|variance-cut|penrose", lights.source, ParseLightSource);
+  command.add_option("-n,--lights", lights.lights, "how many, before clustering")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  command
-      .add_option_function<std::string>(
-          "--position",
-          [&request](const std::string& text) {
-            request.position = text == "sample"   ? LightPosition::kSample
-                               : text == "centre" ? LightPosition::kCentre
-                                                  : LightPosition::kCentroid;
-          },
-          "of a light in its cell: where the sampler put it, middle of its area or of its energy "
-          "(default: centroid)")
-      ->check(CLI::IsMember({"sample", "centre", "centroid"}));
-  command.add_option("--lloyd", request.lloyd_steps, "steps that move lights to their centroids")
+  AddParsed(command, "--position",
+            "of a light in its cell: where the sampler put it, middle of its area or of its energy",
+            "sample|center|centroid", lights.position, ParseLightPosition);
+  command.add_option("--lloyd", lights.lloyd_steps, "steps that move lights to their centroids")
       ->check(CLI::Range(0, 1000));
+  AddParsed(command, "--cluster",
+            "merge lights pairwise, weighed by one, energy or mean luminance; until --clusters or "
+            "--separation say so",
+            "F1|F2|F3", lights.cluster, ParseClusterFrequency);
+  // Where to stop is a wish to cluster.
+  const auto by_energy = [&lights] {
+    if (!lights.cluster) lights.cluster = ClusterFrequency::kEnergy;
+  };
   command
-      .add_option_function<std::string>(
-          "--cluster",
-          [&request](const std::string& text) {
-            request.frequency = text == "F1"   ? ClusterFrequency::kOne
-                                : text == "F2" ? ClusterFrequency::kEnergy
-                                               : ClusterFrequency::kMeanLuminance;
-          },
-          "weight of lights that merge: one, energy or mean luminance (default: F2)")
-      ->check(CLI::IsMember({"F1", "F2", "F3"}));
-  command.add_option("--clusters", request.stop.clusters, "merge until so many are left")
+      .add_option_function<int>(
+          "--clusters",
+          [&lights, by_energy](int clusters) { lights.stop.clusters = clusters, by_energy(); },
+          "merge until so many are left (by F2 unless --cluster says otherwise)")
       ->check(CLI::Range(1, 1 << 20));
   command
       .add_option_function<double>(
           "--separation",
-          [&request](double degrees) {
-            request.stop.separation = degrees * std::numbers::pi / 180;
+          [&lights, by_energy](double degrees) {
+            lights.stop.separation = degrees * std::numbers::pi / 180, by_energy();
           },
-          "merge until all are so far apart")
-      ->check(CLI::Range(0.0, 180.0))
+          "merge until all are so far apart (by F2 unless --cluster says otherwise)")
+      ->check(FiniteNumber(0, 180))
       ->type_name("DEGREES");
-  command.add_option("--seed", request.penrose.seed, "of the Penrose tiling")
-      ->capture_default_str();
+  command.add_option("--seed", lights.penrose.seed, "of the Penrose tiling")->capture_default_str();
   AddStrataFlag(command, request.strata);
 }
 

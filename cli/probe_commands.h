@@ -33,7 +33,7 @@ Image ReadProbeAsLatLong(const MapFlags& flags);
 // --method, -n and the others that make lights.
 void AddLightFlags(CLI::App& command, LightRequest& request);
 // --strata
-void AddStrataFlag(CLI::App& command, StrataRequest& request);
+void AddStrataFlag(CLI::App& command, std::optional<StrataRequest>& request);
 
 void AddProbeInfoCommand(CLI::App& probe, Run& run);
 void AddProbeConvertCommand(CLI::App& probe, Run& run);

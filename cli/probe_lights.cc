@@ -28,8 +28,7 @@ void WriteResidual(const std::string& path, const Image& residual, LightFormat f
 }
 
 int LightsMain(LightsFlags& flags) {
-  const bool strata = flags.request.strata.kind != StrataRequest::Kind::kNone;
-  if (!flags.options.residual.empty() && !strata) {
+  if (!flags.options.residual.empty() && !flags.request.strata) {
     throw InputError({}, "--residual needs --strata: without it all light is in the lights",
                      kExitUsage);
   }
@@ -53,7 +52,7 @@ int LightsMain(LightsFlags& flags) {
   fmt::print(stderr, "{} lights: energy {:.8g} + rest {:.8g} = {:.8g}, map {:.8g} ({:+.1e})\n",
              lights.set.lights.size(), lights.lights_energy, lights.residual_energy, sum,
              lights.map_energy, off);
-  if (strata && flags.options.residual.empty()) {
+  if (flags.request.strata && flags.options.residual.empty()) {
     fmt::print(stderr, "note: the rest is not written; --residual FILE.exr does\n");
   }
   return 0;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/files.h"
+#include "cli/job_flags.h"
 #include "cli/probe_commands.h"
 #include "lights/plot.h"
 
@@ -30,16 +31,13 @@ int PlotMain(PlotFlags& flags) {
   CheckWritable(flags.output);
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
-  if (flags.what == "strata" && flags.request.strata.kind == StrataRequest::Kind::kNone) {
-    flags.request.strata.kind = StrataRequest::Kind::kVariation;
-  }
   ProbeLights lights;
   if (flags.what == "lights" || flags.what == "cells") {
     lights = MakeProbeLights(map, flags.request);
     flags.plot.lights = lights.set.lights;
     if (flags.what == "cells") flags.plot.cells = &lights.set.cell_of_texel;
   } else if (flags.what == "strata") {
-    lights.strata = DivideMap(map, flags.request.strata);
+    lights.strata = DivideMap(map, flags.request.strata.value_or(StrataRequest{}));
   }
   if (lights.strata) flags.plot.strata = &*lights.strata;
   flags.plot.view = ViewOf(flags);
@@ -72,7 +70,8 @@ void AddProbePlotCommand(CLI::App& probe, Run& run) {
           "--color", [flags](const std::string& text) { flags->plot.log_color = text == "log"; },
           "false colour of log luminance, or tone-mapped (default: log)")
       ->check(CLI::IsMember({"log", "tone"}));
-  command->add_option("--exposure", flags->plot.exposure_stops, "of --color tone [stops]");
+  command->add_option("--exposure", flags->plot.exposure_stops, "of --color tone [stops]")
+      ->check(FiniteNumber(-100, 100));
   command->add_option("--height", flags->plot.height, "of the picture [pixels]")
       ->capture_default_str();
   command->footer(

@@ -23,7 +23,7 @@ nlohmann::ordered_json Json(const PresampleFlags& flags, const SphereMap& map,
   json["source"] = flags.map.path;
   json["width"] = map.width;
   json["height"] = map.height;
-  json["method"] = ToString(flags.request.method);
+  json["method"] = ToString(flags.request.lights.source);
   json["axes"] = {"right", "forward", "up"};
   json["map_energy"] = lights.map_energy;
   json["energy"] = lights.lights_energy;
@@ -63,9 +63,8 @@ int PresampleMain(PresampleFlags& flags) {
 void AddProbePresampleCommand(CLI::App& probe, Run& run) {
   CLI::App* command = probe.add_subcommand("presample", "A sample set with cells and energies");
   const auto flags = std::make_shared<PresampleFlags>();
-  flags->request.method = LightMethod::kPenrose;
-  flags->request.position = LightPosition::kSample;
-  flags->request.count = 360;
+  flags->request.lights = {
+      .source = LightSource::kPenrose, .lights = 360, .position = LightPosition::kSample};
   AddMapFlags(*command, flags->map);
   AddLightFlags(*command, flags->request);
   command->add_option("-o,--output", flags->output, "JSON file")->required();

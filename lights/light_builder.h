@@ -7,6 +7,7 @@
 
 #include "lights/cells.h"
 #include "lights/clustering.h"
+#include "lights/penrose.h"
 #include "lights/strategy.h"
 
 namespace skywave {
@@ -20,7 +21,14 @@ struct LightOptions {
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
   ClusterStop stop;  // used where cluster is set
+  PenroseParameters penrose;
 };
+
+// "penrose", "median-cut", "variance-cut"; "sample", "center", "centroid"; "F1", "F2", "F3".
+std::string_view ToString(LightSource source);
+std::optional<LightSource> ParseLightSource(std::string_view name);
+std::optional<LightPosition> ParseLightPosition(std::string_view name);
+std::optional<ClusterFrequency> ParseClusterFrequency(std::string_view name);
 
 // Places lights, clusters and relaxes them as the options say, and gives each the light of its
 // cell. The energy of the lights is the energy of the map. Fewer lights than asked for where texels

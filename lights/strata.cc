@@ -108,6 +108,18 @@ Strata StrataByVariation(const SphereMap& map, double* zeta_minimum) {
   return Divide(map, sorted, count);
 }
 
+Strata DivideMap(const SphereMap& map, const StrataRequest& request) {
+  switch (request.kind) {
+    case StrataRequest::Kind::kFraction:
+      return StrataByFraction(map, request.fraction);
+    case StrataRequest::Kind::kLights:
+      return StrataByLights(map, request.lights, request.separation);
+    case StrataRequest::Kind::kVariation:
+      break;
+  }
+  return StrataByVariation(map);
+}
+
 Image StratumImage(const SphereMap& map, const Strata& strata, bool a) {
   Image image(map.width, map.height);
   for (std::size_t i = 0; i < map.texels(); ++i) {

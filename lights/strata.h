@@ -35,6 +35,15 @@ Strata StrataByLights(const SphereMap& map, int lights, double separation);
 // pixels as in T table 7.1.
 Strata StrataByVariation(const SphereMap& map, double* zeta_minimum = nullptr);
 
+// Which of the three, and what it needs.
+struct StrataRequest {
+  enum class Kind { kVariation, kFraction, kLights } kind = Kind::kVariation;
+  double fraction = 0.5;  // kFraction: p in [0, 1]
+  int lights = 64;        // kLights
+  double separation = 0;  // kLights [rad]
+};
+Strata DivideMap(const SphereMap& map, const StrataRequest& request);
+
 // The map with the other stratum black. A plus B is the map.
 Image StratumImage(const SphereMap& map, const Strata& strata, bool a);
 

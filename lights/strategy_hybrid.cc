@@ -14,18 +14,6 @@ namespace {
 constexpr std::string_view kDivisions[] = {"variation", "p", "lights"};
 constexpr std::string_view kRests[] = {"importance", "presampled"};
 
-Strata Divide(const SphereMap& map, const HybridOptions& options) {
-  switch (options.division) {
-    case HybridOptions::Division::kFraction:
-      return StrataByFraction(map, options.p);
-    case HybridOptions::Division::kLights:
-      return StrataByLights(map, options.lights.lights, options.angle);
-    case HybridOptions::Division::kVariation:
-      break;
-  }
-  return StrataByVariation(map);
-}
-
 // Luminance of the light times solid angle over one stratum; solid angle alone where that is black.
 std::vector<double> StratumImportance(const Texels& light, const SphereMap& map,
                                       const Strata& strata, bool a) {
@@ -54,7 +42,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   // The light that samples will find, so that A and B divide exactly that.
   const Image held = Texels(map).Held();
   const SphereMap sphere = MakeSphereMap(held);
-  const Strata strata = Divide(sphere, options);
+  const Strata strata = DivideMap(sphere, options.strata);
   const Image a = StratumImage(sphere, strata, true), b = StratumImage(sphere, strata, false);
   const SphereMap sphere_a = MakeSphereMap(a);
   const LightSet lights = BuildLights(sphere_a, options.lights);
@@ -170,10 +158,11 @@ std::span<const StrategyParameter> HybridParameters() {
 
 HybridOptions ReadHybridOptions(const StrategyValues& values) {
   HybridOptions options;
-  options.division = HybridOptions::Division(ChoiceValue(values, "strata", kDivisions));
-  options.p = NumberValue(values, "p", 0, 1);
-  options.angle = NumberValue(values, "angle", 0, 360) * std::numbers::pi / 180;
   options.lights = ReadLightOptions(values);
+  options.strata = {.kind = StrataRequest::Kind(ChoiceValue(values, "strata", kDivisions)),
+                    .fraction = NumberValue(values, "p", 0, 1),
+                    .lights = options.lights.lights,
+                    .separation = NumberValue(values, "angle", 0, 360) * std::numbers::pi / 180};
   options.lights.source = ReadLightSource(values);
   options.all = ReadPickAll(values);
   options.presampled = ChoiceValue(values, "rest", kRests) == 1;

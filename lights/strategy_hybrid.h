@@ -30,9 +30,7 @@
 namespace skywave {
 
 struct HybridOptions {
-  enum class Division { kVariation, kFraction, kLights };
-  Division division = Division::kVariation;
-  double p = 0.5, angle = 0;  // [rad]
+  StrataRequest strata;
   LightOptions lights;
   bool all = true;
   bool presampled = false;

@@ -54,7 +54,9 @@ class RenderedExport : public testing::Test {
 
 std::vector<DirectionalLight> Lights() {
   const Image image = test::SunMap(128, 64, 2000);
-  return MakeProbeLights(MakeSphereMap(image), {.count = 8}).set.lights;
+  return MakeProbeLights(MakeSphereMap(image),
+                         {.lights = {.source = LightSource::kVarianceCut, .lights = 8}})
+      .set.lights;
 }
 
 // Mean difference over mean radiance. normal: of the point at (x right, y up, towards the eye).

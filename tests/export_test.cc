@@ -94,7 +94,8 @@ constexpr LightFormat kScenes[] = {LightFormat::kPbrt, LightFormat::kPovray, Lig
 
 TEST(ExportLights, DirectionsAndEnergiesParseBack) {
   const Image image = test::SunMap(128, 64, 1e5f);
-  const ProbeLights lights = MakeProbeLights(MakeSphereMap(image), {.count = 40});
+  const ProbeLights lights = MakeProbeLights(
+      MakeSphereMap(image), {.lights = {.source = LightSource::kVarianceCut, .lights = 40}});
   ASSERT_EQ(lights.set.lights.size(), 40u);
   for (LightFormat format : kScenes) {
     const std::string text = ExportLights(lights.set.lights, {.format = format, .source = "sun"});
@@ -184,17 +185,19 @@ TEST(ExportLights, NoNameEscapesItsComment) {
 TEST(ProbeLights, LightsAndRestHaveTheEnergyOfTheMap) {
   for (const test::NamedMap& map : test::AdversarialMaps()) {
     const SphereMap sphere = MakeSphereMap(map.image);
-    for (LightMethod method :
-         {LightMethod::kMedianCut, LightMethod::kVarianceCut, LightMethod::kPenrose}) {
+    for (LightSource source :
+         {LightSource::kMedianCut, LightSource::kVarianceCut, LightSource::kPenrose}) {
       for (const char* strata : {"", "0.5", "variation", "8:12"}) {
         for (int clusters : {0, 5}) {
-          LightRequest request = {.method = method, .count = 23, .lloyd_steps = clusters / 5};
-          request.stop.clusters = clusters;
-          if (*strata) request.strata = *ParseStrata(strata);
+          LightRequest request = {
+              .lights = {.source = source, .lights = 23, .lloyd_steps = clusters / 5}};
+          if (clusters > 0) request.lights.cluster = ClusterFrequency::kEnergy;
+          request.lights.stop.clusters = clusters;
+          if (*strata) request.strata = ParseStrata(strata);
           const ProbeLights lights = MakeProbeLights(sphere, request);
           EXPECT_NEAR(lights.lights_energy + lights.residual_energy, sphere.energy,
                       1e-5 * sphere.energy)
-              << map.name << " " << ToString(method) << " " << strata << " " << clusters;
+              << map.name << " " << ToString(source) << " " << strata << " " << clusters;
           if (clusters) {
             EXPECT_LE(lights.set.lights.size(), 5u);
           }
