@@ -10,6 +10,7 @@
 #include "lights/median_cut.h"
 #include "lights/penrose.h"
 #include "lights/strata.h"
+#include "lights/strategy.h"
 #include "lights/variance_cut.h"
 #include "lights/voronoi.h"
 
@@ -148,7 +149,28 @@ BENCHMARK(BM_Clustering)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
+// All tables of a strategy with its defaults, the packed map among them.
+void BM_Strategy(benchmark::State& state, const std::string& name) {
+  const EnvironmentMap map = {TestMap(int(state.range(0))), {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  for (auto _ : state) benchmark::DoNotOptimize(MakeStrategy(name, map));
+}
+
+void RegisterStrategies() {
+  for (const StrategyFactory& strategy : Strategies()) {
+    const std::string name(strategy.name);
+    benchmark::RegisterBenchmark(("BM_Strategy/" + name).c_str(), BM_Strategy, name)
+        ->Arg(1024)
+        ->Arg(8192)
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
+}
+
 }  // namespace
 }  // namespace skywave
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  skywave::RegisterStrategies();
+  benchmark::RunSpecifiedBenchmarks();
+}
