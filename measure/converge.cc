@@ -90,7 +90,9 @@ std::uint32_t RoundSamplesDown(double samples) {
 
 std::vector<std::uint32_t> LadderForTime(const RenderJob& job, const Contestant& contestant,
                                          double seconds, std::uint32_t max_samples) {
-  // A frame of a tenth of the time tells the rate well enough; the first ones also warm up.
+  // The first frame of all waits for threads and memory.
+  Render(job.frame(), job, *contestant.strategy, 1, job.options().seed, nullptr, nullptr);
+  // A frame of a tenth of the time tells the rate well enough.
   for (std::uint32_t samples = 1;; samples *= 2) {
     double taken = 0;
     Render(job.frame(), job, *contestant.strategy, samples, job.options().seed, nullptr, &taken);
