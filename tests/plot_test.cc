@@ -32,8 +32,9 @@ LogPlot TwoCurves() {
 
 TEST(XmlChecker, SeesWhatIsNotWellFormed) {
   EXPECT_TRUE(IsWellFormedXml("<a b=\"c&lt;\"><d/>text</a>\n"));
-  for (const char* const bad : {"<a><b></a>", "<a b=c></a>", "<a>x & y</a>", "<a b=\"<\"></a>",
-                                "<a/><a/>", "<a", "text", "<a b=\"1\" b=\"2\"/>", "</a>", ""}) {
+  for (const char* const bad :
+       {"<a><b></a>", "<a b=c></a>", "<a>x & y</a>", "<a b=\"<\"></a>", "<a/><a/>", "<a", "text",
+        "<a b=\"1\" b=\"2\"/>", "</a>", "<a></b>", ""}) {
     EXPECT_FALSE(IsWellFormedXml(bad)) << bad;
   }
 }
