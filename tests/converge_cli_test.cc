@@ -194,7 +194,9 @@ TEST_F(Converge, TimeGivesEveryStrategyALadderOfItsOwn) {
                             "--strategies importance median-cut:lights=64 --time 0.01 "
                             "--repeats 2 --measure relative_mse --json j.json -q");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const Json& strategy : ReadJson("j.json").at("strategies")) {
+  const Json json = ReadJson("j.json");
+  ASSERT_EQ(json.at("strategies").size(), 2u);
+  for (const Json& strategy : json.at("strategies")) {
     std::uint32_t before = 0;
     for (const Json& budget : strategy.at("budgets")) {
       const std::uint32_t samples = budget.at("samples_per_pixel");
