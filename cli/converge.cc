@@ -104,6 +104,7 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
   const auto half = std::uint32_t(std::min<std::uint64_t>((wanted + 1) / 2, kMaxSamples));
   report.reference_samples = 2 * half;
   const RenderOptions& options = job.options();
+  if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
   const auto start = std::chrono::steady_clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
                [&](Progress* done) { report.reference = RenderReference(job, half, done); });
@@ -154,6 +155,10 @@ int ConvergeMain(ConvergeFlags& flags) {
   if (flags.reference != "auto") ReadGivenReference(flags, report);
   report.contestants = MakeContestants(flags, job);
   if (flags.reference == "auto") RenderOwnReference(flags, report);
+  if (!flags.quiet) {
+    fmt::print(stderr, "measuring: {} strategies, {} repeats\n", report.contestants.size(),
+               flags.settings.repeats);
+  }
   WithProgress(flags.quiet, SamplesToMeasure(job, flags.settings, report.contestants),
                [&](Progress* done) {
                  Measure(job, report.reference, flags.settings, report.contestants, done);
@@ -167,7 +172,8 @@ int ConvergeMain(ConvergeFlags& flags) {
   for (const std::string& warning : report.warnings) {
     fmt::print(stderr, "warning: {}\n", warning);
   }
-  fmt::print("{}", Table(report));
+  fmt::print("{}\n{}\n{}\n{}", Introduction(report), Text(BudgetTable(report)), TargetText(report),
+             Text(TargetTable(report)));
   return 0;
 }
 

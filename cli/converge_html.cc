@@ -11,10 +11,10 @@ namespace {
 constexpr std::string_view kStyle =
     "body{font:15px/1.45 sans-serif;max-width:940px;margin:24px auto;padding:0 16px;color:#202020}"
     "h1{font-size:24px}h2{font-size:19px;margin-top:34px}"
-    "pre{overflow-x:auto;background:#f5f5f5;padding:12px;font-size:12px;line-height:1.4}"
+    ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:13px}"
+    "th,td{padding:3px 8px;text-align:left;white-space:nowrap;border-bottom:1px solid #d8d8d8}"
     "svg{max-width:100%;height:auto}"
-    ".pair{display:flex;gap:12px}.pair img{width:calc(50% - 6px);height:auto;"
-    "image-rendering:auto;background:#000}"
+    ".pair{display:flex;gap:12px}.pair img{width:calc(50% - 6px);height:auto}"
     ".warning{background:#fff3cd;border-left:4px solid #e69f00;padding:8px 12px}"
     "figure{margin:18px 0}figcaption{font-size:13px;color:#404040}code{font-size:13px}";
 
@@ -54,6 +54,19 @@ double FullScale(const ConvergeReport& report) {
   return std::ceil(scale / unit) * unit;
 }
 
+std::string HtmlTable(const TextTable& table) {
+  std::string html = "<div class=\"wide\"><table>\n";
+  for (const auto& row : table) {
+    const std::string_view cell = &row == &table.front() ? "th" : "td";
+    html += "<tr>";
+    for (const std::string& text : row) {
+      html += fmt::format("<{0}>{1}</{0}>", cell, EscapeXml(text));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
 std::string Figure(const std::string& pictures, const std::string& caption) {
   return fmt::format(
       "<figure>\n<div class=\"pair\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n", pictures,
@@ -79,7 +92,9 @@ std::string Html(const ConvergeReport& report) {
   }
   page += "<h2>Curves</h2>\n" + Svg(Plots(report));
   page += "<p>Whiskers: 95 % confidence intervals of the mean error.</p>\n";
-  page += fmt::format("<h2>Figures</h2>\n<pre>{}</pre>\n", EscapeXml(Table(report)));
+  page += fmt::format("<h2>Figures</h2>\n<p>{}</p>\n{}<p>{}.</p>\n{}",
+                      EscapeXml(Introduction(report)), HtmlTable(BudgetTable(report)),
+                      EscapeXml(TargetText(report)), HtmlTable(TargetTable(report)));
 
   const double full_scale = FullScale(report);
   page += "<h2>Pictures</h2>\n";

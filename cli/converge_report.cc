@@ -10,45 +10,10 @@
 namespace skywave {
 namespace {
 
-// A crossing as a bound where it is one.
-std::string TimeText(const Crossing& time) {
-  constexpr const char* kSigns[] = {"", "<= ", "> "};
-  return fmt::format("{}{:.4g}", kSigns[time.kind], time.x);
-}
-
 std::string_view KindText(const Crossing& time) {
   constexpr std::string_view kNames[] = {"inside", "before", "beyond"};
   return kNames[time.kind];
 }
-
-std::string IntervalText(const Interval& interval) {
-  if (std::isnan(interval.low) || std::isnan(interval.high)) return "-";
-  return fmt::format("{:.3g} to {:.3g}", interval.low, interval.high);
-}
-
-// Ends that lie outside of the curve are no numbers.
-std::string TimeIntervalText(const Interval& interval) {
-  const auto end = [](double value) {
-    if (value == 0) return std::string("before");
-    return std::isinf(value) ? std::string("beyond") : fmt::format("{:.3g}", value);
-  };
-  if (std::isnan(interval.low) || std::isnan(interval.high)) return "-";
-  if (interval.low == interval.high) return end(interval.low);
-  return end(interval.low) + " to " + end(interval.high);
-}
-
-std::string NumberText(double value) {
-  return std::isnan(value) ? "-" : fmt::format("{:.3g}", value);
-}
-
-std::string BiasText(const Rung& rung) {
-  const ErrorSplit& split = rung.split;
-  if (!split.biased()) return "none found";
-  return fmt::format("{:.3g} = {:.2g} x variance", split.squared_bias,
-                     split.squared_bias / split.variance);
-}
-
-double VarianceSeconds(const Rung& rung) { return rung.split.variance * Median(rung.seconds()); }
 
 // Infinity and NaN, which JSON does not have, become null.
 nlohmann::ordered_json JsonInterval(const Interval& interval) {
@@ -71,7 +36,7 @@ nlohmann::ordered_json JsonRung(const Rung& rung, ErrorMeasure measure) {
       {"biased", rung.split.biased()},
       {"variance", rung.split.variance},
       {"squared_bias_over_variance", rung.split.squared_bias / rung.split.variance},
-      {"variance_seconds", VarianceSeconds(rung)}};
+      {"variance_seconds", rung.split.variance * Median(rung.seconds())}};
   for (const MeasuredRun& run : rung.runs) {
     json["runs"].push_back({{"seed", run.seed},
                             {"seconds", run.seconds},
@@ -135,48 +100,6 @@ std::vector<std::string> FindWarnings(const ConvergeReport& report) {
         ToString(measure), *noise, smallest));
   }
   return warnings;
-}
-
-std::string Table(const ConvergeReport& report) {
-  const ErrorMeasure measure = report.settings.measure;
-  const std::string error(ToString(measure));
-  std::size_t name = 8;
-  for (const Contestant& c : report.contestants) name = std::max(name, c.specification.size());
-  std::string text;
-  const auto line = [&]<class... T>(fmt::format_string<T...> format, T&&... values) {
-    text += fmt::format(format, std::forward<T>(values)...) + "\n";
-  };
-  const auto noise = report.reference.noise(measure);
-  line("reference: {}, {}, own {} {}", report.reference_source,
-       report.reference_samples > 0 ? fmt::format("{} samples a pixel", report.reference_samples)
-                                    : "samples unknown",
-       error, noise ? fmt::format("{:.3g}", *noise) : "unknown");
-  line("medians of the time and means of the error of {} runs; 95 % intervals\n",
-       report.settings.repeats);
-  line("{:<{}}  {:>7} {:>10} {:>12}  {:<22} {:>10} {:>10}  {}", "strategy", name, "spp", "time [s]",
-       error, "interval", "variance", "var x time", "squared bias");
-  for (const Contestant& contestant : report.contestants) {
-    for (const Rung& rung : contestant.ladder) {
-      const std::vector<double> errors = rung.errors(measure);
-      line("{:<{}}  {:>7} {:>10.4g} {:>12.3g}  {:<22} {:>10.3g} {:>10.3g}  {}",
-           contestant.specification, name, rung.samples_per_pixel, Median(rung.seconds()),
-           Mean(errors), IntervalText(MeanInterval(errors)), rung.split.variance,
-           VarianceSeconds(rung), BiasText(rung));
-    }
-  }
-  line("\ntime to {} {:.3g}{}", error, report.summary.target,
-       report.summary.from_first ? " (the first strategy's at its largest budget)" : "");
-  line("{:<{}}  {:>10} {:>12}  {:<22} {:>9}  {:<22} {}", "strategy", name, "tables [s]", "time [s]",
-       "interval", "speed-up", "interval", "in expectation");
-  for (std::size_t i = 0; i < report.contestants.size(); ++i) {
-    const Contestant& contestant = report.contestants[i];
-    const TimeToTarget& time = report.summary.times[i];
-    line("{:<{}}  {:>10.4g} {:>12}  {:<22} {:>9}  {:<22} {}", contestant.specification, name,
-         contestant.table_seconds, TimeText(time.time), TimeIntervalText(time.interval),
-         NumberText(time.speed_up), IntervalText(time.speed_up_interval),
-         contestant.strategy->unbiased() ? "exact" : "biased");
-  }
-  return text;
 }
 
 nlohmann::ordered_json Json(const ConvergeReport& report) {

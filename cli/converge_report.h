@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,13 @@ struct ConvergeReport {
 // What a reader of the figures has to know before believing them, one line each.
 std::vector<std::string> FindWarnings(const ConvergeReport& report);
 
-std::string Table(const ConvergeReport& report);
+// Rows of cells; the first row is the heading.
+using TextTable = std::vector<std::vector<std::string>>;
+std::string Introduction(const ConvergeReport& report);
+TextTable BudgetTable(const ConvergeReport& report);  // a row for every strategy and budget
+std::string TargetText(const ConvergeReport& report);
+TextTable TargetTable(const ConvergeReport& report);  // a row for every strategy
+std::string Text(const TextTable& table);             // columns aligned by spaces
 // Keys: docs/converge.md.
 nlohmann::ordered_json Json(const ConvergeReport& report);
 // Error against time, and error against samples.

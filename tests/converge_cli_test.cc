@@ -138,6 +138,7 @@ TEST_F(Converge, WritesCurvesAndAPageThatNeedsNothingElse) {
   EXPECT_TRUE(IsWellFormedXml(svg));
   EXPECT_TRUE(Contains(svg, "hybrid:lights=8,inside=1"));
   EXPECT_TRUE(Contains(page, "<svg")) << page.substr(0, 500);
+  EXPECT_TRUE(Contains(page, "<td>hybrid:lights=8,inside=1</td><td>4</td>"));
   std::size_t pictures = 0;
   for (std::size_t at = page.find("data:image/png;base64,iVBORw0KGgo"); at != std::string::npos;
        at = page.find("data:image/png;base64,iVBORw0KGgo", at + 1)) {
