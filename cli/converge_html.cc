@@ -9,9 +9,10 @@ namespace skywave {
 namespace {
 
 constexpr std::string_view kStyle =
-    "body{font:15px/1.45 sans-serif;max-width:940px;margin:24px auto;padding:0 16px;color:#202020}"
+    "body{font:15px/1.45 sans-serif;max-width:1060px;margin:24px auto;padding:0 16px;color:#202020}"
     "h1{font-size:24px}h2{font-size:19px;margin-top:34px}"
-    ".wide{overflow-x:auto}table{border-collapse:collapse;font-size:13px}"
+    ".wide{overflow-x:auto}.lines{white-space:pre-line}table{border-collapse:collapse;font-size:"
+    "13px}"
     "th,td{padding:3px 8px;text-align:left;white-space:nowrap;border-bottom:1px solid #d8d8d8}"
     "svg{max-width:100%;height:auto}"
     ".pair{display:flex;gap:12px}.pair img{width:calc(50% - 6px);height:auto}"
@@ -92,7 +93,7 @@ std::string Html(const ConvergeReport& report) {
   }
   page += "<h2>Curves</h2>\n" + Svg(Plots(report));
   page += "<p>Whiskers: 95 % confidence intervals of the mean error.</p>\n";
-  page += fmt::format("<h2>Figures</h2>\n<p>{}</p>\n{}<p>{}.</p>\n{}",
+  page += fmt::format("<h2>Figures</h2>\n<p class=\"lines\">{}</p>\n{}<p>{}.</p>\n{}",
                       EscapeXml(Introduction(report)), HtmlTable(BudgetTable(report)),
                       EscapeXml(TargetText(report)), HtmlTable(TargetTable(report)));
 
