@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -19,6 +20,11 @@ namespace skywave {
 namespace {
 
 constexpr std::uint32_t kMaxSamples = 1 << 24;
+
+// Samples a pixel whose light samples are still points of its sequence (see RenderJob).
+std::uint32_t MostSamples(const RenderOptions& options) {
+  return std::min(kMaxSamples, std::numeric_limits<std::uint32_t>::max() / options.light_samples);
+}
 
 struct ConvergeFlags {
   JobRequest request;
@@ -46,7 +52,11 @@ void CheckOutputs(const ConvergeFlags& flags) {
     }
   }
   for (const std::string& path : {flags.save_reference, flags.json, flags.plot, flags.html}) {
-    if (!path.empty()) CheckWritable(path);
+    if (path.empty()) continue;
+    CheckNotInput(path, flags.request.scene);
+    CheckNotInput(path, flags.request.environment.path);
+    CheckNotInput(path, flags.reference);
+    CheckWritable(path);
   }
 }
 
@@ -75,9 +85,9 @@ std::vector<Contestant> MakeContestants(const ConvergeFlags& flags, const Render
     contestants.push_back(MakeContestant(job, strategy));
   }
   for (Contestant& contestant : contestants) {
-    for (std::uint32_t samples : flags.seconds > 0
-                                     ? LadderForTime(job, contestant, flags.seconds, kMaxSamples)
-                                     : flags.budgets) {
+    for (std::uint32_t samples : flags.seconds > 0 ? LadderForTime(job, contestant, flags.seconds,
+                                                                   MostSamples(job.options()))
+                                                   : flags.budgets) {
       contestant.ladder.push_back({.samples_per_pixel = samples, .runs = {}, .split = {}});
     }
     if (flags.seconds == 0) WarmUp(job, contestant);
@@ -101,7 +111,8 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
     largest = std::max<std::uint64_t>(largest, contestant.ladder.back().samples_per_pixel);
   }
   const std::uint64_t wanted = flags.reference_samples > 0 ? flags.reference_samples : 16 * largest;
-  const auto half = std::uint32_t(std::min<std::uint64_t>((wanted + 1) / 2, kMaxSamples));
+  const auto half =
+      std::uint32_t(std::min<std::uint64_t>((wanted + 1) / 2, MostSamples(job.options())));
   report.reference_samples = 2 * half;
   const RenderOptions& options = job.options();
   if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
@@ -143,6 +154,13 @@ int ConvergeMain(ConvergeFlags& flags) {
   const RenderJob job(flags.request);
   if (!flags.quiet) {
     for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
+  }
+  if (flags.budgets.back() > MostSamples(job.options())) {
+    throw InputError(InputPosition::File("--budgets"),
+                     fmt::format("{} samples a pixel with {} light samples each are more than the "
+                                 "2^32 points of a pixel's sequence",
+                                 flags.budgets.back(), job.options().light_samples),
+                     kExitUsage);
   }
   ConvergeReport report;
   report.job = &job;
