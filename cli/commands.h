@@ -12,6 +12,7 @@ using Run = std::function<int()>;
 void AddRenderCommand(CLI::App& program, Run& run);
 void AddCompareCommand(CLI::App& program, Run& run);
 void AddStrategiesCommand(CLI::App& program, Run& run);
+void AddConvergeCommand(CLI::App& program, Run& run);
 void AddBenchCommand(CLI::App& program, Run& run);
 void AddProbeCommand(CLI::App& program, Run& run);
 

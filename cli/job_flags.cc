@@ -38,7 +38,8 @@ bool ParseSize(const std::string& text, int& width, int& height) {
   return w.ec == std::errc() && w.ptr == middle && h.ec == std::errc() && h.ptr == end;
 }
 
-// `text` as one word of a shell command.
+}  // namespace
+
 std::string Quoted(const std::string& text) {
   const auto plain = [](unsigned char c) {
     return std::isalnum(c) != 0 || std::strchr("_-+=:,./", c) != nullptr;
@@ -48,8 +49,6 @@ std::string Quoted(const std::string& text) {
   for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
 }
-
-}  // namespace
 
 CLI::Validator FiniteNumber(double low, double high) {
   return CLI::Validator(
@@ -131,8 +130,8 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--embree-config", r.embree_config, "for rtcNewDevice, for example isa=avx2");
 }
 
-std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
-  std::string text = "skywave render " + Quoted(r.scene);
+std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
+  std::string text = Quoted(r.scene);
   const EnvironmentRequest& e = r.environment;
   if (!e.path.empty()) text += " --env " + Quoted(e.path);
   if (e.projection) {
@@ -142,8 +141,7 @@ std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
   if (e.intensity != 1) text += fmt::format(" --env-intensity {}", e.intensity);
   if (e.up_axis) text += fmt::format(" --env-up {}", *e.up_axis);
   if (e.limits.trust_input) text += " --trust-input";
-  text += fmt::format(" --strategy {} --size {}x{} --spp {} --integrator {}", Quoted(r.strategy),
-                      o.width, o.height, o.samples_per_pixel, ToString(o.integrator));
+  text += fmt::format(" --size {}x{} --integrator {}", o.width, o.height, ToString(o.integrator));
   if (o.integrator == Integrator::kDirect) {
     text += fmt::format(" --light-samples {}", o.light_samples);
   }
@@ -152,6 +150,11 @@ std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
   if (!o.mis) text += " --no-mis";
   if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);
   return text;
+}
+
+std::string RepeatCommand(const JobRequest& request, const RenderOptions& options) {
+  return fmt::format("skywave render {} --strategy {} --spp {}", SceneFlags(request, options),
+                     Quoted(request.strategy), options.samples_per_pixel);
 }
 
 }  // namespace skywave

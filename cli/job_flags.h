@@ -14,6 +14,12 @@ CLI::Validator FiniteNumber(double low, double high);
 // Adds the flags to `command`; they write to `request`, which must outlive the parse.
 void AddJobFlags(CLI::App& command, JobRequest& request);
 
+// `text` as one word of a shell command.
+std::string Quoted(const std::string& text);
+
+// The scene and those flags that decide the pixels, but for strategy and samples.
+std::string SceneFlags(const JobRequest& request, const RenderOptions& options);
+
 // The command that renders the same picture again: what decides the pixels and nothing else.
 std::string RepeatCommand(const JobRequest& request, const RenderOptions& options);
 

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   skywave::AddRenderCommand(program, run);
   skywave::AddCompareCommand(program, run);
   skywave::AddStrategiesCommand(program, run);
+  skywave::AddConvergeCommand(program, run);
   skywave::AddBenchCommand(program, run);
   skywave::AddProbeCommand(program, run);
   try {

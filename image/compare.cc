@@ -11,9 +11,6 @@
 namespace skywave {
 namespace {
 
-// Keeps the relative measures finite where the reference is black [radiance, radiance^2].
-constexpr double kDarkest = 0.01;
-
 void RequireSameSize(const Image& image, const Image& reference) {
   if (image.width == reference.width && image.height == reference.height) return;
   const auto size = [](const Image& i) {
@@ -62,7 +59,7 @@ ImageDifference Compare(const Image& image, const Image& reference) {
         const double d = Difference(a[c], b[c]);
         absolute[c] = std::abs(d);
         result.mse += d * d;
-        result.relative_mse += d == 0 ? 0 : d * d / (double(b[c]) * b[c] + kDarkest);
+        result.relative_mse += d == 0 ? 0 : d * d / (double(b[c]) * b[c] + kRelativeFloor);
         const double encoded = SrgbFromLinear(a[c]) - SrgbFromLinear(b[c]);
         encoded_squares += encoded * encoded;
         const double largest =
@@ -104,7 +101,7 @@ std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference, d
       difference += std::abs(Difference(image.rgb[c], reference.rgb[c])) / 3;
       level += std::abs(double(reference.rgb[c])) / 3;
     }
-    const double error = difference == 0 ? 0 : difference / (level + kDarkest) / full_scale;
+    const double error = difference == 0 ? 0 : difference / (level + kRelativeFloor) / full_scale;
     WriteRampColor(std::isnan(error) ? 1 : error, &map[i]);
   }
   return map;

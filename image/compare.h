@@ -5,6 +5,9 @@
 
 namespace skywave {
 
+// Keeps the relative measures finite where the reference is black [radiance, radiance^2].
+inline constexpr double kRelativeFloor = 0.01;
+
 // dr, dg, db are the differences image - reference of one pixel, d any one of them. Channels whose
 // bits are equal differ by 0, even where they are NaN or infinite; any other NaN makes the means
 // NaN.
@@ -12,7 +15,8 @@ struct ImageDifference {
   double mean_a = 0, mean_b = 0;  // mean luminance of image and reference
   double mse = 0;                 // mean over pixels of (dr^2 + dg^2 + db^2) / 3
   double rmse = 0;                // sqrt(mse)
-  double relative_mse = 0;   // mean over pixels and channels of d^2 / (b^2 + 0.01), b the reference
+  // mean over pixels and channels of d^2 / (b^2 + kRelativeFloor), b the reference
+  double relative_mse = 0;
   double mean_absolute = 0;  // mean over pixels and channels of |d|
   // [dB] 10 log10(1 / mse) of both pictures clipped to [0, 1] and sRGB-coded, not rounded to 8 bit;
   // infinite when these are equal.
@@ -31,7 +35,8 @@ struct ImageDifference {
 ImageDifference Compare(const Image& image, const Image& reference);
 
 // False-colour map of the relative error per pixel, 8-bit RGB, rows from the top: the mean |d| of
-// the channels over the mean |b| + 0.01, from 0 (dark) to `full_scale` and above (bright).
+// the channels over the mean |b| + kRelativeFloor, from 0 (dark) to `full_scale` and above
+// (bright).
 std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference,
                                    double full_scale = 1.0);
 

@@ -63,7 +63,8 @@ struct ToneMapping {
 };
 // width * height * 3 bytes, rows from the top, rounded to the nearest; NaN is black.
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
-// 8-bit RGB PNG. Identical input gives identical bytes.
+// 8-bit RGB PNG, its bytes or a file of them. Identical input gives identical bytes.
+std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb);
 void WritePng(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb);
 
 // Pixels that are no radiance, by kind.

@@ -10,8 +10,7 @@ namespace skywave {
 
 // libpng's simplified interface: it reports errors by return value instead of longjmp, marks the
 // picture as sRGB and writes no time stamp.
-void WritePng(const std::string& path, int width, int height,
-              const std::vector<std::uint8_t>& rgb) {
+std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb) {
   assert(rgb.size() == std::size_t(width) * height * 3);
   png_image png = {};
   png.version = PNG_IMAGE_VERSION;
@@ -24,11 +23,16 @@ void WritePng(const std::string& path, int width, int height,
   constexpr int kRowsArePacked = 0;
   if (!png_image_write_to_memory(&png, bytes.data(), &size, kNotFrom16Bit, rgb.data(),
                                  kRowsArePacked, nullptr)) {
-    throw InputError(InputPosition::File(path),
-                     std::string("cannot be written as PNG: ") + png.message, kExitIo);
+    throw InputError(InputPosition::File("PNG"),
+                     std::string("the picture cannot be encoded: ") + png.message, kExitIo);
   }
   bytes.resize(size);
-  WriteFileAtomically(path, bytes);
+  return bytes;
+}
+
+void WritePng(const std::string& path, int width, int height,
+              const std::vector<std::uint8_t>& rgb) {
+  WriteFileAtomically(path, EncodePng(width, height, rgb));
 }
 
 }  // namespace skywave

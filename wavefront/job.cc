@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 
 #include "base/error.h"
@@ -81,6 +82,24 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
   }
 }
 
+// Runs `work` with as many threads as the user allows.
+template <class Work>
+void RunOnThreads(int threads, const Work& work) {
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute(work);
+}
+
+std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification,
+                                                const EnvironmentMap& map,
+                                                const RenderOptions& options) {
+  std::unique_ptr<EnvStrategy> strategy = MakeStrategy(specification, map);
+  if (!options.mis && !strategy->complete()) {
+    throw InputError(InputPosition::File("--strategy " + specification),
+                     "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
+  }
+  return strategy;
+}
+
 std::array<float, 9> Rows(const glm::mat3& columns) {
   std::array<float, 9> rows;
   for (int i = 0; i < 9; ++i) rows[std::size_t(i)] = columns[i / 3][i % 3];
@@ -101,9 +120,7 @@ RenderJob::RenderJob(Scene scene, const JobRequest& request) {
 }
 
 void RenderJob::BuildOnThreads(Scene scene, const JobRequest& request) {
-  const int threads = request.options.threads;
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] { Build(std::move(scene), request); });
+  RunOnThreads(request.options.threads, [&] { Build(std::move(scene), request); });
 }
 
 void RenderJob::Build(Scene scene, const JobRequest& request) {
@@ -165,15 +182,12 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
-  const EnvironmentMap map = {.latlong = std::move(*scene.environments[0].map),
-                              .map_from_world = Rows(scene.environments[0].world_from_map)};
+  EnvironmentMap map = {.latlong = std::move(*scene.environments[0].map),
+                        .map_from_world = Rows(scene.environments[0].world_from_map)};
   const auto tables_start = Clock::now();
-  strategy_ = MakeStrategy(request.strategy, map);
+  strategy_ = MakeUsableStrategy(request.strategy, map, options_);
   times_.tables = SecondsSince(tables_start);
-  if (!options_.mis && !strategy_->complete()) {
-    throw InputError(InputPosition::File("--strategy " + request.strategy),
-                     "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
-  }
+  if (request.keep_map) map_ = std::move(map);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   camera_ = MakeCameraView(*scene.camera, options_.width, options_.height, filter_offsets_.data());
 }
@@ -187,6 +201,14 @@ FrameView RenderJob::frame() const {
                      .closest = options_.backend,
                      .occlusion = options_.backend,
                      .recorder = nullptr}};
+}
+
+std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification) const {
+  assert(map_);
+  std::unique_ptr<EnvStrategy> strategy;
+  RunOnThreads(options_.threads,
+               [&] { strategy = MakeUsableStrategy(specification, *map_, options_); });
+  return strategy;
 }
 
 Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }

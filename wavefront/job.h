@@ -33,6 +33,7 @@ struct JobRequest {
   std::string scene;  // file or built-in scene
   EnvironmentRequest environment;
   std::string strategy = "importance";
+  bool keep_map = false;  // for RenderJob::MakeOtherStrategy
   std::string embree_config;
   std::optional<int> width, height;
   std::optional<Integrator> integrator;
@@ -53,6 +54,9 @@ class RenderJob {
   RenderJob(Scene scene, const JobRequest& request);
 
   FrameView frame() const;
+  // A strategy for the same map, to be put into a frame in place of the job's own. Only of a job
+  // that was asked to keep its map; throws InputError like the constructor.
+  std::unique_ptr<EnvStrategy> MakeOtherStrategy(const std::string& specification) const;
   Film MakeFilm() const;
   const RenderOptions& options() const { return options_; }
   const Geometry& geometry() const { return *geometry_; }
@@ -68,6 +72,7 @@ class RenderJob {
 
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
+  std::optional<EnvironmentMap> map_;
   std::unique_ptr<EnvStrategy> strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;

@@ -1,0 +1,70 @@
+// What is noise in an error and what is bias, from repeated renders with independent seeds.
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "image/compare.h"
+#include "image/image.h"
+
+namespace skywave {
+
+// The measure that curves, targets and bias are in. See ImageDifference.
+enum class ErrorMeasure { kMse, kRelativeMse };
+std::optional<ErrorMeasure> ParseErrorMeasure(std::string_view name);
+std::string_view ToString(ErrorMeasure measure);  // "mse", "relative_mse"
+double Value(const ImageDifference& difference, ErrorMeasure measure);
+
+// The picture that errors are measured against.
+struct Reference {
+  Image image;
+  // Half the difference of the two independent halves that `image` is the mean of; empty if only
+  // the mean is known. Its square is, on average, the variance of `image`.
+  Image half_difference;
+  // The error of `image` itself against the exact picture; unset: unknown.
+  std::optional<double> mse, relative_mse;
+
+  std::optional<double> noise(ErrorMeasure measure) const {
+    return measure == ErrorMeasure::kMse ? mse : relative_mse;
+  }
+};
+
+// The reference of two pictures of the same size with the same expectation, equally noisy and
+// independent of each other.
+Reference MakeReference(const Image& first_half, const Image& second_half);
+
+// Mean and variance of every channel of every pixel over the pictures added (Welford).
+class PictureMoments {
+ public:
+  PictureMoments(int width, int height);
+  void Add(const Image& picture);
+
+  int count() const { return count_; }
+  double mean(std::size_t channel) const { return mean_[channel]; }
+  // Of one picture, not of the mean. Needs two pictures.
+  double variance(std::size_t channel) const { return squares_[channel] / (count_ - 1); }
+
+ private:
+  int count_ = 0;
+  std::vector<double> mean_, squares_;
+};
+
+// The expected error of one render is squared_bias + variance.
+struct ErrorSplit {
+  // Unbiased estimate, so it may come out negative where there is no bias: the error of the mean of
+  // all pictures, less what variance leaves in a mean of so many, less the noise of the reference.
+  double squared_bias = 0;
+  double squared_bias_error = 0;  // its standard error, from the spread over pixels
+  double variance = 0;
+
+  // Beyond three standard errors; chance alone gets there about once in 700 times.
+  bool biased() const { return squared_bias > 3 * squared_bias_error; }
+};
+
+// Needs two pictures or more, independent of each other and of the reference. Where the noise of
+// the reference is unknown it counts as bias.
+ErrorSplit SplitError(const PictureMoments& pictures, const Reference& reference,
+                      ErrorMeasure measure);
+
+}  // namespace skywave

@@ -1,0 +1,71 @@
+#include "measure/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace skywave {
+
+double Mean(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
+double SampleVariance(std::span<const double> values) {
+  const double mean = Mean(values);
+  double squares = 0;
+  for (double value : values) squares += (value - mean) * (value - mean);
+  return squares / double(values.size() - 1);
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double Quantile(std::span<const double> sorted, double p) {
+  const double at = p * double(sorted.size() - 1);
+  const auto left = std::size_t(at);
+  if (left + 1 >= sorted.size() || at == double(left)) return sorted[left];
+  return sorted[left] + (at - double(left)) * (sorted[left + 1] - sorted[left]);
+}
+
+double StudentQuantile(int degrees) {
+  constexpr double kTable[] = {12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060,
+                               2.2622,  2.2281, 2.2010, 2.1788, 2.1604, 2.1448, 2.1314, 2.1199,
+                               2.1098,  2.1009, 2.0930, 2.0860, 2.0796, 2.0739, 2.0687, 2.0639,
+                               2.0595,  2.0555, 2.0518, 2.0484, 2.0452, 2.0423};
+  if (degrees <= int(std::size(kTable))) return kTable[degrees - 1];
+  // First terms of the expansion about the normal quantile (Abramowitz and Stegun 26.7.5).
+  constexpr double z = 1.959964;
+  const double n = degrees;
+  return z + (z * z * z + z) / (4 * n) +
+         (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * n * n);
+}
+
+Interval MeanInterval(std::span<const double> values) {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  if (values.size() < 2) return {kUnknown, kUnknown};
+  const double mean = Mean(values);
+  if (mean == 0) return {0, 0};
+  // The standard error of log(mean), to first order.
+  const double relative = std::sqrt(SampleVariance(values) / double(values.size())) / mean;
+  const double reach = StudentQuantile(int(values.size()) - 1) * relative;
+  return {mean * std::exp(-reach), mean * std::exp(reach)};
+}
+
+Crossing FindCrossing(std::span<const CurvePoint> curve, double level) {
+  // From the end: noise may lift a curve above the level again, and only what stays below counts.
+  std::size_t first = curve.size();
+  while (first > 0 && curve[first - 1].y <= level) --first;
+  if (first == curve.size()) return {Crossing::kBeyond, curve.back().x};
+  if (first == 0) return {Crossing::kBefore, curve.front().x};
+  const CurvePoint a = curve[first - 1], b = curve[first];
+  // A curve that comes down to 0 has no place on a logarithmic scale.
+  if (!(b.y > 0)) return {Crossing::kInside, b.x};
+  const double along = std::log(level / a.y) / std::log(b.y / a.y);
+  return {Crossing::kInside, a.x * std::pow(b.x / a.x, along)};
+}
+
+}  // namespace skywave
