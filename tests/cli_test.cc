@@ -53,7 +53,13 @@ class Cli : public Program {
     Put("range.ply", Ply(kVertices, "3 0 1 3"));
     Put("nan.ply", Ply("0 0 0\n1 nan 0\n0 1 0\n", "3 0 1 2"));
     Put("far.ply", Ply("0 0 0\n1 3e38 0\n0 1 0\n", "3 0 1 2"));
-    Put("scene.obj", "v 0 0 0\n");
+    Put("scene.blend", "BLENDER");
+    const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    Put("good.obj", corners + "f 1 2 3\n");
+    Put("empty.obj", corners);
+    Put("range.obj", corners + "f 1 2 4\n");
+    Put("nan.obj", corners + "v 1 nan 1\nf 1 2 3\n");
+    Put("library.obj", "mtllib nosuch.mtl\n" + corners + "f 1 2 3\n");
     WriteExr(Path("map.exr"), Map(1));
     Put("cut.exr", Bytes("map.exr").substr(0, Bytes("map.exr").size() - 40));
     Put("text.exr", "not a picture");
@@ -118,7 +124,12 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       // Scenes
       {"render nosuch.pbrt", kExitBadInput, {"nosuch.pbrt", "no such file", "gallery"}},
       {"render galery", kExitBadInput, {"galery", "gallery, spheres"}},
-      {"render scene.obj", kExitBadInput, {"scene.obj", ".pbrt or .ply"}},
+      {"render scene.blend", kExitBadInput, {"scene.blend", ".pbrt, .obj or .ply"}},
+      {"render good.obj", kExitBadInput, {"good.obj", "no light", "--env"}},
+      {"render empty.obj --env map.exr", kExitBadInput, {"empty.obj", "no triangle"}},
+      {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "index 4"}},
+      {"render nan.obj --env map.exr", kExitBadInput, {"nan.obj:4: ", "nan"}},
+      {"render library.obj --env map.exr", kExitIo, {"library.obj:1: ", "nosuch.mtl"}},
       {"render folder", kExitBadInput, {"folder"}},
       {"render unknown.pbrt", kExitBadInput, {"unknown.pbrt:3: ", "Frobnicate"}},
       {"render empty.pbrt", kExitBadInput, {"empty.pbrt", "no triangle"}},
