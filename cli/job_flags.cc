@@ -65,7 +65,7 @@ CLI::Validator FiniteNumber(double low, double high) {
 
 void AddJobFlags(CLI::App& command, JobRequest& r) {
   RenderOptions& o = r.options;
-  command.add_option("scene", r.scene, "pbrt or PLY file, or a built-in scene")->required();
+  command.add_option("scene", r.scene, "pbrt, OBJ or PLY file, or a built-in scene")->required();
 
   const auto light = "Light";
   command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")
@@ -79,8 +79,9 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
       ->type_name("DEGREES");
   command.add_option("--env-intensity", r.environment.intensity, "factor of its radiance")
       ->check(FiniteNumber(0, 1e12));
-  AddParsed(command, "--env-up", "up axis of map and automatic camera (default: the scene's)",
-            "x|y|z", r.environment.up_axis, [](const std::string& t) -> std::optional<char> {
+  AddParsed(command, "--env-up",
+            "up axis of map, ground and automatic camera (default: the scene's)", "x|y|z",
+            r.environment.up_axis, [](const std::string& t) -> std::optional<char> {
               if (t == "x" || t == "y" || t == "z") return t[0];
               return std::nullopt;
             });
@@ -90,6 +91,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_flag("--trust-input", r.environment.limits.trust_input,
                    "also decode EXR features with known holes in Debian's OpenEXR");
 
+  command.add_flag("--ground", r.ground, "put a grey plane under the scene");
   command
       .add_option_function<std::string>(
           "--size",
@@ -142,6 +144,7 @@ std::string RepeatCommand(const JobRequest& r, const RenderOptions& o) {
   if (e.intensity != 1) text += fmt::format(" --env-intensity {}", e.intensity);
   if (e.up_axis) text += fmt::format(" --env-up {}", *e.up_axis);
   if (e.limits.trust_input) text += " --trust-input";
+  if (r.ground) text += " --ground";
   text += fmt::format(" --strategy {} --size {}x{} --spp {} --integrator {}", Quoted(r.strategy),
                       o.width, o.height, o.samples_per_pixel, ToString(o.integrator));
   if (o.integrator == Integrator::kDirect) {

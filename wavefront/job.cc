@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "lights/projections.h"
+#include "scene/ground.h"
 #include "scene/reader.h"
 
 namespace skywave {
@@ -113,9 +114,13 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   LoadMap(light, request.environment, notes_);
   times_.load += SecondsSince(load_start);
 
-  if (!scene.camera) {
-    scene.camera = FrameBounds(SceneBounds(scene, request.scene), scene.up_axis, scene.left_handed);
-    notes_.push_back(request.scene + ": has no camera; one that sees the whole scene is used");
+  if (!scene.camera || request.ground) {
+    const Bounds bounds = SceneBounds(scene, request.scene);
+    if (!scene.camera) {
+      scene.camera = FrameBounds(bounds, scene.up_axis, scene.left_handed);
+      notes_.push_back(request.scene + ": has no camera; one that sees the whole scene is used");
+    }
+    if (request.ground) AddGround(scene, bounds);
   }
   geometry_ =
       std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);

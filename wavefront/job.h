@@ -27,7 +27,8 @@ struct EnvironmentRequest {
 
 // What the user asked for; unset values come from the scene, then from RenderOptions.
 struct JobRequest {
-  std::string scene;  // file or built-in scene
+  std::string scene;    // file or built-in scene
+  bool ground = false;  // a plane under the scene
   EnvironmentRequest environment;
   std::string strategy = "importance";
   std::string embree_config;
