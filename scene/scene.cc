@@ -63,6 +63,33 @@ Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed) {
   return LookAtCamera(centre - distance * forward, centre, frame[2], kFovDegrees, left_handed);
 }
 
+Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, char up_axis,
+                bool left_handed) {
+  Camera other = camera;
+  other.kind = kind;
+  if (camera.kind != CameraKind::kPerspective) return other;
+  const glm::vec3 eye(camera.world_from_camera[3]);
+  const glm::vec3 forward = glm::normalize(glm::vec3(camera.world_from_camera[2]));
+  if (kind == CameraKind::kOrthographic) {
+    const float distance = std::abs(glm::dot(0.5f * (bounds.low + bounds.high) - eye, forward));
+    const float scale = std::tan(glm::radians(0.5f * camera.fov_degrees)) * distance;
+    if (scale > 0) {
+      other.world_from_camera[0] *= scale;
+      other.world_from_camera[1] *= scale;
+      // The lens has its radius in camera space, as before.
+      other.lens_radius /= scale;
+    }
+  } else if (kind != CameraKind::kPerspective) {
+    const glm::vec3 up = EnvironmentFrame(up_axis, left_handed, 0)[2];
+    const glm::vec3 level = forward - up * glm::dot(forward, up);
+    if (glm::length(level) > 1e-4f) {
+      other.world_from_camera =
+          LookAtCamera(eye, eye + level, up, camera.fov_degrees, left_handed).world_from_camera;
+    }
+  }
+  return other;
+}
+
 glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degrees) {
   const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   glm::mat3 frame = up_axis == 'z'   ? glm::mat3(x, y, z)

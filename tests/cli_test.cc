@@ -185,6 +185,16 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --env-rotate inf", kExitUsage, {"--env-rotate", "inf"}},
       {"render scene.pbrt --env-intensity nan", kExitUsage, {"--env-intensity", "nan"}},
       {"render scene.pbrt --env-projection flat", kExitUsage, {"--env-projection", "latlong"}},
+      {"render scene.pbrt --camera fisheye", kExitUsage, {"--camera", "fisheye", "orthographic"}},
+      {"render scene.pbrt --eye 1,2", kExitUsage, {"--eye", "1,2", "X,Y,Z"}},
+      {"render scene.pbrt --eye 1,2,nan", kExitUsage, {"--eye", "X,Y,Z"}},
+      {"render scene.pbrt --eye 1,2,3 --target 1,2,3", kExitUsage, {"--target", "look"}},
+      {"render scene.pbrt --fov 180", kExitUsage, {"--fov", "180"}},
+      {"render scene.pbrt --lens-radius -1", kExitUsage, {"--lens-radius"}},
+      {"render scene.pbrt --focal-distance 0", kExitUsage, {"--focal-distance"}},
+      {"render scene.pbrt --crop 2x2", kExitUsage, {"--crop", "WxH+X+Y"}},
+      {"render scene.pbrt --crop 2x2+3+0", kExitBadInput, {"2x2+3+0", "4 x 3"}},
+      {"render scene.pbrt --crop 0x1+0+0", kExitBadInput, {"0x1+0+0"}},
       {"render scene.pbrt --exposure nan", kExitUsage, {"--exposure", "nan"}},
       {"render scene.pbrt --tone rosy", kExitUsage, {"--tone", "filmic"}},
       {"render scene.pbrt --strategy best", kExitUsage, {"best", "importance"}},
@@ -302,6 +312,9 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
       "render scene.pbrt --env \"my maps/sky's.exr\" --env-projection latlong --size 7x7 --spp 2 "
       "--filter gaussian --filter-radius 0.7 --max-depth 2 --embree-config isa=sse2 "
       "--strategy importance:compensate=1 --backend single",
+      "render good.ply --env map.exr --ground --size 12x9 --crop 7x5+2+3 --spp 2 --eye=-1.5,2,3 "
+      "--fov 31.5 --lens-radius 0.1 --focal-distance 2.25",
+      "render good.ply --env map.exr --size 8x4 --spp 2 --camera latlong --target 0.1,0.2,-0.3",
   };
   for (const std::string& command : commands) {
     SCOPED_TRACE(command);
@@ -319,6 +332,43 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
     EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
     EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
   }
+}
+
+// A part of the film has the pixels that the whole has there, to the last bit.
+TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
+  for (const std::string camera : {"perspective --lens-radius 0.2", "orthographic", "latlong"}) {
+    const std::string common =
+        "render good.ply --env map.exr --ground --size 12x9 --spp 4 -q "
+        "--camera " +
+        camera;
+    ASSERT_EQ(Run(common + " -o whole.exr").exit_code, 0);
+    ASSERT_EQ(Run(common + " --crop 7x5+2+3 -o part.exr").exit_code, 0);
+    const Image whole = ReadImage(Path("whole.exr")), part = ReadImage(Path("part.exr"));
+    ASSERT_EQ(part.width, 7);
+    ASSERT_EQ(part.height, 5);
+    for (int y = 0; y < 5; ++y) {
+      for (int x = 0; x < 7; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_EQ(part.Pixel(x, y)[c], whole.Pixel(x + 2, y + 3)[c]) << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Cli, CamerasSeeDifferently) {
+  std::set<std::string> pictures;
+  for (const std::string camera :
+       {"", "--camera orthographic", "--camera latlong", "--camera equal-area", "--fov 20",
+        "--eye 0,1,3", "--target 1,1,1", "--lens-radius 0.3",
+        "--lens-radius 0.3 --focal-distance 1"}) {
+    ASSERT_EQ(Run("render good.ply --env map.exr --ground --size 8x6 --spp 2 -q -o a.exr " + camera)
+                  .exit_code,
+              0)
+        << camera;
+    pictures.insert(Bytes("a.png"));
+  }
+  EXPECT_EQ(pictures.size(), 9u);
 }
 
 TEST_F(Cli, TheSceneHashTellsScenesApart) {
