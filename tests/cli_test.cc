@@ -80,7 +80,8 @@ class Cli : public Program {
 TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
   const Result result = Run("--help");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* const part : {"render", "compare", "strategies", "bench", "-o gallery.exr"}) {
+  for (const char* const part :
+       {"render", "info", "compare", "strategies", "bench", "-o gallery.exr"}) {
     EXPECT_TRUE(Contains(result.out, part)) << part;
   }
   EXPECT_EQ(result.err, "");
@@ -88,7 +89,7 @@ TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
 }
 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
-  for (const std::string command : {"render", "compare", "strategies", "bench"}) {
+  for (const std::string command : {"render", "info", "compare", "strategies", "bench"}) {
     const Result result = Run(command + " --help");
     EXPECT_EQ(result.exit_code, 0) << command;
     EXPECT_TRUE(Contains(result.out, "Example")) << command;
