@@ -357,6 +357,22 @@ TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
   }
 }
 
+// pbrt rounds the fractions of a cropwindow up to pixels; a flag comes before the file.
+TEST_F(Cli, ACropWindowOfAPbrtFileIsTaken) {
+  const auto with = [&](const std::string& parameters) {
+    return "Film \"rgb\" \"integer xresolution\" 9 \"integer yresolution\" 6 " + parameters + "\n" +
+           Bytes("scene.pbrt");
+  };
+  Put("whole.pbrt", with(""));
+  Put("part.pbrt", with("\"float cropwindow\" [.25 .75 .5 1]"));
+  ASSERT_EQ(Run("render part.pbrt --spp 2 -q -o a.exr").exit_code, 0);
+  ASSERT_EQ(Run("render whole.pbrt --crop 4x3+3+3 --spp 2 -q -o b.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("a.png"), Bytes("b.png"));
+  EXPECT_EQ(ReadImage(Path("a.exr")).width, 4);
+  ASSERT_EQ(Run("render part.pbrt --crop 1x2+0+0 --spp 2 -q -o a.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("a.exr")).height, 2);
+}
+
 TEST_F(Cli, CamerasSeeDifferently) {
   std::set<std::string> pictures;
   for (const std::string camera :
