@@ -104,8 +104,9 @@ Bounds SceneBounds(const Scene& scene, const std::string& path);
 Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
                     float fov_degrees, bool left_handed);
 
-// A camera that sees all of `bounds` from slightly above, `up_axis` being up.
-Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed);
+// A camera that sees all of `bounds` from slightly above, `up_axis` being up, on a film of that
+// `aspect` (width / height).
+Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float aspect = 1);
 
 // The camera of another kind at the same place. A perspective camera that becomes orthographic
 // shows as much as before of what is as far away as the middle of `bounds`; one that becomes

@@ -65,9 +65,11 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
 }
 
 // The camera of the scene, or else one that sees all of it, changed as the flags have it.
-Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& wish) {
+// `aspect`: width / height of the whole film.
+Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& wish,
+                    float aspect) {
   Camera camera =
-      scene.camera ? *scene.camera : FrameBounds(bounds, scene.up_axis, scene.left_handed);
+      scene.camera ? *scene.camera : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
   const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);
   if (wish.fov_degrees) camera.fov_degrees = *wish.fov_degrees;
   if (wish.eye || wish.target) {
@@ -183,7 +185,10 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   if (!scene.camera && !request.camera.eye) {
     notes_.push_back(request.scene + ": has no camera; one that sees the whole scene is used");
   }
-  scene.camera = ChooseCamera(scene, bounds, request.camera);
+  const int film_width = crop ? options_.film_width : options_.width;
+  const int film_height = crop ? options_.film_height : options_.height;
+  scene.camera =
+      ChooseCamera(scene, bounds, request.camera, float(film_width) / float(film_height));
   if (request.ground) AddGround(scene, bounds);
   geometry_ =
       std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
@@ -203,9 +208,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   }
   times_.tables = SecondsSince(tables_start);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
-  camera_ =
-      MakeCameraView(*scene.camera, crop ? options_.film_width : options_.width,
-                     crop ? options_.film_height : options_.height, filter_offsets_.data(), crop);
+  camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
 }
 
 FrameView RenderJob::frame() const {
