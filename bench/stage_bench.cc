@@ -36,7 +36,7 @@ void Run(benchmark::State& state, std::uint32_t items, Body body) {
 void GenerateStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, w.uniforms, w.paths, w.rays[1]); });
+  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, w.uniforms, w.lobe, w.paths, w.rays[1]); });
 }
 void DrawUniformsKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
@@ -51,7 +51,8 @@ void DrawUniformsOfRowsKernel(benchmark::State& state) {
 void GenerateCameraRaysKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  Run(state, f.n, [&] { GenerateCameraRays(f.frame.camera, w.paths, w.uniforms, f.n, w.rays[1]); });
+  Run(state, f.n,
+      [&] { GenerateCameraRays(f.frame.camera, w.paths, w.uniforms, w.lobe, f.n, w.rays[1]); });
 }
 void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();

@@ -37,7 +37,7 @@ struct WaveFixture {
 
   // Camera rays traced, partitioned and prepared: worker.surfaces is ready to shade.
   void Camera() {
-    GenerateRays(frame, range, worker.uniforms, worker.paths, worker.rays[0]);
+    GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
     n = range.count;
     TraceClosest(frame.tracer, worker.rays[0], n, worker.hits);
     ranges = {};

@@ -74,7 +74,7 @@ std::string CommandText(const ConvergeFlags& flags, const RenderOptions& options
   if (flags.reference_samples > 0) {
     text += fmt::format(" --reference-spp {}", flags.reference_samples);
   }
-  if (flags.target) text += fmt::format(" --target {}", *flags.target);
+  if (flags.target) text += fmt::format(" --target-error {}", *flags.target);
   return text;
 }
 
@@ -253,7 +253,7 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
           "of error (default: mse)")
       ->check(CLI::IsMember({"mse", "relative_mse"}));
   command
-      ->add_option("--target", flags->target,
+      ->add_option("--target-error", flags->target,
                    "error that times are compared at (default: the first strategy's smallest)")
       ->check(FiniteNumber(1e-30, 1e30));
   AddReferenceFlags(*command, *flags);
@@ -273,7 +273,7 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
       "  skywave converge scene.pbrt --env probe.exr --integrator direct --time 10 --repeats 9 \\\n"
       "      --strategies importance hybrid:lights=64,inside=1 --plot curves.svg --json runs.json\n"
       "  skywave converge gallery --strategies importance penrose:lights=256 --budgets 4,16,64 \\\n"
-      "      --reference gallery_reference.exr --target 1e-4");
+      "      --reference gallery_reference.exr --target-error 1e-4");
   command->callback([flags, &run, command] {
     if (flags->budgets.empty()) flags->budgets = DoublingLadder(64);
     run = [flags] { return ConvergeMain(*flags); };

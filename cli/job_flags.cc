@@ -38,6 +38,68 @@ bool ParseSize(const std::string& text, int& width, int& height) {
   return w.ec == std::errc() && w.ptr == middle && h.ec == std::errc() && h.ptr == end;
 }
 
+// X,Y,Z
+std::optional<glm::vec3> ParsePoint(const std::string& text) {
+  glm::vec3 point;
+  const char *next = text.data(), *end = next + text.size();
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0 && (next == end || *next++ != ',')) return std::nullopt;
+    const auto [stop, error] = std::from_chars(next, end, point[i]);
+    if (error != std::errc() || !std::isfinite(point[i])) return std::nullopt;
+    next = stop;
+  }
+  return next == end ? std::optional(point) : std::nullopt;
+}
+
+// WxH+X+Y
+std::optional<CropWindow> ParseCrop(const std::string& text) {
+  CropWindow crop;
+  int* const values[] = {&crop.width, &crop.height, &crop.x, &crop.y};
+  const char separators[] = {'x', '+', '+', 0};
+  const char *next = text.data(), *end = next + text.size();
+  for (int i = 0; i < 4; ++i) {
+    const auto [stop, error] = std::from_chars(next, end, *values[i]);
+    if (error != std::errc()) return std::nullopt;
+    next = stop;
+    if (separators[i] != 0 && (next == end || *next++ != separators[i])) return std::nullopt;
+  }
+  return next == end ? std::optional(crop) : std::nullopt;
+}
+
+void AddCameraFlags(CLI::App& command, JobRequest& r) {
+  const auto group = "Camera";
+  CameraRequest& c = r.camera;
+  AddParsed(command, "--camera", "kind (default: the scene's, or perspective)",
+            "perspective|orthographic|latlong|equal-area", c.kind, ParseCameraKind);
+  AddParsed(command, "--eye", "where it stands", "X,Y,Z", c.eye, ParsePoint);
+  AddParsed(command, "--target", "what it looks at (with --eye alone: the middle of the scene)",
+            "X,Y,Z", c.target, ParsePoint);
+  command.add_option("--fov", c.fov_degrees, "of the shorter side of the film [degrees]")
+      ->check(FiniteNumber(0.01, 179));
+  command.add_option("--lens-radius", c.lens_radius, "of a thin lens (0: none)")
+      ->check(FiniteNumber(0, 1e12));
+  command
+      .add_option("--focal-distance", c.focal_distance,
+                  "of what is sharp (default: the middle of the scene)")
+      ->check(FiniteNumber(1e-12, 1e12));
+  for (const char* flag :
+       {"--camera", "--eye", "--target", "--fov", "--lens-radius", "--focal-distance"}) {
+    command.get_option(flag)->group(group);
+  }
+}
+
+std::string CameraFlags(const CameraRequest& c) {
+  std::string text;
+  const auto point = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); };
+  if (c.kind) text += fmt::format(" --camera {}", ToString(*c.kind));
+  if (c.eye) text += " --eye=" + point(*c.eye);
+  if (c.target) text += " --target=" + point(*c.target);
+  if (c.fov_degrees) text += fmt::format(" --fov {}", *c.fov_degrees);
+  if (c.lens_radius) text += fmt::format(" --lens-radius {}", *c.lens_radius);
+  if (c.focal_distance) text += fmt::format(" --focal-distance {}", *c.focal_distance);
+  return text;
+}
+
 }  // namespace
 
 std::string Quoted(const std::string& text) {
@@ -64,7 +126,7 @@ CLI::Validator FiniteNumber(double low, double high) {
 
 void AddJobFlags(CLI::App& command, JobRequest& r) {
   RenderOptions& o = r.options;
-  command.add_option("scene", r.scene, "pbrt or PLY file, or a built-in scene")->required();
+  command.add_option("scene", r.scene, "pbrt, OBJ or PLY file, or a built-in scene")->required();
 
   const auto light = "Light";
   command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")
@@ -78,8 +140,9 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
       ->type_name("DEGREES");
   command.add_option("--env-intensity", r.environment.intensity, "factor of its radiance")
       ->check(FiniteNumber(0, 1e12));
-  AddParsed(command, "--env-up", "up axis of map and automatic camera (default: the scene's)",
-            "x|y|z", r.environment.up_axis, [](const std::string& t) -> std::optional<char> {
+  AddParsed(command, "--env-up",
+            "up axis of map, ground and automatic camera (default: the scene's)", "x|y|z",
+            r.environment.up_axis, [](const std::string& t) -> std::optional<char> {
               if (t == "x" || t == "y" || t == "z") return t[0];
               return std::nullopt;
             });
@@ -89,6 +152,8 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_flag("--trust-input", r.environment.limits.trust_input,
                    "also decode EXR features with known holes in Debian's OpenEXR");
 
+  AddCameraFlags(command, r);
+  command.add_flag("--ground", r.ground, "put a grey plane under the scene");
   command
       .add_option_function<std::string>(
           "--size",
@@ -102,6 +167,8 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
           },
           "film [pixels]")
       ->type_name("WxH");
+  AddParsed(command, "--crop", "render this part of the film only [pixels]", "WxH+X+Y", r.crop,
+            ParseCrop);
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
@@ -141,7 +208,14 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   if (e.intensity != 1) text += fmt::format(" --env-intensity {}", e.intensity);
   if (e.up_axis) text += fmt::format(" --env-up {}", *e.up_axis);
   if (e.limits.trust_input) text += " --trust-input";
-  text += fmt::format(" --size {}x{} --integrator {}", o.width, o.height, ToString(o.integrator));
+  if (r.ground) text += " --ground";
+  text += CameraFlags(r.camera);
+  const bool cropped = o.film_width > 0;
+  text += fmt::format(" --size {}x{} --integrator {}", cropped ? o.film_width : o.width,
+                      cropped ? o.film_height : o.height, ToString(o.integrator));
+  if (cropped) {
+    text += fmt::format(" --crop {}x{}+{}+{}", o.width, o.height, o.crop_x, o.crop_y);
+  }
   if (o.integrator == Integrator::kDirect) {
     text += fmt::format(" --light-samples {}", o.light_samples);
   }

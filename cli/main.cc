@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   program.require_subcommand(1);
   skywave::Run run;
   skywave::AddRenderCommand(program, run);
+  skywave::AddInfoCommand(program, run);
   skywave::AddCompareCommand(program, run);
   skywave::AddStrategiesCommand(program, run);
   skywave::AddConvergeCommand(program, run);

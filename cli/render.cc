@@ -105,6 +105,7 @@ void AddRenderCommand(CLI::App& program, Run& run) {
       "Examples:\n"
       "  skywave render gallery -o gallery.exr\n"
       "  skywave render killeroo.pbrt --env grace.exr --env-up z --size 640x480 --spp 64\n"
+      "  skywave render model.obj --env sky.hdr --ground\n"
       "  skywave render bunny.ply --env sky.hdr --integrator direct --light-samples 16");
   command->callback([flags, &run] { run = [flags] { return RenderMain(*flags); }; });
 }

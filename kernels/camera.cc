@@ -20,29 +20,132 @@ HWY_INLINE VF FilterOffset(const float* table, VF uniform) {
   return hn::Add(low, hn::Mul(hn::Sub(position, ToFloat(cell)), hn::Sub(high, low)));
 }
 
-void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
-                        const UniformColumns& film, std::uint32_t n, const RayColumns& rays) {
-  const V3 origin = Set3(camera.origin), corner = Set3(camera.corner);
-  const V3 right = Set3(camera.right), down = Set3(camera.down);
+// Origin and direction (any length) of a camera ray.
+struct OriginAndDirection {
+  V3 origin, dir;
+};
+
+// An even point of the unit disc, rings of squares to rings of the disc (Shirley and Chiu 1997).
+HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
+  const VF a = hn::Sub(hn::Add(u, u), Set(1.0f)), b = hn::Sub(hn::Add(v, v), Set(1.0f));
+  const MF steep = hn::Gt(hn::Abs(b), hn::Abs(a));
+  const VF major = IfThen(steep, b, a), minor = IfThen(steep, a, b);
+  const MF centre = hn::Eq(major, hn::Zero(F()));
+  const VF slope = hn::Div(minor, IfThen(centre, Set(1.0f), major));
+  VF sine, cosine;
+  SinCosTurn(hn::Mul(hn::Abs(slope), Set(0.125f)), sine, cosine);
+  const VF along = hn::Mul(major, cosine), across = hn::Mul(major, hn::CopySign(sine, slope));
+  x = IfThen(steep, across, along);
+  y = IfThen(steep, along, across);
+}
+
+// Moves the origin over the lens, so that the point at the focal distance stays where it is.
+HWY_INLINE void RefractByLens(const CameraView& camera, const UniformColumns& lens,
+                              std::uint32_t row, OriginAndDirection& ray) {
+  VF x, y;
+  SampleDisc(Load(lens.u + row), Load(lens.v + row), x, y);
+  const V3 shift = Add(Scale(Set3(camera.lens_x), x), Scale(Set3(camera.lens_y), y));
+  ray.origin = Add(ray.origin, shift);
+  ray.dir = Sub(Scale(ray.dir, Set(camera.focal_distance)), shift);
+}
+
+HWY_INLINE V3 FilmPoint(const CameraView& camera, VF x, VF y) {
+  return Add(Set3(camera.corner), Add(Scale(Set3(camera.right), x), Scale(Set3(camera.down), y)));
+}
+
+struct Perspective {
+  static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
+    return {Set3(camera.origin), FilmPoint(camera, x, y)};
+  }
+};
+
+struct Orthographic {
+  static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
+    return {FilmPoint(camera, x, y), Set3(camera.forward)};
+  }
+};
+
+// x right * R + y down * D + z * F of the axes of the view.
+HWY_INLINE V3 FromAxes(const CameraView& camera, VF right, VF down, VF forward) {
+  return Add(Add(Scale(Set3(camera.right), right), Scale(Set3(camera.down), down)),
+             Scale(Set3(camera.forward), forward));
+}
+
+HWY_INLINE VF Fraction(VF x) { return hn::Sub(x, hn::Floor(x)); }
+
+struct LatLong {
+  // The filter reaches over the rim of the film: past the left side comes the right one, past a
+  // pole the meridian opposite, which is what a negative sine of the polar angle does.
+  static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
+    VF sin_phi, cos_phi, sin_theta, cos_theta;
+    SinCosTurn(Fraction(hn::Div(x, Set(float(camera.whole_width)))), sin_phi, cos_phi);
+    SinCosTurn(Fraction(hn::Mul(hn::Div(y, Set(float(camera.whole_height))), Set(0.5f))), sin_theta,
+               cos_theta);
+    // The middle column (half a turn) looks forward, what is right of it to the right.
+    const VF minus_sin_theta = hn::Neg(sin_theta);
+    return {Set3(camera.origin), FromAxes(camera, hn::Mul(minus_sin_theta, sin_phi),
+                                          hn::Neg(cos_theta), hn::Mul(minus_sin_theta, cos_phi))};
+  }
+};
+
+// Past a side of the square comes the same side, run through backwards.
+HWY_INLINE void WrapSquare(VF& a, VF& b) {
+  const VF one = Set(1.0f), two = Set(2.0f), zero = hn::Zero(F());
+  const MF below = hn::Lt(a, zero), above = hn::Gt(a, one);
+  a = IfThen(below, hn::Neg(a), IfThen(above, hn::Sub(two, a), a));
+  b = IfThen(hn::Or(below, above), hn::Sub(one, b), b);
+}
+
+struct EqualArea {
+  static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
+    const VF one = Set(1.0f);
+    VF u = hn::Div(x, Set(float(camera.whole_width)));
+    VF v = hn::Div(y, Set(float(camera.whole_height)));
+    WrapSquare(u, v);
+    WrapSquare(v, u);
+    const VF a = hn::Sub(hn::Add(u, u), one), b = hn::Sub(hn::Add(v, v), one);
+    // r is the distance from the middle in the norm whose ball is the inner diamond; beyond the
+    // diamond lies the lower hemisphere.
+    const VF inside = hn::Sub(one, hn::Add(hn::Abs(a), hn::Abs(b)));
+    const VF r = hn::Sub(one, hn::Abs(inside));
+    const VF r2 = hn::Mul(r, r);
+    const MF pole = hn::Eq(r, hn::Zero(F()));
+    const VF along = hn::Div(hn::Sub(hn::Abs(b), hn::Abs(a)), IfThen(pole, one, r));
+    VF sine, cosine;
+    SinCosTurn(hn::Mul(Clamp(hn::Add(along, one), 0.0f, 2.0f), Set(0.125f)), sine, cosine);
+    const VF height = hn::CopySign(hn::Sub(one, r2), inside);
+    const VF side = hn::Mul(r, SafeSqrt(hn::Sub(Set(2.0f), r2)));
+    return {Set3(camera.origin), FromAxes(camera, hn::Mul(side, hn::CopySign(cosine, a)),
+                                          hn::Neg(height), hn::Mul(side, hn::CopySign(sine, b)))};
+  }
+};
+
+template <class Kind, bool kLens>
+HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& paths,
+                               const UniformColumns& film, const UniformColumns& lens,
+                               std::uint32_t n, const RayColumns& rays) {
   const VF one = Set(1.0f), zero = hn::Zero(F());
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   // x = pixel - y * width, with y from a float division that may be one too large or too small.
   const VF inverse_width = Set(1.0f / float(camera.width));
   const VU width = SetU(camera.width);
+  const VU first_column = SetU(camera.first_column), first_row = SetU(camera.first_row);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU pixel = Load(paths.pixel + i);
     VU row = ToUnsigned(hn::Mul(ToFloat(pixel), inverse_width));
     row = IfThen(hn::Gt(hn::Mul(row, width), pixel), hn::Sub(row, SetU(1)), row);
     VU column = hn::Sub(pixel, hn::Mul(row, width));
     const MU next = hn::Gt(column, SetU(camera.width - 1));
-    row = IfThen(next, hn::Add(row, SetU(1)), row);
-    column = IfThen(next, hn::Sub(column, width), column);
+    row = hn::Add(IfThen(next, hn::Add(row, SetU(1)), row), first_row);
+    column = hn::Add(IfThen(next, hn::Sub(column, width), column), first_column);
     const VF x = hn::Add(hn::Add(ToFloat(column), Set(0.5f)),
                          FilterOffset(camera.filter_offset, Load(film.u + i)));
     const VF y = hn::Add(hn::Add(ToFloat(row), Set(0.5f)),
                          FilterOffset(camera.filter_offset, Load(film.v + i)));
-    const V3 dir = Normalize(Add(corner, Add(Scale(right, x), Scale(down, y))));
-    Store3(origin, rays.org_x + i, rays.org_y + i, rays.org_z + i);
+    OriginAndDirection ray = Kind::Ray(camera, x, y);
+    if constexpr (kLens) RefractByLens(camera, lens, i, ray);
+    const V3 dir = Normalize(ray.dir);
+    Store3(ray.origin, rays.org_x + i, rays.org_y + i, rays.org_z + i);
     Store3(dir, rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
     Store(infinity, rays.t_far + i);
     Store3({one, one, one}, rays.throughput_r + i, rays.throughput_g + i, rays.throughput_b + i);
@@ -50,6 +153,24 @@ void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
     const VU path = hn::Iota(U(), i);
     Store(path, rays.path + i);
     Store(path, rays.from + i);
+  }
+}
+
+void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
+                        const UniformColumns& film, const UniformColumns& lens, std::uint32_t n,
+                        const RayColumns& rays) {
+  const bool has_lens = camera.has_lens();
+  switch (camera.kind) {
+    case CameraKind::kPerspective:
+      return has_lens ? GenerateRaysOf<Perspective, true>(camera, paths, film, lens, n, rays)
+                      : GenerateRaysOf<Perspective, false>(camera, paths, film, lens, n, rays);
+    case CameraKind::kOrthographic:
+      return has_lens ? GenerateRaysOf<Orthographic, true>(camera, paths, film, lens, n, rays)
+                      : GenerateRaysOf<Orthographic, false>(camera, paths, film, lens, n, rays);
+    case CameraKind::kLatLong:
+      return GenerateRaysOf<LatLong, false>(camera, paths, film, lens, n, rays);
+    case CameraKind::kEqualArea:
+      return GenerateRaysOf<EqualArea, false>(camera, paths, film, lens, n, rays);
   }
 }
 
@@ -63,8 +184,9 @@ namespace skywave {
 HWY_EXPORT(GenerateCameraRays);
 
 void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
-                        const UniformColumns& film, std::uint32_t n, const RayColumns& rays) {
-  HWY_DYNAMIC_DISPATCH(GenerateCameraRays)(camera, paths, film, n, rays);
+                        const UniformColumns& film, const UniformColumns& lens, std::uint32_t n,
+                        const RayColumns& rays) {
+  HWY_DYNAMIC_DISPATCH(GenerateCameraRays)(camera, paths, film, lens, n, rays);
 }
 
 }  // namespace skywave

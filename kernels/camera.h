@@ -9,20 +9,38 @@ namespace skywave {
 
 inline constexpr std::uint32_t kFilterCells = 1024;
 
-// A pinhole, as a kernel needs it: the ray through film position (x, y) [pixels, from the top left
-// corner] has direction corner + x * right + y * down before normalisation.
+// Perspective and orthographic cameras may have a thin lens. The spherical ones see everything:
+// kLatLong as a lat-long map, kEqualArea as the square of Clarberg 2008, "Fast Equal-Area Mapping
+// of the (Hemi)Sphere using SIMD", its middle straight up.
+enum class CameraKind : std::uint32_t { kPerspective, kOrthographic, kLatLong, kEqualArea };
+
+// A camera as a kernel needs it, all in world space. Film positions (x, y) are in pixels from the
+// top left corner of the whole film.
 struct CameraView {
+  CameraKind kind = CameraKind::kPerspective;
   float origin[3];
-  float corner[3], right[3], down[3];  // world space
-  std::uint32_t width;                 // [pixels]
+  // Perspective: (x, y) looks along corner + x * right + y * down, which is at focal distance 1.
+  // Orthographic: the ray begins there and looks along forward. Spherical: unit axes of the map.
+  float corner[3], right[3], down[3], forward[3];
+  // Half axes of the lens, and the distance of the plane that is sharp in units of the directions
+  // above. lens_radius 0: no lens.
+  float lens_x[3], lens_y[3];
+  float lens_radius = 0, focal_distance = 1;
+  std::uint32_t width = 1, height = 1;              // of the film that is rendered [pixels]
+  std::uint32_t first_column = 0, first_row = 0;    // where that lies in the whole film [pixels]
+  std::uint32_t whole_width = 1, whole_height = 1;  // [pixels], spherical cameras
   // Inverse of the pixel filter's cumulative distribution, kFilterCells cells: an offset from the
   // pixel's centre [pixels] for a uniform number, linear in between.
-  const float* filter_offset;  // kFilterCells + 1 entries
+  const float* filter_offset = nullptr;  // kFilterCells + 1 entries
+
+  bool has_lens() const { return lens_radius > 0; }
 };
 
 // Writes rows [0, n) of `rays`: one ray a path with throughput 1, in path order. `film`: uniforms
-// of pair kFilmPair. The pixel filter is sampled, so a sample belongs to one pixel with weight 1.
+// of pair kFilmPair; `lens`: of pair kLensPair, read if the camera has a lens. The pixel filter is
+// sampled, so a sample belongs to one pixel with weight 1. Points of the lens are even on its disc.
 void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
-                        const UniformColumns& film, std::uint32_t n, const RayColumns& rays);
+                        const UniformColumns& film, const UniformColumns& lens, std::uint32_t n,
+                        const RayColumns& rays);
 
 }  // namespace skywave

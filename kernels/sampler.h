@@ -16,6 +16,7 @@ namespace skywave {
 // The pairs of dimensions, in the order a path uses them.
 enum class SampleUse : std::uint32_t { kLight, kScatter, kLobe };
 inline constexpr std::uint32_t kFilmPair = 0;
+inline constexpr std::uint32_t kLensPair = 0xFFFFFFFFu;  // behind every bounce
 constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
   return 1 + 3 * bounce + static_cast<std::uint32_t>(use);
 }

@@ -180,7 +180,12 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const Material& m : scene.materials) {
     add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
   }
-  if (scene.camera) add(scene.camera->world_from_camera), add(scene.camera->fov_degrees);
+  if (scene.camera) {
+    const Camera& camera = *scene.camera;
+    add(camera.kind), add(camera.world_from_camera), add(camera.fov_degrees);
+    if (camera.window) add(*camera.window);
+    add(camera.lens_radius), add(camera.focal_distance);
+  }
   for (const EnvironmentLight& light : scene.environments) {
     if (light.map) add(light.map->width), add(light.map->height), add_all(light.map->rgb);
     add(light.scale), add(light.world_from_map);

@@ -27,4 +27,9 @@ std::optional<MetalIndex> FindMetal(std::string_view symbol) {
   return std::nullopt;
 }
 
+MetalIndex MetalOfReflectance(const glm::vec3& reflectance) {
+  const glm::vec3 r = glm::min(reflectance, glm::vec3(0.9999f));
+  return {.eta = glm::vec3(1), .k = 2.0f * glm::sqrt(r / (1.0f - r))};
+}
+
 }  // namespace skywave

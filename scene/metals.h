@@ -15,4 +15,8 @@ struct MetalIndex {
 // By chemical symbol: Ag, Al, Au, Cu. Nothing for others.
 std::optional<MetalIndex> FindMetal(std::string_view symbol);
 
+// The metal with eta = 1 that reflects so much at normal incidence, as pbrt-v4 has it. Beyond
+// 0.9999 of a channel it takes that.
+MetalIndex MetalOfReflectance(const glm::vec3& reflectance);
+
 }  // namespace skywave

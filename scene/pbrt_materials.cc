@@ -123,10 +123,9 @@ Material Conductor(Context& context, bool v4) {
   material.bsdf = BsdfKind::kConductor;
   material.reflectance = glm::vec3(1);
   if (const auto reflectance = FindFraction(context, "reflectance")) {
-    // As pbrt-v4: eta = 1 and the k that reflects this much at normal incidence.
-    const glm::vec3 r = glm::min(*reflectance, glm::vec3(0.9999f));
-    material.eta = glm::vec3(1);
-    material.k = 2.0f * glm::sqrt(r / (1.0f - r));
+    const MetalIndex index = MetalOfReflectance(*reflectance);
+    material.eta = index.eta;
+    material.k = index.k;
   } else {
     const MetalIndex copper = *FindMetal("Cu");
     material.eta = ConductorIndex(context, "eta", copper);

@@ -37,12 +37,39 @@ int RequirePositive(const PbrtParameters& parameters, std::string_view name, int
   return value;
 }
 
-void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  auto [type, parameters] = ReadImplementation(reader, source, word);
-  Camera camera;
-  camera.world_from_camera = glm::inverse(reader.state.to_world);
-  reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);
-  if (type != "perspective") Warn(reader, parameters, "is not supported: rendered as perspective");
+// pbrt's default: [-1, 1] on the shorter side, by the aspect of the film or by the one given.
+std::optional<ScreenWindow> ReadScreenWindow(PbrtParameters& parameters) {
+  std::optional<ScreenWindow> window;
+  if (const auto aspect = FindFloat(parameters, "frameaspectratio")) {
+    if (!(*aspect > 0)) {
+      throw InputError(parameters.position, fmt::format("{}: \"frameaspectratio\" is {}",
+                                                        parameters.directive, *aspect));
+    }
+    const float x = std::max(*aspect, 1.0f), y = std::max(1 / *aspect, 1.0f);
+    window = ScreenWindow{-x, x, -y, y};
+  }
+  if (const PbrtParameter* given = Find(parameters, {"float"}, "screenwindow")) {
+    const std::vector<float>& w = given->floats;
+    if (w.size() != 4 || !(w[0] < w[1] && w[2] < w[3])) {
+      throw InputError(given->position,
+                       fmt::format("{}: \"screenwindow\" takes left < right, bottom < top",
+                                   parameters.directive));
+    }
+    window = ScreenWindow{w[0], w[1], w[2], w[3]};
+  }
+  return window;
+}
+
+void ReadLens(PbrtParameters& parameters, Camera& camera) {
+  camera.lens_radius = FindFloat(parameters, "lensradius").value_or(0);
+  camera.focal_distance = FindFloat(parameters, "focaldistance").value_or(camera.focal_distance);
+  if (!(camera.lens_radius >= 0 && camera.focal_distance > 0)) {
+    throw InputError(parameters.position,
+                     parameters.directive + ": the lens is negative or focused on itself");
+  }
+}
+
+void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
   camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
   if (const auto half = FindFloat(parameters, "halffov")) camera.fov_degrees = 2 * *half;
   if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
@@ -50,12 +77,60 @@ void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
                      fmt::format("{}: \"fov\" is {}: not between 0 and 180 degrees",
                                  parameters.directive, camera.fov_degrees));
   }
-  if (FindFloat(parameters, "lensradius").value_or(0) != 0) {
-    Warn(reader, parameters, "\"lensradius\" is not supported: rendered as a pinhole");
+}
+
+// pbrt-v4's "spherical" and pbrt-v3's "environment", which is its lat-long mapping: the middle of
+// the picture looks along -x, its right half along -z.
+void ReadSphericalCamera(PbrtReader& reader, PbrtParameters& parameters, bool v4, Camera& camera) {
+  const std::string mapping =
+      v4 ? FindString(parameters, "mapping").value_or("equalarea") : "equirectangular";
+  if (mapping == "equalarea") {
+    camera.kind = CameraKind::kEqualArea;
+    return;
   }
-  FindFloat(parameters, "focaldistance");  // without a lens it means nothing
+  if (mapping != "equirectangular") {
+    Warn(reader, parameters,
+         fmt::format("mapping \"{}\" is not supported: equirectangular is used", mapping));
+  }
+  camera.kind = CameraKind::kLatLong;
+  camera.world_from_camera *= glm::mat4({0, 0, -1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {0, 0, 0, 1});
+}
+
+void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  Camera camera;
+  camera.world_from_camera = glm::inverse(reader.state.to_world);
+  reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);
+  if (type == "spherical" || type == "environment") {
+    ReadSphericalCamera(reader, parameters, type == "spherical", camera);
+  } else if (type == "orthographic") {
+    camera.kind = CameraKind::kOrthographic;
+    ReadLens(parameters, camera);
+    camera.window = ReadScreenWindow(parameters);
+  } else {
+    if (type != "perspective") {
+      Warn(reader, parameters, "is not supported: rendered as perspective");
+    }
+    ReadFieldOfView(parameters, camera);
+    ReadLens(parameters, camera);
+    camera.window = ReadScreenWindow(parameters);
+  }
   ReportUnused(parameters, reader.warnings);
   reader.scene.camera = camera;
+}
+
+void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
+  if (const PbrtParameter* given = Find(parameters, {"float"}, "cropwindow")) {
+    const std::vector<float>& c = given->floats;
+    if (c.size() != 4 || !(0 <= c[0] && c[0] < c[1] && c[1] <= 1) ||
+        !(0 <= c[2] && c[2] < c[3] && c[3] <= 1)) {
+      throw InputError(given->position,
+                       fmt::format("{}: \"cropwindow\" takes 0 <= left < right <= 1 and "
+                                   "0 <= top < bottom <= 1",
+                                   parameters.directive));
+    }
+    settings.crop = CropFractions{c[0], c[1], c[2], c[3]};
+  }
 }
 
 void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -67,6 +142,7 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
       *value = RequirePositive(parameters, name, *found);
     }
   }
+  ReadCrop(parameters, settings);
   if (FindString(parameters, "filename")) {
     Warn(reader, parameters, "\"filename\" is ignored: the output is named on the command line");
   }

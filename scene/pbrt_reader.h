@@ -1,10 +1,10 @@
 // Scene files of pbrt (https://pbrt.org), a first subset of versions 3 and 4.
 //
 // Read are: comments, Include and Import; all transform directives; attribute and object scopes
-// (instances become copies); Camera "perspective"; the numbers of Film, Sampler, Integrator and
-// PixelFilter that RenderSettings holds; materials (pbrt_materials.h), constant textures, shapes
-// (pbrt_shapes.h) and LightSource "infinite". Files that are only a piece of a scene, without
-// WorldBegin, are read too.
+// (instances become copies); Camera "perspective", "orthographic", "spherical" and "environment";
+// the numbers of Film, Sampler, Integrator and PixelFilter that RenderSettings holds; materials
+// (pbrt_materials.h), constant textures, shapes (pbrt_shapes.h) and LightSource "infinite". Files
+// that are only a piece of a scene, without WorldBegin, are read too.
 //
 // Whatever else is legal pbrt gives one line in Scene::warnings that says what is done instead.
 // Syntax errors, directives that pbrt does not have, wrong counts, missing files, singular

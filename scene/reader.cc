@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scene/builtin.h"
+#include "scene/obj_reader.h"
 #include "scene/pbrt_reader.h"
 #include "scene/ply.h"
 
@@ -36,8 +37,9 @@ Scene ReadScene(const std::string& path) {
   const std::string ending = LowerCaseEnding(path);
   if (ending == ".pbrt") return ReadPbrt(path);
   if (ending == ".ply") return SceneOfOneMesh(ReadPly(path), path);
+  if (ending == ".obj") return ReadObj(path);
   throw InputError(InputPosition::File(path),
-                   fmt::format("scenes end in .pbrt or .ply, not in '{}'", ending));
+                   fmt::format("scenes end in .pbrt, .obj or .ply, not in '{}'", ending));
 }
 
 }  // namespace skywave

@@ -7,9 +7,9 @@
 
 namespace skywave {
 
-// .pbrt (pbrt_reader.h) and .ply (ply.h: one mesh of grey Lambert); the ending in any case. A
-// `path` that is no file may name a built-in scene (builtin.h). Throws InputError for other
-// endings, and, listing the built-in scenes, where there is neither file nor scene.
+// .pbrt (pbrt_reader.h), .obj (obj_reader.h) and .ply (ply.h: one mesh of grey Lambert); the ending
+// in any case. A `path` that is no file may name a built-in scene (builtin.h). Throws InputError
+// for other endings, and, listing the built-in scenes, where there is neither file nor scene.
 Scene ReadScene(const std::string& path);
 
 }  // namespace skywave

@@ -39,7 +39,7 @@ Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::ve
   return camera;
 }
 
-Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed) {
+Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float aspect) {
   constexpr float kFovDegrees = 40, kElevationDegrees = 15, kMargin = 1.05f;
   const glm::mat3 frame = EnvironmentFrame(up_axis, left_handed, 0);
   const float elevation = glm::radians(kElevationDegrees);
@@ -47,20 +47,50 @@ Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed) {
   const glm::vec3 right = frame[0];
   const glm::vec3 up = std::cos(elevation) * frame[2] + std::sin(elevation) * frame[1];
 
-  // The nearest eye that has all eight corners inside its pyramid: |x| <= (distance + z) tan.
+  // The nearest eye that has all eight corners inside its pyramid: |x| <= (distance + z) tan, where
+  // the longer side of the film shows more.
   const glm::vec3 centre = 0.5f * (bounds.low + bounds.high);
   const float slope = std::tan(glm::radians(0.5f * kFovDegrees));
+  const float wide = std::max(aspect, 1.0f), tall = std::max(1 / aspect, 1.0f);
   float distance = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec3 p = glm::vec3(corner & 1 ? bounds.high.x : bounds.low.x,
                                   corner & 2 ? bounds.high.y : bounds.low.y,
                                   corner & 4 ? bounds.high.z : bounds.low.z) -
                         centre;
-    const float side = std::max(std::abs(glm::dot(p, right)), std::abs(glm::dot(p, up)));
+    const float side =
+        std::max(std::abs(glm::dot(p, right)) / wide, std::abs(glm::dot(p, up)) / tall);
     distance = std::max(distance, side * kMargin / slope - glm::dot(p, forward));
   }
   if (!(distance > 0)) distance = 1;  // a single point
   return LookAtCamera(centre - distance * forward, centre, frame[2], kFovDegrees, left_handed);
+}
+
+Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, char up_axis,
+                bool left_handed) {
+  Camera other = camera;
+  other.kind = kind;
+  if (camera.kind != CameraKind::kPerspective) return other;
+  const glm::vec3 eye(camera.world_from_camera[3]);
+  const glm::vec3 forward = glm::normalize(glm::vec3(camera.world_from_camera[2]));
+  if (kind == CameraKind::kOrthographic) {
+    const float distance = std::abs(glm::dot(0.5f * (bounds.low + bounds.high) - eye, forward));
+    const float scale = std::tan(glm::radians(0.5f * camera.fov_degrees)) * distance;
+    if (scale > 0) {
+      other.world_from_camera[0] *= scale;
+      other.world_from_camera[1] *= scale;
+      // The lens has its radius in camera space, as before.
+      other.lens_radius /= scale;
+    }
+  } else if (kind != CameraKind::kPerspective) {
+    const glm::vec3 up = EnvironmentFrame(up_axis, left_handed, 0)[2];
+    const glm::vec3 level = forward - up * glm::dot(forward, up);
+    if (glm::length(level) > 1e-4f) {
+      other.world_from_camera =
+          LookAtCamera(eye, eye + level, up, camera.fov_degrees, left_handed).world_from_camera;
+    }
+  }
+  return other;
 }
 
 glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degrees) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "image/image.h"
+#include "kernels/camera.h"
 #include "kernels/columns.h"
 
 namespace skywave {
@@ -34,11 +35,23 @@ struct Mesh {
   std::uint32_t material = 0;         // index into Scene::materials
 };
 
-// A pinhole. Camera space: x right, y up, looking along +z; in a right-handed world the matrix
-// mirrors. A scene file's camera may be scaled: directions need normalising after the matrix.
+// The rectangle of the plane z = 1 (perspective, in units of tan(fov / 2)) or z = 0 (orthographic)
+// that the film shows.
+struct ScreenWindow {
+  float left = -1, right = 1, bottom = -1, top = 1;
+};
+
+// Camera space: x right, y up, looking along +z; in a right-handed world the matrix mirrors. A
+// scene file's camera may be scaled: directions need normalising after the matrix.
 struct Camera {
+  CameraKind kind = CameraKind::kPerspective;
   glm::mat4 world_from_camera{1.0f};
-  float fov_degrees = 45.0f;  // of the shorter side of the film
+  float fov_degrees = 45.0f;           // of a screen window's [-1, 1]
+  std::optional<ScreenWindow> window;  // unset: [-1, 1] on the shorter side of the film
+  // Of perspective and orthographic cameras, in camera space. The plane at the focal distance is
+  // sharp; radius 0: everything is.
+  float lens_radius = 0;
+  float focal_distance = 1e6f;
 };
 
 enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris };
@@ -54,12 +67,18 @@ struct EnvironmentLight {
   glm::mat3 world_from_map{1.0f};  // columns: right, forward, up
 };
 
+// A part of the film, as fractions of its width from the left and its height from the top.
+struct CropFractions {
+  float left = 0, right = 1, top = 0, bottom = 1;
+};
+
 // What the file says of the rendering; flags of the command line come before it.
 struct RenderSettings {
   std::optional<int> width, height, samples_per_pixel, max_depth;
   std::optional<std::string> integrator;  // "direct" or "path"
   std::optional<PixelFilter> filter;
   std::optional<float> filter_radius;  // [pixels]
+  std::optional<CropFractions> crop;   // the part that is rendered
 };
 
 struct Scene {
@@ -86,8 +105,15 @@ Bounds SceneBounds(const Scene& scene, const std::string& path);
 Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,
                     float fov_degrees, bool left_handed);
 
-// A camera that sees all of `bounds` from slightly above, `up_axis` being up.
-Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed);
+// A camera that sees all of `bounds` from slightly above, `up_axis` being up, on a film of that
+// `aspect` (width / height).
+Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float aspect = 1);
+
+// The camera of another kind at the same place. A perspective camera that becomes orthographic
+// shows as much as before of what is as far away as the middle of `bounds`; one that becomes
+// spherical stands upright.
+Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, char up_axis,
+                bool left_handed);
 
 // world_from_map for a map given on the command line: its middle turned `rotation_degrees`
 // counter-clockwise about the up axis (seen from above) away from -z (y up), +y (z up) or +y

@@ -23,6 +23,9 @@ CameraView FlatCamera(std::uint32_t width, float scale, const float* offsets) {
           .corner = {0, 0, 1},
           .right = {scale, 0, 0},
           .down = {0, scale, 0},
+          .forward = {0, 0, 1},
+          .lens_x = {},
+          .lens_y = {},
           .width = width,
           .filter_offset = offsets};
 }
@@ -47,7 +50,7 @@ TEST(Camera, FindsPixelsOfAnyFilm) {
     const float scale = 1.0f / 4096;
     ForEachTarget([&] {
       soa::Table<RayColumns> rays(n);
-      GenerateCameraRays(FlatCamera(width, scale, kNoOffsets.data()), paths, film, n, rays);
+      GenerateCameraRays(FlatCamera(width, scale, kNoOffsets.data()), paths, film, film, n, rays);
       for (std::uint32_t i = 0; i < n; ++i) {
         const double x = rays->dir_x[i] / rays->dir_z[i] / scale;
         const double y = rays->dir_y[i] / rays->dir_z[i] / scale;
@@ -80,7 +83,7 @@ TEST(Camera, DirectionsMatchDoubleArithmetic) {
     }
     const auto film = RandomUniforms(n, 83);
     soa::Table<RayColumns> rays(n);
-    GenerateCameraRays(view, paths, film, n, rays);
+    GenerateCameraRays(view, paths, film, film, n, rays);
     // The field of view is that of the shorter side.
     const double pixel = 2 * std::tan(37 * kPi / 360) / std::min(width, height);
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -111,11 +114,11 @@ TEST(Camera, BitsDoNotDependOnTargetOrNumberOfRows) {
   const auto film = RandomUniforms(kFullWave, 84);
   const CameraView view = FlatCamera(311, 0.003f, offsets.data());
   soa::Table<RayColumns> full(kFullWave);
-  GenerateCameraRays(view, paths, film, kFullWave, full);
+  GenerateCameraRays(view, paths, film, film, kFullWave, full);
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       soa::Table<RayColumns> rays(kFullWave);
-      GenerateCameraRays(view, paths, film, n, rays);
+      GenerateCameraRays(view, paths, film, film, n, rays);
       EXPECT_EQ(ColumnBits(rays.columns(), n), ColumnBits(full.columns(), n)) << n << " rows";
     }
   });
@@ -170,7 +173,7 @@ TEST(Filters, SamplesFollowTheFilter) {
     soa::Table<PathColumns> paths(kSamples);
     const auto film = RandomUniforms(kSamples, 85);
     soa::Table<RayColumns> rays(kSamples);
-    GenerateCameraRays(FlatCamera(1, 0.01f, offsets.data()), paths, film, kSamples, rays);
+    GenerateCameraRays(FlatCamera(1, 0.01f, offsets.data()), paths, film, film, kSamples, rays);
     std::vector<double> observed_x(kBins), observed_y(kBins);
     const std::vector<double> expected(kBins, double(kSamples) / kBins);
     for (std::uint32_t i = 0; i < kSamples; ++i) {

@@ -54,7 +54,13 @@ class Cli : public Program {
     Put("range.ply", Ply(kVertices, "3 0 1 3"));
     Put("nan.ply", Ply("0 0 0\n1 nan 0\n0 1 0\n", "3 0 1 2"));
     Put("far.ply", Ply("0 0 0\n1 3e38 0\n0 1 0\n", "3 0 1 2"));
-    Put("scene.obj", "v 0 0 0\n");
+    Put("scene.blend", "BLENDER");
+    const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    Put("good.obj", corners + "f 1 2 3\n");
+    Put("empty.obj", corners);
+    Put("range.obj", corners + "f 1 2 4\n");
+    Put("nan.obj", corners + "v 1 nan 1\nf 1 2 3\n");
+    Put("library.obj", "mtllib nosuch.mtl\n" + corners + "f 1 2 3\n");
     WriteExr(Path("map.exr"), Map(1));
     Put("cut.exr", Bytes("map.exr").substr(0, Bytes("map.exr").size() - 40));
     Put("text.exr", "not a picture");
@@ -76,7 +82,7 @@ TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
   const Result result = Run("--help");
   EXPECT_EQ(result.exit_code, 0);
   for (const char* const part :
-       {"render", "compare", "strategies", "converge", "bench", "-o gallery.exr"}) {
+       {"render", "info", "compare", "strategies", "converge", "bench", "-o gallery.exr"}) {
     EXPECT_TRUE(Contains(result.out, part)) << part;
   }
   EXPECT_EQ(result.err, "");
@@ -84,7 +90,8 @@ TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
 }
 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
-  for (const std::string command : {"render", "compare", "strategies", "converge", "bench"}) {
+  for (const std::string command :
+       {"render", "info", "compare", "strategies", "converge", "bench"}) {
     const Result result = Run(command + " --help");
     EXPECT_EQ(result.exit_code, 0) << command;
     EXPECT_TRUE(Contains(result.out, "Example")) << command;
@@ -120,7 +127,12 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       // Scenes
       {"render nosuch.pbrt", kExitBadInput, {"nosuch.pbrt", "no such file", "gallery"}},
       {"render galery", kExitBadInput, {"galery", "gallery, spheres"}},
-      {"render scene.obj", kExitBadInput, {"scene.obj", ".pbrt or .ply"}},
+      {"render scene.blend", kExitBadInput, {"scene.blend", ".pbrt, .obj or .ply"}},
+      {"render good.obj", kExitBadInput, {"good.obj", "no light", "--env"}},
+      {"render empty.obj --env map.exr", kExitBadInput, {"empty.obj", "no triangle"}},
+      {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "index 4"}},
+      {"render nan.obj --env map.exr", kExitBadInput, {"nan.obj:4: ", "nan"}},
+      {"render library.obj --env map.exr", kExitIo, {"library.obj:1: ", "nosuch.mtl"}},
       {"render folder", kExitBadInput, {"folder"}},
       {"render unknown.pbrt", kExitBadInput, {"unknown.pbrt:3: ", "Frobnicate"}},
       {"render empty.pbrt", kExitBadInput, {"empty.pbrt", "no triangle"}},
@@ -176,6 +188,16 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --env-rotate inf", kExitUsage, {"--env-rotate", "inf"}},
       {"render scene.pbrt --env-intensity nan", kExitUsage, {"--env-intensity", "nan"}},
       {"render scene.pbrt --env-projection flat", kExitUsage, {"--env-projection", "latlong"}},
+      {"render scene.pbrt --camera fisheye", kExitUsage, {"--camera", "fisheye", "orthographic"}},
+      {"render scene.pbrt --eye 1,2", kExitUsage, {"--eye", "1,2", "X,Y,Z"}},
+      {"render scene.pbrt --eye 1,2,nan", kExitUsage, {"--eye", "X,Y,Z"}},
+      {"render scene.pbrt --eye 1,2,3 --target 1,2,3", kExitUsage, {"--target", "look"}},
+      {"render scene.pbrt --fov 180", kExitUsage, {"--fov", "180"}},
+      {"render scene.pbrt --lens-radius -1", kExitUsage, {"--lens-radius"}},
+      {"render scene.pbrt --focal-distance 0", kExitUsage, {"--focal-distance"}},
+      {"render scene.pbrt --crop 2x2", kExitUsage, {"--crop", "WxH+X+Y"}},
+      {"render scene.pbrt --crop 2x2+3+0", kExitBadInput, {"2x2+3+0", "4 x 3"}},
+      {"render scene.pbrt --crop 0x1+0+0", kExitBadInput, {"0x1+0+0"}},
       {"render scene.pbrt --exposure nan", kExitUsage, {"--exposure", "nan"}},
       {"render scene.pbrt --tone rosy", kExitUsage, {"--tone", "filmic"}},
       {"render scene.pbrt --strategy best", kExitUsage, {"best", "importance"}},
@@ -335,6 +357,9 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
       "render scene.pbrt --env \"my maps/sky's.exr\" --env-projection latlong --size 7x7 --spp 2 "
       "--filter gaussian --filter-radius 0.7 --max-depth 2 --embree-config isa=sse2 "
       "--strategy importance:compensate=1 --backend single",
+      "render good.ply --env map.exr --ground --size 12x9 --crop 7x5+2+3 --spp 2 --eye=-1.5,2,3 "
+      "--fov 31.5 --lens-radius 0.1 --focal-distance 2.25",
+      "render good.ply --env map.exr --size 8x4 --spp 2 --camera latlong --target 0.1,0.2,-0.3",
   };
   for (const std::string& command : commands) {
     SCOPED_TRACE(command);
@@ -352,6 +377,59 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
     EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
     EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
   }
+}
+
+// A part of the film has the pixels that the whole has there, to the last bit.
+TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
+  for (const std::string camera : {"perspective --lens-radius 0.2", "orthographic", "latlong"}) {
+    const std::string common =
+        "render good.ply --env map.exr --ground --size 12x9 --spp 4 -q "
+        "--camera " +
+        camera;
+    ASSERT_EQ(Run(common + " -o whole.exr").exit_code, 0);
+    ASSERT_EQ(Run(common + " --crop 7x5+2+3 -o part.exr").exit_code, 0);
+    const Image whole = ReadImage(Path("whole.exr")), part = ReadImage(Path("part.exr"));
+    ASSERT_EQ(part.width, 7);
+    ASSERT_EQ(part.height, 5);
+    for (int y = 0; y < 5; ++y) {
+      for (int x = 0; x < 7; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_EQ(part.Pixel(x, y)[c], whole.Pixel(x + 2, y + 3)[c]) << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
+// pbrt rounds the fractions of a cropwindow up to pixels; a flag comes before the file.
+TEST_F(Cli, ACropWindowOfAPbrtFileIsTaken) {
+  const auto with = [&](const std::string& parameters) {
+    return "Film \"rgb\" \"integer xresolution\" 9 \"integer yresolution\" 6 " + parameters + "\n" +
+           Bytes("scene.pbrt");
+  };
+  Put("whole.pbrt", with(""));
+  Put("part.pbrt", with("\"float cropwindow\" [.25 .75 .5 1]"));
+  ASSERT_EQ(Run("render part.pbrt --spp 2 -q -o a.exr").exit_code, 0);
+  ASSERT_EQ(Run("render whole.pbrt --crop 4x3+3+3 --spp 2 -q -o b.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("a.png"), Bytes("b.png"));
+  EXPECT_EQ(ReadImage(Path("a.exr")).width, 4);
+  ASSERT_EQ(Run("render part.pbrt --crop 1x2+0+0 --spp 2 -q -o a.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("a.exr")).height, 2);
+}
+
+TEST_F(Cli, CamerasSeeDifferently) {
+  std::set<std::string> pictures;
+  for (const std::string camera :
+       {"", "--camera orthographic", "--camera latlong", "--camera equal-area", "--fov 20",
+        "--eye 0,1,3", "--target 1,1,1", "--lens-radius 0.3",
+        "--lens-radius 0.3 --focal-distance 1"}) {
+    ASSERT_EQ(Run("render good.ply --env map.exr --ground --size 8x6 --spp 2 -q -o a.exr " + camera)
+                  .exit_code,
+              0)
+        << camera;
+    pictures.insert(Bytes("a.png"));
+  }
+  EXPECT_EQ(pictures.size(), 9u);
 }
 
 TEST_F(Cli, TheSceneHashTellsScenesApart) {

@@ -239,7 +239,7 @@ TEST_F(Converge, BadInputIsToldClearlyAndLeavesNoFile) {
       {std::string(kSmall) + "--strategies importance --time nan", kExitUsage, {"--time"}},
       {good + "--repeats 1", kExitUsage, {"--repeats"}},
       {good + "--measure psnr", kExitUsage, {"--measure", "psnr", "relative_mse"}},
-      {good + "--target 0", kExitUsage, {"--target"}},
+      {good + "--target-error 0", kExitUsage, {"--target-error"}},
       {good + "--spp 4", kExitUsage, {"--spp"}},
       {good + "--strategy importance", kExitUsage, {"--strategy"}},
       {good + "--reference small.exr", kExitBadInput, {"small.exr", "8 x 4", "32 x 24", "--size"}},

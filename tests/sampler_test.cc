@@ -266,7 +266,8 @@ TEST(Sampler, PixelsHaveSeedsOfTheirOwn) {
 }
 
 TEST(Sampler, PairsOfAPathDoNotMeet) {
-  std::set<std::uint32_t> pairs = {kFilmPair};
+  std::set<std::uint32_t> pairs = {kFilmPair, kLensPair};
+  EXPECT_EQ(pairs.size(), 2u);
   for (std::uint32_t bounce = 0; bounce < 50; ++bounce) {
     for (const SampleUse use : {SampleUse::kLight, SampleUse::kScatter, SampleUse::kLobe}) {
       EXPECT_TRUE(pairs.insert(SamplePair(bounce, use)).second);

@@ -258,8 +258,8 @@ TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
 
 TEST(BadScene, UnknownNamesAndEndings) {
   const TemporaryFolder folder;
-  const std::string obj = folder.Write("a.obj", "v 0 0 0\n");
-  EXPECT_TRUE(Contains(ErrorOf([&] { ReadScene(obj); }), ".pbrt or .ply"));
+  const std::string blend = folder.Write("a.blend", "BLENDER");
+  EXPECT_TRUE(Contains(ErrorOf([&] { ReadScene(blend); }), ".pbrt, .obj or .ply"));
   const std::string error = ErrorOf([] { ReadScene("galery"); });
   EXPECT_TRUE(Contains(error, "galery") && Contains(error, "gallery")) << error;
   EXPECT_NE(ErrorOf([&] { ReadScene(folder.Write("e.ply", "")); }), "");

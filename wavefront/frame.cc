@@ -68,19 +68,46 @@ std::vector<float> FilterOffsets(PixelFilter filter, float radius) {
   return offsets;
 }
 
-CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset) {
+CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset,
+                          const std::optional<CropWindow>& crop) {
   const glm::dmat4 world(camera.world_from_camera);
-  const double shorter = std::min(width, height);
-  const double half = std::tan(glm::radians(double(camera.fov_degrees)) / 2);
-  const double pixel = 2 * half / shorter;  // side of a pixel at distance 1
   const glm::dvec3 x(world[0]), y(world[1]), z(world[2]);
+  const CropWindow part = crop.value_or(CropWindow{0, 0, width, height});
   CameraView view = {};
-  Copy(glm::vec3(world[3]), view.origin);
-  Copy(glm::vec3(z - x * (pixel * width / 2) + y * (pixel * height / 2)), view.corner);
-  Copy(glm::vec3(x * pixel), view.right);
-  Copy(glm::vec3(-y * pixel), view.down);
-  view.width = std::uint32_t(width);
+  view.kind = camera.kind;
+  view.width = std::uint32_t(part.width), view.height = std::uint32_t(part.height);
+  view.first_column = std::uint32_t(part.x), view.first_row = std::uint32_t(part.y);
+  view.whole_width = std::uint32_t(width), view.whole_height = std::uint32_t(height);
   view.filter_offset = filter_offset;
+  Copy(glm::vec3(world[3]), view.origin);
+  if (camera.kind == CameraKind::kLatLong || camera.kind == CameraKind::kEqualArea) {
+    Copy(glm::vec3(glm::normalize(x)), view.right);
+    Copy(glm::vec3(-glm::normalize(y)), view.down);
+    Copy(glm::vec3(glm::normalize(z)), view.forward);
+    return view;
+  }
+
+  const double shorter = std::min(width, height);
+  const bool perspective = camera.kind == CameraKind::kPerspective;
+  const double unit = perspective ? std::tan(glm::radians(double(camera.fov_degrees)) / 2) : 1;
+  // Sides of a pixel, and the top left corner of the film, on the plane of the screen window.
+  double pixel_x = 2 * unit / shorter, pixel_y = pixel_x;
+  double left = -pixel_x * width / 2, top = pixel_y * height / 2;
+  if (camera.window) {
+    const ScreenWindow& w = *camera.window;
+    pixel_x = unit * (double(w.right) - w.left) / width;
+    pixel_y = unit * (double(w.top) - w.bottom) / height;
+    left = unit * w.left, top = unit * w.top;
+  }
+  const glm::dvec3 middle = perspective ? z : glm::dvec3(world[3]);
+  Copy(glm::vec3(middle + x * left + y * top), view.corner);
+  Copy(glm::vec3(x * pixel_x), view.right);
+  Copy(glm::vec3(-y * pixel_y), view.down);
+  Copy(glm::vec3(z), view.forward);
+  Copy(glm::vec3(x * double(camera.lens_radius)), view.lens_x);
+  Copy(glm::vec3(y * double(camera.lens_radius)), view.lens_y);
+  view.lens_radius = camera.lens_radius;
+  view.focal_distance = camera.focal_distance;
   return view;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "kernels/bsdf.h"
@@ -16,7 +17,9 @@ namespace skywave {
 enum class Integrator { kDirect, kPath };
 
 struct RenderOptions {
-  int width = 640, height = 480;
+  int width = 640, height = 480;        // of the picture
+  int film_width = 0, film_height = 0;  // 0: the picture is the whole film
+  int crop_x = 0, crop_y = 0;           // else: the picture's top left corner in the film
   Integrator integrator = Integrator::kPath;
   std::uint32_t samples_per_pixel = 64;
   std::uint32_t first_sample = 0;   // samples [first_sample, first_sample + samples_per_pixel)
@@ -57,7 +60,14 @@ float DefaultFilterRadius(PixelFilter filter);
 // kFilterCells + 1 offsets [pixels]: the inverse of the cumulative distribution of the filter.
 std::vector<float> FilterOffsets(PixelFilter filter, float radius);
 
-// `filter_offset` must outlive the view.
-CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset);
+// The part of a film that is rendered [pixels].
+struct CropWindow {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+// `width` and `height` are those of the whole film [pixels], of which `crop` is rendered (unset:
+// all). `filter_offset` must outlive the view.
+CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset,
+                          const std::optional<CropWindow>& crop = std::nullopt);
 
 }  // namespace skywave

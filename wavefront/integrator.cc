@@ -98,7 +98,7 @@ void FinishWave(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.paths, *rays);
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count;
@@ -123,7 +123,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.paths, *rays);
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count;

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <cmath>
 
 #include "base/error.h"
 #include "lights/projections.h"
+#include "scene/ground.h"
 #include "scene/reader.h"
 
 namespace skywave {
@@ -100,6 +102,66 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
   return strategy;
 }
 
+// The camera of the scene, or else one that sees all of it, changed as the flags have it.
+// `aspect`: width / height of the whole film.
+Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& wish,
+                    float aspect) {
+  Camera camera =
+      scene.camera ? *scene.camera : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
+  const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);
+  if (wish.fov_degrees) camera.fov_degrees = *wish.fov_degrees;
+  if (wish.eye || wish.target) {
+    const glm::vec3 eye = wish.eye.value_or(glm::vec3(camera.world_from_camera[3]));
+    const glm::vec3 target = wish.target.value_or(middle);
+    const glm::vec3 up = EnvironmentFrame(scene.up_axis, scene.left_handed, 0)[2];
+    const glm::vec3 view = target - eye;
+    if (!(glm::length(glm::cross(view, up)) > 1e-5f * glm::length(view))) {
+      throw InputError(InputPosition::File("--eye, --target"),
+                       "the camera has to look somewhere, and not straight up or down", kExitUsage);
+    }
+    camera.world_from_camera =
+        LookAtCamera(eye, target, up, camera.fov_degrees, scene.left_handed).world_from_camera;
+  }
+  if (wish.kind) {
+    camera = WithKind(camera, *wish.kind, bounds, scene.up_axis, scene.left_handed);
+  }
+  const glm::mat3 axes(camera.world_from_camera);
+  const float depth = glm::length(axes[2]);
+  if (wish.lens_radius) {
+    camera.lens_radius = *wish.lens_radius / glm::length(axes[0]);
+    const glm::vec3 eye(camera.world_from_camera[3]);
+    const float distance = glm::dot(middle - eye, axes[2]) / (depth * depth);
+    if (distance > 0) camera.focal_distance = distance;
+  }
+  if (wish.focal_distance) camera.focal_distance = *wish.focal_distance / depth;
+  return camera;
+}
+
+// The part of the film that is rendered: as the flag, or else the scene has it. pbrt rounds
+// fractions up to pixels.
+std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSettings& said,
+                                     const RenderOptions& options) {
+  std::optional<CropWindow> crop = request.crop;
+  if (!crop && said.crop) {
+    const auto pixel = [](float fraction, int size) {
+      return int(std::ceil(double(fraction) * size));
+    };
+    const int x = pixel(said.crop->left, options.width), y = pixel(said.crop->top, options.height);
+    crop = CropWindow{x, y, pixel(said.crop->right, options.width) - x,
+                      pixel(said.crop->bottom, options.height) - y};
+  }
+  if (!crop) return crop;
+  if (crop->x < 0 || crop->y < 0 || crop->width <= 0 || crop->height <= 0 ||
+      crop->x > options.width - crop->width || crop->y > options.height - crop->height) {
+    throw InputError(
+        InputPosition::File(request.scene),
+        fmt::format("no pixel, or not all, of the part {}x{}+{}+{} is on the film of "
+                    "{} x {}",
+                    crop->width, crop->height, crop->x, crop->y, options.width, options.height));
+  }
+  return crop;
+}
+
 std::array<float, 9> Rows(const glm::mat3& columns) {
   std::array<float, 9> rows;
   for (int i = 0; i < 9; ++i) rows[std::size_t(i)] = columns[i / 3][i % 3];
@@ -154,6 +216,12 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      fmt::format("a film of {} x {} pixels cannot be rendered", options_.width,
                                  options_.height));
   }
+  const std::optional<CropWindow> crop = ChooseCrop(request, said, options_);
+  if (crop) {
+    options_.film_width = options_.width, options_.film_height = options_.height;
+    options_.width = crop->width, options_.height = crop->height;
+    options_.crop_x = crop->x, options_.crop_y = crop->y;
+  }
   if (options_.samples_per_pixel == 0) {
     throw InputError(InputPosition::File(request.scene), "0 samples a pixel show nothing");
   }
@@ -170,10 +238,15 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   LoadMap(light, request.environment, notes_);
   times_.load += SecondsSince(load_start);
 
-  if (!scene.camera) {
-    scene.camera = FrameBounds(SceneBounds(scene, request.scene), scene.up_axis, scene.left_handed);
+  const Bounds bounds = SceneBounds(scene, request.scene);
+  if (!scene.camera && !request.camera.eye) {
     notes_.push_back(request.scene + ": has no camera; one that sees the whole scene is used");
   }
+  const int film_width = crop ? options_.film_width : options_.width;
+  const int film_height = crop ? options_.film_height : options_.height;
+  scene.camera =
+      ChooseCamera(scene, bounds, request.camera, float(film_width) / float(film_height));
+  if (request.ground) AddGround(scene, bounds);
   geometry_ =
       std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
   times_.build = geometry_->build_seconds();
@@ -189,7 +262,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   times_.tables = SecondsSince(tables_start);
   if (request.keep_map) map_ = std::move(map);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
-  camera_ = MakeCameraView(*scene.camera, options_.width, options_.height, filter_offsets_.data());
+  camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
 }
 
 FrameView RenderJob::frame() const {
@@ -212,6 +285,28 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 }
 
 Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }
+
+std::optional<CameraKind> ParseCameraKind(std::string_view name) {
+  for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic,
+                                CameraKind::kLatLong, CameraKind::kEqualArea}) {
+    if (name == ToString(kind)) return kind;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToString(CameraKind kind) {
+  switch (kind) {
+    case CameraKind::kPerspective:
+      return "perspective";
+    case CameraKind::kOrthographic:
+      return "orthographic";
+    case CameraKind::kLatLong:
+      return "latlong";
+    case CameraKind::kEqualArea:
+      return "equal-area";
+  }
+  return "";
+}
 
 std::optional<Integrator> ParseIntegrator(std::string_view name) {
   if (name == "direct") return Integrator::kDirect;

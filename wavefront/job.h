@@ -28,14 +28,26 @@ struct EnvironmentRequest {
   ReadLimits limits;
 };
 
+// What flags say of the camera; unset values are those of the scene's or of the automatic one.
+struct CameraRequest {
+  std::optional<CameraKind> kind;
+  std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
+  std::optional<float> fov_degrees;
+  std::optional<float> lens_radius;     // world space
+  std::optional<float> focal_distance;  // world space; unset: the middle of the scene is sharp
+};
+
 // What the user asked for; unset values come from the scene, then from RenderOptions.
 struct JobRequest {
-  std::string scene;  // file or built-in scene
+  std::string scene;    // file or built-in scene
+  bool ground = false;  // a plane under the scene
   EnvironmentRequest environment;
+  CameraRequest camera;
   std::string strategy = "importance";
   bool keep_map = false;  // for RenderJob::MakeOtherStrategy
   std::string embree_config;
   std::optional<int> width, height;
+  std::optional<CropWindow> crop;
   std::optional<Integrator> integrator;
   std::optional<std::uint32_t> samples_per_pixel, max_depth;
   std::optional<PixelFilter> filter;
@@ -82,6 +94,8 @@ class RenderJob {
   std::vector<std::string> notes_;
 };
 
+std::optional<CameraKind> ParseCameraKind(std::string_view name);
+std::string_view ToString(CameraKind kind);
 std::optional<Integrator> ParseIntegrator(std::string_view name);
 std::string_view ToString(Integrator integrator);
 std::optional<PixelFilter> ParsePixelFilter(std::string_view name);

@@ -16,7 +16,9 @@ namespace {
 constexpr std::uint32_t kFirstRouletteBounce = 3;
 
 // Walks the samples of `range` without dividing per row: runs of samples of one pixel.
-void StartPaths(const RenderOptions& options, const WaveRange& range, const PathColumns& paths) {
+// Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
+void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
+                const PathColumns& paths) {
   const std::uint32_t spp = options.samples_per_pixel;
   std::uint64_t pixel = range.first / spp;
   auto sample = std::uint32_t(range.first % spp);
@@ -24,7 +26,8 @@ void StartPaths(const RenderOptions& options, const WaveRange& range, const Path
     const std::uint32_t run = std::min(range.count - row, spp - sample);
     const std::uint32_t x = range.tile.x + std::uint32_t(pixel % range.tile.width);
     const std::uint32_t y = range.tile.y + std::uint32_t(pixel / range.tile.width);
-    const std::uint32_t seed = PixelSeed(x, y, options.seed);
+    const std::uint32_t seed =
+        PixelSeed(camera.first_column + x, camera.first_row + y, options.seed);
     const std::uint32_t index = y * std::uint32_t(options.width) + x;
     for (std::uint32_t i = 0; i < run; ++i, ++row) {
       paths.seed[row] = seed;
@@ -39,11 +42,12 @@ void StartPaths(const RenderOptions& options, const WaveRange& range, const Path
 
 }  // namespace
 
-void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& uniforms,
-                  const PathColumns& paths, const RayColumns& rays) {
-  StartPaths(frame.options, range, paths);
-  DrawUniforms(paths, nullptr, range.count, kFilmPair, {}, uniforms);
-  GenerateCameraRays(frame.camera, paths, uniforms, range.count, rays);
+void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& film,
+                  const UniformColumns& lens, const PathColumns& paths, const RayColumns& rays) {
+  StartPaths(frame.options, frame.camera, range, paths);
+  DrawUniforms(paths, nullptr, range.count, kFilmPair, {}, film);
+  if (frame.camera.has_lens()) DrawUniforms(paths, nullptr, range.count, kLensPair, {}, lens);
+  GenerateCameraRays(frame.camera, paths, film, lens, range.count, rays);
 }
 
 std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,

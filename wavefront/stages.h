@@ -23,8 +23,8 @@ struct WaveRange {
 
 // Starts `range.count` paths: seeds, samples and pixels of `paths`, radiance 0, and their camera
 // rays in `rays`, row for row.
-void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& uniforms,
-                  const PathColumns& paths, const RayColumns& rays);
+void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& film,
+                  const UniformColumns& lens, const PathColumns& paths, const RayColumns& rays);
 
 // Writes the queue of every ray (kernels/partition.h) and the ranges that the queues of the BSDFs
 // will take in the surface table; returns the number of rays that hit nothing. With `only_delta`,

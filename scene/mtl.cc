@@ -1,0 +1,187 @@
+#include "scene/mtl.h"
+
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <sstream>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/metals.h"
+#include "scene/obj_lines.h"
+
+namespace skywave {
+namespace {
+
+// The statements of one material: where each was given last, and whether with a single number.
+struct Statement {
+  std::size_t line = 0;
+  bool single = false;
+};
+struct Entry {
+  std::string name;
+  InputPosition position;  // of newmtl
+  std::map<std::string, Statement, std::less<>> statements;
+
+  bool Has(std::string_view word) const { return statements.contains(word); }
+};
+
+InputPosition At(const Entry& entry, std::string_view word) {
+  const auto found = entry.statements.find(word);
+  return found == entry.statements.end()
+             ? entry.position
+             : InputPosition::Line(entry.position.path, found->second.line);
+}
+
+bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool IsMap(std::string_view word) {
+  return word.starts_with("map_") || IsOneOf(word, {"bump", "disp", "decal", "refl", "norm"});
+}
+
+// A colour is one number (grey) or three. Spectra are refused by their first word.
+void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& words,
+                    Warnings& warnings) {
+  const std::string_view word = words[0];
+  if (IsOneOf(word, {"Ka", "Kd", "Ks", "Ke", "Kt", "Tf"})) {
+    const auto values = ParseObjNumbers(lines, words, 1, 3);
+    if (values.size() == 2 || *std::min_element(values.begin(), values.end()) < 0) {
+      throw InputError(PositionOf(lines),
+                       fmt::format("'{}' takes one or three numbers that are not negative", word));
+    }
+    if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 0) {
+      AddWarning(warnings, PositionOf(lines), "Ke: emission is not supported: left out");
+    }
+  } else if (IsOneOf(word, {"Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm"})) {
+    const bool halo = word == "d" && words.size() > 1 && words[1] == "-halo";
+    if (halo) {
+      throw InputError(PositionOf(lines), "'d -halo' is not supported: give a plain number");
+    }
+    ParseObjNumbers(lines, words, 1, 1);
+  } else if (IsMap(word)) {
+    AddWarning(warnings, PositionOf(lines),
+               fmt::format("{}: textures are not supported: the plain value is used", word));
+  } else if (!IsOneOf(word, {"sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
+    AddWarning(warnings, PositionOf(lines),
+               fmt::format("'{}' is no statement of MTL: ignored", word.substr(0, 40)));
+  }
+}
+
+std::vector<Entry> CheckMtl(ObjLines& lines, Warnings& warnings) {
+  std::vector<Entry> entries;
+  std::vector<std::string_view> words;
+  while (NextStatement(lines, words)) {
+    if (words[0] == "newmtl") {
+      if (words.size() < 2) throw InputError(PositionOf(lines), "'newmtl' without a name");
+      entries.push_back({RestOfStatement(words), PositionOf(lines), {}});
+      continue;
+    }
+    if (entries.empty()) {
+      throw InputError(PositionOf(lines),
+                       fmt::format("'{}' before the first newmtl", words[0].substr(0, 40)));
+    }
+    CheckStatement(lines, words, warnings);
+    entries.back().statements[std::string(words[0])] = {lines.line, words.size() == 2};
+  }
+  return entries;
+}
+
+// A reflectance, clamped to [0, 1]. tinyobjloader leaves 0 in the channels that a grey given by one
+// number does not name.
+glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
+                   Warnings& warnings) {
+  const auto found = entry.statements.find(word);
+  const bool grey = found != entry.statements.end() && found->second.single;
+  const glm::vec3 color = grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
+  const glm::vec3 clamped = glm::clamp(color, 0.0f, 1.0f);
+  if (clamped != color) {
+    AddWarning(warnings, At(entry, word), fmt::format("{} is clamped to [0, 1]", word));
+  }
+  return clamped;
+}
+
+bool IsBlack(const glm::vec3& color) { return color == glm::vec3(0); }
+
+bool IsGlass(const tinyobj::material_t& mtl) {
+  if (mtl.illum == 6 || mtl.illum == 7) return true;
+  const bool transmits =
+      std::max({mtl.transmittance[0], mtl.transmittance[1], mtl.transmittance[2]}) > 0;
+  if ((mtl.illum == 4 || mtl.illum == 9) && (mtl.dissolve < 1 || transmits)) return true;
+  return mtl.dissolve < 0.5f;
+}
+
+Material Glass(const tinyobj::material_t& mtl) {
+  return {.bsdf = BsdfKind::kDielectric,
+          .reflectance = glm::vec3(1),
+          .ior = mtl.ior > 1 ? mtl.ior : 1.5f};
+}
+
+Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
+  const MetalIndex index = MetalOfReflectance(normal_reflectance);
+  return {.bsdf = BsdfKind::kConductor,
+          .reflectance = glm::vec3(1),
+          .eta = index.eta,
+          .k = index.k,
+          .alpha = std::max(alpha, 1e-3f)};
+}
+
+Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, Warnings& warnings) {
+  const glm::vec3 diffuse = Fraction(mtl.diffuse, entry, "Kd", warnings);
+  const glm::vec3 specular = Fraction(mtl.specular, entry, "Ks", warnings);
+  if (IsGlass(mtl)) return Glass(mtl);
+  if (mtl.dissolve < 1) {
+    AddWarning(warnings, At(entry, entry.Has("d") ? "d" : "Tr"),
+               "partly transparent surfaces are not supported: rendered opaque");
+  }
+  if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
+  if (IsBlack(diffuse) && !IsBlack(specular)) {
+    if (mtl.illum == 3 || mtl.illum == 5) {
+      return {.bsdf = BsdfKind::kMirror, .reflectance = specular};
+    }
+    return Conductor(specular, std::sqrt(2 / (std::max(mtl.shininess, 0.0f) + 2)));
+  }
+  if (!IsBlack(specular)) {
+    AddWarning(warnings, At(entry, "Ks"),
+               "Ks over a diffuse colour is not supported: rendered as Lambert of Kd");
+  }
+  // Blender, Mitsuba and tinyobjloader differ in what they take where nothing is said.
+  if (!entry.Has("Kd")) return {.reflectance = glm::vec3(entry.Has("map_Kd") ? 0.6f : 0.5f)};
+  return {.reflectance = diffuse};
+}
+
+}  // namespace
+
+std::vector<Material> ParseMtl(std::string text, const std::string& path, Warnings& warnings) {
+  ObjLines lines = MakeObjLines(std::move(text), path);
+  const std::vector<Entry> entries = CheckMtl(lines, warnings);
+  std::vector<Material> materials;
+  if (entries.empty()) return materials;
+
+  std::map<std::string, int> by_name;
+  std::vector<tinyobj::material_t> read;
+  std::string notes, errors;
+  std::istringstream stream(std::move(lines.text));
+  tinyobj::LoadMtl(&by_name, &read, &stream, &notes, &errors);
+  if (read.size() != entries.size() || !errors.empty()) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("tinyobjloader reads {} materials of {}: {}", read.size(),
+                                 entries.size(), errors));
+  }
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    materials.push_back(ToMaterial(read[i], entries[i], warnings));
+    materials.back().name = entries[i].name;
+  }
+  return materials;
+}
+
+std::vector<Material> ReadMtl(const std::string& path, Warnings& warnings) {
+  return ParseMtl(ReadFile(path), path, warnings);
+}
+
+}  // namespace skywave

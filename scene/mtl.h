@@ -1,0 +1,29 @@
+// Material libraries of OBJ files as Skywave's materials.
+//
+//   d < 1/2, illum 6 or 7, or 4 or 9 with d < 1 or Tf   smooth dielectric of index Ni (1.5 if <= 1)
+//   Pm >= 1/2 (metalness)                                conductor: F0 = Kd, alpha = Pr^2
+//   Kd = 0, Ks > 0                                       illum 3 or 5: mirror of Ks; else
+//   conductor:
+//                                                        F0 = Ks, alpha = sqrt(2 / (Ns + 2))
+//   everything else                                      Lambert of Kd
+//
+// The width of a lobe with exponent Ns is that of Walter et al. 2007, "Microfacet Models for
+// Refraction through Rough Surfaces", Section 5.2.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene/warnings.h"
+
+namespace skywave {
+
+// The materials in the order of the file, with their names. Throws InputError with the line on
+// numbers that are none. Warns, with the line, of maps, emission and whatever else is not rendered.
+std::vector<Material> ReadMtl(const std::string& path, Warnings& warnings);
+
+// The same from memory; `path` is for messages.
+std::vector<Material> ParseMtl(std::string text, const std::string& path, Warnings& warnings);
+
+}  // namespace skywave

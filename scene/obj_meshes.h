@@ -1,0 +1,20 @@
+// From tinyobjloader's corners, each with three indices, to meshes of vertices.
+#pragma once
+
+#include <tiny_obj_loader.h>
+
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace skywave {
+
+// Appends the triangles of `shapes` to the scene, sorted by material and by whether they are
+// smooth. tinyobjloader's material i is the scene's, and none is material 0. `has_smoothing`: the
+// smoothing groups of the shapes mean something.
+void BuildObjMeshes(const tinyobj::attrib_t& attributes,
+                    const std::vector<tinyobj::shape_t>& shapes, bool has_smoothing,
+                    const std::string& path, Scene& scene);
+
+}  // namespace skywave

@@ -1,0 +1,37 @@
+#include "scene/scene_summary.h"
+
+namespace skywave {
+
+SceneSummary Summarize(const Scene& scene) {
+  SceneSummary summary;
+  summary.triangles_of_material.assign(scene.materials.size(), 0);
+  const auto bytes = [](const auto& values) { return values.size() * sizeof values[0]; };
+  for (const Mesh& mesh : scene.meshes) {
+    ++summary.meshes;
+    summary.triangles += mesh.triangles.size();
+    summary.vertices += mesh.positions.size();
+    summary.meshes_with_normals += !mesh.normals.empty();
+    summary.meshes_with_uvs += !mesh.uvs.empty();
+    summary.mesh_bytes +=
+        bytes(mesh.positions) + bytes(mesh.normals) + bytes(mesh.uvs) + bytes(mesh.triangles);
+    summary.triangles_of_material.at(mesh.material) += mesh.triangles.size();
+  }
+  if (summary.triangles > 0) summary.bounds = SceneBounds(scene, "");
+  return summary;
+}
+
+std::string_view ToString(BsdfKind kind) {
+  switch (kind) {
+    case BsdfKind::kLambert:
+      return "lambert";
+    case BsdfKind::kConductor:
+      return "conductor";
+    case BsdfKind::kMirror:
+      return "mirror";
+    case BsdfKind::kDielectric:
+      return "dielectric";
+  }
+  return "";
+}
+
+}  // namespace skywave

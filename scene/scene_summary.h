@@ -1,0 +1,25 @@
+// What is in a scene, counted: for `skywave info`.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace skywave {
+
+struct SceneSummary {
+  std::size_t meshes = 0, triangles = 0, vertices = 0;
+  std::size_t meshes_with_normals = 0, meshes_with_uvs = 0;
+  std::size_t mesh_bytes = 0;                      // of the arrays of all meshes
+  std::optional<Bounds> bounds;                    // nothing: no triangle
+  std::vector<std::size_t> triangles_of_material;  // by index into Scene::materials
+};
+
+SceneSummary Summarize(const Scene& scene);
+
+std::string_view ToString(BsdfKind kind);
+
+}  // namespace skywave

@@ -1,0 +1,107 @@
+// skywave info: what it counts, in the table and in the JSON, and how it refuses.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/error.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class Info : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    Put("a.mtl",
+        "newmtl red\nKd 1 0 0\nmap_Kd a.png\nnewmtl glass\nillum 7\nNi 1.3\nnewmtl gold\n"
+        "Kd 0 0 0\nKs 1 .8 .3\nNs 98\n");
+    Put("a.obj",
+        "mtllib a.mtl\nv 0 0 -1\nv 2 0 0\nv 0 3 0\nv 0 0 0\ns off\nusemtl red\nf 1 2 3\nf 1 2 4\n"
+        "s 1\nusemtl glass\nf 1 3 4\n");
+    Put("light.pbrt",
+        "Camera \"orthographic\"\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 2 3]\n"
+        "LightSource \"point\"\nShape \"sphere\"\n");
+    Put("empty.obj", "v 0 0 0\n");
+    Put("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  }
+};
+
+TEST_F(Info, CountsAnObjFile) {
+  const Result result = Run("info a.obj --json i.json");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  for (const char* const part :
+       {"triangles   3\n", "0 0 -1 to 2 3 0", "right-handed, y up", "4 materials", "red", "glass",
+        "ior 1.3", "a.mtl:3: map_Kd", "--env MAP"}) {
+    EXPECT_TRUE(Contains(result.out, part)) << part << " in\n" << result.out;
+  }
+  const auto json = nlohmann::json::parse(Bytes("i.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-scene-info-1");
+  EXPECT_EQ(json.at("meshes"), 2);
+  EXPECT_EQ(json.at("meshes_with_normals"), 1);
+  EXPECT_EQ(json.at("meshes_with_uvs"), 0);
+  EXPECT_EQ(json.at("triangles"), 3);
+  EXPECT_EQ(json.at("vertices"), 7);
+  EXPECT_EQ(json.at("bounds").at("low"), nlohmann::json({0, 0, -1}));
+  EXPECT_EQ(json.at("bounds").at("high"), nlohmann::json({2, 3, 0}));
+  EXPECT_EQ(json.at("has_camera"), false);
+  const auto& materials = json.at("materials");
+  ASSERT_EQ(materials.size(), 4u);
+  EXPECT_EQ(materials[0].at("name"), "default");
+  EXPECT_EQ(materials[0].at("triangles"), 0);
+  EXPECT_EQ(materials[1].at("triangles"), 2);
+  EXPECT_EQ(materials[1].at("bsdf"), "lambert");
+  EXPECT_EQ(materials[1].at("reflectance"), nlohmann::json({1, 0, 0}));
+  EXPECT_EQ(materials[2].at("bsdf"), "dielectric");
+  EXPECT_EQ(materials[3].at("bsdf"), "conductor");
+  EXPECT_EQ(json.at("lights"), nlohmann::json::array());
+  EXPECT_EQ(json.at("not_supported").size(), 1u);
+  // 7 positions, 3 normals and 3 triangles of three words each.
+  EXPECT_EQ(json.at("bytes").at("meshes"), (7 + 3 + 3) * 12);
+  EXPECT_GT(json.at("bytes").at("geometry").get<int>(), 0);
+  EXPECT_GE(json.at("seconds").at("load").get<double>(), 0);
+}
+
+TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
+  const Result pbrt = Run("info light.pbrt --json i.json");
+  EXPECT_EQ(pbrt.exit_code, 0) << pbrt.err;
+  for (const char* const part : {"left-handed", "orthographic", "1 lights", "1 2 3",
+                                 "light.pbrt:4: LightSource \"point\""}) {
+    EXPECT_TRUE(Contains(pbrt.out, part)) << part << " in\n" << pbrt.out;
+  }
+  const auto json = nlohmann::json::parse(Bytes("i.json"));
+  EXPECT_EQ(json.at("lights").at(0).at("scale"), nlohmann::json({1, 2, 3}));
+  EXPECT_EQ(json.at("camera").at("kind"), "orthographic");
+  const Result gallery = Run("info gallery");
+  EXPECT_EQ(gallery.exit_code, 0) << gallery.err;
+  EXPECT_TRUE(Contains(gallery.out, "map of 1024 x 512")) << gallery.out;
+}
+
+TEST_F(Info, AnEmptySceneHasNoBounds) {
+  const Result result = Run("info empty.obj --json i.json");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(Bytes("i.json"));
+  EXPECT_EQ(json.at("triangles"), 0);
+  EXPECT_FALSE(json.contains("bounds"));
+}
+
+TEST_F(Info, BadInputIsToldClearlyAndLeavesNoFile) {
+  const std::set<std::string> before = Files();
+  const Result bad = Run("info bad.obj --json i.json");
+  EXPECT_EQ(bad.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(bad.err, "bad.obj:2: ")) << bad.err;
+  EXPECT_EQ(bad.out, "");
+  EXPECT_EQ(Run("info a.obj --json missing/i.json").exit_code, kExitIo);
+  EXPECT_EQ(Run("info nosuch.obj").exit_code, kExitBadInput);
+  EXPECT_EQ(Run("info").exit_code, kExitUsage);
+  EXPECT_EQ(Files(), before);
+}
+
+}  // namespace
+}  // namespace skywave
