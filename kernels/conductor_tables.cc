@@ -12,7 +12,7 @@ namespace {
 // E(mu): mean of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), by the
 // midpoint rule in the spherical-cap parametrisation of Dupuy and Benyoub 2023.
 double DirectionalAlbedo(double alpha, double mu) {
-  constexpr int kTurns = 32, kHeights = 64;
+  constexpr int kTurns = 32, kHeights = 128;
   mu = std::max(mu, 1e-4);
   const double sine = std::sqrt(1 - mu * mu);
   double x = alpha * sine, z = mu;
@@ -24,7 +24,7 @@ double DirectionalAlbedo(double alpha, double mu) {
   };
   double sum = 0;
   for (int turn = 0; turn < kTurns; ++turn) {
-    const double phi = 2 * std::numbers::pi * (turn + 0.5) / kTurns;
+    const double phi = std::numbers::pi * (turn + 0.5) / kTurns;  // the other half mirrors it
     for (int height = 0; height < kHeights; ++height) {
       const double cap = 1 - (height + 0.5) / kHeights * (1 + z);
       const double radius = std::sqrt(std::max(0.0, 1 - cap * cap));

@@ -1,0 +1,164 @@
+// Kernels of BSDFs with a density against scalar double arithmetic: values and densities against
+// the oracle's formulae, directions drawn against the same draw in double, and the table of the
+// conductor against a quadrature that knows nothing of visible normals.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "tests/support/oracle_bsdf.h"
+#include "tests/support/shading_rows.h"
+#include "tests/support/targets.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kRows = 4000;
+
+std::vector<MaterialCase> Materials() {
+  return {{"Lambert", BsdfKind::kLambert, {.color = {0.2f, 0.5f, 0.8f}}},
+          {"White", BsdfKind::kConductor, WhiteConductor(0.5f)},
+          {"Gold", BsdfKind::kConductor, GoldConductor(0.15f)},
+          {"Rough", BsdfKind::kConductor, GoldConductor(0.9f)}};
+}
+
+OracleMaterial Exact(const MaterialCase& material) {
+  const MaterialRecord& r = material.record;
+  return MakeOracleMaterial({.bsdf = material.kind,
+                             .reflectance = {r.color[0], r.color[1], r.color[2]},
+                             .eta = {r.eta[0], r.eta[1], r.eta[2]},
+                             .k = {r.k[0], r.k[1], r.k[2]},
+                             .alpha = r.alpha});
+}
+glm::dvec3 Glm(Vec v) { return {v.x, v.y, v.z}; }
+
+TEST(BsdfReference, ValuesAndDensities) {
+  Random random(1);
+  for (const MaterialCase& material : Materials()) {
+    const OracleMaterial exact = Exact(material);
+    ShadingRows rows(material, kRows, {0, 0, 1}, {0, 0, 1});
+    std::vector<Vec> normals(kRows), wos(kRows), wis(kRows);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      normals[i] = random.Direction();
+      wos[i] = AtAngle(normals[i], random.Between(0.05, 1));
+      wis[i] = random.Direction();
+      rows.Set(i, normals[i], normals[i], wos[i]);
+    }
+    ForEachTarget([&] {
+      const auto seen = rows.Evaluate(wis);
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        const OracleSurface surface = {&exact, Glm(wos[i]), Glm(normals[i]), Glm(normals[i]),
+                                       false};
+        if (Dot(wis[i], normals[i]) <= 0) {
+          ASSERT_EQ(seen->r[i] + seen->g[i] + seen->b[i] + seen->pdf[i], 0) << "row " << i;
+          continue;
+        }
+        if (Dot(wis[i], normals[i]) < 1e-3) continue;
+        const OracleValue value = EvaluateBsdf(surface, Glm(wis[i]));
+        const double tolerance = 2e-4;
+        ASSERT_NEAR(seen->pdf[i], value.pdf, tolerance * value.pdf) << material.name << " " << i;
+        ASSERT_NEAR(seen->r[i], value.value.x, tolerance * value.value.x)
+            << material.name << " " << i;
+        ASSERT_NEAR(seen->g[i], value.value.y, tolerance * value.value.y)
+            << material.name << " " << i;
+        ASSERT_NEAR(seen->b[i], value.value.z, tolerance * value.value.z)
+            << material.name << " " << i;
+      }
+    });
+  }
+}
+
+// A visible normal by the spherical cap of Dupuy and Benyoub 2023, or a cosine direction where the
+// lobe of multiple scattering is chosen; in a frame of its own, so heights are compared.
+TEST(BsdfReference, DirectionsDrawn) {
+  const Vec normal = {0, 0, 1};
+  for (const MaterialCase& material : Materials()) {
+    const double alpha = material.record.alpha;
+    for (const double cosine : {0.2, 0.7, 1.0}) {
+      const Vec wo = AtAngle(normal, cosine);
+      const ShadingRows rows(material, kRows, normal, wo);
+      const ScatterRows uniforms(kRows, 21);
+      const OracleMaterial exact = Exact(material);
+      ForEachTarget([&] {
+        soa::Table<RayColumns> rays(kRows);
+        const std::uint32_t alive = rows.kernels.scatter(rows.surfaces, rows.materials(),
+                                                         uniforms.view(), kRows, {}, rays, 0);
+        std::uint32_t ray = 0, other_lobe = 0;
+        for (std::uint32_t i = 0; i < kRows && ray < alive; ++i) {
+          if (rays->from[ray] != i) continue;  // absorbed
+          const double u = uniforms.direction->u[i], v = uniforms.direction->v[i];
+          const Vec wi = RayDirection(rays, ray++);
+          const double diffuse_height = std::sqrt(1 - v);
+          if (material.kind == BsdfKind::kLambert) {
+            ASSERT_NEAR(wi.z, diffuse_height, 1e-6);
+            continue;
+          }
+          // The frame of a normal along z is the world's.
+          const Vec view = Unit({alpha * wo.x, alpha * wo.y, wo.z});
+          const double cap = 1 - v * (1 + view.z), radius = std::sqrt(std::max(0.0, 1 - cap * cap));
+          const Vec h = Unit({alpha * (radius * std::cos(2 * kPi * u) + view.x),
+                              alpha * (radius * std::sin(2 * kPi * u) + view.y),
+                              std::max(cap + view.z, 1e-7)});
+          const Vec mirrored = 2 * Dot(wo, h) * h - wo;
+          const bool reflected = Angle(wi, mirrored) < 1e-3;
+          if (!reflected) {
+            ASSERT_NEAR(wi.z, diffuse_height, 1e-6) << material.name << ", row " << i;
+            ++other_lobe;
+          }
+          const OracleValue value =
+              EvaluateBsdf({&exact, Glm(wo), Glm(normal), Glm(normal), false}, Glm(wi));
+          if (wi.z < 1e-2) continue;
+          ASSERT_NEAR(rays->pdf[ray - 1], value.pdf, 1e-2 * value.pdf);
+        }
+        if (material.name == "Rough") {
+          EXPECT_GT(other_lobe, 0u);
+        }
+      });
+    }
+  }
+}
+
+// E(mu) by half vectors distributed as D(h) cos: integral of G2 (wo.h) / (cos_o h.z).
+double Albedo(double alpha, double mu, int radii, int turns) {
+  const Vec wo = {std::sqrt(1 - mu * mu), 0, mu};
+  const auto lambda = [&](double z) {
+    return 0.5 * (std::sqrt(1 + alpha * alpha * (1 - z * z) / (z * z)) - 1);
+  };
+  double sum = 0;
+  for (int i = 0; i < radii; ++i) {
+    const double u = (i + 0.5) / radii, tangent = alpha * std::sqrt(u / (1 - u));
+    const double hz = 1 / std::sqrt(1 + tangent * tangent), sine = tangent * hz;
+    for (int j = 0; j < turns; ++j) {
+      const double phi = kPi * (j + 0.5) / turns;
+      const Vec h = {sine * std::cos(phi), sine * std::sin(phi), hz};
+      const double facing = Dot(wo, h), wiz = 2 * facing * hz - mu;
+      if (facing <= 0 || wiz <= 0) continue;
+      sum += facing / (mu * hz) / (1 + lambda(mu) + lambda(std::min(wiz, 1.0)));
+    }
+  }
+  return sum / (double(radii) * turns);
+}
+
+TEST(BsdfReference, AlbedoOfTheConductor) {
+  const ConductorTables& tables = GgxTables();
+  for (const std::uint32_t row : {6u, 12u, 18u, 25u, 31u}) {
+    const double alpha = std::pow(row / double(kAlbedoRows - 1), 2);
+    for (const std::uint32_t column : {6u, 10u, 16u, 24u, 31u}) {
+      const double mu = std::pow(column / double(kAlbedoColumns - 1), 2);
+      EXPECT_NEAR(tables.albedo[row * (kAlbedoColumns + 1) + column],
+                  Albedo(alpha, mu, alpha < 0.1 ? 40000 : 8000, 400), 1.5e-3)
+          << "alpha " << alpha << ", cosine " << mu;
+    }
+    double mean = 0;
+    constexpr int kSteps = 40;
+    for (int i = 0; i < kSteps; ++i) {
+      const double mu = (i + 0.5) / kSteps;
+      mean += 2 * mu / kSteps * Albedo(alpha, mu, 2000, 100);
+    }
+    EXPECT_NEAR(tables.mean_albedo[row], mean, 1.5e-3) << "alpha " << alpha;
+  }
+}
+
+}  // namespace
+}  // namespace skywave
