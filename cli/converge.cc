@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/converge_report.h"
+#include "cli/flags.h"
 #include "cli/job_flags.h"
 #include "cli/progress.h"
 #include "measure/reference_file.h"

@@ -3,31 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstring>
 
+#include "cli/flags.h"
 #include "lights/projections.h"
 
 namespace skywave {
 namespace {
-
-// A flag whose text is turned into a value by a parser that returns an optional.
-template <class Value, class Parse>
-void AddParsed(CLI::App& command, const std::string& names, const std::string& help,
-               const std::string& choices, Value& target, Parse parse) {
-  command
-      .add_option_function<std::string>(
-          names,
-          [&target, parse, names, choices](const std::string& text) {
-            const auto value = parse(text);
-            if (!value) throw CLI::ValidationError(names, "'" + text + "' is not " + choices);
-            target = *value;
-          },
-          help)
-      ->type_name(choices);
-}
 
 bool ParseSize(const std::string& text, int& width, int& height) {
   const std::size_t cross = text.find('x');
@@ -101,28 +84,6 @@ std::string CameraFlags(const CameraRequest& c) {
 }
 
 }  // namespace
-
-std::string Quoted(const std::string& text) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::strchr("_-+=:,./", c) != nullptr;
-  };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-CLI::Validator FiniteNumber(double low, double high) {
-  return CLI::Validator(
-      [low, high](const std::string& text) {
-        double value = 0;
-        const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
-        return is_number && value >= low && value <= high
-                   ? std::string()
-                   : fmt::format("'{}' is no number from {:g} to {:g}", text, low, high);
-      },
-      fmt::format("FLOAT in [{:g} - {:g}]", low, high));
-}
 
 void AddJobFlags(CLI::App& command, JobRequest& r) {
   RenderOptions& o = r.options;

@@ -8,14 +8,8 @@
 
 namespace skywave {
 
-// A number in [low, high]. Unlike CLI::Range it does not let NaN pass.
-CLI::Validator FiniteNumber(double low, double high);
-
 // Adds the flags to `command`; they write to `request`, which must outlive the parse.
 void AddJobFlags(CLI::App& command, JobRequest& request);
-
-// `text` as one word of a shell command.
-std::string Quoted(const std::string& text);
 
 // The scene and those flags that decide the pixels, but for strategy and samples.
 std::string SceneFlags(const JobRequest& request, const RenderOptions& options);

@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "cli/job_flags.h"
+#include "cli/flags.h"
 #include "cli/probe_commands.h"
 #include "lights/projections.h"
 
@@ -41,26 +41,6 @@ Image ReadProbeAsLatLong(const MapFlags& flags) {
   ProbeFile file = ReadProbe(flags);
   return ToLatLong(std::move(file.image), file.projection);
 }
-
-namespace {
-
-// An option that is read by `parse`, which returns an optional.
-template <class Parse, class Value>
-CLI::Option* AddParsed(CLI::App& command, const std::string& name, const std::string& help,
-                       const std::string& choices, Value& value, Parse parse) {
-  return command
-      .add_option_function<std::string>(
-          name,
-          [&value, parse, name, choices](const std::string& text) {
-            const auto parsed = parse(text);
-            if (!parsed) throw CLI::ValidationError(name, "'" + text + "' is not " + choices);
-            value = *parsed;
-          },
-          help)
-      ->type_name(choices);
-}
-
-}  // namespace
 
 void AddStrataFlag(CLI::App& command, std::optional<StrataRequest>& request) {
   AddParsed(command, "--strata",

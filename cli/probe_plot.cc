@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/files.h"
-#include "cli/job_flags.h"
+#include "cli/flags.h"
 #include "cli/probe_commands.h"
 #include "lights/plot.h"
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/flags.h"
 #include "cli/job_flags.h"
 #include "cli/progress.h"
 #include "cli/report.h"
