@@ -128,7 +128,7 @@ void HybridStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
 
 void HybridStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, std::uint32_t requested,
                                      const EscapeColumns& rows) const {
-  const float share_of_rest = options_.all ? 1 : 1 - share_;
+  const float share_of_rest = RestIsDark() ? 0 : options_.all ? 1 : 1 - share_;
   TexelDensity density = {.fixed = options_.inside ? cell_density_.data() : nullptr};
   InversionView inversion;
   if (rest_table_) {

@@ -66,6 +66,7 @@ const std::vector<Subject>& Subjects() {
        .unbiased = false},
       {.specification = "hybrid:lights=20", .has_density = false, .unbiased = false},
       {.specification = "hybrid:lights=20,from=median-cut,inside=1", .has_density = false},
+      {.specification = "hybrid:lights=20,strata=p,p=1,inside=1", .has_density = false},
       {.specification = "hybrid:lights=20,strata=p,p=0.4,pick=power",
        .has_density = false,
        .unbiased = false},
@@ -156,6 +157,29 @@ TEST_P(StrategyOnMap, DensityIntegratesToOne) {
   }
   // Densities that are constant in a texel are summed without error, others by the midpoint rule.
   EXPECT_NEAR(integral, 1, subject_.whole_sphere ? 1e-5 : 2e-4);
+}
+
+// What a ray that BSDF sampling drew is weighed against: every sample of the plan once.
+TEST_P(StrategyOnMap, DensitiesOfThePlanAddUpToItsSamples) {
+  if (!strategy_->unbiased() || !strategy_->shines_on_bsdf_samples() || !subject_.whole_sphere) {
+    GTEST_SKIP();
+  }
+  constexpr std::uint32_t kRequested = 3;
+  const MapCells cells(map_);
+  const auto surfaces = SurfacesWith(kNormal, 1);
+  soa::Table<EscapeColumns> rows(std::uint32_t(cells.size()));
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    Put(cells.directions()[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
+    rows->pdf[i] = 1;
+  }
+  strategy_->EvaluateEscaped(LambertPoints(surfaces, 1), std::uint32_t(cells.size()), kRequested,
+                             rows);
+  double integral = 0;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    integral += rows->light_pdf[i] * cells.solid_angle(i);
+  }
+  const std::uint32_t samples = strategy_->Plan(kRequested).total();
+  EXPECT_NEAR(integral, samples, 1e-5 * samples);
 }
 
 TEST_P(StrategyOnMap, DirectionsFollowTheDensity) {
