@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "lights/projections.h"
 #include "lights/voronoi.h"
 
 namespace skywave {
@@ -46,6 +47,25 @@ Vector3 PositionOf(const CellSums& cell, const Vector3& sample, LightPosition po
   return NormalizeOr(cell.energy_moment, cell.energy, centre);
 }
 
+// Where a direction lies on a Hilbert curve (1891) over the equal-area square of the sphere.
+std::uint32_t HilbertIndex(const Vector3& direction) {
+  constexpr std::uint32_t kSide = 1u << 15;
+  const ImagePoint point = PointOfDirection(Projection::kOctahedral, direction);
+  auto x = std::min(std::uint32_t(point.u * kSide), kSide - 1);
+  auto y = std::min(std::uint32_t(point.v * kSide), kSide - 1);
+  std::uint32_t index = 0;
+  for (std::uint32_t half = kSide / 2; half > 0; half /= 2) {
+    const bool right = (x & half) != 0, below = (y & half) != 0;
+    // The quadrants in the order of a U; the outer two are its mirror images about a diagonal.
+    index = 4 * index + (below ? (right ? 2 : 1) : (right ? 3 : 0));
+    x &= half - 1, y &= half - 1;
+    if (below) continue;
+    if (right) x = half - 1 - x, y = half - 1 - y;
+    std::swap(x, y);
+  }
+  return index;
+}
+
 }  // namespace
 
 std::vector<CellSums> SumCells(const SphereMap& map, const CellMap& cell_of_texel,
@@ -75,20 +95,29 @@ std::vector<CellSums> SumCells(const SphereMap& map, const CellMap& cell_of_texe
 LightSet LightsOfCells(const SphereMap& map, CellMap cell_of_texel,
                        std::span<const Vector3> samples, LightPosition position) {
   const std::vector<CellSums> cells = SumCells(map, cell_of_texel, samples.size());
+  struct Placed {
+    std::uint32_t curve, cell;
+    Vector3 direction;
+  };
+  std::vector<Placed> order;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    if (!(cells[i].energy > 0)) continue;
+    const Vector3 direction = PositionOf(cells[i], samples[i], position);
+    order.push_back({HilbertIndex(direction), i, direction});
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Placed& a, const Placed& b) { return a.curve < b.curve; });
   LightSet set;
   std::vector<std::uint32_t> light_of_cell(cells.size(), kNoCell);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (!(cells[i].energy > 0)) continue;
+  for (const auto& [curve, i, direction] : order) {
     light_of_cell[i] = std::uint32_t(set.lights.size());
-    set.lights.push_back({.direction = PositionOf(cells[i], samples[i], position),
+    set.lights.push_back({.direction = direction,
                           .irradiance = cells[i].irradiance,
                           .energy = cells[i].energy,
                           .solid_angle = cells[i].solid_angle});
   }
-  if (set.lights.size() < cells.size()) {
-    for (std::uint32_t& cell : cell_of_texel) {
-      if (cell != kNoCell) cell = light_of_cell[cell];
-    }
+  for (std::uint32_t& cell : cell_of_texel) {
+    if (cell != kNoCell) cell = light_of_cell[cell];
   }
   set.cell_of_texel = std::move(cell_of_texel);
   return set;

@@ -26,7 +26,9 @@ struct DirectionalLight {
 };
 
 struct LightSet {
-  std::vector<DirectionalLight> lights;  // every one with energy > 0
+  // Every one with energy > 0; along a Hilbert curve over the sphere, so that lights that one
+  // uniform picks by their energy keep the stratification of the points that pick them.
+  std::vector<DirectionalLight> lights;
   CellMap cell_of_texel;                 // index of the light that has the texel's energy
 };
 

@@ -237,5 +237,24 @@ TEST(Cells, LloydStepsDrawLightsToTheirEnergy) {
   EXPECT_LT(five, one);
 }
 
+// One number that picks a light moves over the sphere without jumps: a list in any other order
+// (that of the samples, say) has a mean step of a quarter turn.
+TEST(Cells, NeighboursInTheListAreNeighboursOnTheSphere) {
+  const Image image = [] {
+    Image constant(128, 64);
+    std::fill(constant.rgb.begin(), constant.rgb.end(), 1.0f);
+    return constant;
+  }();
+  const SphereMap map = MakeSphereMap(image);
+  const std::vector<Vector3> samples = Directions(PenroseSamples(ImportancePyramid(map), 500));
+  const LightSet set = VoronoiLights(map, samples, LightPosition::kCentroid);
+  double sum = 0;
+  for (std::size_t i = 1; i < set.lights.size(); ++i) {
+    sum += AngleBetween(set.lights[i - 1].direction, set.lights[i].direction);
+  }
+  const double side = std::sqrt(4 * kPi / double(set.lights.size()));
+  EXPECT_LT(sum / double(set.lights.size() - 1), 1.5 * side);
+}
+
 }  // namespace
 }  // namespace skywave
