@@ -20,7 +20,8 @@ namespace {
 using Made = std::unique_ptr<EnvStrategy>;
 
 constexpr StrategyParameter kImportanceParameters[] = {
-    {"compensate", "0", "1: subtract the mean from the density (needs BSDF sampling beside it)"}};
+    {"compensate", "0",
+     "share of the mean that the density leaves to BSDF sampling, 0 to 1: 1 / light samples"}};
 
 constexpr StrategyParameter kProductParameters[] = {
     {"cells", "96", "number of cells that the map is cut into, up to 256"}};
@@ -84,7 +85,7 @@ const std::vector<StrategyFactory>& Table() {
       {"importance", "2D inversion: density proportional to the map's luminance",
        kImportanceParameters,
        [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
-         return std::make_unique<ImportanceStrategy>(map, BoolValue(values, "compensate"));
+         return std::make_unique<ImportanceStrategy>(map, NumberValue(values, "compensate", 0, 1));
        }},
       {"warp",
        "hierarchical warp down a pyramid of luminance",

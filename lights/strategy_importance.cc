@@ -6,7 +6,7 @@
 
 namespace skywave {
 
-std::vector<double> TexelImportance(const Texels& texels, bool& compensate) {
+std::vector<double> TexelImportance(const Texels& texels, double& compensate) {
   const std::uint32_t width = texels.width(), height = texels.height();
   std::vector<double> solid_angle(height);
   double energy = 0;
@@ -29,8 +29,8 @@ std::vector<double> TexelImportance(const Texels& texels, bool& compensate) {
   };
   const double mean = energy / (4 * std::numbers::pi);
   // A map that nowhere rises above its mean (by more than rounding) has nothing to compensate.
-  if (compensate && fill(mean) <= 1e-6 * energy) compensate = false;
-  if (!compensate) fill(0);
+  if (compensate > 0 && fill(compensate * mean) <= 1e-6 * energy) compensate = 0;
+  if (compensate == 0) fill(0);
   if (energy <= 0) {
     for (std::uint32_t row = 0; row < height; ++row) {
       std::fill_n(&importance[std::size_t(row) * width], width, solid_angle[row]);
@@ -39,7 +39,7 @@ std::vector<double> TexelImportance(const Texels& texels, bool& compensate) {
   return importance;
 }
 
-ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, bool compensate)
+ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, double compensate)
     : texels_(map),
       compensated_(compensate),
       table_(texels_.width(), texels_.height(), TexelImportance(texels_, compensated_)) {}

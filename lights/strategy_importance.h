@@ -4,10 +4,12 @@
 // points stay so.
 //
 // Parameters
-//   compensate=0|1  1: the mean luminance is subtracted from the density (Karlik et al. 2019, "MIS
-//                   Compensation"): light samples go where BSDF samples would not find the light.
-//                   Dark directions are then never drawn, so it needs BSDF sampling beside it and
-//                   is refused together with --no-mis. Default 0.
+//   compensate=0    share of the mean luminance that is subtracted from the density, 0 to 1 (Karlik
+//                   et al. 2019, "MIS Compensation"): light samples go where BSDF samples would not
+//                   find the light. 1 suits one light sample a hit, 1 / n suits n of them; more
+//                   makes noise, for the one BSDF sample is alone with the rest. Dark directions
+//                   are then never drawn, so it needs BSDF sampling beside it and is refused with
+//                   --no-mis.
 //
 // Densities are exact: whatever rounding the tables have, the density that is reported is the one
 // that is drawn. A black map is sampled uniformly over the sphere.
@@ -21,11 +23,11 @@ namespace skywave {
 
 class ImportanceStrategy final : public EnvStrategy {
  public:
-  ImportanceStrategy(const EnvironmentMap& map, bool compensate);
+  ImportanceStrategy(const EnvironmentMap& map, double compensate);
 
   std::string_view name() const override { return "importance"; }
   std::size_t table_bytes() const override { return texels_.bytes() + table_.bytes(); }
-  bool complete() const override { return !compensated_; }
+  bool complete() const override { return compensated_ == 0; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
@@ -33,12 +35,12 @@ class ImportanceStrategy final : public EnvStrategy {
 
  private:
   Texels texels_;
-  bool compensated_;
+  double compensated_;  // share of the mean
   InversionTable table_;
 };
 
-// Luminance times solid angle of every texel; less the mean over the sphere where `compensate` (set
-// to false where the map nowhere rises above it); solid angle alone for a black map.
-std::vector<double> TexelImportance(const Texels& texels, bool& compensate);
+// Luminance times solid angle of every texel, less the share `compensate` of the mean over the
+// sphere (set to 0 where the map nowhere rises above it); solid angle alone for a black map.
+std::vector<double> TexelImportance(const Texels& texels, double& compensate);
 
 }  // namespace skywave

@@ -20,7 +20,7 @@ namespace skywave {
 class RisStrategy final : public EnvStrategy {
  public:
   RisStrategy(const EnvironmentMap& map, CandidateCounts counts)
-      : map_(map, /*compensate=*/false), counts_(counts) {}
+      : map_(map, /*compensate=*/0), counts_(counts) {}
 
   std::string_view name() const override { return "ris"; }
   std::size_t table_bytes() const override { return map_.table_bytes(); }

@@ -11,7 +11,7 @@ namespace skywave {
 namespace {
 
 std::vector<double> PlainImportance(const Texels& texels) {
-  bool compensate = false;
+  double compensate = 0;
   return TexelImportance(texels, compensate);
 }
 

@@ -44,6 +44,7 @@ const std::vector<Subject>& Subjects() {
   static const std::vector<Subject> subjects = {
       {.specification = "importance"},
       {.specification = "importance:compensate=1", .complete = false},
+      {.specification = "importance:compensate=0.25", .complete = false},
       {.specification = "uniform"},
       {.specification = "cosine", .whole_sphere = false},
       {.specification = "warp"},
