@@ -1,7 +1,9 @@
 // Every stage and the kernels inside it, on one wave of a real scene: ns an item (a row in).
 #include <benchmark/benchmark.h>
+#include <hwy/targets.h>
 
 #include <chrono>
+#include <cstdio>
 
 #include "bench/wave_fixture.h"
 #include "kernels/accumulate.h"
@@ -214,12 +216,28 @@ void Register() {
   add("wave/path", PathWave);
 }
 
+// Confines the kernels to one instruction set, by Highway's name of it; empty: the best there is.
+bool ChooseTarget(const std::string& name) {
+  if (name.empty()) return true;
+  const std::int64_t supported = hwy::SupportedTargets();
+  for (std::int64_t rest = supported; rest != 0; rest &= rest - 1) {
+    const std::int64_t target = rest & -rest;
+    if (name != hwy::TargetName(target)) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    return true;
+  }
+  std::fprintf(stderr, "SKYWAVE_BENCH_TARGET=%s: this processor has not got it\n", name.c_str());
+  return false;
+}
+
 }  // namespace
 }  // namespace skywave
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  if (!skywave::ChooseTarget(skywave::Variable("SKYWAVE_BENCH_TARGET", ""))) return 1;
   skywave::Register();
   benchmark::RunSpecifiedBenchmarks();
   return 0;
