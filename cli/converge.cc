@@ -221,7 +221,6 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
   CLI::App* command =
       program.add_subcommand("converge", "Light strategies by error, noise and bias at equal time");
   const auto flags = std::make_shared<ConvergeFlags>();
-  flags->request.keep_map = true;
   AddJobFlags(*command, flags->request);
   command->remove_option(command->get_option("--strategy"));
   command->remove_option(command->get_option("--spp"));

@@ -14,10 +14,10 @@ InversionTable::InversionTable(std::uint32_t width, std::uint32_t height,
   const std::uint32_t blocks = columns_.blocks();
   std::vector<double> row_weight(height), row_block(rows_.blocks());
   std::vector<std::uint16_t> row_mass(height);
-  for (std::uint32_t row = 0; row < height; ++row) {
+  tbb::parallel_for(0u, height, [&](std::uint32_t row) {
     const auto begin = importance.begin() + std::ptrdiff_t(std::size_t(row) * width);
     row_weight[row] = std::accumulate(begin, begin + width, 0.0);
-  }
+  });
   rows_.Set(0, row_weight.data(), row_mass.data(), row_block.data());
 
   block_density_.resize(std::size_t(height) * blocks);

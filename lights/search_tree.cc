@@ -16,7 +16,7 @@ void FillNode(const double* weights, std::uint32_t count, SearchNode& node, std:
     std::int64_t sum = 0;
     for (std::uint32_t k = 0; k < count; ++k) {
       if (weights[k] <= 0) continue;
-      mass[k] = std::uint32_t(std::max(1.0, std::round(weights[k] / total * kNodeMass)));
+      mass[k] = std::max(1u, std::uint32_t(weights[k] / total * kNodeMass + 0.5));
       sum += mass[k];
     }
     // The largest child takes what rounding left over; it has at least 1 / 32 of the mass, far more

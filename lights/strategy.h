@@ -89,7 +89,8 @@ struct StrategyFactory {
 
 std::span<const StrategyFactory> Strategies();
 
-// Makes the strategy of a specification "name" or "name:key=value,...". Throws InputError with the
+// Makes the strategy of a specification "name" or "name:key=value,..."; the map must outlive it.
+// Throws InputError with the
 // names or keys there are, where one is unknown.
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
                                           const EnvironmentMap& map);

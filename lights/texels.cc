@@ -1,6 +1,10 @@
 #include "lights/texels.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -9,26 +13,31 @@ namespace {
 
 constexpr int kMantissas = 1 << kMantissaBits;
 
-// Radiance in units in which the brightest texel of the map is in [kMantissas / 2, kMantissas).
-// Rounds down: what is lost is never negative.
-PackedRadiance Pack(const float* rgb, double inverse_unit) {
-  const double brightest = std::max({rgb[0], rgb[1], rgb[2]}) * inverse_unit;
-  int exponent = 0;
-  std::frexp(brightest, &exponent);  // brightest < 2^exponent
-  exponent = std::clamp(exponent - int(kMantissaBits), -int(kMaxExponent), 0);
+float PowerOfTwo(int exponent) {  // in [-126, 127]
+  return std::bit_cast<float>(std::uint32_t(exponent + 127) << 23);
+}
+
+// Rounds down: what is lost is never negative. All factors are powers of two, so the mantissas are
+// the only rounding.
+PackedRadiance Pack(const float* rgb, float inverse_unit) {
+  const float brightest = std::max({rgb[0], rgb[1], rgb[2]}) * inverse_unit;
+  // brightest < 2^exponent, as frexp has it.
+  const int exponent =
+      std::clamp(int(std::bit_cast<std::uint32_t>(brightest) >> 23) - 126 - int(kMantissaBits),
+                 -int(kMaxExponent), 0);
+  const float scale = inverse_unit * PowerOfTwo(-exponent);
   PackedRadiance packed = std::uint32_t(exponent + int(kMaxExponent)) << 3 * kMantissaBits;
   for (int c = 0; c < 3; ++c) {
-    const auto mantissa = std::uint32_t(std::ldexp(rgb[c] * inverse_unit, -exponent));
+    const auto mantissa = std::uint32_t(rgb[c] * scale);
     packed |= std::min<std::uint32_t>(mantissa, kMantissas - 1) << kMantissaBits * c;
   }
   return packed;
 }
 
 void Unpack(PackedRadiance packed, float unit, float* rgb) {
-  const int exponent = int(packed >> 3 * kMantissaBits) - int(kMaxExponent);
+  const float scale = unit * PowerOfTwo(int(packed >> 3 * kMantissaBits) - int(kMaxExponent));
   for (int c = 0; c < 3; ++c) {
-    const std::uint32_t mantissa = packed >> kMantissaBits * c & (kMantissas - 1);
-    rgb[c] = std::ldexp(float(mantissa) * unit, exponent);
+    rgb[c] = float(packed >> kMantissaBits * c & (kMantissas - 1)) * scale;
   }
 }
 
@@ -49,7 +58,7 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
       height_(std::uint32_t(map.latlong.height)),
       map_from_world_(map.map_from_world),
       packed_(std::size_t(width_) * height_),
-      rgb_(map.latlong.rgb),
+      rgb_(map.latlong.rgb.data()),
       row_area_(height_) {
   for (std::uint32_t row = 0; row < height_; ++row) row_area_[row] = AreaOfRow(row, height_);
   const float brightest = *std::max_element(light.rgb.begin(), light.rgb.end());
@@ -62,21 +71,38 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
   // What a texel loses by rounding is handed to the next, so that energy is kept: a bright texel is
   // off by some thousandths of itself, which would show in the light of the whole map. Rounding is
   // down, so nothing is ever taken from a texel: a sun spills over, it casts no darkness.
-  float lost[3] = {};
-  double solid_angle = 1;
-  for (std::uint32_t row = 0; row < height_; ++row) {
-    const double next_solid_angle = RowSolidAngle(int(width_), int(height_), int(row));
-    for (float& channel : lost) channel *= float(solid_angle / next_solid_angle);
-    solid_angle = next_solid_angle;
-    for (std::uint32_t column = 0; column < width_; ++column) {
-      const std::size_t i = std::size_t(row) * width_ + column;
-      float wanted[3], held[3];
-      for (int c = 0; c < 3; ++c)
-        wanted[c] = std::clamp(light.rgb[3 * i + c] + lost[c], 0.0f, most);
-      packed_[i] = Pack(wanted, 1.0 / unit_);
-      Unpack(packed_[i], unit_, held);
-      for (int c = 0; c < 3; ++c) lost[c] += light.rgb[3 * i + c] - held[c];
+  const float inverse_unit = 1 / unit_;
+  // Packs `wanted` and adds to `lost` what does not fit.
+  const auto pack = [&](std::size_t texel, const float* wanted, float* lost) {
+    float room[3], held[3];
+    for (int c = 0; c < 3; ++c) room[c] = std::clamp(wanted[c] + lost[c], 0.0f, most);
+    packed_[texel] = Pack(room, inverse_unit);
+    Unpack(packed_[texel], unit_, held);
+    for (int c = 0; c < 3; ++c) lost[c] += wanted[c] - held[c];
+  };
+  std::vector<std::array<float, 3>> handed_on(height_);
+  tbb::parallel_for(0u, height_, [&](std::uint32_t row) {
+    const std::size_t begin = std::size_t(row) * width_;
+    handed_on[row] = {};
+    for (std::size_t i = begin; i < begin + width_; ++i) {
+      pack(i, &light.rgb[3 * i], handed_on[row].data());
     }
+  });
+  // The ends of rows hand on to the beginnings of the next ones, where a few texels take it.
+  const float nothing = 1e-6f * unit_;
+  for (std::uint32_t row = 1; row < height_; ++row) {
+    const double ratio = RowSolidAngle(int(width_), int(height_), int(row) - 1) /
+                         RowSolidAngle(int(width_), int(height_), int(row));
+    std::array<float, 3> lost = handed_on[row - 1];
+    for (float& channel : lost) channel *= float(ratio);
+    const std::size_t begin = std::size_t(row) * width_;
+    for (std::size_t i = begin; i < begin + width_; ++i) {
+      if (std::max({lost[0], lost[1], lost[2]}) <= nothing) break;
+      float held[3];
+      Unpack(packed_[i], unit_, held);
+      pack(i, held, lost.data());
+    }
+    for (int c = 0; c < 3; ++c) handed_on[row][c] += lost[c];
   }
 }
 
@@ -95,7 +121,7 @@ Image Texels::Held() const {
 EnvironmentView Texels::view() const {
   EnvironmentView view = {.packed = packed_.data(),
                           .radiance_unit = unit_,
-                          .rgb = rgb_.data(),
+                          .rgb = rgb_,
                           .width = width_,
                           .height = height_,
                           .map_from_world = {},

@@ -9,9 +9,10 @@
 
 namespace skywave {
 
-// Immutable. Packing rounds each channel down to 9 bits of the brightest channel of its texel
-// (exact for what comes from Radiance files) and hands what is lost on to the next texel, so the
-// light of a map is kept. Texels dimmer than 2^-40 of the brightest become black as lights.
+// Immutable; the map must outlive it, for its pixels are what is seen. Packing rounds each channel
+// down to 9 bits of the brightest channel of its texel (exact for what comes from Radiance files)
+// and hands what is lost on to the next texel, so the light of a map is kept. Texels dimmer than
+// 2^-40 of the brightest become black as lights.
 class Texels {
  public:
   explicit Texels(const EnvironmentMap& map) : Texels(map, map.latlong) {}
@@ -27,9 +28,7 @@ class Texels {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  std::size_t bytes() const {
-    return packed_.size() * sizeof(PackedRadiance) + rgb_.size() * sizeof(float);
-  }
+  std::size_t bytes() const { return packed_.size() * sizeof(PackedRadiance); }
   EnvironmentView view() const;
 
  private:
@@ -37,7 +36,7 @@ class Texels {
   float unit_;
   std::array<float, 9> map_from_world_;
   std::vector<PackedRadiance> packed_;
-  std::vector<float> rgb_;
+  const float* rgb_;  // the map's
   std::vector<RowArea> row_area_;
 };
 

@@ -515,7 +515,7 @@ TEST(Strategies, EveryStrategyIsTested) {
     const EnvironmentMap map = {AdversarialMap("Ramp"), Orientations()[0].map_from_world};
     const auto strategy = MakeStrategy(std::string(factory.name), map);
     EXPECT_EQ(strategy->name(), factory.name);
-    EXPECT_GE(strategy->table_bytes(), 48u * 24u * 8u);
+    EXPECT_GE(strategy->table_bytes(), 48u * 24u * 4u);
   }
 }
 

@@ -255,12 +255,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
-  EnvironmentMap map = {.latlong = std::move(*scene.environments[0].map),
-                        .map_from_world = Rows(scene.environments[0].world_from_map)};
+  map_ = {.latlong = std::move(*scene.environments[0].map),
+          .map_from_world = Rows(scene.environments[0].world_from_map)};
   const auto tables_start = Clock::now();
-  strategy_ = MakeUsableStrategy(request.strategy, map, options_);
+  strategy_ = MakeUsableStrategy(request.strategy, map_, options_);
   times_.tables = SecondsSince(tables_start);
-  if (request.keep_map) map_ = std::move(map);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
 }
@@ -277,10 +276,9 @@ FrameView RenderJob::frame() const {
 }
 
 std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification) const {
-  assert(map_);
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options_.threads,
-               [&] { strategy = MakeUsableStrategy(specification, *map_, options_); });
+               [&] { strategy = MakeUsableStrategy(specification, map_, options_); });
   return strategy;
 }
 

@@ -44,7 +44,6 @@ struct JobRequest {
   EnvironmentRequest environment;
   CameraRequest camera;
   std::string strategy = "importance";
-  bool keep_map = false;  // for RenderJob::MakeOtherStrategy
   std::string embree_config;
   std::optional<int> width, height;
   std::optional<CropWindow> crop;
@@ -66,8 +65,8 @@ class RenderJob {
   RenderJob(Scene scene, const JobRequest& request);
 
   FrameView frame() const;
-  // A strategy for the same map, to be put into a frame in place of the job's own. Only of a job
-  // that was asked to keep its map; throws InputError like the constructor.
+  // A strategy for the same map, to be put into a frame in place of the job's own; it must not
+  // outlive the job. Throws InputError like the constructor.
   std::unique_ptr<EnvStrategy> MakeOtherStrategy(const std::string& specification) const;
   Film MakeFilm() const;
   const RenderOptions& options() const { return options_; }
@@ -84,7 +83,7 @@ class RenderJob {
 
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
-  std::optional<EnvironmentMap> map_;
+  EnvironmentMap map_;  // strategies read its pixels
   std::unique_ptr<EnvStrategy> strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;
