@@ -27,8 +27,6 @@ double Median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kSingle};
-
 // Rays that a replay may keep in memory: 24 bytes each.
 constexpr double kMaxRecordedRays = 5e7;
 
@@ -49,11 +47,11 @@ int BenchMain(BenchFlags& flags) {
   }
 
   // Then renders and replays in turn, so that a slow minute slows both.
-  std::vector<double> render, closest[3], occlusion[3];
+  std::vector<double> render, closest[4], occlusion[4];
   for (int repetition = 0; repetition < flags.repetitions; ++repetition) {
     Film again = job.MakeFilm();
     render.push_back(RenderFrame(frame, again).seconds);
-    for (int b = 0; b < 3; ++b) {
+    for (int b = 0; b < 4; ++b) {
       const ReplayTime time =
           Replay(job.geometry().scene(), kBackends[b], recorders, options.threads);
       closest[b].push_back(time.closest);
@@ -66,7 +64,7 @@ int BenchMain(BenchFlags& flags) {
   double best_closest = 1e300, best_occlusion = 1e300;
   fmt::print("{:<10}{:>16}{:>18}   raw Embree, {} threads, medians of {}\n", "backend",
              "closest [s]", "occlusion [s]", recorded.threads, flags.repetitions);
-  for (int b = 0; b < 3; ++b) {
+  for (int b = 0; b < 4; ++b) {
     fmt::print("{:<10}{:>16.4f}{:>18.4f}\n", ToString(kBackends[b]), Median(closest[b]),
                Median(occlusion[b]));
     best_closest = std::min(best_closest, Median(closest[b]));
@@ -88,7 +86,7 @@ int BenchMain(BenchFlags& flags) {
     json["threads"] = recorded.threads;
     json["wave"] = options.wave;
     json["render_seconds"] = render;
-    for (int b = 0; b < 3; ++b) {
+    for (int b = 0; b < 4; ++b) {
       json["replay_seconds"][std::string(ToString(kBackends[b]))] = {{"closest", closest[b]},
                                                                      {"occlusion", occlusion[b]}};
     }
