@@ -186,7 +186,7 @@ void Register() {
   add("kernel/draw_uniforms", DrawUniformsKernel);
   add("kernel/draw_uniforms_of_rows", DrawUniformsOfRowsKernel);
   add("kernel/camera_rays", GenerateCameraRaysKernel);
-  for (const Backend backend : {Backend::kStream, Backend::kPacket, Backend::kSingle}) {
+  for (const Backend backend : kBackends) {
     const std::string name(ToString(backend));
     add("stage/intersect/camera/" + name, TraceClosestStage, false, backend);
     add("stage/intersect/bounce/" + name, TraceClosestStage, true, backend);

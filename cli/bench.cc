@@ -1,124 +1,208 @@
-// skywave bench: how fast a scene renders, and how much of that is Embree.
+// skywave bench: how fast the suite or a scene renders, and how much of that is Embree.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "base/error.h"
 #include "base/files.h"
+#include "cli/bench_report.h"
 #include "cli/commands.h"
 #include "cli/job_flags.h"
-#include "wavefront/render.h"
-#include "wavefront/replay.h"
 
 namespace skywave {
 namespace {
 
 struct BenchFlags {
   JobRequest request;
-  int repetitions = 5;
-  std::string json;
+  std::optional<int> repetitions;
+  std::string json, report;
+  std::vector<std::string> history;
+  bool full = false, counters = false, renders_only = false;
 };
 
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
+constexpr int kExitWrongPicture = 1;
+// Rays that a replay may keep in memory without a word: 72 bytes each, in three orders.
+constexpr double kMaxRecordedRays = 2e7;
+
+// Those flags of a job that leave the pictures of the suite as they are, and --seed, which is there
+// to see the comparison fail.
+constexpr std::string_view kSuiteJobFlags[] = {"--threads", "--wave", "--backend",
+                                               "--embree-config", "--seed"};
+constexpr std::string_view kSuiteOnlyFlags[] = {"--full", "--counters", "--report", "--history",
+                                                "--renders-only"};
+
+void CheckFlags(const CLI::App& command, const std::vector<std::string>& job_flags,
+                bool has_scene) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_name();
+    const auto is = [&](const auto& names) {
+      return std::find(std::begin(names), std::end(names), name) != std::end(names);
+    };
+    if (has_scene && is(kSuiteOnlyFlags)) {
+      throw InputError(InputPosition::File(name), "belongs to the suite: give no scene",
+                       kExitUsage);
+    }
+    if (!has_scene && is(job_flags) && !is(kSuiteJobFlags)) {
+      throw InputError(InputPosition::File(name),
+                       "the suite has fixed pictures: give a scene to measure others", kExitUsage);
+    }
+  }
 }
 
-constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kSingle};
-
-// Rays that a replay may keep in memory: 24 bytes each.
-constexpr double kMaxRecordedRays = 5e7;
-
-int BenchMain(BenchFlags& flags) {
+int BenchScene(const BenchFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
   const RenderJob job(flags.request);
   for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
-  FrameView frame = job.frame();
-  const RenderOptions& options = job.options();
-
-  // First a frame that records its rays; it also warms the caches.
-  std::vector<RayRecorder> recorders;
+  const int repetitions = flags.repetitions.value_or(kSceneRepetitions);
   Film film = job.MakeFilm();
-  const FrameResult recorded = RenderFrame(frame, film, nullptr, &recorders);
-  if (double(recorded.stats.total_rays()) > kMaxRecordedRays) {
+  const Speed speed = MeasureSpeed(job, {.repetitions = repetitions, .thread_counts = {}}, film);
+  const RenderStats& stats = speed.first.stats;
+  if (double(stats.total_rays()) > kMaxRecordedRays) {
     fmt::print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
-               double(recorded.stats.total_rays()) * 1e-6);
+               double(stats.total_rays()) * 1e-6);
   }
-
-  // Then renders and replays in turn, so that a slow minute slows both.
-  std::vector<double> render, closest[3], occlusion[3];
-  for (int repetition = 0; repetition < flags.repetitions; ++repetition) {
-    Film again = job.MakeFilm();
-    render.push_back(RenderFrame(frame, again).seconds);
-    for (int b = 0; b < 3; ++b) {
-      const ReplayTime time =
-          Replay(job.geometry().scene(), kBackends[b], recorders, options.threads);
-      closest[b].push_back(time.closest);
-      occlusion[b].push_back(time.occlusion);
-    }
-  }
-
-  const RenderStats& stats = recorded.stats;
-  const double seconds = Median(render);
-  double best_closest = 1e300, best_occlusion = 1e300;
-  fmt::print("{:<10}{:>16}{:>18}   raw Embree, {} threads, medians of {}\n", "backend",
-             "closest [s]", "occlusion [s]", recorded.threads, flags.repetitions);
-  for (int b = 0; b < 3; ++b) {
-    fmt::print("{:<10}{:>16.4f}{:>18.4f}\n", ToString(kBackends[b]), Median(closest[b]),
-               Median(occlusion[b]));
-    best_closest = std::min(best_closest, Median(closest[b]));
-    best_occlusion = std::min(best_occlusion, Median(occlusion[b]));
-  }
-  const double fraction = (best_closest + best_occlusion) / seconds;
+  const double seconds = speed.render_seconds();
   const double msamples = double(stats.samples) / seconds * 1e-6;
   const double mrays = double(stats.total_rays()) / seconds * 1e-6;
+  fmt::print("raw Embree, {} threads, medians of {}\n{}", speed.first.threads, repetitions,
+             ReplayText(speed));
   fmt::print("render    {:>16.4f} s ({:.4f} to {:.4f}), backend {}\n", seconds,
-             *std::min_element(render.begin(), render.end()),
-             *std::max_element(render.begin(), render.end()), ToString(options.backend));
+             *std::min_element(speed.render.begin(), speed.render.end()),
+             *std::max_element(speed.render.begin(), speed.render.end()),
+             ToString(job.options().backend));
   fmt::print("SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n", msamples,
-             mrays, fraction);
-  if (!flags.json.empty()) {
-    nlohmann::ordered_json json;
-    json["schema"] = "skywave-bench-1";
-    json["version"] = SKYWAVE_VERSION;
-    json["command"] = RepeatCommand(flags.request, options);
-    json["threads"] = recorded.threads;
-    json["wave"] = options.wave;
-    json["render_seconds"] = render;
-    for (int b = 0; b < 3; ++b) {
-      json["replay_seconds"][std::string(ToString(kBackends[b]))] = {{"closest", closest[b]},
-                                                                     {"occlusion", occlusion[b]}};
-    }
-    json["rays"] = {
-        {"camera", stats.rays[0]}, {"bounce", stats.rays[1]}, {"shadow", stats.rays[2]}};
-    json["summary"] = {
-        {"msamples_per_s", msamples}, {"mrays_per_s", mrays}, {"embree_fraction", fraction}};
-    WriteFileAtomically(flags.json, json.dump(2) + "\n");
+             mrays, speed.embree_fraction());
+  if (flags.json.empty()) return 0;
+  nlohmann::ordered_json json;
+  json["schema"] = "skywave-bench-1";
+  json["version"] = SKYWAVE_VERSION;
+  json["command"] = RepeatCommand(flags.request, job.options());
+  json["threads"] = speed.first.threads;
+  json["wave"] = job.options().wave;
+  json["render_seconds"] = speed.render;
+  const nlohmann::ordered_json measured = Json(speed);
+  json["replay_seconds"] = measured.at("replay").at("traced").at("seconds");
+  json["replay"] = measured.at("replay");
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    json["rays"][std::string(kRayKindNames[kind])] = stats.rays[kind];
   }
+  json["summary"] = {{"msamples_per_s", msamples},
+                     {"mrays_per_s", mrays},
+                     {"embree_fraction", speed.embree_fraction()}};
+  WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  return 0;
+}
+
+// Says which picture is wrong and what the program would have to hold if it were right.
+bool PictureIsRight(const SuiteResult& result) {
+  if (result.check == PictureCheck::kSameBits) return true;
+  if (result.check == PictureCheck::kWithinBounds) {
+    fmt::print(stderr,
+               "note: {}: these are not the hits of AVX2, so the picture was compared by the means "
+               "of its blocks: they differ by {:.2g} at most\n",
+               result.scene.name, BlockDifference(result.scene.expected, result.found));
+    return true;
+  }
+  fmt::print(stderr,
+             "skywave: {}: not the picture that the suite expects, so there is no score; blocks "
+             "differ by {:.2g} at most\nskywave: this one is {{0x{:016x}, {{",
+             result.scene.name, BlockDifference(result.scene.expected, result.found),
+             result.found.hash);
+  for (const float mean : result.found.means) fmt::print(stderr, "{:.9g}f, ", mean);
+  fmt::print(stderr, "}}}}\n");
+  return false;
+}
+
+int BenchSuite(const BenchFlags& flags) {
+  for (const std::string& path : {flags.json, flags.report}) {
+    if (!path.empty()) CheckWritable(path);
+  }
+  std::vector<HistoryEntry> history;
+  for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
+
+  SpeedSettings settings;
+  settings.repetitions =
+      flags.counters
+          ? 0
+          : flags.repetitions.value_or(flags.full ? kFullRepetitions : kQuickRepetitions);
+  settings.replay = !flags.counters && !flags.renders_only;
+  if (settings.replay) {
+    const int threads = flags.request.options.threads;
+    settings.thread_counts = ScalingThreads(threads > 0 ? threads : AvailableThreads());
+  }
+  SuiteReport report = {.full = flags.full,
+                        .machine = DescribeMachine(flags.request.embree_config),
+                        .repetitions = settings.repetitions};
+  bool right = true;
+  for (const SuiteScene& scene : SuiteScenes(flags.full)) {
+    report.results.push_back(MeasureScene(scene, flags.request, settings));
+    right &= PictureIsRight(report.results.back());
+  }
+  report.options = report.results.front().options;
+  // The counters of a wrong picture are shown: what changed is what one wants to see.
+  if (flags.counters) {
+    fmt::print("{}", CountersText(report.results));
+    return right ? 0 : kExitWrongPicture;
+  }
+  if (!right) return kExitWrongPicture;
+  fmt::print("{}{}{}", Headline(report), SummaryLine(Summarize(report.results)), SuiteText(report));
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(report).dump(2) + "\n");
+  if (!flags.report.empty()) WriteFileAtomically(flags.report, Html(report, history));
   return 0;
 }
 
 }  // namespace
 
 void AddBenchCommand(CLI::App& program, Run& run) {
-  CLI::App* command =
-      program.add_subcommand("bench", "Speed of a scene, and the share of it that is Embree's own");
+  CLI::App* command = program.add_subcommand(
+      "bench", "Speed of the suite or of a scene, and the share of it that is Embree's own");
   const auto flags = std::make_shared<BenchFlags>();
   flags->request.samples_per_pixel = 8;
   AddJobFlags(*command, flags->request);
-  command->add_option("--repetitions", flags->repetitions, "of renders and replays, in turn")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  command->get_option("scene")->required(false)->description(
+      "pbrt, OBJ or PLY file, or a built-in scene (default: the suite)");
+  std::vector<std::string> job_flags;
+  for (const CLI::Option* option : command->get_options()) job_flags.push_back(option->get_name());
+  command
+      ->add_option("--repetitions", flags->repetitions,
+                   "of renders and replays, in turn (default: 5; suite: 3, full 9)")
+      ->check(CLI::Range(1, 1000));
   command->add_option("--json", flags->json, "write every repetition to this file");
+  const auto suite = "Suite";
+  command->add_flag("--full", flags->full, "larger pictures, more repetitions")->group(suite);
+  command
+      ->add_flag("--counters", flags->counters,
+                 "only what is counted: rays, rows, bytes, hashes; the same text every time")
+      ->group(suite);
+  command
+      ->add_flag("--renders-only", flags->renders_only,
+                 "no replays and no other thread counts: for comparisons of two programs")
+      ->group(suite);
+  command->add_option("--report", flags->report, "write a page with charts to this file")
+      ->group(suite);
+  command->add_option("--history", flags->history, "JSON files of earlier runs, for the page")
+      ->group(suite)
+      ->needs("--report");
   command->footer(
+      "Without a scene: the suite, built-in scenes at fixed sizes, under a minute on two cores.\n"
+      "Their pictures are compared with the known ones; no score where one differs (exit code 1).\n"
+      "Keys of its JSON: docs/bench_json.md.\n\n"
       "The rays of one frame (8 samples a pixel unless --spp says otherwise) are recorded and\n"
       "replayed raw through every way to call Embree; embree_fraction is the best replay's time\n"
       "over the render's.\n\n"
-      "Example:\n  skywave bench gallery --repetitions 9");
-  command->callback([flags, &run] { run = [flags] { return BenchMain(*flags); }; });
+      "Examples:\n  skywave bench --json b.json --report b.html\n"
+      "  skywave bench gallery --repetitions 9");
+  command->callback([flags, job_flags, command, &run] {
+    const bool has_scene = !flags->request.scene.empty();
+    run = [flags, job_flags, command, has_scene] {
+      CheckFlags(*command, job_flags, has_scene);
+      return has_scene ? BenchScene(*flags) : BenchSuite(*flags);
+    };
+  });
 }
 
 }  // namespace skywave

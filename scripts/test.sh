@@ -6,8 +6,8 @@ cd "$(dirname "$0")/.."
 for preset in release "$@"; do
   scripts/build.sh "$preset"
   exclude=()
-  # Minutes of statistics, and malloc hooks that g++'s sanitizers lack: the release build runs them;
-  # furnace and determinism tests take every stage through the sanitizers.
-  [[ $preset == release ]] || exclude=(-E '^(oracle_test|export_render_test|allocation_test)$')
+  # Minutes of statistics, the suite's pictures, and malloc hooks that g++'s sanitizers lack: the
+  # release build runs them; furnace and determinism tests take every stage through the sanitizers.
+  [[ $preset == release ]] || exclude=(-E '^(oracle_test|export_render_test|allocation_test|bench_cli_test|counter_gate)$')
   ctest --test-dir "build/$preset" -j2 --output-on-failure "${exclude[@]}"
 done

@@ -111,8 +111,7 @@ TEST_P(WaveAllocations, AreNone) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Backends, WaveAllocations,
-                         testing::Values(Backend::kStream, Backend::kPacket, Backend::kSingle),
+INSTANTIATE_TEST_SUITE_P(Backends, WaveAllocations, testing::ValuesIn(kBackends),
                          [](const auto& test) { return std::string(ToString(test.param)); });
 
 }  // namespace

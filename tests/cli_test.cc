@@ -476,7 +476,7 @@ TEST_F(Cli, BenchReportsItsSummary) {
   const auto json = nlohmann::json::parse(Bytes("b.json"));
   EXPECT_EQ(json.at("schema"), "skywave-bench-1");
   EXPECT_EQ(json.at("render_seconds").size(), 3u);
-  for (const char* const backend : {"stream", "packet", "single"}) {
+  for (const char* const backend : {"stream", "packet", "array", "single"}) {
     EXPECT_EQ(json.at("replay_seconds").at(backend).at("closest").size(), 3u);
   }
   EXPECT_GT(json.at("summary").at("embree_fraction").get<double>(), 0);

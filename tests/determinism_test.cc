@@ -109,7 +109,7 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
 
 TEST_P(Determinism, WavesAndBackendsDoNotMatter) {
   std::uint64_t rays[kRayKinds] = {};
-  for (const Backend backend : {Backend::kStream, Backend::kPacket, Backend::kSingle}) {
+  for (const Backend backend : kBackends) {
     for (const std::uint32_t wave : {1u, 17u, 256u, 2048u}) {
       SCOPED_TRACE(std::string(ToString(backend)) + ", wave " + std::to_string(wave));
       FrameView frame = job().frame();

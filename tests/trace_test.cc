@@ -1,4 +1,4 @@
-// Rays into Embree: the three backends give the same bits, for odd rays and odd counts too.
+// Rays into Embree: all backends give the same bits, for odd rays and odd counts too.
 #include "wavefront/trace.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,6 @@ namespace skywave {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kSingle};
 
 // Balls, a plane through which many edges run, and triangles without area.
 Scene Clutter() {

@@ -22,6 +22,7 @@ class RayRecorder {
   void Record(bool occlusion, const float* const org[3], const float* const dir[3],
               const float* t_far, std::uint32_t n);
 
+  std::size_t size() const { return org_[0].size(); }  // rays
   const std::vector<RayBatch>& batches() const { return batches_; }
   const float* org(int axis) const { return org_[axis].data(); }
   const float* dir(int axis) const { return dir_[axis].data(); }

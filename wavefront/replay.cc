@@ -24,6 +24,7 @@ struct Scratch {
   explicit Scratch(std::uint32_t rows) : rays(rows), hits(rows) {}
   soa::Table<RayColumns> rays;
   soa::Table<HitColumns> hits;
+  std::uint64_t hit = 0;  // rays that hit something
 };
 
 // The recorded columns in place of the table's own; only t_far is written.
@@ -40,8 +41,17 @@ RayColumns RecordedRays(const Batch& b, const Scratch& scratch) {
   return rays;
 }
 
+std::uint64_t CountOccluded(const RayColumns& rays, std::uint32_t n) {
+  return std::uint64_t(std::count_if(rays.t_far, rays.t_far + n, [](float t) { return t < 0; }));
+}
+
+std::uint64_t CountHits(const HitColumns& hits, std::uint32_t n) {
+  return n - std::uint64_t(std::count(hits.geom, hits.geom + n, kNoHit));
+}
+
+// The wall clock [s]; adds the rays that hit something to `hits`.
 double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
-                  tbb::task_arena& arena, std::uint32_t rows) {
+                  tbb::task_arena& arena, std::uint32_t rows, std::uint64_t& hits) {
   // Before the clock starts: allocation and the first touch of memory are not Embree's.
   std::vector<std::unique_ptr<Scratch>> scratch(std::size_t(arena.max_concurrency()));
   for (auto& mine : scratch) mine = std::make_unique<Scratch>(rows);
@@ -51,14 +61,19 @@ double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool 
       const auto& mine = scratch[std::size_t(tbb::this_task_arena::current_thread_index())];
       const FlushDenormals flush;
       const RayColumns rays = RecordedRays(batches[i], *mine);
+      const std::uint32_t n = batches[i].batch.count;
       if (occlusion) {
-        TraceOcclusion(tracer, rays, batches[i].batch.count);
+        TraceOcclusion(tracer, rays, n);
+        mine->hit += CountOccluded(rays, n);
       } else {
-        TraceClosest(tracer, rays, batches[i].batch.count, mine->hits);
+        TraceClosest(tracer, rays, n, mine->hits);
+        mine->hit += CountHits(mine->hits, n);
       }
     });
   });
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const auto stop = std::chrono::steady_clock::now();
+  for (const auto& mine : scratch) hits += mine->hit;
+  return std::chrono::duration<double>(stop - start).count();
 }
 
 }  // namespace
@@ -76,8 +91,8 @@ ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder
   const Tracer tracer = {.scene = scene, .closest = backend, .occlusion = backend};
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   ReplayTime time;
-  time.closest = ReplayKind(tracer, closest, false, arena, rows);
-  time.occlusion = ReplayKind(tracer, occlusion, true, arena, rows);
+  time.closest = ReplayKind(tracer, closest, false, arena, rows, time.closest_hits);
+  time.occlusion = ReplayKind(tracer, occlusion, true, arena, rows, time.occlusion_hits);
   return time;
 }
 

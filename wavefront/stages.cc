@@ -8,6 +8,9 @@
 #include "kernels/partition.h"
 #include "kernels/sampler.h"
 #include "kernels/surface.h"
+#ifdef SKYWAVE_SLOWDOWN
+#include "wavefront/slowdown.h"
+#endif
 
 namespace skywave {
 namespace {
@@ -94,6 +97,9 @@ void SampleLights(const FrameView& frame, const ShadePoints& points, const Light
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
   frame.strategy->Sample(points, uniforms, n, call, lights);
+#ifdef SKYWAVE_SLOWDOWN
+  SlowDown(n);
+#endif
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,

@@ -10,6 +10,7 @@ namespace skywave {
 namespace {
 
 constexpr std::uint32_t kPacket = 8;
+constexpr std::uint32_t kArray = 128;  // rays of a call, on the stack: 10 KiB
 
 // The columns of a batch of rays, whatever table they come from.
 struct RayView {
@@ -79,6 +80,15 @@ void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t
         std::memcpy(rays.t_far + i, packet.tfar, count * sizeof(float));
       }
       break;
+    case Backend::kArray:
+      for (std::uint32_t i = 0; i < n; i += kArray) {
+        RTCRay array[kArray];
+        const std::uint32_t count = std::min(kArray, n - i);
+        for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRay(rays, i + k);
+        rtcOccluded1M(scene, &context, array, count, sizeof(RTCRay));
+        for (std::uint32_t k = 0; k < count; ++k) rays.t_far[i + k] = array[k].tfar;
+      }
+      break;
     case Backend::kSingle:
       for (std::uint32_t i = 0; i < n; ++i) {
         if (rays.t_far[i] < 0) continue;
@@ -88,6 +98,21 @@ void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t
       }
       break;
   }
+}
+
+RTCRayHit SingleRayHit(const RayView& rays, std::uint32_t i) {
+  RTCRayHit hit;
+  hit.ray = SingleRay(rays, i);
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return hit;
+}
+
+void StoreHit(const RTCRayHit& hit, std::uint32_t i, const RayColumns& rays,
+              const HitColumns& hits) {
+  rays.t_far[i] = hit.ray.tfar;
+  hits.ng_x[i] = hit.hit.Ng_x, hits.ng_y[i] = hit.hit.Ng_y, hits.ng_z[i] = hit.hit.Ng_z;
+  hits.u[i] = hit.hit.u, hits.v[i] = hit.hit.v;
+  hits.triangle[i] = hit.hit.primID, hits.geom[i] = hit.hit.geomID;
 }
 
 void Record(RayRecorder* recorder, bool occlusion, const RayView& rays, std::uint32_t n) {
@@ -100,7 +125,7 @@ void Record(RayRecorder* recorder, bool occlusion, const RayView& rays, std::uin
 }  // namespace
 
 std::optional<Backend> ParseBackend(std::string_view name) {
-  for (const Backend backend : {Backend::kStream, Backend::kPacket, Backend::kSingle}) {
+  for (const Backend backend : kBackends) {
     if (name == ToString(backend)) return backend;
   }
   return std::nullopt;
@@ -112,6 +137,8 @@ std::string_view ToString(Backend backend) {
       return "stream";
     case Backend::kPacket:
       return "packet";
+    case Backend::kArray:
+      return "array";
     case Backend::kSingle:
       return "single";
   }
@@ -154,16 +181,20 @@ void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
         std::memcpy(hits.geom + i, packet.hit.geomID, bytes);
       }
       break;
+    case Backend::kArray:
+      for (std::uint32_t i = 0; i < n; i += kArray) {
+        RTCRayHit array[kArray];
+        const std::uint32_t count = std::min(kArray, n - i);
+        for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRayHit(view, i + k);
+        rtcIntersect1M(tracer.scene, &context, array, count, sizeof(RTCRayHit));
+        for (std::uint32_t k = 0; k < count; ++k) StoreHit(array[k], i + k, rays, hits);
+      }
+      break;
     case Backend::kSingle:
       for (std::uint32_t i = 0; i < n; ++i) {
-        RTCRayHit hit;
-        hit.ray = SingleRay(view, i);
-        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        RTCRayHit hit = SingleRayHit(view, i);
         rtcIntersect1(tracer.scene, &context, &hit);
-        rays.t_far[i] = hit.ray.tfar;
-        hits.ng_x[i] = hit.hit.Ng_x, hits.ng_y[i] = hit.hit.Ng_y, hits.ng_z[i] = hit.hit.Ng_z;
-        hits.u[i] = hit.hit.u, hits.v[i] = hit.hit.v;
-        hits.triangle[i] = hit.hit.primID, hits.geom[i] = hit.hit.geomID;
+        StoreHit(hit, i, rays, hits);
       }
       break;
   }

@@ -13,7 +13,14 @@ namespace skywave {
 
 // How a table reaches Embree. All give the same hits, bit by bit, since none promises Embree that
 // rays are coherent.
-enum class Backend { kStream, kPacket, kSingle };
+enum class Backend {
+  kStream,  // rtcIntersectNp: columns
+  kPacket,  // rtcIntersect8
+  kArray,   // rtcIntersect1M: an array of rays
+  kSingle   // rtcIntersect1
+};
+inline constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kArray,
+                                        Backend::kSingle};
 std::optional<Backend> ParseBackend(std::string_view name);
 std::string_view ToString(Backend backend);
 

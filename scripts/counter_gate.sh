@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Compares what the suite counts (rays, rows, bytes, hashes) with tests/baselines/bench_counters.txt,
+# to the last digit:
+#   scripts/counter_gate.sh [PROGRAM]            fails where a line differs
+#   scripts/counter_gate.sh --update [PROGRAM]   takes the new counters; the commit says why
+# Skipped (77) where the processor lacks AVX2: Embree's hits have other bits there.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+update=0
+if [[ ${1:-} == --update ]]; then
+  update=1
+  shift
+fi
+program=${1:-$root/build/release/skywave}
+baseline=${SKYWAVE_COUNTERS:-$root/tests/baselines/bench_counters.txt}
+if ! grep -qw avx2 /proc/cpuinfo; then
+  echo "skipped: the counters are those of a processor with AVX2"
+  exit 77
+fi
+counters=$(mktemp)
+trap 'rm -f "$counters"' EXIT
+status=0
+"$program" bench --counters > "$counters" || status=$?
+if [[ $update == 1 ]]; then
+  cp "$counters" "$baseline"
+  echo "wrote $baseline; say in the commit why the counters changed"
+  exit 0
+fi
+if ! diff -u --label committed --label "this build" "$baseline" "$counters"; then
+  echo "counters differ; if they should: scripts/counter_gate.sh --update, and the reason in the commit"
+  exit 1
+fi
+[[ $status == 0 ]] || exit "$status"
+echo "counters as committed"

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Which gate sees light sampling made 2, 1.1 and 1.02 times as slow (wavefront/slowdown.h):
+#   scripts/gate_selftest.sh [PAIRS]     of runs for scripts/bench_compare.py (default: 10)
+# Builds the program four times, into build/slowdown-PERCENT; takes some minutes. Fails unless the
+# unchanged program passes all gates and the instruction gate sees every slow-down.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+pairs=${1:-10}
+folder() { echo "build/slowdown-$1"; }
+build() {
+  cmake --preset release -B "$(folder "$1")" -DSKYWAVE_SLOWDOWN="${1/#0/}" -DBUILD_TESTING=OFF >/dev/null
+  cmake --build "$(folder "$1")" -j"${JOBS:-2}" --target skywave -- --quiet >&2
+}
+verdict() {
+  local status=0
+  "$@" > "$log" 2>&1 || status=$?
+  case $status in
+    0) echo passes ;;
+    1) echo SEES ;;
+    77) echo skipped ;;
+    *) echo "error $status" ;;
+  esac
+}
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+wrong=0
+for percent in 0 100 10 2; do build "$percent"; done
+printf '%-12s %-14s %-14s %s\n' "slow-down" counters instructions "wall clock ($pairs pairs, 5 %)"
+for percent in 0 100 10 2; do
+  counters=$(verdict scripts/counter_gate.sh "$(folder "$percent")/skywave")
+  instructions=$(verdict scripts/instruction_gate.sh "$(folder "$percent")/skywave")
+  wall=$(verdict scripts/bench_compare.py --programs --pairs "$pairs" \
+    "$(folder 0)/skywave" "$(folder "$percent")/skywave")
+  printf '%-12s %-14s %-14s %s %s\n' "$percent %" "$counters" "$instructions" "$wall" \
+    "$(grep '^COMPARE' "$log" || true)"
+  expected=SEES
+  [[ $percent != 0 ]] || expected=passes
+  [[ $instructions == "$expected" || $instructions == skipped ]] || wrong=1
+  [[ $counters == passes || $counters == skipped ]] || wrong=1
+  [[ $percent != 0 || $wall == passes ]] || wrong=1
+done
+exit "$wrong"

@@ -1,0 +1,130 @@
+// Replays of a frame's rays: every call and every order finds what the frame found.
+#include "wavefront/replay.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "wavefront/job.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr RayOrder kOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
+
+struct RecordedFrame {
+  RecordedFrame() {
+    JobRequest request = {.scene = "spheres"};
+    request.width = 48, request.height = 32, request.samples_per_pixel = 4;
+    request.options.threads = 2;
+    job = std::make_unique<RenderJob>(request);
+    Film film = job->MakeFilm();
+    result = RenderFrame(job->frame(), film, nullptr, &recorders);
+  }
+  std::unique_ptr<RenderJob> job;
+  std::vector<RayRecorder> recorders;
+  FrameResult result;
+};
+
+using Ray = std::array<float, 6>;
+
+std::vector<Ray> Rays(const std::vector<RayRecorder>& recorders, bool occlusion) {
+  std::vector<Ray> rays;
+  for (const RayRecorder& recorder : recorders) {
+    for (const RayBatch& batch : recorder.batches()) {
+      if (batch.occlusion != occlusion) continue;
+      for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
+        rays.push_back({recorder.org(0)[i], recorder.org(1)[i], recorder.org(2)[i],
+                        recorder.dir(0)[i], recorder.dir(1)[i], recorder.dir(2)[i]});
+      }
+    }
+  }
+  return rays;
+}
+
+int Octant(const Ray& ray) { return (ray[3] < 0) | (ray[4] < 0) << 1 | (ray[5] < 0) << 2; }
+
+TEST(Replay, TracesEveryRayOfTheFrame) {
+  const RecordedFrame frame;
+  const std::size_t rays = Rays(frame.recorders, false).size() + Rays(frame.recorders, true).size();
+  EXPECT_EQ(rays, frame.result.stats.total_rays());
+}
+
+TEST(Replay, HitsAreTheSameForEveryCallAndOrder) {
+  const RecordedFrame frame;
+  const RTCScene scene = frame.job->geometry().scene();
+  const ReplayTime first = Replay(scene, Backend::kSingle, frame.recorders, 1);
+  EXPECT_GT(first.closest_hits, 0u);
+  EXPECT_LT(first.closest_hits, Rays(frame.recorders, false).size());
+  EXPECT_GT(first.occlusion_hits, 0u);
+  EXPECT_LT(first.occlusion_hits, Rays(frame.recorders, true).size());
+  for (const RayOrder order : kOrders) {
+    const std::vector<RayRecorder> ordered = OrderRays(frame.recorders, order);
+    for (const Backend backend : kBackends) {
+      SCOPED_TRACE(ToString(backend));
+      const ReplayTime time = Replay(scene, backend, ordered, 3);
+      EXPECT_EQ(time.closest_hits, first.closest_hits);
+      EXPECT_EQ(time.occlusion_hits, first.occlusion_hits);
+      EXPECT_GT(time.closest, 0);
+      EXPECT_GT(time.occlusion, 0);
+    }
+  }
+}
+
+TEST(OrderRays, KeepsEveryRay) {
+  const RecordedFrame frame;
+  for (const bool occlusion : {false, true}) {
+    std::vector<Ray> before = Rays(frame.recorders, occlusion);
+    std::sort(before.begin(), before.end());
+    for (const RayOrder order : kOrders) {
+      std::vector<Ray> after = Rays(OrderRays(frame.recorders, order), occlusion);
+      std::sort(after.begin(), after.end());
+      EXPECT_EQ(after, before);
+    }
+  }
+}
+
+TEST(OrderRays, SortsTheFrameByOctantThenAlongACurve) {
+  const RecordedFrame frame;
+  std::vector<Ray> shuffled = Rays(frame.recorders, true);
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(1));
+  const std::vector<Ray> sorted = Rays(OrderRays(frame.recorders, RayOrder::kFrame), true);
+  const auto path = [](const std::vector<Ray>& rays) {
+    double length = 0;
+    for (std::size_t i = 1; i < rays.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) length += std::abs(rays[i][axis] - rays[i - 1][axis]);
+    }
+    return length;
+  };
+  EXPECT_TRUE(std::is_sorted(sorted.begin(), sorted.end(),
+                             [](const Ray& a, const Ray& b) { return Octant(a) < Octant(b); }));
+  EXPECT_LT(path(sorted), 0.3 * path(shuffled));
+}
+
+TEST(OrderRays, KeepsTheBatchesOfWaves) {
+  const float zero[3] = {0, 0, 0}, up[3] = {1, -1, 1}, down[3] = {-1, 1, -1};
+  const float far[3] = {1e30f, 1e30f, 1e30f};
+  const float* const org[3] = {zero, zero, zero};
+  const float* const dir[3] = {up, up, up};
+  const float* const turned[3] = {down, down, down};
+  std::vector<RayRecorder> recorders(1);
+  recorders[0].Record(false, org, dir, far, 3);
+  recorders[0].Record(false, org, turned, far, 2);
+  const std::vector<RayRecorder> waves = OrderRays(recorders, RayOrder::kWave);
+  ASSERT_EQ(waves[0].batches().size(), 2u);
+  EXPECT_EQ(waves[0].batches()[0].count, 3u);
+  EXPECT_EQ(waves[0].dir(0)[0], 1);
+  EXPECT_EQ(waves[0].dir(0)[1], 1);
+  EXPECT_EQ(waves[0].dir(0)[2], -1);
+  EXPECT_EQ(waves[0].dir(0)[3], 1);
+  EXPECT_EQ(OrderRays(recorders, RayOrder::kFrame)[0].batches().size(), 1u);
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,158 @@
+// The suite of skywave bench: pictures are told apart, and figures follow from what was measured.
+#include "measure/suite.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "measure/bars.h"
+#include "tests/support/xml.h"
+
+namespace skywave {
+namespace {
+
+constexpr SuiteScene kTiny = {"spheres", 40, 30, 2, {}};
+
+JobRequest OnThreads(int threads) {
+  JobRequest request;
+  request.options.threads = threads;
+  return request;
+}
+
+Fingerprint Render(const SuiteScene& scene, JobRequest base) {
+  const RenderJob job(SuiteRequest(scene, base));
+  Film film = job.MakeFilm();
+  RenderFrame(job.frame(), film);
+  return FingerprintOf(film, scene.samples_per_pixel);
+}
+
+TEST(Fingerprint, IsThatOfThePictureAlone) {
+  JobRequest other = OnThreads(3);
+  other.options.wave = 17, other.options.backend = Backend::kArray;
+  const Fingerprint a = Render(kTiny, OnThreads(1)), b = Render(kTiny, other);
+  EXPECT_EQ(a.hash, b.hash);
+  EXPECT_EQ(a.means, b.means);
+  other.options.seed = 1;
+  const Fingerprint c = Render(kTiny, other);
+  EXPECT_NE(a.hash, c.hash);
+  EXPECT_GT(BlockDifference(a, c), kPictureBound);
+}
+
+TEST(Fingerprint, MeansAreThoseOfTheBlocks) {
+  const RenderJob job(SuiteRequest(kTiny, OnThreads(0)));
+  Film film = job.MakeFilm();
+  RenderFrame(job.frame(), film);
+  const Image image = film.Resolve(2);
+  double sum = 0;  // block of columns 10-19 and rows 15-21: pixels with y * 4 / 30 == 2
+  int count = 0;
+  for (int y = 15; y * 4 / 30 == 2; ++y) {
+    for (int x = 10; x < 20; ++x, count += 3) {
+      for (int channel = 0; channel < 3; ++channel) sum += image.Pixel(x, y)[channel];
+    }
+  }
+  EXPECT_NEAR(FingerprintOf(film, 2).means[2 * 4 + 1], sum / count, 1e-6);
+}
+
+TEST(CheckPicture, WantsTheSameBitsOrBoundsWhereHitsDiffer) {
+  Fingerprint expected = {.hash = 5, .means = {}};
+  expected.means.fill(0.5f);
+  Fingerprint other = expected;
+  EXPECT_EQ(CheckPicture(expected, other, true), PictureCheck::kSameBits);
+  other.hash = 6;
+  EXPECT_EQ(CheckPicture(expected, other, true), PictureCheck::kWrong);
+  EXPECT_EQ(CheckPicture(expected, other, false), PictureCheck::kWithinBounds);
+  other.means[3] = 0.5f * float(1 - 1.1 * kPictureBound);
+  EXPECT_EQ(CheckPicture(expected, other, false), PictureCheck::kWrong);
+  other.means[3] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(CheckPicture(expected, other, false), PictureCheck::kWrong);
+}
+
+TEST(CheckPicture, OtherInstructionSetsStayWithinBounds) {
+  JobRequest request;
+  request.embree_config = "isa=sse2";
+  EXPECT_FALSE(HasReferenceHits(request));
+  const SuiteScene& scene = SuiteScenes(false)[1];
+  ASSERT_EQ(scene.name, "spheres");
+  EXPECT_LT(BlockDifference(scene.expected, Render(scene, request)), 0.1 * kPictureBound);
+}
+
+// Figures from times that are known.
+SuiteResult Result(double render) {
+  SuiteResult result;
+  result.speed.first.stats.samples = 2000000;
+  result.speed.first.stats.rays = {2000000, 3000000, 1000000};
+  result.speed.render = {render, render * 10, render / 10};
+  result.speed.scaling = {{1, {render * 3, render * 2, render}}, {2, {render}}};
+  result.speed.replay[0][0] = {.closest = {0.3, 0.3, 9}, .occlusion = {0.2}};
+  result.speed.replay[0][1] = {.closest = {0.4}, .occlusion = {0.1, 0.1, 0.9}};
+  result.speed.replay[2][0] = {.closest = {0.1}, .occlusion = {0.1}};
+  return result;
+}
+
+TEST(Speed, CeilingIsTheBestCallForEachKindOfRay) {
+  const SuiteResult result = Result(0.5);
+  EXPECT_DOUBLE_EQ(result.speed.best_replay_seconds(RayOrder::kTraced), 0.4);
+  EXPECT_DOUBLE_EQ(result.speed.best_replay_seconds(RayOrder::kFrame), 0.2);
+  EXPECT_EQ(result.speed.best_replay_seconds(RayOrder::kWave), 0);
+  EXPECT_DOUBLE_EQ(result.speed.embree_fraction(), 0.8);
+  EXPECT_DOUBLE_EQ(result.speed.speed_up(2), 2);
+  EXPECT_EQ(result.speed.speed_up(4), 0);
+  EXPECT_DOUBLE_EQ(result.msamples_per_second(), 4);
+  EXPECT_DOUBLE_EQ(result.mrays_per_second(), 12);
+}
+
+TEST(Summarize, TakesGeometricMeansOfWhatEverySceneHas) {
+  std::vector<SuiteResult> results = {Result(0.5), Result(2)};
+  EXPECT_NEAR(Summarize(results).msamples_per_s, 2, 1e-12);  // of 4 and 1
+  EXPECT_NEAR(Summarize(results).embree_fraction, 0.4, 1e-12);
+  EXPECT_NEAR(Summarize(results).scaling_2, 2, 1e-12);
+  results[1].speed.scaling.clear();
+  EXPECT_EQ(Summarize(results).scaling_2, 0);
+}
+
+TEST(MeasureSpeed, KeepsEveryRepetition) {
+  const RenderJob job(SuiteRequest(kTiny, OnThreads(2)));
+  Film film = job.MakeFilm();
+  const Speed speed = MeasureSpeed(job, {.repetitions = 3, .thread_counts = {1, 3}}, film);
+  EXPECT_EQ(speed.render.size(), 3u);
+  EXPECT_EQ(speed.stages.size(), 3u);
+  ASSERT_EQ(speed.scaling.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(speed.scaling[i].threads, i + 1);
+    EXPECT_EQ(speed.scaling[i].render.size(), 3u);
+  }
+  EXPECT_EQ(speed.scaling[1].render, speed.render);
+  for (int order = 0; order < kRayOrders; ++order) {
+    for (int call = 0; call < kReplayCalls; ++call) {
+      const std::size_t count = IsReplayed(kReplayOrders[order], kBackends[call]) ? 3 : 0;
+      EXPECT_EQ(speed.replay[order][call].closest.size(), count);
+      EXPECT_EQ(speed.replay[order][call].occlusion.size(), count);
+    }
+  }
+  EXPECT_EQ(FingerprintOf(film, 2).hash, Render(kTiny, OnThreads(0)).hash);
+}
+
+TEST(ScalingThreads, DoublesUpToAllOfThem) {
+  EXPECT_EQ(ScalingThreads(1), (std::vector<int>{1}));
+  EXPECT_EQ(ScalingThreads(2), (std::vector<int>{1, 2}));
+  EXPECT_EQ(ScalingThreads(6), (std::vector<int>{1, 2, 4, 6}));
+}
+
+TEST(Bars, AreAsLongAsTheirValues) {
+  const BarChart chart = {.title = "a < b",
+                          .unit = "ms",
+                          .segments = {"x & y", "z"},
+                          .bars = {{"one", {1, 3}}, {"two", {2, -1}}, {"three", {NAN, 0}}}};
+  const std::string svg = Svg(chart);
+  EXPECT_TRUE(IsWellFormedXml(svg)) << svg;
+  // 634 pixels for 4: quarters, three quarters, and half of them for the second bar.
+  for (const char* const width : {"width=\"158.50\"", "width=\"475.50\"", "width=\"317.00\""}) {
+    EXPECT_NE(svg.find(width), std::string::npos) << width << "\n" << svg;
+  }
+  EXPECT_TRUE(IsWellFormedXml(Svg(BarChart{.title = "none", .unit = ""})));
+}
+
+}  // namespace
+}  // namespace skywave
