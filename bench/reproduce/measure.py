@@ -125,7 +125,8 @@ class Session:
         run(self.render_command(row.recipe, seed, picture, stats))
         stats, errors = json.loads(stats.read_text()), self.errors(picture, reference)
         if stats["scene"]["hash"] != scene_hash:
-            raise Failed(f"the scene has changed since the reference was made: remove {reference}")
+            raise Failed("the scene has changed since the reference was made: remove "
+                         f"{reference.parent}")
         result = {"seed": seed, "seconds": stats["seconds"]["render"],
                   "table_seconds": stats["seconds"]["tables"],
                   "shadow_rays": stats["rays"]["shadow"]["count"]}

@@ -110,12 +110,14 @@ def warnings_of(summary):
 
 def measure_table(table, options):
     """(summary, whether any row was rendered, whether all were). Writes after every repeat."""
+    rows, runs, failed = chosen_rows(table, options), {}, {}
+    if not rows:
+        raise measure.Failed(f"no row of {options.rows} can be rendered")
     reference = options.reference or (table.quick_reference if options.quick else table.reference)
     session = measure.Session(options.program, table, options.data.resolve(),
                               options.output.resolve(), options.size, options.threads, reference)
     picture, facts = session.reference(say)
     light_picture = session.light_reference(1, say)
-    rows, runs, failed = chosen_rows(table, options), {}, {}
     settings = {"command": command_of(table, options), "date": date.today().isoformat(),
                 "processor": measure.processor(), "threads": options.threads or "all",
                 "size": options.size, "version": facts["version"]}

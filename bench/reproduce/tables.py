@@ -184,7 +184,8 @@ def ours_direct(counts):
 
 def ours_path(counts):
     rows = [(strategy, paths, 1)
-            for strategy in ("importance", "importance:compensate=1", "product", "ris")
+            for strategy in ("importance", "importance:compensate=1", "product", "ris",
+                             "hybrid:lights=64,pick=power")
             for paths in counts]
     rows += [("hybrid:lights=16,inside=1", paths // 4, 1) for paths in counts]
     return name_ours(rows, lambda _: "")
