@@ -5,7 +5,7 @@
     bench/reproduce/reproduce.py all --data DATA --quick
     bench/reproduce/reproduce.py 8.5 --data DATA --document docs/reproduction.md
 
-DATA holds models/killeroo.pbrt, models/buddha.obj and probes/latlong/{galileo,grace,rnl}_latlong.exr.
+DATA holds models/killeroo.pbrt, models/buddha.obj, probes/latlong/{galileo,grace,rnl}_latlong.exr.
 OUT gets table_8.2.md, table_8.2.json, the reference and a picture of every row. Tables whose data
 are absent are named and left out. Exit code 1: nothing was measured, or a row failed.
 """
