@@ -1,0 +1,141 @@
+"""From runs to what can be compared: medians, ratios, times to the same error."""
+
+import math
+from statistics import mean, median
+
+
+def ours(runs):
+    """Medians of times, means of errors; None without runs."""
+    if not runs:
+        return None
+    result = {"seconds": median(run["seconds"] for run in runs),
+              "table_seconds": median(run["table_seconds"] for run in runs), "runs": runs}
+    for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):
+        result[key] = mean(run[key] for run in runs)
+    result["squared_distance"] = 3 * result["mse"]
+    light = [run["light_error"] for run in runs if "light_error" in run]
+    if light:
+        result["light_error"] = mean(light)
+    return result
+
+
+def theirs(row):
+    if row.seconds is None:
+        return None
+    return {"seconds": row.seconds, "squared_distance": row.euclidean,
+            "thesis_luminance": row.luminance}
+
+
+def seconds_at(error, plain, key):
+    """('=' | '<' | '>', seconds) where the curve of the plain rows has `error`.
+
+    Straight lines between points on logarithmic scales, and of several places the one after which
+    the error stays below. Nothing is extrapolated: outside the curve the time is the one of its
+    nearer end.
+    """
+    points = sorted((p["seconds"], p[key]) for p in plain)
+    if error < points[-1][1]:
+        return ">", points[-1][0]
+    for (t0, e0), (t1, e1) in reversed(list(zip(points, points[1:]))):
+        if e0 >= error >= e1:
+            part = 0 if e0 == e1 else math.log(e0 / error) / math.log(e0 / e1)
+            return "=", t0 * (t1 / t0) ** part
+    return "<", points[0][0]
+
+
+def compare(measured, base, plain):
+    """A row against the base row and the curve of plain importance sampling.
+
+    `at_equal_error`: (sign, times as fast as plain importance sampling at the row's error), a bound
+    unless the sign is '='.
+    """
+    if not measured or not base:
+        return None
+    result = {"time": measured["seconds"] / base["seconds"]}
+    for name, key in (("error", "squared_distance"), ("light_error", "light_error")):
+        if key in measured and all(key in other for other in [base, *plain]):
+            result[name] = measured[key] / base[key]
+            sign, seconds = seconds_at(measured[key], plain, key)
+            result[f"at_equal_{name}"] = (sign, seconds / measured["seconds"])
+    return result
+
+
+def least_squares(rows, values):
+    """Coefficients c with rows . c = values in the mean, or None where rows do not settle them."""
+    n = len(rows[0]) if rows else 0
+    if len(rows) < n or n == 0:
+        return None
+    matrix = [[sum(row[i] * row[j] for row in rows) for j in range(n)]
+              + [sum(row[i] * value for row, value in zip(rows, values))] for i in range(n)]
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda k: abs(matrix[k][i]))
+        matrix[i], matrix[pivot] = matrix[pivot], matrix[i]
+        if abs(matrix[i][i]) < 1e-9:
+            return None
+        for k in range(n):
+            if k != i:
+                factor = matrix[k][i] / matrix[i][i]
+                matrix[k] = [a - factor * b for a, b in zip(matrix[k], matrix[i])]
+    return [matrix[i][n] / matrix[i][i] for i in range(n)]
+
+
+def costs(table, of):
+    """Seconds that one more light or sample a hit costs, by least squares over the rows.
+
+    `of(row)` gives a row's figures or None. Direct lighting only.
+    """
+    rows = [row for row in table.rows if row.seconds is not None and row.recipe and of(row)]
+    plain = [row for row in rows if row.plain]
+    hybrid = [row for row in rows if row.method == "HIB." and row.presampled]
+    sample = least_squares([[1, row.drawn] for row in plain],
+                           [of(row)["seconds"] for row in plain])
+    parts = least_squares([[1, row.lights, row.drawn] for row in hybrid],
+                          [of(row)["seconds"] for row in hybrid])
+    return {"importance_sample": sample and sample[1],
+            "directional_light": parts and parts[1], "presampled_sample": parts and parts[2]}
+
+
+def floor(table, of):
+    """(error, share): what unlimited light samples would leave, and its share of the base's error.
+
+    Extrapolated from the two plain rows with most samples as noise that halves when samples double.
+    Direct lighting only: paths bring camera samples with them, so nothing is left.
+    """
+    if table.integrator != "direct":
+        return None
+    plain = sorted((row for row in table.rows if row.plain and of(row)), key=lambda r: r.drawn)
+    if len(plain) < 2 or plain[-1].drawn != 2 * plain[-2].drawn:
+        return None
+    last = of(plain[-1])["squared_distance"]
+    left = 2 * last - of(plain[-2])["squared_distance"]
+    return left, left / last
+
+
+def summarize(table, runs):
+    """Everything that is printed or written of a table; `runs` maps names of rows to their runs."""
+    measured = {row.name: ours(runs.get(row.name)) for row in table.rows}
+    sides = {"thesis": theirs, "ours": lambda row: measured[row.name]}
+    result = {"table": table.name, "title": table.title, "base": table.base, "rows": [],
+              "pairs": []}
+    curves = {}
+    for side, of in sides.items():
+        plain = [of(row) for row in table.rows if row.plain and of(row)]
+        curves[side] = (of(table.row(table.base)), plain)
+        result[f"{side}_floor"] = floor(table, of)
+        result[f"{side}_costs"] = costs(table, of) if table.integrator == "direct" else None
+    for row in table.rows:
+        entry = {"row": row.name, "method": row.method, "parameters": row.parameters,
+                 "note": row.note, "recipe": vars(row.recipe) if row.recipe else None}
+        for side, of in sides.items():
+            entry[side] = of(row)
+            entry[f"{side}_ratios"] = compare(of(row), *curves[side])
+        result["rows"].append(entry)
+    for name, plain_name in table.pairs:
+        pair = {"row": name, "plain": plain_name}
+        for side, of in sides.items():
+            row, plain = of(table.row(name)), of(table.row(plain_name))
+            if row and plain:
+                pair[side] = {"faster": plain["seconds"] / row["seconds"],
+                              "error": row["squared_distance"] / plain["squared_distance"]}
+        result["pairs"].append(pair)
+    return result

@@ -1,0 +1,147 @@
+"""Scenes, references and rows: everything that starts the program."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+from tables import CAMERA_SAMPLES, Recipe
+
+# Light samples a hit of the picture that light errors are taken against.
+LIGHT_REFERENCE = 2048
+
+HERE = Path(__file__).resolve().parent
+REPOSITORY = HERE.parents[1]
+
+
+class Absent(Exception):
+    """A file that is needed does not exist."""
+
+
+class Failed(Exception):
+    """The program said no."""
+
+
+def run(command):
+    result = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if result.returncode:
+        said = (result.stderr.strip() or result.stdout.strip()).splitlines()
+        raise Failed(said[-1] if said else f"exit code {result.returncode}")
+    return result
+
+
+def existing(path):
+    if not path.is_file():
+        raise Absent(str(path))
+    return path
+
+
+def scene_arguments(table, data, folder):
+    """Scene, map and camera of a table as arguments of render and converge; writes scene files."""
+    probe = existing(data / "probes" / "latlong" / f"{table.probe}_latlong.exr")
+    if table.scene == "killeroo":
+        existing(data / "models" / "killeroo.pbrt")
+        run([REPOSITORY / "scripts" / "data_scenes.sh", data, folder / "scenes"])
+        arguments = [folder / "scenes" / "killeroo.pbrt", "--env-up", "z"]
+    elif table.scene == "buddha":
+        arguments = [existing(data / "models" / "buddha.obj"), "--ground"]
+    else:
+        arguments = [HERE / "two_spheres.pbrt"]
+    if table.turn:
+        arguments += ["--env-rotate", table.turn]
+    return arguments + ["--env", probe, "--integrator", table.integrator]
+
+
+class Session:
+    """One table at one size: its reference and its renders."""
+
+    def __init__(self, program, table, data, folder, size, threads, reference):
+        self.program, self.table, self.folder, self.size = program, table, folder, size
+        self.reference_samples = reference
+        self.scene = scene_arguments(table, data, folder)
+        self.common = ["--size", size, "--threads", threads]
+        self.pictures = folder / "pictures" / f"table_{table.name}"
+        self.pictures.mkdir(parents=True, exist_ok=True)
+
+    def reference(self, say):
+        """(file, facts). Rendered once by `converge`, which also says how noisy it is."""
+        table, (samples, light_samples) = self.table, self.reference_samples
+        stem = "_".join([table.scene, table.probe, table.integrator, self.size,
+                         f"{samples}x{light_samples}"])
+        folder = self.folder / "references"
+        folder.mkdir(exist_ok=True)
+        picture, facts = folder / f"{stem}.exr", folder / f"{stem}.json"
+        if not (picture.is_file() and facts.is_file()):
+            say(f"reference {stem}")
+            half_done = folder / f"{stem}.part.json"
+            run([self.program, "converge", *self.scene, *self.common, "--light-samples",
+                 light_samples, "--strategies", "importance", "--budgets", 1, "--repeats", 2,
+                 "--reference-spp", samples, "--seed", 1000003, "--save-reference", picture,
+                 "--json", half_done, "-q"])
+            os.replace(half_done, facts)
+        read = json.loads(facts.read_text())
+        return picture, {"samples_per_pixel": samples, "light_samples": light_samples,
+                         "mse": read["reference"]["mse"],
+                         "seconds": read["reference"]["seconds"],
+                         "scene_hash": read["scene"]["hash"], "version": read["version"]}
+
+    def light_reference(self, seed, say):
+        """A picture with the camera samples of the rows of that seed and far more light samples.
+
+        The film positions of a seed are the same for every strategy, so against this picture rows
+        differ by their light samples alone. `warp`, because the points of `importance` would share
+        errors with the rows. None for path tracing, where all dimensions go together.
+        """
+        if self.table.integrator != "direct":
+            return None
+        picture = self.folder / "references" / "_".join(
+            [self.table.scene, self.table.probe, self.size, f"seed{seed}",
+             f"{CAMERA_SAMPLES}x{LIGHT_REFERENCE}.exr"])
+        if not picture.is_file():
+            say(f"light reference {picture.stem}")
+            part = picture.with_suffix(".part.exr")
+            recipe = Recipe("warp", CAMERA_SAMPLES, LIGHT_REFERENCE, mis=True)
+            run(self.render_command(recipe, seed, part, self.pictures / "stats.json"))
+            part.with_suffix(".png").unlink(missing_ok=True)
+            os.replace(part, picture)
+        return picture
+
+    def errors(self, picture, reference):
+        file = self.pictures / "errors.json"
+        run([self.program, "compare", picture, reference, "--json", file])
+        return json.loads(file.read_text())
+
+    def render_command(self, recipe, seed, picture, stats):
+        command = [self.program, "render", *self.scene, *self.common,
+                   "--strategy", recipe.strategy, "--spp", recipe.samples]
+        if self.table.integrator == "direct":
+            command += ["--light-samples", recipe.light_samples]
+        if not recipe.mis:
+            command.append("--no-mis")
+        return command + ["--seed", seed, "--stats", stats, "-o", picture, "-q"]
+
+    def measure(self, row, seed, reference, scene_hash, light_reference):
+        picture, stats = self.pictures / f"{row.name}.exr", self.pictures / "stats.json"
+        run(self.render_command(row.recipe, seed, picture, stats))
+        stats, errors = json.loads(stats.read_text()), self.errors(picture, reference)
+        if stats["scene"]["hash"] != scene_hash:
+            raise Failed("the scene has changed since the reference was made: remove "
+                         f"{reference.parent}")
+        result = {"seed": seed, "seconds": stats["seconds"]["render"],
+                  "table_seconds": stats["seconds"]["tables"],
+                  "shadow_rays": stats["rays"]["shadow"]["count"]}
+        for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):
+            result[key] = errors[key]
+        if light_reference:
+            result["light_error"] = 3 * self.errors(picture, light_reference)["mse"]
+        return result
+
+
+def processor():
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return "unknown processor"

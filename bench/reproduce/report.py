@@ -1,0 +1,126 @@
+"""A summary of figures.py as Markdown, and into its place in a document."""
+
+import re
+
+
+def number(value, digits=3):
+    if value is None:
+        return ""
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text else text
+
+
+def ratio(ratios, key):
+    if not ratios or key not in ratios:
+        return ""
+    sign, value = ratios[key] if isinstance(ratios[key], (tuple, list)) else ("=", ratios[key])
+    return ("" if sign == "=" else sign + " ") + f"{value:.2f}"
+
+
+def lines_of_table(header, rows, right_from):
+    marks = ["---" if i < right_from else "---:" for i in range(len(header))]
+    return ["| " + " | ".join(cells) + " |" for cells in [header, marks, *rows]]
+
+
+def split(summary):
+    """Rows of the thesis and rows of ours below the line."""
+    rows = summary["rows"]
+    return [[row for row in rows if row["thesis"]], [row for row in rows if not row["thesis"]]]
+
+
+def name_of(row):
+    if row["thesis"]:
+        return row["parameters"]
+    return f"`{row['recipe']['strategy']}`, {row['parameters']}"
+
+
+def figures_table(rows, of_thesis):
+    header = ["N", "method", "parameters"]
+    header += ["thesis [s]", "Euc.", "Lum."] if of_thesis else []
+    header += ["ours [s]", "3 mse", "as (T 8.1)", "Lum.", "light"]
+    lines = []
+    for row in rows:
+        thesis, mine = row["thesis"] or {}, row["ours"] or {}
+        cells = [row["row"], row["method"], name_of(row)]
+        if of_thesis:
+            cells += [number(thesis["seconds"], 6), number(thesis["squared_distance"], 6),
+                      number(thesis["thesis_luminance"], 6)]
+        cells += [number(mine.get("seconds")), number(mine.get("squared_distance"), 4),
+                  number(mine.get("thesis_euclidean"), 4), number(mine.get("thesis_luminance"), 4),
+                  number(mine.get("light_error"), 4)]
+        lines.append(cells)
+    return lines_of_table(header, lines, 3)
+
+
+def ratios_table(rows, of_thesis):
+    header, keys = ["N", "method", "parameters"], ["time", "error", "at_equal_error"]
+    for key, name in zip(keys, ("time", "error", "faster at equal error")):
+        header += [f"{name}: thesis", "ours"] if of_thesis else [name]
+    header += ["light error", "faster at equal light error"]
+    lines = []
+    for row in rows:
+        cells = [row["row"], row["method"], name_of(row)]
+        for key in keys:
+            cells += [ratio(row["thesis_ratios"], key)] if of_thesis else []
+            cells.append(ratio(row["ours_ratios"], key))
+        cells += [ratio(row["ours_ratios"], "light_error"),
+                  ratio(row["ours_ratios"], "at_equal_light_error")]
+        lines.append(cells)
+    return lines_of_table(header, lines, 3)
+
+
+def pair_lines(summary):
+    lines = []
+    for pair in summary["pairs"]:
+        parts = [f"{side} {pair[side]['faster']:.2f} times as fast with {pair[side]['error']:.3f} "
+                 "times the error" for side in ("thesis", "ours") if side in pair]
+        lines.append(f"- Row {pair['row']} against row {pair['plain']}: {'; '.join(parts)}.")
+    for side in ("thesis", "ours"):
+        if summary[f"{side}_floor"]:
+            left, share = summary[f"{side}_floor"]
+            lines.append(f"- Left at unlimited samples, {side}: {left:.4g}, "
+                         f"{100 * share:.0f} % of the error of row {summary['base']}.")
+    for side in ("thesis", "ours"):
+        costs = summary[f"{side}_costs"]
+        if costs and all(costs.values()):
+            lines.append(f"- One more at every hit, {side}: a sample by importance "
+                         f"{costs['importance_sample']:.3g} s, pre-sampled "
+                         f"{costs['presampled_sample']:.3g} s, a directional light "
+                         f"{costs['directional_light']:.3g} s.")
+    return lines
+
+
+def markdown(summary):
+    above, below = split(summary)
+    lines = []
+    if summary.get("settings"):
+        s, r = summary["settings"], summary["reference"]
+        lines += [f"`{s['command']}`", "",
+                  f"{s['date']}, {s['processor']}, {s['threads']} threads; {s['size']}, medians of "
+                  f"times and means of errors, alternated repeats: {s['repeats']}. Reference: "
+                  f"{r['samples_per_pixel']} x {r['light_samples']} samples a pixel in "
+                  f"{r['seconds']:.0f} s, its own 3 mse {3 * r['mse']:.2g}.", ""]
+    else:
+        lines += ["Not measured yet.", ""]
+    lines += figures_table(above, True)
+    if below:
+        lines += ["", "Below the line, not in the thesis: ours with multiple importance sampling.",
+                  "", *figures_table(below, False)]
+    lines += ["", f"Against row {summary['base']} (time and error: less is better) and against "
+              "the rows of plain importance sampling (times as fast: more is better):", "",
+              *ratios_table(above, True)]
+    if below:
+        lines += ["", *ratios_table(below, False)]
+    lines += ["", *pair_lines(summary)]
+    notes = [f"- Row {row['row']}: {row['note']}." for row in summary["rows"] if row["note"]]
+    lines += notes + [f"- {warning}." for warning in summary.get("warnings", [])]
+    return "\n".join(lines) + "\n"
+
+
+def insert(document, name, text):
+    """`document` with what is between the two markers of a table replaced."""
+    begin, end = f"<!-- begin table {name} -->", f"<!-- end table {name} -->"
+    pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
+    if not pattern.search(document):
+        raise ValueError(f"no place for table {name}: {begin} ... {end}")
+    return pattern.sub(lambda _: f"{begin}\n\n{text}\n{end}", document, count=1)

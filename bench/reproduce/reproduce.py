@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+"""Repeats tables 8.2 to 8.6 of the thesis on hybrid sampling; see docs/reproduction.md.
+
+    bench/reproduce/reproduce.py 8.2 --data DATA -o OUT
+    bench/reproduce/reproduce.py all --data DATA --quick
+    bench/reproduce/reproduce.py 8.5 --data DATA --document docs/reproduction.md
+
+DATA holds models/killeroo.pbrt, models/buddha.obj, probes/latlong/{galileo,grace,rnl}_latlong.exr.
+OUT gets table_8.2.md, table_8.2.json, the reference and a picture of every row. Tables whose data
+are absent are named and left out. Exit code 1: nothing was measured, or a row failed.
+"""
+
+import argparse
+import json
+import sys
+import time
+from datetime import date
+from pathlib import Path
+
+import figures
+import measure
+import report
+from tables import TABLES
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("tables", nargs="+", choices=[*TABLES, "all"], metavar="TABLE",
+                        help="8.2, 8.3, 8.4, 8.5, 8.6 or all")
+    parser.add_argument("--data", type=Path, metavar="DATA", help="folder of models and probes")
+    parser.add_argument("--program", type=Path, metavar="FILE",
+                        default=measure.REPOSITORY / "build" / "release" / "skywave")
+    parser.add_argument("--size", metavar="WxH", help="film (default: 640x480; quick: 80x60)")
+    parser.add_argument("--repeats", type=int, metavar="N", help="default: 5; quick: 2")
+    parser.add_argument("--reference", metavar="SxL", help="samples a pixel x light samples a hit "
+                        "(default: 1024x32 direct, 32768x1 path; quick: 64x16, 512x1)")
+    parser.add_argument("--rows", metavar="N,N,...", help="only these (ours are s1, s2, ...)")
+    parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
+    parser.add_argument("--quick", action="store_true", help="small and rough: does it work?")
+    parser.add_argument("-o", "--output", type=Path, default=Path("reproduction"), metavar="OUT")
+    parser.add_argument("--document", type=Path, metavar="FILE",
+                        help="also put each table between its markers in this file")
+    parser.add_argument("--unmeasured", action="store_true",
+                        help="render nothing: the thesis's figures with ours left open")
+    options = parser.parse_args(arguments)
+    if "all" in options.tables:
+        options.tables = list(TABLES)
+    options.size = options.size or ("80x60" if options.quick else "640x480")
+    options.repeats = options.repeats or (2 if options.quick else 5)
+    if not options.unmeasured:
+        if options.data is None:
+            parser.error("--data is needed")
+        if not options.program.is_file():
+            parser.error(f"{options.program} does not exist: build it, or say --program")
+    try:
+        if options.reference:
+            options.reference = tuple(map(int, options.reference.split("x")))
+            samples, light_samples = options.reference
+    except ValueError:
+        parser.error("--reference is two numbers, such as 1024x32")
+    return options
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def command_of(table, options):
+    """The command that measures again, without the folders of this machine."""
+    words = ["bench/reproduce/reproduce.py", table.name, "--data DATA", f"--size {options.size}",
+             f"--repeats {options.repeats}"]
+    if options.quick:
+        words.append("--quick")
+    if options.reference:
+        words.append("--reference {}x{}".format(*options.reference))
+    if options.rows:
+        words.append(f"--rows {options.rows}")
+    if options.threads:
+        words.append(f"--threads {options.threads}")
+    return " ".join(words)
+
+
+def chosen_rows(table, options):
+    rows = [row for row in table.rows if row.recipe]
+    if options.rows:
+        names = options.rows.split(",")
+        rows = [row for row in rows if row.name in names]
+    return rows
+
+
+def write(summary, options):
+    options.output.mkdir(parents=True, exist_ok=True)
+    stem = options.output / f"table_{summary['table']}"
+    Path(f"{stem}.json").write_text(json.dumps(summary, indent=1) + "\n")
+    Path(f"{stem}.md").write_text(report.markdown(summary))
+
+
+def warnings_of(summary):
+    """What to know before believing the figures."""
+    own = 3 * summary["reference"]["mse"]
+    touched = [row["row"] for row in summary["rows"]
+               if row["ours"] and row["ours"]["squared_distance"] < 10 * own]
+    warnings = list(summary["warnings"])
+    if touched:
+        warnings.append("The reference's own error is more than a tenth of that of rows "
+                        + ", ".join(touched))
+    return warnings
+
+
+def measure_table(table, options):
+    """(summary, whether any row was rendered, whether all were). Writes after every repeat."""
+    rows, runs, failed = chosen_rows(table, options), {}, {}
+    if not rows:
+        raise measure.Failed(f"no row of {options.rows} can be rendered")
+    reference = options.reference or (table.quick_reference if options.quick else table.reference)
+    session = measure.Session(options.program, table, options.data.resolve(),
+                              options.output.resolve(), options.size, options.threads, reference)
+    picture, facts = session.reference(say)
+    light_picture = session.light_reference(1, say)
+    settings = {"command": command_of(table, options), "date": date.today().isoformat(),
+                "processor": measure.processor(), "threads": options.threads or "all",
+                "size": options.size, "version": facts["version"]}
+    summary = None
+    for repeat in range(options.repeats):
+        start = time.monotonic()
+        # All rows take their turn within a repeat, and another one begins each time, so that a slow
+        # minute of the machine does not fall on one row.
+        first = repeat * len(rows) // options.repeats
+        for row in rows[first:] + rows[:first]:
+            if row.name in failed:
+                continue
+            try:
+                runs.setdefault(row.name, []).append(
+                    session.measure(row, repeat + 1, picture, facts["scene_hash"],
+                                    light_picture if repeat == 0 else None))
+            except measure.Failed as reason:
+                failed[row.name] = str(reason)
+                say(f"{table.name} row {row.name}: {reason}")
+        say(f"table {table.name}: repeat {repeat + 1} of {options.repeats} took "
+            f"{time.monotonic() - start:.0f} s")
+        summary = figures.summarize(table, runs)
+        summary.update(schema="skywave-reproduction-1", settings=settings, reference=facts,
+                       warnings=[f"Row {name} failed: {why}" for name, why in failed.items()])
+        settings["repeats"] = repeat + 1
+        summary["warnings"] = warnings_of(summary)
+        write(summary, options)
+    return summary, bool(runs), not failed
+
+
+def main(arguments):
+    options = parse(arguments)
+    measured, whole = False, True
+    for name in options.tables:
+        table = TABLES[name]
+        if options.unmeasured:
+            summary, measured = figures.summarize(table, {}), True
+        else:
+            try:
+                options.output.mkdir(parents=True, exist_ok=True)
+                summary, any_row, all_rows = measure_table(table, options)
+            except measure.Absent as path:
+                say(f"table {name} is left out: {path} does not exist")
+                continue
+            except measure.Failed as reason:
+                say(f"table {name} failed: {reason}")
+                whole = False
+                continue
+            measured, whole = measured or any_row, whole and all_rows
+        text = report.markdown(summary)
+        print(f"Table {name}. {table.title}\n\n{text}", flush=True)
+        if options.document:
+            document = options.document.read_text()
+            options.document.write_text(report.insert(document, name, text))
+    if not measured:
+        say("nothing was measured")
+    return 0 if measured and whole else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Tests of the tables and of the arithmetic; with a program as argument also of the strategies.
+
+    bench/reproduce/reproduce_test.py [build/release/skywave]
+"""
+
+import io
+import math
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+import figures
+import report
+import reproduce
+from tables import TABLES, angle_for_area
+
+PROGRAM = None
+
+
+class Tables(unittest.TestCase):
+    def test_rows_are_those_of_the_thesis(self):
+        counts = {name: sum(row.seconds is not None for row in table.rows)
+                  for name, table in TABLES.items()}
+        self.assertEqual(counts, {"8.2": 48, "8.3": 17, "8.4": 13, "8.5": 7, "8.6": 5})
+        for table in TABLES.values():
+            names = [row.name for row in table.rows]
+            self.assertEqual(len(names), len(set(names)))
+            self.assertTrue(table.row(table.base).plain)
+            for row in table.rows:
+                self.assertTrue(row.recipe or row.note, row.name)
+
+    def test_area_gives_the_angle(self):
+        for area, lights in ((0.331, 72), (0.864, 96), (3.71, 138)):
+            angle = math.radians(angle_for_area(area, lights))
+            self.assertAlmostEqual(lights * (1 - math.cos(angle / 2)) / 2, area / 100, places=12)
+
+    def test_hybrid_row(self):
+        recipe = TABLES["8.2"].row("46").recipe
+        self.assertEqual(recipe.strategy,
+                         "hybrid:strata=lights,angle=2.17425,from=penrose,lights=96,cluster=F2,"
+                         "clusters=64,position=sample,rest=presampled,rest-samples=360")
+        self.assertEqual((recipe.samples, recipe.light_samples, recipe.mis), (4, 32, False))
+
+
+class Figures(unittest.TestCase):
+    def test_claim_of_the_thesis(self):
+        summary = figures.summarize(TABLES["8.2"], {})
+        pair = summary["pairs"][0]
+        self.assertAlmostEqual(pair["thesis"]["faster"], 5.72, places=2)
+        self.assertNotIn("ours", pair)
+        row = next(row for row in summary["rows"] if row["row"] == "46")
+        sign, faster = row["thesis_ratios"]["at_equal_error"]
+        self.assertEqual(sign, "=")
+        self.assertAlmostEqual(faster, 5.09, places=2)
+
+    def test_time_at_an_error(self):
+        plain = [{"seconds": s, "e": e} for s, e in ((1, 0.4), (4, 0.1))]
+        sign, seconds = figures.seconds_at(0.2, plain, "e")
+        self.assertEqual(sign, "=")
+        self.assertAlmostEqual(seconds, 2)
+        self.assertEqual(figures.seconds_at(0.5, plain, "e"), ("<", 1))
+        self.assertEqual(figures.seconds_at(0.05, plain, "e"), (">", 4))
+        uneven = [{"seconds": s, "e": e} for s, e in ((1, 4), (2, 2), (4, 8), (8, 1))]
+        self.assertGreater(figures.seconds_at(4, uneven, "e")[1], 4)
+        self.assertEqual(figures.seconds_at(0.5, uneven, "e"), (">", 8))
+
+    def test_least_squares(self):
+        rows = [[1, a, b] for a, b in ((0, 1), (2, 3), (5, 1), (1, 7))]
+        found = figures.least_squares(rows, [2 + 3 * a - b for _, a, b in rows])
+        for value, expected in zip(found, (2, 3, -1)):
+            self.assertAlmostEqual(value, expected)
+        self.assertIsNone(figures.least_squares([[1, 2], [1, 2]], [3, 3]))
+
+
+class Report(unittest.TestCase):
+    def test_block_is_replaced(self):
+        document = "a\n<!-- begin table 8.2 -->\nold\n<!-- end table 8.2 -->\nb\n"
+        replaced = report.insert(document, "8.2", r"new \1")
+        self.assertNotIn("old", replaced)
+        self.assertIn(r"new \1", replaced)
+        self.assertEqual(report.insert(replaced, "8.2", r"new \1"), replaced)
+        with self.assertRaises(ValueError):
+            report.insert(document, "8.3", "new")
+
+    def test_absent_data_are_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            said = io.StringIO()
+            with redirect_stderr(said), redirect_stdout(io.StringIO()):
+                code = reproduce.main(["8.2", "8.5", "--data", folder, "--program", sys.executable,
+                                       "-o", folder])
+        self.assertEqual(code, 1)
+        self.assertIn("table 8.2 is left out", said.getvalue())
+        self.assertIn("galileo_latlong.exr does not exist", said.getvalue())
+        self.assertIn("nothing was measured", said.getvalue())
+
+
+class Program(unittest.TestCase):
+    def test_strategies_are_accepted(self):
+        if PROGRAM is None:
+            self.skipTest("no program")
+        recipes = {(row.recipe.strategy, row.recipe.mis, table.integrator)
+                   for table in TABLES.values() for row in table.rows if row.recipe}
+        with tempfile.TemporaryDirectory() as folder:
+            for strategy, mis, integrator in sorted(recipes):
+                command = [PROGRAM, "render", "furnace", "--size", "2x2", "--spp", "1",
+                           "--integrator", integrator, "--strategy", strategy, "-q",
+                           "-o", str(Path(folder) / "a.exr")] + ([] if mis else ["--no-mis"])
+                result = subprocess.run(command, capture_output=True, text=True)
+                self.assertEqual(result.returncode, 0, f"{strategy}: {result.stderr}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
+        PROGRAM = sys.argv.pop(1)
+    unittest.main()
