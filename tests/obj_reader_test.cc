@@ -17,7 +17,9 @@ namespace {
 Scene Parse(const std::string& text) { return ParseObj(text, "t.obj"); }
 
 std::vector<Material> Materials(const std::string& text, Warnings& warnings) {
-  return ParseMtl(text, "t.mtl", warnings);
+  Scene scene;
+  TextureFiles textures{&scene};
+  return ParseMtl(text, "t.mtl", textures, warnings);
 }
 Material OnlyMaterial(const std::string& statements) {
   Warnings warnings;
@@ -239,10 +241,13 @@ TEST(Mtl, MetalsMirrorsAndGlass) {
 }
 
 TEST(Mtl, SaysOnceWhatIsNotRendered) {
-  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Kd a.jpg\nnewmtl b\nKd 1 1 1\nmap_Kd b.jpg\n"
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Ks a.jpg\nnewmtl b\nKd 1 1 1\nmap_Ks b.jpg\n"
                         "Ke 0 0 0\n"),
             std::vector<std::string>{
-                "t.mtl:3: map_Kd: textures are not supported: the plain value is used (2 times)"});
+                "t.mtl:3: map_Ks: textures are not supported: the plain value is used (2 times)"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Kd none.jpg\n"),
+            std::vector<std::string>{
+                "t.mtl:3: map_Kd: there is no file \"none.jpg\": the plain value is used"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\n\nKe 4 4 4\n"),
             std::vector<std::string>{"t.mtl:4: Ke: emission is not supported: left out"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 2\n"),
