@@ -211,7 +211,10 @@ TEST(Mtl, LambertIsTheRule) {
   ExpectNear(OnlyMaterial("").reflectance, glm::vec3(0.5f));
   EXPECT_EQ(OnlyMaterial("Kd 0 0 0").bsdf, BsdfKind::kLambert);
   ExpectNear(OnlyMaterial("Kd 0 0 0").reflectance, glm::vec3(0));
-  EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nKs .3 .3 .3").bsdf, BsdfKind::kLambert);
+  const Material coated = OnlyMaterial("Kd .5 .5 .5\nKs .3 .3 .3\nNs 98");
+  EXPECT_EQ(coated.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_NEAR(coated.alpha, std::sqrt(0.02), 1e-6);
+  EXPECT_EQ(coated.metallic, 0);
 }
 
 TEST(Mtl, MetalsMirrorsAndGlass) {
