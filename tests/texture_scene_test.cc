@@ -62,6 +62,7 @@ TEST_F(PbrtTextureFiles, AreReadOnceAndWrappedAsTheySay) {
   ASSERT_EQ(scene.textures.size(), 2u);
   const Material& material = scene.materials.at(scene.meshes.at(0).material);
   ExpectSeen(scene, material, {0.25, 0.75}, {0, 1, 0});
+  ExpectSeen(scene, material, {0.25, 0.25}, {1, 1, 1});
 }
 
 TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
@@ -111,6 +112,7 @@ TEST(MtlTextures, HaveTheirFirstRowOnTopAndTheirOptions) {
   EXPECT_EQ(material(moved).reflectance, glm::vec3(1));
   ExpectSeen(moved, material(moved), {0.25, 0.75}, {0, 1, 0});
   ExpectSeen(moved, material(moved), {9, 0.75}, {0, 1, 0});
+  ExpectSeen(moved, material(moved), {0.25, 0.25}, {1, 1, 1});
   const Scene coated = read("Kd 1 1 1\nKs .5 .5 .5\nNs 98\nmap_Kd t.png");
   EXPECT_EQ(material(coated).bsdf, BsdfKind::kMetallicRoughness);
   EXPECT_NEAR(material(coated).alpha, std::sqrt(0.02), 1e-6);
