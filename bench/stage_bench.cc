@@ -98,6 +98,11 @@ void PrepareSurfacesKernel(benchmark::State& state) {
                     f.ranges.total(), f.worker.surfaces);
   });
 }
+// Nothing to do where the scene has neither textures nor metallic-roughness.
+void TextureSurfacesStage(benchmark::State& state) {
+  static WaveFixture f;
+  Run(state, f.ranges.total(), [&] { TextureSurfaces(f.frame, f.ranges, f.worker.surfaces); });
+}
 // A fixed sample of the plan (one light, one cell), or a drawn one.
 void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
   WaveFixture f(strategy);
@@ -199,6 +204,7 @@ void Register() {
   add("stage/escape/camera", AddEscapedStage, false);
   add("stage/escape/bounce", AddEscapedStage, true);
   add("kernel/prepare_surfaces", PrepareSurfacesKernel);
+  add("stage/texture_surfaces", TextureSurfacesStage);
   for (const StrategyFactory& strategy : Strategies()) {
     const std::string name(strategy.name);
     add("stage/light_sample/" + name + "/fixed", SampleLightsStage, name, true);

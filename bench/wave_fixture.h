@@ -47,6 +47,7 @@ struct WaveFixture {
     MoveSurfaces(worker.rays[0], worker.hits, worker.queue->queue, n, ranges, worker.surfaces);
     PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
                     ranges.total(), worker.surfaces);
+    TextureSurfaces(frame, ranges, worker.surfaces);
   }
 
   // One bounce further: rays[0] are scattered rays, traced.

@@ -54,6 +54,13 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
     json["eta"] = List(material.eta);
     json["k"] = List(material.k);
   }
+  if (material.bsdf == BsdfKind::kMetallicRoughness) {
+    json["alpha"] = material.alpha;
+    json["metallic"] = material.metallic;
+    json["ior"] = material.ior;
+  }
+  if (material.color_texture) json["color_texture"] = *material.color_texture;
+  if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
   if (material.bsdf == BsdfKind::kDielectric) json["ior"] = material.ior;
   return json;
 }
@@ -117,6 +124,11 @@ std::string Parameters(const Material& material) {
     case BsdfKind::kConductor:
       return fmt::format("alpha {:.4g}, eta {}, k {}", material.alpha, Text(material.eta),
                          Text(material.k));
+    case BsdfKind::kMetallicRoughness:
+      return fmt::format("base colour {}{}, metallic {:.4g}, alpha {:.4g}{}, ior {:.4g}",
+                         Text(material.reflectance), material.color_texture ? " * texture" : "",
+                         material.metallic, material.alpha,
+                         material.roughness_texture ? " * texture" : "", material.ior);
     case BsdfKind::kDielectric:
       return fmt::format("ior {:.4g}", material.ior);
   }

@@ -17,6 +17,14 @@ namespace skywave {
 Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+// 8-bit formats: linear light, or numbers in [0, 1] as they are.
+Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits);
+Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
+                 const ReadLimits& limits);
+
+// `bytes`: three a pixel, rows from the top.
+Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding);
 
 // The number that the decimal digits `text` say, of at most nine digits; -1 when it is no such
 // number. Signs, blanks and empty text are no numbers.

@@ -57,13 +57,41 @@ void CheckSize(const InputPosition& position, std::int64_t width, std::int64_t h
   }
 }
 
-Image ReadImage(const std::string& path, const ReadLimits& limits) {
-  const std::string bytes = ReadFile(path);
+namespace {
+
+Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   if (StartsWith(bytes, "\x76\x2f\x31\x01")) return DecodeExr(path, bytes, limits);
   if (StartsWith(bytes, "#?")) return DecodeRgbe(path, bytes, limits);
   if (StartsWith(bytes, "PF") || StartsWith(bytes, "Pf")) return DecodePfm(path, bytes, limits);
   throw InputError(InputPosition::Byte(path, 0),
                    bytes.empty() ? "is empty" : "is neither OpenEXR, Radiance RGBE nor PFM");
+}
+
+}  // namespace
+
+Image ReadImage(const std::string& path, const ReadLimits& limits) {
+  return DecodeImage(path, ReadFile(path), limits);
+}
+
+Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
+                    const ReadLimits& limits) {
+  if (StartsWith(bytes, "\x89PNG")) return DecodePng(name, bytes, encoding, limits);
+  if (StartsWith(bytes, "\xff\xd8")) return DecodeJpeg(name, bytes, encoding, limits);
+  return DecodeImage(name, bytes, limits);
+}
+
+Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {
+  return DecodeTexture(path, ReadFile(path), encoding, limits);
+}
+
+Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding) {
+  float table[256];
+  for (int i = 0; i < 256; ++i) {
+    table[i] = float(encoding == Encoding::kSrgb ? LinearFromSrgb(i / 255.0) : i / 255.0);
+  }
+  Image image(width, height);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = table[bytes[i]];
+  return image;
 }
 
 void WriteImage(const std::string& path, const Image& image, const Metadata& metadata) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,16 @@ struct ReadLimits {
 // applied. Of an EXR the data window is read. Throws InputError with the byte offset; a file that
 // is cut short or contradicts itself never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
+
+// What the numbers of a PNG or JPEG stand for: sRGB colours, or numbers in [0, 1] as they are.
+enum class Encoding { kSrgb, kLinear };
+// Reads a picture that is used as a texture: PNG (8 bits a channel, deeper ones are rounded), JPEG
+// (baseline and progressive), or one of the formats of ReadImage. An alpha channel is left out.
+// Errors as for ReadImage.
+Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits = {});
+// The same from memory; `name` is for messages.
+Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
+                    const ReadLimits& limits = {});
 
 // Name and text of header attributes, in file order (which is that of the names, once OpenEXR has
 // written them).

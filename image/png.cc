@@ -1,9 +1,11 @@
 #include <png.h>
 
+#include <algorithm>
 #include <cassert>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "image/formats.h"
 #include "image/image.h"
 
 namespace skywave {
@@ -33,6 +35,29 @@ std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rg
 void WritePng(const std::string& path, int width, int height,
               const std::vector<std::uint8_t>& rgb) {
   WriteFileAtomically(path, EncodePng(width, height, rgb));
+}
+
+// The simplified interface again. It removes alpha by blending, so alpha is read and left out.
+Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits) {
+  png_image png = {};
+  png.version = PNG_IMAGE_VERSION;
+  struct Free {
+    png_image* image;
+    ~Free() { png_image_free(image); }
+  } const free_at_end{&png};
+  const auto fail = [&] {
+    throw InputError(InputPosition::File(path), std::string("is no PNG to read: ") + png.message);
+  };
+  if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) fail();
+  CheckSize(InputPosition::File(path), png.width, png.height, limits);
+  png.format = PNG_FORMAT_RGBA;
+  std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(png));
+  if (!png_image_finish_read(&png, nullptr, rgba.data(), 0, nullptr)) fail();
+  for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
+    std::copy_n(&rgba[4 * i], 3, &rgba[3 * i]);
+  }
+  return FromBytes(int(png.width), int(png.height), rgba.data(), encoding);
 }
 
 }  // namespace skywave

@@ -105,6 +105,7 @@ std::span<const BsdfKernels, kBsdfKinds> Bsdfs();
 
 BsdfKernels LambertKernels();
 BsdfKernels ConductorKernels();
+BsdfKernels MetallicRoughnessKernels();
 BsdfKernels MirrorKernels();
 BsdfKernels DielectricKernels();
 

@@ -22,9 +22,15 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
 
 // The queues: one a BSDF. Kinds before kFirstDeltaBsdf take light samples; the others are delta
 // distributions, which no light sample can meet.
-enum class BsdfKind : std::uint32_t { kLambert, kConductor, kMirror, kDielectric };
-inline constexpr std::uint32_t kBsdfKinds = 4;
-inline constexpr std::uint32_t kFirstDeltaBsdf = 2;
+enum class BsdfKind : std::uint32_t {
+  kLambert,
+  kConductor,
+  kMetallicRoughness,
+  kMirror,
+  kDielectric
+};
+inline constexpr std::uint32_t kBsdfKinds = 5;
+inline constexpr std::uint32_t kFirstDeltaBsdf = 3;
 
 inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFu;  // HitColumns::geom of a ray that hit nothing
 
@@ -114,6 +120,7 @@ struct SurfaceColumns {
   std::uint32_t* material;             // row in MaterialTable | kBackFace
   // What the light strategy keeps of the row, from its samples to the rays that leave it.
   float* light_norm;
+  float *alpha, *metallic;  // metallic-roughness: GGX width, share of metal
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -125,6 +132,7 @@ struct SurfaceColumns {
     f(self.ns_x), f(self.ns_y), f(self.ns_z);
     f(self.color_r), f(self.color_g), f(self.color_b);
     f(self.lift), f(self.material), f(self.light_norm);
+    f(self.alpha), f(self.metallic);
   }
 };
 
@@ -189,13 +197,38 @@ inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::mate
 struct MaterialRecord {
   float color[3];  // reflectance
   float alpha;     // GGX width
-  float eta[3];    // conductor: index, real part
-  float ior;       // dielectric: inside / outside
+  float eta[3];    // conductor: index, real part; metallic-roughness: metallic in eta[0]
+  float ior;       // dielectric, metallic-roughness: inside / outside
   float k[3];      // conductor: index, imaginary part
-  float unused_0;
+  std::uint32_t color_texture;  // row in the texture table + 1; 0: none
   float multiscatter[3];  // conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017
-  float unused_1;
+  std::uint32_t roughness_texture;  // likewise; metallic-roughness: G roughness, B metallic
 };
 static_assert(sizeof(MaterialRecord) == 16 * sizeof(float));
+
+// Texture coordinates of a triangle's corners: 8 floats, read only where a material has a texture.
+struct TriangleUvs {
+  float uv[3][2];
+  float density;  // square root of area in uv over area in the world [1/length]
+  float unused;
+};
+static_assert(sizeof(TriangleUvs) == 8 * sizeof(float));
+
+enum class TextureWrap : std::uint32_t { kRepeat, kClamp, kMirror };
+
+// An image, how it is wrapped and how it is laid: 16 words. (0, 0) is the corner of the first texel
+// of the first row, (1, 1) the corner opposite.
+struct TextureRecord {
+  std::uint32_t first_level, levels;  // rows of the level table
+  TextureWrap wrap_u, wrap_v;
+  float transform[6];  // (u, v) -> (t0 u + t1 v + t2, t3 u + t4 v + t5)
+  float texels;        // of level 0 in a length of 1 of (u, v) before the transform
+  float unused[5];
+};
+static_assert(sizeof(TextureRecord) == 16 * sizeof(float));
+
+struct TextureLevel {
+  std::uint32_t first_texel, width, height, unused;
+};
 
 }  // namespace skywave

@@ -9,9 +9,12 @@
 namespace skywave {
 namespace {
 
-// E(mu): mean of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), by the
-// midpoint rule in the spherical-cap parametrisation of Dupuy and Benyoub 2023.
-double DirectionalAlbedo(double alpha, double mu) {
+// Means of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), and of it times (1
+// - wo . h)^5, by the midpoint rule in the spherical-cap parametrisation of Dupuy and Benyoub 2023.
+struct Albedos {
+  double all, grazing;
+};
+Albedos DirectionalAlbedo(double alpha, double mu) {
   constexpr int kTurns = 32, kHeights = 128;
   mu = std::max(mu, 1e-4);
   const double sine = std::sqrt(1 - mu * mu);
@@ -22,7 +25,7 @@ double DirectionalAlbedo(double alpha, double mu) {
     const double tan2 = (1 - cosine * cosine) / (cosine * cosine);
     return 0.5 * (std::sqrt(1 + alpha * alpha * tan2) - 1);
   };
-  double sum = 0;
+  double sum = 0, grazing = 0;
   for (int turn = 0; turn < kTurns; ++turn) {
     const double phi = std::numbers::pi * (turn + 0.5) / kTurns;  // the other half mirrors it
     for (int height = 0; height < kHeights; ++height) {
@@ -33,42 +36,59 @@ double DirectionalAlbedo(double alpha, double mu) {
       const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
       if (length == 0) continue;
       hx /= length, hz /= length;
-      const double cosine = 2 * (hx * sine + hz * mu) * hz - mu;
+      const double toward = hx * sine + hz * mu;
+      const double cosine = 2 * toward * hz - mu;
       if (cosine <= 0) continue;
       const double out = lambda(mu), in = lambda(std::min(cosine, 1.0));
-      sum += (1 + out) / (1 + out + in);
+      const double weight = (1 + out) / (1 + out + in);
+      const double away = std::max(0.0, 1 - toward), away2 = away * away;
+      sum += weight, grazing += weight * away2 * away2 * away;
     }
   }
-  return sum / (kTurns * kHeights);
+  return {sum / (kTurns * kHeights), grazing / (kTurns * kHeights)};
+}
+
+using Column = std::array<double, kAlbedoColumns>;
+
+// 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
+double MeanOverCosine(const Column& column) {
+  constexpr int kSteps = 1024;
+  double mean = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) / kSteps, at = s * (kAlbedoColumns - 1);
+    const auto low = std::uint32_t(at);
+    const double high_share = at - low;
+    const double e =
+        column[low] * (1 - high_share) + column[std::min(low + 1, kAlbedoColumns - 1)] * high_share;
+    mean += e * 4 * s * s * s / kSteps;
+  }
+  return mean;
+}
+
+void StoreRow(const Column& column, std::uint32_t row, float* table) {
+  for (std::uint32_t c = 0; c <= kAlbedoColumns; ++c) {
+    table[row * (kAlbedoColumns + 1) + c] = float(column[std::min(c, kAlbedoColumns - 1)]);
+  }
 }
 
 std::unique_ptr<ConductorTables> Build() {
   auto tables = std::make_unique<ConductorTables>();
+  Column all = {}, grazing = {};
   for (std::uint32_t r = 0; r <= kAlbedoRows; ++r) {
-    const double root = double(std::min(r, kAlbedoRows - 1)) / (kAlbedoRows - 1);
-    const double alpha = std::max(root * root, 1e-4);
-    std::array<double, kAlbedoColumns> column;
-    for (std::uint32_t c = 0; c < kAlbedoColumns; ++c) {
-      const double mu = double(c) / (kAlbedoColumns - 1);
-      column[c] = DirectionalAlbedo(alpha, mu * mu);
-    }
-    for (std::uint32_t c = 0; c <= kAlbedoColumns; ++c) {
-      tables->albedo[r * (kAlbedoColumns + 1) + c] = float(column[std::min(c, kAlbedoColumns - 1)]);
-    }
     if (r < kAlbedoRows) {
-      // 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
-      constexpr int kSteps = 1024;
-      double mean = 0;
-      for (int i = 0; i < kSteps; ++i) {
-        const double s = (i + 0.5) / kSteps, at = s * (kAlbedoColumns - 1);
-        const auto low = std::uint32_t(at);
-        const double high_share = at - low;
-        const double e = column[low] * (1 - high_share) +
-                         column[std::min(low + 1, kAlbedoColumns - 1)] * high_share;
-        mean += e * 4 * s * s * s / kSteps;
+      const double root = double(r) / (kAlbedoRows - 1);
+      const double alpha = std::max(root * root, 1e-4);
+      for (std::uint32_t c = 0; c < kAlbedoColumns; ++c) {
+        const double mu = double(c) / (kAlbedoColumns - 1);
+        const Albedos albedos = DirectionalAlbedo(alpha, mu * mu);
+        all[c] = albedos.all, grazing[c] = albedos.grazing;
       }
-      tables->mean_albedo[r] = float(mean);
+      tables->mean_albedo[r] = float(MeanOverCosine(all));
     }
+    StoreRow(all, r, tables->albedo);
+    StoreRow(grazing, r, tables->grazing);
+    tables->padded_mean_albedo[r] = float(MeanOverCosine(all));
+    tables->mean_grazing[r] = float(MeanOverCosine(grazing));
   }
   return tables;
 }

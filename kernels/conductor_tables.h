@@ -16,6 +16,11 @@ struct ConductorTables {
   float albedo[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
   // Mean of the albedo over the cosine-weighted hemisphere, a value a row.
   float mean_albedo[kAlbedoRows];
+  // The same of a lobe with Fresnel reflectance (1 - cos)^5: by Schlick's formula the lobe of F0
+  // has the albedo F0 * albedo + (1 - F0) * grazing. Means are padded by a row like the grids.
+  float grazing[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
+  float padded_mean_albedo[kAlbedoRows + 1];
+  float mean_grazing[kAlbedoRows + 1];
 };
 
 // Computed once, in double, by quadrature over the visible normals; tens of milliseconds.

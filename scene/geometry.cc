@@ -34,6 +34,9 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
       fail(fmt::format("vertex {} is at ({}, {}, {})", i, p.x, p.y, p.z));
     }
   }
+  if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) {
+    fail(fmt::format("{} uvs for {} positions", mesh.uvs.size(), mesh.positions.size()));
+  }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (int corner = 0; corner < 3; ++corner) {
       if (mesh.triangles[i][corner] >= mesh.positions.size()) {
@@ -48,7 +51,8 @@ std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z
 
 // Appends one triangle: positions already in the vertex table from `first_vertex` on.
 void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::uint32_t first_vertex,
-                    std::vector<std::uint32_t>& indices, std::vector<TriangleRecord>& records) {
+                    std::vector<std::uint32_t>& indices, std::vector<TriangleRecord>& records,
+                    std::vector<TriangleUvs>* uvs) {
   const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
                   &c = mesh.positions[corners.z];
   const glm::vec3 face = glm::cross(b - a, c - a);
@@ -71,6 +75,7 @@ void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::ui
   if (!smooth) record.tag |= kFlatTriangle;
   for (int i = 0; i < 3; ++i) indices.push_back(first_vertex + corners[i]);
   records.push_back(record);
+  if (uvs != nullptr) uvs->push_back(MakeTriangleUvs(mesh, corners));
 }
 
 MaterialRecord PackMaterial(const Material& material) {
@@ -87,6 +92,9 @@ MaterialRecord PackMaterial(const Material& material) {
   }
   record.alpha = alpha;
   record.ior = material.ior;
+  if (material.bsdf == BsdfKind::kMetallicRoughness) record.eta[0] = material.metallic;
+  if (material.color_texture) record.color_texture = *material.color_texture + 1;
+  if (material.roughness_texture) record.roughness_texture = *material.roughness_texture + 1;
   return record;
 }
 
@@ -108,6 +116,21 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                      fmt::format("{} materials and {} triangles are more than a scene can hold",
                                  scene.materials.size(), triangle_count));
   }
+  bool textured = false;
+  for (const Material& material : scene.materials) {
+    for (const auto& texture : {material.color_texture, material.roughness_texture}) {
+      if (!texture) continue;
+      textured = true;
+      if (*texture >= scene.textures.size()) {
+        throw InputError(InputPosition::File(path),
+                         fmt::format("material '{}': its texture does not exist", material.name));
+      }
+    }
+  }
+  if (textured) {
+    textures_ = MakeTextureTables(scene, path);
+    textures_.uvs.reserve(triangle_count);
+  }
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
   triangles_.reserve(triangle_count);
@@ -116,14 +139,17 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
     const BsdfKind bsdf = scene.materials[mesh.material].bsdf;
     for (const glm::uvec3& corners : mesh.triangles) {
-      AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_);
+      AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_,
+                     textured ? &textures_.uvs : nullptr);
     }
   }
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
     materials_.push_back(PackMaterial(material));
     // Tens of milliseconds, so only for those who need them.
-    if (material.bsdf == BsdfKind::kConductor) conductor_tables_ = &GgxTables();
+    if (material.bsdf == BsdfKind::kConductor || material.bsdf == BsdfKind::kMetallicRoughness) {
+      conductor_tables_ = &GgxTables();
+    }
   }
 
   const auto start = std::chrono::steady_clock::now();
@@ -160,9 +186,12 @@ MaterialView Geometry::materials() const {
   return {.records = materials_.data(), .conductor = conductor_tables_};
 }
 
+TextureView Geometry::textures() const { return textures_.view(); }
+
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
-         triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord);
+         triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
+         textures_.bytes();
 }
 
 std::uint64_t SceneHash(const Scene& scene) {
@@ -179,6 +208,13 @@ std::uint64_t SceneHash(const Scene& scene) {
   }
   for (const Material& m : scene.materials) {
     add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
+    add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
+  }
+  for (const Texture& t : scene.textures) {
+    add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
+  }
+  for (const Image& image : scene.images) {
+    add(image.width), add(image.height), add_all(image.rgb);
   }
   if (scene.camera) {
     const Camera& camera = *scene.camera;

@@ -12,7 +12,9 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/columns.h"
+#include "kernels/texture.h"
 #include "scene/scene.h"
+#include "scene/texture_tables.h"
 
 namespace skywave {
 
@@ -28,6 +30,7 @@ class Geometry {
   RTCScene scene() const { return scene_.get(); }
   const TriangleRecord* triangles() const { return triangles_.data(); }
   MaterialView materials() const;
+  TextureView textures() const;  // empty: no material has one
   std::size_t triangle_count() const { return triangles_.size(); }
   std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
   double build_seconds() const { return build_seconds_; }
@@ -43,6 +46,7 @@ class Geometry {
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;
   std::vector<MaterialRecord> materials_;
+  TextureTables textures_;
   const ConductorTables* conductor_tables_ = nullptr;  // null: no conductor
   double build_seconds_ = 0;
 };

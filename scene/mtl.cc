@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string_view>
@@ -64,10 +65,10 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
       throw InputError(PositionOf(lines), "'d -halo' is not supported: give a plain number");
     }
     ParseObjNumbers(lines, words, 1, 1);
-  } else if (IsMap(word)) {
+  } else if (IsMap(word) && word != "map_Kd") {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("{}: textures are not supported: the plain value is used", word));
-  } else if (!IsOneOf(word, {"sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
+  } else if (!IsOneOf(word, {"map_Kd", "sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("'{}' is no statement of MTL: ignored", word.substr(0, 40)));
   }
@@ -122,6 +123,8 @@ Material Glass(const tinyobj::material_t& mtl) {
           .ior = mtl.ior > 1 ? mtl.ior : 1.5f};
 }
 
+float AlphaOfExponent(float exponent) { return std::sqrt(2 / (std::max(exponent, 0.0f) + 2)); }
+
 Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
   const MetalIndex index = MetalOfReflectance(normal_reflectance);
   return {.bsdf = BsdfKind::kConductor,
@@ -131,7 +134,31 @@ Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
           .alpha = std::max(alpha, 1e-3f)};
 }
 
-Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, Warnings& warnings) {
+// The texture of map_Kd, or nothing.
+std::optional<std::uint32_t> DiffuseMap(const tinyobj::material_t& mtl, const Entry& entry,
+                                        TextureFiles& textures, Warnings& warnings) {
+  if (mtl.diffuse_texname.empty()) return std::nullopt;
+  std::string name = mtl.diffuse_texname;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  const auto path = std::filesystem::path(entry.position.path).parent_path() / name;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    AddWarning(warnings, At(entry, "map_Kd"),
+               fmt::format("map_Kd: there is no file \"{}\": the plain value is used", name));
+    return std::nullopt;
+  }
+  const tinyobj::texture_option_t& option = mtl.diffuse_texopt;
+  Texture texture;
+  texture.image = AddTextureImage(textures, path.string(), Encoding::kSrgb);
+  texture.wrap_u = texture.wrap_v = option.clamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
+  texture.transform = UpwardTextureTransform({option.scale[0], option.scale[1]},
+                                             {option.origin_offset[0], option.origin_offset[1]});
+  textures.scene->textures.push_back(texture);
+  return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
+}
+
+Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                    Warnings& warnings) {
   const glm::vec3 diffuse = Fraction(mtl.diffuse, entry, "Kd", warnings);
   const glm::vec3 specular = Fraction(mtl.specular, entry, "Ks", warnings);
   if (IsGlass(mtl)) return Glass(mtl);
@@ -140,24 +167,33 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, Warnings
                "partly transparent surfaces are not supported: rendered opaque");
   }
   if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
-  if (IsBlack(diffuse) && !IsBlack(specular)) {
+  const auto map = DiffuseMap(mtl, entry, textures, warnings);
+  if (!map && IsBlack(diffuse) && !IsBlack(specular)) {
     if (mtl.illum == 3 || mtl.illum == 5) {
       return {.bsdf = BsdfKind::kMirror, .reflectance = specular};
     }
-    return Conductor(specular, std::sqrt(2 / (std::max(mtl.shininess, 0.0f) + 2)));
+    return Conductor(specular, AlphaOfExponent(mtl.shininess));
   }
+  Material material;
   if (!IsBlack(specular)) {
     AddWarning(warnings, At(entry, "Ks"),
-               "Ks over a diffuse colour is not supported: rendered as Lambert of Kd");
+               "Ks over a diffuse colour is approximated by a coat of index 1.5");
+    material.bsdf = BsdfKind::kMetallicRoughness;
+    material.alpha = AlphaOfExponent(mtl.shininess);
   }
+  material.color_texture = map;
   // Blender, Mitsuba and tinyobjloader differ in what they take where nothing is said.
-  if (!entry.Has("Kd")) return {.reflectance = glm::vec3(entry.Has("map_Kd") ? 0.6f : 0.5f)};
-  return {.reflectance = diffuse};
+  material.reflectance = diffuse;
+  if (!entry.Has("Kd")) material.reflectance = glm::vec3(entry.Has("map_Kd") ? 0.6f : 0.5f);
+  // Exporters write black for "as the map has it".
+  if (map && (!entry.Has("Kd") || IsBlack(diffuse))) material.reflectance = glm::vec3(1);
+  return material;
 }
 
 }  // namespace
 
-std::vector<Material> ParseMtl(std::string text, const std::string& path, Warnings& warnings) {
+std::vector<Material> ParseMtl(std::string text, const std::string& path, TextureFiles& textures,
+                               Warnings& warnings) {
   ObjLines lines = MakeObjLines(std::move(text), path);
   const std::vector<Entry> entries = CheckMtl(lines, warnings);
   std::vector<Material> materials;
@@ -174,14 +210,14 @@ std::vector<Material> ParseMtl(std::string text, const std::string& path, Warnin
                                  entries.size(), errors));
   }
   for (std::size_t i = 0; i < read.size(); ++i) {
-    materials.push_back(ToMaterial(read[i], entries[i], warnings));
+    materials.push_back(ToMaterial(read[i], entries[i], textures, warnings));
     materials.back().name = entries[i].name;
   }
   return materials;
 }
 
-std::vector<Material> ReadMtl(const std::string& path, Warnings& warnings) {
-  return ParseMtl(ReadFile(path), path, warnings);
+std::vector<Material> ReadMtl(const std::string& path, TextureFiles& textures, Warnings& warnings) {
+  return ParseMtl(ReadFile(path), path, textures, warnings);
 }
 
 }  // namespace skywave

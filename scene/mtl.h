@@ -5,7 +5,14 @@
 //   Kd = 0, Ks > 0                                       illum 3 or 5: mirror of Ks; else
 //   conductor:
 //                                                        F0 = Ks, alpha = sqrt(2 / (Ns + 2))
+//   Kd > 0, Ks > 0                                       metallic-roughness without metal: a coat
+//   of
+//                                                        index 1.5 over Kd, alpha as above; how
+//                                                        much Ks is does not count
 //   everything else                                      Lambert of Kd
+//
+// map_Kd is multiplied with Kd (1 where there is none, or 0) in the last two, its v upwards; its
+// options -s, -o and -clamp count. A map whose file is missing is left out, with a warning.
 //
 // The width of a lobe with exponent Ns is that of Walter et al. 2007, "Microfacet Models for
 // Refraction through Rough Surfaces", Section 5.2.
@@ -15,15 +22,17 @@
 #include <vector>
 
 #include "scene/scene.h"
+#include "scene/texture_files.h"
 #include "scene/warnings.h"
 
 namespace skywave {
 
 // The materials in the order of the file, with their names. Throws InputError with the line on
 // numbers that are none. Warns, with the line, of maps, emission and whatever else is not rendered.
-std::vector<Material> ReadMtl(const std::string& path, Warnings& warnings);
+std::vector<Material> ReadMtl(const std::string& path, TextureFiles& textures, Warnings& warnings);
 
 // The same from memory; `path` is for messages.
-std::vector<Material> ParseMtl(std::string text, const std::string& path, Warnings& warnings);
+std::vector<Material> ParseMtl(std::string text, const std::string& path, TextureFiles& textures,
+                               Warnings& warnings);
 
 }  // namespace skywave

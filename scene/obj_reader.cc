@@ -48,11 +48,12 @@ std::map<std::string, int> ReadLibraries(const ObjStatements& statements, const 
                                          Scene& scene, Warnings& warnings) {
   std::map<std::string, int> by_name;
   std::vector<std::string> done;
+  TextureFiles textures{&scene};
   for (const ObjName& library : statements.libraries) {
     for (const std::string& file : ResolveLibraries(library, path)) {
       if (std::find(done.begin(), done.end(), file) != done.end()) continue;
       done.push_back(file);
-      for (Material& material : ReadMtl(file, warnings)) {
+      for (Material& material : ReadMtl(file, textures, warnings)) {
         by_name.try_emplace(material.name, static_cast<int>(scene.materials.size()));
         scene.materials.push_back(std::move(material));
       }

@@ -46,9 +46,21 @@ std::optional<float> FindScalar(Context& context, std::string_view name) {
   return color->x;
 }
 
+// The reflectance of a diffuse surface, with its image if it has one.
+void SetReflectance(Context& context, float fallback, Material& material) {
+  for (const std::string_view name : {"reflectance", "Kd"}) {
+    const auto texture = FindImageTexture(context.parameters, name, context.textures);
+    if (!texture) continue;
+    material.reflectance = glm::max(texture->value.value_or(glm::vec3(1)), glm::vec3(0));
+    material.color_texture = texture->image;
+    return;
+  }
+  material.reflectance = FractionOr(context, {"reflectance", "Kd"}, glm::vec3(fallback));
+}
+
 Material Lambert(Context& context) {
   Material material;
-  material.reflectance = FractionOr(context, {"reflectance", "Kd"}, glm::vec3(0.5f));
+  SetReflectance(context, 0.5f, material);
   return material;
 }
 
@@ -154,6 +166,35 @@ Material Conductor(Context& context, bool v4) {
   return material;
 }
 
+// A diffuse body under a dielectric coat. pbrt's four differ in how the coat is weighted and what
+// it lets through; here it is that of an index.
+Material Coated(Context& context, bool v4) {
+  PbrtParameters& parameters = context.parameters;
+  Material material;
+  material.bsdf = BsdfKind::kMetallicRoughness;
+  SetReflectance(context, v4 ? 0.5f : 0.25f, material);
+  const float roughness = FindScalar(context, "roughness").value_or(v4 ? 0.0f : 0.1f);
+  const float u = FindScalar(context, "uroughness").value_or(roughness);
+  const float v = FindScalar(context, "vroughness").value_or(roughness);
+  if (!(u >= 0 && v >= 0)) {
+    throw InputError(parameters.position, parameters.directive + ": roughness is negative");
+  }
+  const bool remap = FindBool(parameters, "remaproughness").value_or(true);
+  material.alpha = std::sqrt(AlphaFromRoughness(u, remap, v4) * AlphaFromRoughness(v, remap, v4));
+  for (const std::string_view name : {"eta", "index"}) {
+    material.ior = FindScalar(context, name).value_or(material.ior);
+  }
+  if (!(material.ior > 0)) {
+    throw InputError(parameters.position, fmt::format("{}: the index of refraction is {}",
+                                                      parameters.directive, material.ior));
+  }
+  FindFraction(context, "Ks");
+  AddWarning(context.warnings, parameters.position,
+             fmt::format("{} is approximated by a diffuse body under a coat of index {:.4g}",
+                         parameters.directive, material.ior));
+  return material;
+}
+
 struct NamedGlass {
   std::string_view name;
   float ior;  // at the sodium D line, 589 nm
@@ -212,9 +253,10 @@ Material ByType(const std::string& type, Context& context) {
   if (type == "metal") return Conductor(context, false);
   if (type == "conductor") return Conductor(context, true);
   if (type == "glass" || type == "dielectric") return Dielectric(context);
-  for (const char* coated : {"plastic", "substrate", "uber", "translucent", "shinymetal", "disney",
-                             "coateddiffuse", "diffusetransmission"}) {
-    if (type == coated) return LambertInstead(context);
+  if (type == "coateddiffuse") return Coated(context, true);
+  if (type == "plastic" || type == "substrate" || type == "uber") return Coated(context, false);
+  for (const char* other : {"translucent", "shinymetal", "disney", "diffusetransmission"}) {
+    if (type == other) return LambertInstead(context);
   }
   AddWarning(context.warnings, context.parameters.position,
              context.parameters.directive + " is not supported: rendered as grey Lambert");

@@ -5,8 +5,13 @@
 //   metal, conductor      GGX conductor: eta and k as rgb or by name (metal-Cu-eta, Cu.eta.spd), or
 //                         reflectance; mirror where roughness is (next to) zero
 //   glass, dielectric     smooth dielectric: eta or index, as a number or by name (glass-BK7)
-//   plastic, substrate, uber, coateddiffuse, ...   Lambert of their Kd or reflectance, with a
-//   warning anything else         grey Lambert, with a warning
+//   plastic, substrate, uber, coateddiffuse   metallic-roughness without metal, of Kd or
+//                         reflectance, roughness and eta; Ks and what else they have is left out,
+//                         with a warning
+//   translucent, shinymetal, disney, diffusetransmission   Lambert, with a warning
+//   anything else         grey Lambert, with a warning
+//
+// A reflectance or Kd may be an image (pbrt_textures.cc); other parameters are constant.
 #pragma once
 
 #include <string>

@@ -234,8 +234,10 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
       throw InputError(found->position,
                        fmt::format("there is no texture \"{}\"", found->strings[0]));
     }
-    if (!texture->second) return not_simple(fmt::format("(\"{}\") varies", found->strings[0]));
-    return texture->second;
+    if (!texture->second.value || texture->second.image) {
+      return not_simple(fmt::format("(\"{}\") varies", found->strings[0]));
+    }
+    return texture->second.value;
   }
   if (found->type == "float") return glm::vec3(Single(*found, found->floats));
   if (found->type == "spectrum") {
@@ -265,6 +267,15 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
   }
   const glm::vec3 color(found->floats[0], found->floats[1], found->floats[2]);
   return found->type == "xyz" ? RgbFromXyz(color) : color;
+}
+
+std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::string_view name,
+                                            const PbrtTextures& textures) {
+  const PbrtParameter* found = Find(parameters, {"texture"}, name);
+  if (!found) return std::nullopt;
+  const auto texture = textures.find(Single(*found, found->strings));
+  if (texture == textures.end() || !texture->second.image) return std::nullopt;
+  return texture->second;
 }
 
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings) {

@@ -34,8 +34,12 @@ struct PbrtParameters {
   std::vector<PbrtParameter> list;
 };
 
-// Values of textures that are one colour; others are present without a value.
-using PbrtTextures = std::unordered_map<std::string, std::optional<glm::vec3>>;
+struct PbrtTexture {
+  std::optional<glm::vec3> value;      // what it is everywhere, or the factor of the image
+  std::optional<std::uint32_t> image;  // index into Scene::textures
+};
+// By name; those that are not understood are present without a value.
+using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
 
 // Reads parameters up to the next directive. Throws InputError on an unknown type, a value that
 // does not fit its type, a missing bracket or a name given twice.
@@ -57,6 +61,10 @@ std::optional<std::string> FindString(PbrtParameters& parameters, std::string_vi
 // spectra, textures that vary) gives a warning and nothing.
 std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view name,
                                    const PbrtTextures& textures, Warnings& warnings);
+
+// The texture with an image that the parameter names, or nothing if it names none.
+std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::string_view name,
+                                            const PbrtTextures& textures);
 
 // One warning for each parameter that nobody looked up.
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings);

@@ -12,6 +12,7 @@
 #include "scene/pbrt_parameters.h"
 #include "scene/pbrt_tokens.h"
 #include "scene/scene.h"
+#include "scene/texture_files.h"
 #include "scene/warnings.h"
 
 namespace skywave {
@@ -39,6 +40,7 @@ struct PbrtReader {
   std::map<std::string, glm::dmat4> coordinate_systems;
   std::map<std::string, std::optional<std::uint32_t>> named_materials;
   PbrtTextures textures;
+  TextureFiles texture_files{&scene};
   std::map<std::string, std::vector<Mesh>> objects;
   std::vector<Mesh>* object = nullptr;  // the one being defined
   bool in_world = false;
@@ -54,6 +56,9 @@ std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
 
 // A directive's work; `word` is the directive itself, already taken from `source`.
 using PbrtHandler = void (*)(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+
+// The directive Texture (pbrt_textures.cc).
+void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 
 // The handler of a directive, by file: null for words that are not its.
 PbrtHandler FindPbrtTransformDirective(std::string_view word);  // pbrt_transforms.cc

@@ -181,24 +181,6 @@ void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word
   reader.state.material = found->second;
 }
 
-void ReadTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const InputPosition position = PositionOf(source, word);
-  const std::string name = ExpectString(source, "the name of a texture");
-  const std::string type = ExpectString(source, "the type of a texture");
-  const std::string kind = ExpectString(source, "the class of a texture");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("Texture \"{}\" \"{}\"", name, kind));
-  if (kind == "constant") {
-    const auto value = FindColor(parameters, "value", reader.textures, reader.warnings);
-    reader.textures[name] = value.value_or(glm::vec3(1));
-    ReportUnused(parameters, reader.warnings);
-    return;
-  }
-  reader.textures[name] = std::nullopt;
-  AddWarning(reader.warnings, position,
-             parameters.directive + " is not supported: its users take their default");
-}
-
 // Columns right, forward, up of a lat-long map in the light's space (see pbrt_reader.h), in the
 // world. Frames are unit vectors: pbrt's directions do not change by a scale either.
 glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
@@ -293,7 +275,7 @@ constexpr Entry kDirectives[] = {
     {"Material", ReadMaterial},
     {"MakeNamedMaterial", MakeNamedMaterial},
     {"NamedMaterial", NamedMaterial},
-    {"Texture", ReadTexture},
+    {"Texture", ReadPbrtTexture},
     {"LightSource", ReadLightSource},
     {"AreaLightSource", AreaLightSource},
     {"MakeNamedMedium", Ignore},

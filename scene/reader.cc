@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scene/builtin.h"
+#include "scene/gltf_reader.h"
 #include "scene/obj_reader.h"
 #include "scene/pbrt_reader.h"
 #include "scene/ply.h"
@@ -38,8 +39,10 @@ Scene ReadScene(const std::string& path) {
   if (ending == ".pbrt") return ReadPbrt(path);
   if (ending == ".ply") return SceneOfOneMesh(ReadPly(path), path);
   if (ending == ".obj") return ReadObj(path);
-  throw InputError(InputPosition::File(path),
-                   fmt::format("scenes end in .pbrt, .obj or .ply, not in '{}'", ending));
+  if (ending == ".gltf" || ending == ".glb") return ReadGltf(path);
+  throw InputError(
+      InputPosition::File(path),
+      fmt::format("scenes end in .pbrt, .obj, .gltf, .glb or .ply, not in '{}'", ending));
 }
 
 }  // namespace skywave

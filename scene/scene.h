@@ -17,11 +17,25 @@ namespace skywave {
 struct Material {
   std::string name;
   BsdfKind bsdf = BsdfKind::kLambert;
-  glm::vec3 reflectance{0.5f};  // Lambert: albedo; mirror, conductor: factor of Fresnel; linear RGB
+  // Lambert: albedo; mirror, conductor: factor of Fresnel; metallic-roughness: base colour. Linear
+  // RGB.
+  glm::vec3 reflectance{0.5f};
   glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
   glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
-  float alpha = 0.1f;   // conductor: GGX width
+  float alpha = 0.1f;   // conductor, metallic-roughness: GGX width
   float ior = 1.5f;     // dielectric: index inside (where the normal points away) / outside
+  float metallic = 0;   // metallic-roughness: share of metal
+  // Indices into Scene::textures: factors of the reflectance; of the square root of alpha (green)
+  // and of metallic (blue).
+  std::optional<std::uint32_t> color_texture, roughness_texture;
+};
+
+// An image as a material uses it. uv (0, 0) is the top left corner of the image, (1, 1) the bottom
+// right one, after `transform` (columns: what u, v and 1 are multiplied with).
+struct Texture {
+  std::uint32_t image = 0;  // index into Scene::images
+  TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
+  glm::mat3x2 transform{1, 0, 0, 1, 0, 0};
 };
 
 // Triangles. (p1 - p0) x (p2 - p0) is on the side that the normals point to, in left-handed worlds
@@ -84,6 +98,8 @@ struct RenderSettings {
 struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<Image> images;  // of textures: linear RGB, or numbers as they are
   std::optional<Camera> camera;
   std::vector<EnvironmentLight> environments;
   RenderSettings settings;

@@ -26,6 +26,8 @@ std::string_view ToString(BsdfKind kind) {
       return "lambert";
     case BsdfKind::kConductor:
       return "conductor";
+    case BsdfKind::kMetallicRoughness:
+      return "metallic-roughness";
     case BsdfKind::kMirror:
       return "mirror";
     case BsdfKind::kDielectric:

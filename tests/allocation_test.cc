@@ -9,7 +9,7 @@
 
 #include "lights/strategy.h"
 #include "scene/builtin.h"
-#include "tests/support/render_scenes.h"
+#include "tests/support/painted_scene.h"
 #include "wavefront/integrator.h"
 #include "wavefront/render.h"
 
@@ -81,8 +81,7 @@ TEST(Allocations, OfEveryKindAreCounted) {
 
 class WaveAllocations : public testing::TestWithParam<Backend> {};
 
-TEST_P(WaveAllocations, AreNone) {
-  Scene scene = BuiltinScene("spheres");
+void ExpectNoAllocations(Scene scene, Backend backend) {
   SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // tables of a moment
   for (const StrategyFactory& factory : Strategies()) {
     const std::string strategy(factory.name);
@@ -90,7 +89,7 @@ TEST_P(WaveAllocations, AreNone) {
     JobRequest request = SmallRequest(32, 24, 4);
     request.strategy = strategy;
     request.max_depth = 12;
-    request.options.backend = GetParam();
+    request.options.backend = backend;
     request.options.light_samples = 3;
     const RenderJob job(scene, request);
     const FrameView frame = job.frame();
@@ -110,6 +109,9 @@ TEST_P(WaveAllocations, AreNone) {
     EXPECT_EQ(worker.stats.samples, 2u * 32 * 24 * 4);
   }
 }
+
+TEST_P(WaveAllocations, AreNone) { ExpectNoAllocations(BuiltinScene("spheres"), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithTextures) { ExpectNoAllocations(PaintedScene(), GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Backends, WaveAllocations, testing::ValuesIn(kBackends),
                          [](const auto& test) { return std::string(ToString(test.param)); });

@@ -148,6 +148,7 @@ TEST(Bsdfs, TableIsInTheOrderOfTheKinds) {
   const auto table = Bsdfs();
   EXPECT_EQ(table[std::size_t(BsdfKind::kLambert)].name, "lambert");
   EXPECT_EQ(table[std::size_t(BsdfKind::kConductor)].name, "conductor");
+  EXPECT_EQ(table[std::size_t(BsdfKind::kMetallicRoughness)].name, "metallic-roughness");
   EXPECT_EQ(table[std::size_t(BsdfKind::kMirror)].name, "mirror");
   EXPECT_EQ(table[std::size_t(BsdfKind::kDielectric)].name, "dielectric");
   for (std::uint32_t k = 0; k < kBsdfKinds; ++k) {
@@ -181,6 +182,8 @@ class AnyBsdf : public testing::TestWithParam<std::uint32_t> {
         return {"", BsdfKind::kLambert, {.color = {0.8f, 0.5f, 0.1f}}};
       case BsdfKind::kConductor:
         return {"", BsdfKind::kConductor, GoldConductor(0.3f)};
+      case BsdfKind::kMetallicRoughness:
+        return {"", BsdfKind::kMetallicRoughness, MetallicRoughness(0.3f, 0.4f)};
       case BsdfKind::kMirror:
         return Mirror(eta, k);
       case BsdfKind::kDielectric:
@@ -278,7 +281,9 @@ TEST_P(AnyBsdf, BitsDoNotDependOnTarget) {
 
 INSTANTIATE_TEST_SUITE_P(All, AnyBsdf, testing::Range(0u, kBsdfKinds),
                          [](const testing::TestParamInfo<std::uint32_t>& kind) {
-                           return std::string(Bsdfs()[kind.param].name);
+                           std::string name(Bsdfs()[kind.param].name);
+                           std::erase(name, '-');
+                           return name;
                          });
 
 }  // namespace

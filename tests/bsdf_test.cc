@@ -25,6 +25,13 @@ const std::vector<MaterialCase>& Materials() {
       list.push_back({"White" + name, BsdfKind::kConductor, WhiteConductor(alpha)});
       list.push_back({"Gold" + name, BsdfKind::kConductor, GoldConductor(alpha)});
     }
+    for (const float alpha : {0.001f, 0.05f, 0.25f, 1.0f}) {
+      const std::string name = std::to_string(int(alpha * 1000));
+      list.push_back({"Varnish" + name, BsdfKind::kMetallicRoughness, MetallicRoughness(alpha, 0)});
+      list.push_back(
+          {"Mixed" + name, BsdfKind::kMetallicRoughness, MetallicRoughness(alpha, 0.6f)});
+      list.push_back({"Copper" + name, BsdfKind::kMetallicRoughness, MetallicRoughness(alpha, 1)});
+    }
     return list;
   }();
   return cases;
@@ -238,11 +245,37 @@ TEST(BsdfEnergy, WhiteConductorLosesNothing) {
   }
 }
 
+// White bodies under their coat, white metals and all mixes of them are furnaces too, of any index;
+// the coat alone, over black, gives back less than it gets.
+TEST(BsdfEnergy, WhiteMetallicRoughnessLosesNothing) {
+  for (const float metallic : {0.0f, 0.3f, 1.0f}) {
+    for (const float ior : {1.0f, 1.5f, 2.2f}) {
+      for (int a = 0; a <= 12; ++a) {
+        const float alpha = float(0.001 + 0.999 * (a / 12.0) * (a / 12.0));
+        MaterialRecord record = MetallicRoughness(alpha, metallic);
+        for (float& channel : record.color) channel = 1;
+        record.ior = ior;
+        const MaterialCase white = {"", BsdfKind::kMetallicRoughness, record};
+        for (const double cosine : {1.0, 0.8, 0.5, 0.25, 0.1, 0.03}) {
+          EXPECT_NEAR(Albedo(white, cosine)[1], 1, cosine >= 0.1 ? 1e-2 : 4e-2)
+              << "metallic " << metallic << ", ior " << ior << ", alpha " << alpha << ", cosine "
+              << cosine;
+        }
+      }
+    }
+  }
+  MaterialRecord black = MetallicRoughness(0.3f, 0);
+  for (float& channel : black.color) channel = 0;
+  const double coat = Albedo({"", BsdfKind::kMetallicRoughness, black}, 1)[1];
+  EXPECT_GT(coat, 0.035);
+  EXPECT_LT(coat, 0.05);
+}
+
 TEST(BsdfEnergy, NoMaterialReflectsMoreThanItGets) {
   for (const MaterialCase& material : Materials()) {
     for (const double cosine : kCosines) {
       for (const double channel : Albedo(material, cosine)) {
-        EXPECT_LE(channel, 1.005) << material.name << " at cosine " << cosine;
+        EXPECT_LE(channel, 1.01) << material.name << " at cosine " << cosine;
       }
     }
   }
@@ -475,7 +508,7 @@ TEST_P(DenseBsdfRows, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DenseBsdfRows, testing::Values(1, 2, 5, 9, 11, 17),
+INSTANTIATE_TEST_SUITE_P(All, DenseBsdfRows, testing::Values(1, 2, 5, 9, 11, 17, 21, 25, 29),
                          [](const testing::TestParamInfo<std::size_t>& row) {
                            return Materials()[row.param].name;
                          });

@@ -127,7 +127,7 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       // Scenes
       {"render nosuch.pbrt", kExitBadInput, {"nosuch.pbrt", "no such file", "gallery"}},
       {"render galery", kExitBadInput, {"galery", "gallery, spheres"}},
-      {"render scene.blend", kExitBadInput, {"scene.blend", ".pbrt, .obj or .ply"}},
+      {"render scene.blend", kExitBadInput, {"scene.blend", ".pbrt, .obj, .gltf, .glb or .ply"}},
       {"render good.obj", kExitBadInput, {"good.obj", "no light", "--env"}},
       {"render empty.obj --env map.exr", kExitBadInput, {"empty.obj", "no triangle"}},
       {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "index 4"}},

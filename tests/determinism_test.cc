@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "lights/strategy.h"
 #include "scene/builtin.h"
+#include "tests/support/painted_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/targets.h"
@@ -28,6 +29,10 @@ void PrintTo(const Case& test, std::ostream* out) {
   *out << test.scene << " " << ToString(test.integrator);
 }
 
+Scene SceneOf(const Case& test) {
+  return test.scene == "painted" ? PaintedScene() : BuiltinScene(test.scene);
+}
+
 // Jobs are built once: reading and building take longer than the renders.
 const RenderJob& Job(const Case& test) {
   static std::vector<std::pair<std::string, std::unique_ptr<RenderJob>>> jobs;
@@ -40,8 +45,7 @@ const RenderJob& Job(const Case& test) {
   request.integrator = test.integrator;
   request.options.light_samples = 3;
   request.max_depth = 8;
-  return *jobs.emplace_back(name, std::make_unique<RenderJob>(BuiltinScene(test.scene), request))
-              .second;
+  return *jobs.emplace_back(name, std::make_unique<RenderJob>(SceneOf(test), request)).second;
 }
 
 struct Rendered {
@@ -175,7 +179,8 @@ TEST_P(Determinism, SeedsGiveOtherPictures) {
 INSTANTIATE_TEST_SUITE_P(
     Builtin, Determinism,
     testing::Values(Case{"gallery", Integrator::kPath}, Case{"gallery", Integrator::kDirect},
-                    Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect}),
+                    Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect},
+                    Case{"painted", Integrator::kPath}, Case{"painted", Integrator::kDirect}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });

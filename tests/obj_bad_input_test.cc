@@ -34,7 +34,9 @@ Refusal TryObj(const std::string& text) {
 Refusal TryMtl(const std::string& text) {
   return Try([&] {
     Warnings warnings;
-    ParseMtl(text, "t.mtl", warnings);
+    Scene scene;
+    TextureFiles textures{&scene};
+    ParseMtl(text, "t.mtl", textures, warnings);
   });
 }
 

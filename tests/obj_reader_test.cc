@@ -17,7 +17,9 @@ namespace {
 Scene Parse(const std::string& text) { return ParseObj(text, "t.obj"); }
 
 std::vector<Material> Materials(const std::string& text, Warnings& warnings) {
-  return ParseMtl(text, "t.mtl", warnings);
+  Scene scene;
+  TextureFiles textures{&scene};
+  return ParseMtl(text, "t.mtl", textures, warnings);
 }
 Material OnlyMaterial(const std::string& statements) {
   Warnings warnings;
@@ -209,7 +211,10 @@ TEST(Mtl, LambertIsTheRule) {
   ExpectNear(OnlyMaterial("").reflectance, glm::vec3(0.5f));
   EXPECT_EQ(OnlyMaterial("Kd 0 0 0").bsdf, BsdfKind::kLambert);
   ExpectNear(OnlyMaterial("Kd 0 0 0").reflectance, glm::vec3(0));
-  EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nKs .3 .3 .3").bsdf, BsdfKind::kLambert);
+  const Material coated = OnlyMaterial("Kd .5 .5 .5\nKs .3 .3 .3\nNs 98");
+  EXPECT_EQ(coated.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_NEAR(coated.alpha, std::sqrt(0.02), 1e-6);
+  EXPECT_EQ(coated.metallic, 0);
 }
 
 TEST(Mtl, MetalsMirrorsAndGlass) {
@@ -239,10 +244,13 @@ TEST(Mtl, MetalsMirrorsAndGlass) {
 }
 
 TEST(Mtl, SaysOnceWhatIsNotRendered) {
-  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Kd a.jpg\nnewmtl b\nKd 1 1 1\nmap_Kd b.jpg\n"
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Ks a.jpg\nnewmtl b\nKd 1 1 1\nmap_Ks b.jpg\n"
                         "Ke 0 0 0\n"),
             std::vector<std::string>{
-                "t.mtl:3: map_Kd: textures are not supported: the plain value is used (2 times)"});
+                "t.mtl:3: map_Ks: textures are not supported: the plain value is used (2 times)"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Kd none.jpg\n"),
+            std::vector<std::string>{
+                "t.mtl:3: map_Kd: there is no file \"none.jpg\": the plain value is used"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\n\nKe 4 4 4\n"),
             std::vector<std::string>{"t.mtl:4: Ke: emission is not supported: left out"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 2\n"),

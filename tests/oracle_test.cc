@@ -61,6 +61,19 @@ const MaterialCase kShinyGold = {"ShinyGold", [](Scene& s) { return AddGold(s, 0
 const MaterialCase kSharpGold = {"SharpGold", [](Scene& s) { return AddGold(s, 0.01f); }};
 const MaterialCase kWhiteMetal = {
     "WhiteMetal", [](Scene& s) { return AddConductor(s, 0.9f, glm::vec3(0), glm::vec3(0)); }};
+std::uint32_t AddMetallicRoughness(Scene& scene, float alpha, float metallic) {
+  scene.materials.push_back({.name = "metallic-roughness",
+                             .bsdf = BsdfKind::kMetallicRoughness,
+                             .reflectance = {0.9f, 0.4f, 0.2f},
+                             .alpha = alpha,
+                             .metallic = metallic});
+  return std::uint32_t(scene.materials.size() - 1);
+}
+const MaterialCase kVarnish = {"Varnish",
+                               [](Scene& s) { return AddMetallicRoughness(s, 0.05f, 0); }};
+const MaterialCase kHalfMetal = {"HalfMetal",
+                                 [](Scene& s) { return AddMetallicRoughness(s, 0.4f, 0.5f); }};
+const MaterialCase kCopper = {"Copper", [](Scene& s) { return AddMetallicRoughness(s, 0.8f, 1); }};
 const MaterialCase kMirror = {"Mirror", AddMetallicMirror};
 const MaterialCase kGlass = {"Glass", [](Scene& s) { return AddGlass(s, 1.5f); }};
 
@@ -123,8 +136,41 @@ TEST_P(EveryMaterial, PathsAreTheOraclesUnderConstantLight) {
 
 INSTANTIATE_TEST_SUITE_P(Oracle, EveryMaterial,
                          testing::Values(kLambert, kRoughGold, kShinyGold, kSharpGold, kWhiteMetal,
-                                         kMirror, kGlass),
+                                         kVarnish, kHalfMetal, kCopper, kMirror, kGlass),
                          [](const auto& test) { return test.param.name; });
+
+// Images of a few texels, wrapped in different ways, turned and scaled, over every kind of
+// parameter.
+TEST(OraclePictures, TexturesAgree) {
+  Scene scene;
+  const std::uint32_t floor = AddLambert(scene, "floor", {0.9f, 0.8f, 0.7f});
+  const std::uint32_t paint = AddMetallicRoughness(scene, 0.6f, 0.9f);
+  const auto add_image = [&](int width, int height, float step) {
+    Image image(width, height);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+      const float x = float(i) * step;
+      image.rgb[i] = 0.1f + 0.9f * (x - std::floor(x));
+    }
+    scene.images.push_back(Packable(image));
+    return std::uint32_t(scene.images.size() - 1);
+  };
+  const std::uint32_t colors = add_image(5, 3, 0.377f), numbers = add_image(2, 4, 0.591f);
+  scene.textures = {{.image = colors,
+                     .wrap_u = TextureWrap::kRepeat,
+                     .wrap_v = TextureWrap::kMirror,
+                     .transform = {2.1f, 0.4f, -0.7f, 3.3f, 0.2f, -0.6f}},
+                    {.image = numbers, .wrap_u = TextureWrap::kClamp},
+                    {.image = colors, .transform = {1, 0, 0, -1, 0, 1}}};
+  scene.materials[floor].color_texture = 0;
+  scene.materials[paint].color_texture = 2;
+  scene.materials[paint].roughness_texture = 1;
+  Place(scene, Quad(3), floor, {0, 0, 0}, 10);
+  Place(scene, Quad(1), paint, {0.3f, 0.5f, 0.2f}, 50);
+  scene.camera = LookAtCamera({0.4f, 2.9f, 3.5f}, {0, 0.2f, 0}, {0, 1, 0}, 50, false);
+  SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
+  ExpectSame(scene, Request(Integrator::kPath, 4));
+  ExpectSame(scene, Request(Integrator::kDirect, 2));
+}
 
 // ---- Every strategy, with and without multiple importance sampling ----
 

@@ -73,7 +73,7 @@ TEST_F(Partition, ClassifiesAndCounts) {
       for (const bool only_sparse : {false, true}) {
         std::fill(queue_.begin(), queue_.end(), 0xDEADBEEFu);
         // Counts are added to what is there.
-        std::array<std::uint32_t, kBsdfKinds + 1> count = {10, 20, 30, 40, 50};
+        std::array<std::uint32_t, kBsdfKinds + 1> count = {10, 20, 30, 40, 50, 60};
         ClassifyHits(hits_, triangles_.data(), only_sparse ? rays_->pdf : nullptr, n, queue_.data(),
                      count.data());
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) {

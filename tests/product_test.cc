@@ -23,6 +23,7 @@ const std::vector<MaterialCase>& Materials() {
       {"Lambert", BsdfKind::kLambert, {.color = {0.2f, 0.5f, 0.8f}}},
       {"Gold", BsdfKind::kConductor, GoldConductor(0.3f)},
       {"Rough", BsdfKind::kConductor, GoldConductor(0.9f)},
+      {"Varnish", BsdfKind::kMetallicRoughness, MetallicRoughness(0.3f, 0.2f)},
   };
   return materials;
 }

@@ -259,7 +259,7 @@ TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
 TEST(BadScene, UnknownNamesAndEndings) {
   const TemporaryFolder folder;
   const std::string blend = folder.Write("a.blend", "BLENDER");
-  EXPECT_TRUE(Contains(ErrorOf([&] { ReadScene(blend); }), ".pbrt, .obj or .ply"));
+  EXPECT_TRUE(Contains(ErrorOf([&] { ReadScene(blend); }), ".pbrt, .obj, .gltf, .glb or .ply"));
   const std::string error = ErrorOf([] { ReadScene("galery"); });
   EXPECT_TRUE(Contains(error, "galery") && Contains(error, "gallery")) << error;
   EXPECT_NE(ErrorOf([&] { ReadScene(folder.Write("e.ply", "")); }), "");

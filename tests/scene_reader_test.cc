@@ -422,20 +422,20 @@ TEST(Syntax, CommentsBracketsAndNumbers) {
 
 TEST(Warnings, SayWhereAndWhatIsDone) {
   const Scene scene = Parse(
-      "Film \"rgb\" \"string filename\" \"out.exr\"\n"                         // 1
-      "WorldBegin\n"                                                           // 2
-      "LightSource \"distant\" \"rgb L\" [1 1 1]\n"                            // 3
-      "Material \"velvet\"\n"                                                  // 4
-      "Shape \"disk\"\n"                                                       // 5
-      "Shape \"sphere\"\n"                                                     // 6
-      "  \"float bulge\" 2\n"                                                  // 7
-      "Shape \"disk\"\n"                                                       // 8
-      "Material \"dielectric\" \"float roughness\" 0.1\n"                      // 9
-      "Texture \"wood\" \"spectrum\" \"imagemap\" \"string filename\" \"\"\n"  // 10
-      "Material \"matte\" \"texture Kd\" \"wood\"\n"                           // 11
-      "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n"                        // 12
-      "WorldEnd\n"                                                             // 13
-      "WorldBegin\n");                                                         // 14
+      "Film \"rgb\" \"string filename\" \"out.exr\"\n"                 // 1
+      "WorldBegin\n"                                                   // 2
+      "LightSource \"distant\" \"rgb L\" [1 1 1]\n"                    // 3
+      "Material \"velvet\"\n"                                          // 4
+      "Shape \"disk\"\n"                                               // 5
+      "Shape \"sphere\"\n"                                             // 6
+      "  \"float bulge\" 2\n"                                          // 7
+      "Shape \"disk\"\n"                                               // 8
+      "Material \"dielectric\" \"float roughness\" 0.1\n"              // 9
+      "Texture \"wood\" \"spectrum\" \"fbm\" \"float roughness\" 1\n"  // 10
+      "Material \"matte\" \"texture Kd\" \"wood\"\n"                   // 11
+      "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n"                // 12
+      "WorldEnd\n"                                                     // 13
+      "WorldBegin\n");                                                 // 14
   const std::vector<std::string> expected = {
       "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is named on the command line",
       "t.pbrt:3: LightSource \"distant\" is not supported: left out",
@@ -443,7 +443,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "t.pbrt:5: Shape \"disk\" is not supported: left out (2 times)",
       "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
       "t.pbrt:9: Material \"dielectric\": roughness is not supported: rendered smooth",
-      "t.pbrt:10: Texture \"wood\" \"imagemap\" is not supported: its users take their default",
+      "t.pbrt:10: Texture \"wood\" \"fbm\" is not supported: its users take their default",
       "t.pbrt:11: Material \"matte\": \"texture Kd\" (\"wood\") varies: the default is used",
       "t.pbrt:12: AreaLightSource \"diffuse\" is not supported: left out",
       "t.pbrt:14: everything after WorldEnd is ignored",

@@ -50,6 +50,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
   clock.Lap(Stage::kPartition);
   PrepareSurfaces(frame.geometry->triangles(), materials.records, ranges.total(), w.surfaces);
+  TextureSurfaces(frame, ranges, w.surfaces);
   CheckSurfaces(w.surfaces, ranges.total());
   clock.Lap(Stage::kSurface);
 }

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 #include "kernels/accumulate.h"
 #include "kernels/environment.h"
 #include "kernels/partition.h"
 #include "kernels/sampler.h"
 #include "kernels/surface.h"
+#include "kernels/texture.h"
 #ifdef SKYWAVE_SLOWDOWN
 #include "wavefront/slowdown.h"
 #endif
@@ -17,6 +19,15 @@ namespace {
 
 // Bounces before this one are never cut by roulette.
 constexpr std::uint32_t kFirstRouletteBounce = 3;
+
+// The angle that a pixel in the middle of the film takes up; 0 where it has none.
+float PixelAngle(const CameraView& camera) {
+  if (camera.kind != CameraKind::kPerspective) return 0;
+  const auto length = [](const float* v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  };
+  return length(camera.right) / length(camera.forward);
+}
 
 // Walks the samples of `range` without dividing per row: runs of samples of one pixel.
 // Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
@@ -72,6 +83,20 @@ void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uin
     if (ranges.count(kind) == 0) continue;
     MoveHits(rays, hits, queue, kind, n, Slice(surfaces, ranges.begin[kind]));
   }
+}
+
+void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
+                     const SurfaceColumns& surfaces) {
+  const MaterialRecord* const materials = frame.geometry->materials().records;
+  const TextureView textures = frame.geometry->textures();
+  const float angle = PixelAngle(frame.camera);
+  if (!textures.empty()) {
+    TextureColors(textures, materials, angle, ranges.total(), surfaces);
+  }
+  constexpr auto kKind = std::uint32_t(BsdfKind::kMetallicRoughness);
+  if (ranges.count(kKind) == 0) return;
+  PrepareMetallicRoughness(textures, materials, angle, ranges.count(kKind),
+                           Slice(surfaces, ranges.begin[kKind]));
 }
 
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,

@@ -37,6 +37,10 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
 void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
                   std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces);
 
+// What surface preparation leaves to do where materials have textures or parameters that vary.
+void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
+                     const SurfaceColumns& surfaces);
+
 // Adds the map's radiance along escaped rays to their paths. `from`: the surfaces of the bounce
 // before, which the strategy may ask.
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,

@@ -41,6 +41,9 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
   }
+  scene_textures_.materials = scene.materials;
+  scene_textures_.textures = scene.textures;
+  scene_textures_.images = scene.images;
   for (const Mesh& mesh : scene.meshes) AddMesh(mesh);
   BuildEmbreeScene();
 }
@@ -52,10 +55,11 @@ Oracle::~Oracle() {
 
 void Oracle::AddMesh(const Mesh& mesh) {
   for (const glm::uvec3& corners : mesh.triangles) {
-    Triangle t = {.corner = {}, .normal = {}, .material = mesh.material, .smooth = false};
+    Triangle t = {.corner = {}, .normal = {}, .uv = {}, .material = mesh.material, .smooth = false};
     for (int i = 0; i < 3; ++i) {
       t.corner[i] = mesh.positions[corners[i]];
       if (!mesh.normals.empty()) t.normal[i] = mesh.normals[corners[i]];
+      if (!mesh.uvs.empty()) t.uv[i] = mesh.uvs[corners[i]];
     }
     t.smooth = !mesh.normals.empty();
     // The outside is where the vertex normals point.
@@ -63,6 +67,7 @@ void Oracle::AddMesh(const Mesh& mesh) {
     if (t.smooth && glm::dot(face, t.normal[0] + t.normal[1] + t.normal[2]) < 0) {
       std::swap(t.corner[1], t.corner[2]);
       std::swap(t.normal[1], t.normal[2]);
+      std::swap(t.uv[1], t.uv[2]);
     }
     triangles_.push_back(t);
   }
@@ -110,10 +115,29 @@ bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
   // Smooth normals that look away from the eye cannot shade.
   if (!(glm::dot(ns, wo) > 1e-4)) ns = ng;
   hit.surface = {&materials_[t.material], wo, ng, ns, back};
+  ApplyTextures(t, {w, u, v}, hit);
   hit.point = w * a + u * b + v * c;
   const double extent = MaxComponent(glm::abs(hit.point));
   hit.lift = (extent + query.ray.tfar) * 0x1p-16;
   return true;
+}
+
+void Oracle::ApplyTextures(const Triangle& triangle, const dvec3& weights, Hit& hit) const {
+  const Material& material = scene_textures_.materials[triangle.material];
+  if (!material.color_texture && !material.roughness_texture) return;
+  hit.textured = *hit.surface.material;
+  hit.surface.material = &hit.textured;
+  const glm::dvec2 uv = weights.x * glm::dvec2(triangle.uv[0]) +
+                        weights.y * glm::dvec2(triangle.uv[1]) +
+                        weights.z * glm::dvec2(triangle.uv[2]);
+  if (material.color_texture) {
+    hit.textured.reflectance *= LookUpTexture(scene_textures_, *material.color_texture, uv);
+  }
+  if (material.roughness_texture) {
+    const dvec3 seen = LookUpTexture(scene_textures_, *material.roughness_texture, uv);
+    hit.textured.alpha = std::clamp(hit.textured.alpha * seen.y * seen.y, 1e-3, 1.0);
+    hit.textured.metallic *= seen.z;
+  }
 }
 
 bool Oracle::Occluded(const Ray& ray) const {

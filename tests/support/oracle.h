@@ -13,6 +13,7 @@
 #include "image/image.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/oracle_environment.h"
+#include "tests/support/oracle_texture.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
@@ -38,6 +39,7 @@ class Oracle {
  private:
   struct Triangle {
     glm::vec3 corner[3], normal[3];
+    glm::vec2 uv[3];
     std::uint32_t material;
     bool smooth;
   };
@@ -46,6 +48,7 @@ class Oracle {
   };
   struct Hit {
     OracleSurface surface;
+    OracleMaterial textured;  // surface.material, where textures change it
     glm::dvec3 point;
     double lift;  // distance between the point and origins of rays that leave it
   };
@@ -53,6 +56,7 @@ class Oracle {
   void AddMesh(const Mesh& mesh);
   void BuildEmbreeScene();
   bool Intersect(const Ray& ray, Hit& hit) const;
+  void ApplyTextures(const Triangle& triangle, const glm::dvec3& weights, Hit& hit) const;
   bool Occluded(const Ray& ray) const;
   Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
   glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
@@ -66,6 +70,7 @@ class Oracle {
   Camera camera_;
   OracleEnvironment environment_;
   std::vector<OracleMaterial> materials_;
+  Scene scene_textures_;  // materials, textures and images only
   std::vector<Triangle> triangles_;
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;

@@ -34,15 +34,19 @@ dvec3 ConductorReflectance(double cosine, const OracleMaterial& m) {
           ConductorReflectance(cosine, m.eta.z, m.k.z)};
 }
 
-// E(cosine): albedo of single scattering with F = 1, bilinear in the square roots as the table is.
-double SingleScatterAlbedo(double alpha, double cosine) {
+// A table of width and cosine, bilinear in the square roots as the engine reads it.
+double TableAt(const float* table, double alpha, double cosine) {
   const double row = std::sqrt(alpha) * (kAlbedoRows - 1);
   const double column = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
   const int r = int(row), c = int(column);
-  const float* e = &GgxTables().albedo[r * int(kAlbedoColumns + 1) + c];
+  const float* e = table + r * int(kAlbedoColumns + 1) + c;
   const float* below = e + kAlbedoColumns + 1;
   const double fr = row - r, fc = column - c;
   return (1 - fr) * ((1 - fc) * e[0] + fc * e[1]) + fr * ((1 - fc) * below[0] + fc * below[1]);
+}
+// E(cosine): albedo of single scattering with F = 1.
+double SingleScatterAlbedo(double alpha, double cosine) {
+  return TableAt(GgxTables().albedo, alpha, cosine);
 }
 
 // Kulla and Conty 2017: what single scattering loses, spread so that it is reciprocal, each further
@@ -100,6 +104,53 @@ OracleValue EvaluateConductor(const OracleMaterial& m, const dvec3& wo, const dv
           (1 - lost_o) * visible_normals + lost_o * wi.z / kPi};
 }
 
+// What the coat of a dielectric body reflects.
+double CoatAlbedo(const OracleMaterial& m, double cosine) {
+  const double f0 = Square((m.ior - 1) / (m.ior + 1));
+  return f0 * TableAt(GgxTables().albedo, m.alpha, cosine) +
+         (1 - f0) * TableAt(GgxTables().grazing, m.alpha, cosine);
+}
+
+double SpecularShare(const OracleMaterial& m, double cosine) {
+  const double gray = glm::dot(m.reflectance, dvec3(kLuminance[0], kLuminance[1], kLuminance[2]));
+  const double f0 = glm::mix(Square((m.ior - 1) / (m.ior + 1)), gray, m.metallic);
+  const double all = SingleScatterAlbedo(m.alpha, cosine);
+  const double specular = f0 * all + (1 - f0) * TableAt(GgxTables().grazing, m.alpha, cosine);
+  const double rest =
+      gray * ((1 - m.metallic) * (1 - CoatAlbedo(m, cosine)) + m.metallic * (1 - all));
+  return std::clamp(specular / (specular + rest), 0.1, 0.9);
+}
+
+// kernels/bsdf_metallic_roughness.cc, its formulae in the order of their terms. The means over the
+// hemisphere are integrated here.
+OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
+  constexpr int kSteps = 64;
+  double mean = 0, coat_mean = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) / kSteps, share = 4 * s * s * s / kSteps;
+    mean += share * SingleScatterAlbedo(m.alpha, s * s);
+    coat_mean += share * CoatAlbedo(m, s * s);
+  }
+  const dvec3 h = glm::normalize(wo + wi);
+  const double a2 = m.alpha * m.alpha;
+  const double d = a2 / (kPi * Square(a2 * h.z * h.z + h.x * h.x + h.y * h.y));
+  const double lambda_o = Lambda(m.alpha, wo), lambda_i = Lambda(m.alpha, wi);
+  const double over_4_cos = d / (4 * wo.z);
+  const dvec3 f0 = glm::mix(dvec3(Square((m.ior - 1) / (m.ior + 1))), m.reflectance, m.metallic);
+  const dvec3 fresnel = f0 + (1.0 - f0) * std::pow(1 - std::min(glm::dot(wo, h), 1.0), 5);
+  const dvec3 single = over_4_cos / (1 + lambda_o + lambda_i) * fresnel;
+  const double through = (1 - CoatAlbedo(m, wo.z)) * (1 - CoatAlbedo(m, wi.z)) / (1 - coat_mean);
+  const dvec3 body = (1 - m.metallic) * through / kPi * m.reflectance;
+  const double lost = std::max(1 - mean, 1e-6);
+  const dvec3 f = (20.0 * m.reflectance + 1.0) / 21.0;
+  const dvec3 multiple = m.metallic * mean / (kPi * lost) * f * f / (1.0 - f * lost) *
+                         (1 - SingleScatterAlbedo(m.alpha, wo.z)) *
+                         (1 - SingleScatterAlbedo(m.alpha, wi.z));
+  const double share = SpecularShare(m, wo.z);
+  return {single + wi.z * (body + multiple),
+          share * over_4_cos / (1 + lambda_o) + (1 - share) * wi.z / kPi};
+}
+
 // A visible normal, by the projected area of the stretched hemisphere (Heitz 2018, listing 1).
 dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
   const dvec3 view = glm::normalize(dvec3(alpha * wo.x, alpha * wo.y, wo.z));
@@ -114,6 +165,15 @@ dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
   const double t2 = (1 - s) * std::sqrt(1 - t1 * t1) + s * radius * std::sin(turn);
   const dvec3 n = t1 * side + t2 * lean + std::sqrt(std::max(0.0, 1 - t1 * t1 - t2 * t2)) * view;
   return glm::normalize(dvec3(alpha * n.x, alpha * n.y, std::max(1e-9, n.z)));
+}
+
+OracleValue EvaluateRough(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
+  return m.bsdf == BsdfKind::kConductor ? EvaluateConductor(m, wo, wi)
+                                        : EvaluateMetallicRoughness(m, wo, wi);
+}
+double SpecularProbability(const OracleMaterial& m, double cosine) {
+  return m.bsdf == BsdfKind::kConductor ? SingleScatterAlbedo(m.alpha, cosine)
+                                        : SpecularShare(m, cosine);
 }
 
 // The normal a delta BSDF acts about: the shading normal unless its reflection enters the surface.
@@ -163,6 +223,7 @@ OracleMaterial MakeOracleMaterial(const Material& material) {
                       .k = material.k,
                       .alpha = std::clamp(double(material.alpha), 1e-3, 1.0),
                       .ior = material.ior,
+                      .metallic = material.metallic,
                       .multiscatter = dvec3(0)};
   if (m.bsdf == BsdfKind::kConductor) m.multiscatter = MultiscatterFactor(m);
   return m;
@@ -175,7 +236,7 @@ OracleValue EvaluateBsdf(const OracleSurface& s, const dvec3& wi) {
     return {s.material->reflectance * cosine / kPi, cosine / kPi};
   }
   const Basis basis(s.ns);
-  return EvaluateConductor(*s.material, basis.Local(s.wo), basis.Local(wi));
+  return EvaluateRough(*s.material, basis.Local(s.wo), basis.Local(wi));
 }
 
 OracleScatter ScatterBsdf(const OracleSurface& s, OracleRandom& random) {
@@ -186,7 +247,7 @@ OracleScatter ScatterBsdf(const OracleSurface& s, OracleRandom& random) {
   const dvec3 wo = basis.Local(s.wo);
   OracleScatter out;
   dvec3 local;
-  if (m.bsdf == BsdfKind::kLambert || random() < 1 - SingleScatterAlbedo(m.alpha, wo.z)) {
+  if (m.bsdf == BsdfKind::kLambert || random() >= SpecularProbability(m, wo.z)) {
     local = CosineDirection(random);
   } else {
     const dvec3 h = VisibleNormal(m.alpha, wo, random);
@@ -197,7 +258,7 @@ OracleScatter ScatterBsdf(const OracleSurface& s, OracleRandom& random) {
   if (m.bsdf == BsdfKind::kLambert) {
     out.weight = m.reflectance, out.pdf = local.z / kPi;
   } else {
-    const OracleValue value = EvaluateConductor(m, wo, local);
+    const OracleValue value = EvaluateRough(m, wo, local);
     if (!(value.pdf > 0)) return out;
     out.weight = value.value / value.pdf, out.pdf = value.pdf;
   }

@@ -11,7 +11,7 @@ namespace skywave {
 struct OracleMaterial {
   BsdfKind bsdf;
   glm::dvec3 reflectance, eta, k;
-  double alpha, ior;
+  double alpha, ior, metallic;
   glm::dvec3 multiscatter;  // conductor: factor of (1 - E(wo)) (1 - E(wi)) cos [1/sr]
   bool delta() const { return bsdf == BsdfKind::kMirror || bsdf == BsdfKind::kDielectric; }
 };

@@ -30,6 +30,11 @@ inline MaterialRecord GoldConductor(float alpha) {
   return Conductor(alpha, {0.143f, 0.375f, 1.442f}, {3.983f, 2.386f, 1.603f});
 }
 
+// Of a copper red, without textures.
+inline MaterialRecord MetallicRoughness(float alpha, float metallic) {
+  return {.color = {0.95f, 0.64f, 0.54f}, .alpha = alpha, .eta = {metallic, 0, 0}, .ior = 1.5f};
+}
+
 // One surface in all rows: its material is record 1, so that an index that is dropped is seen.
 struct ShadingRows {
   ShadingRows(const MaterialCase& material, std::uint32_t rows, Vec normal, Vec wo)
@@ -50,6 +55,7 @@ struct ShadingRows {
     s.lift[i] = 0x1p-10f;
     s.path[i] = 7 * i + 1;
     s.material[i] = 1;
+    s.alpha[i] = records[1].alpha, s.metallic[i] = records[1].eta[0];
   }
   MaterialView materials() const { return {records.data(), &GgxTables()}; }
 

@@ -1,0 +1,96 @@
+#include <cstdio>
+// jpeglib.h needs FILE.
+#include <jpeglib.h>
+
+#include <csetjmp>
+
+#include "base/error.h"
+#include "image/formats.h"
+
+namespace skywave {
+namespace {
+
+// libjpeg ends the program on errors unless its handler is replaced by one that does not return.
+struct Errors {
+  jpeg_error_mgr base;  // first: libjpeg hands this back
+  std::jmp_buf jump;
+  char message[JMSG_LENGTH_MAX];
+};
+
+void Jump(j_common_ptr info) {
+  auto* errors = reinterpret_cast<Errors*>(info->err);
+  info->err->format_message(info, errors->message);
+  std::longjmp(errors->jump, 1);
+}
+
+// Warnings are of data that is cut short or damaged: libjpeg would go on with grey.
+void EmitMessage(j_common_ptr info, int level) {
+  if (level < 0) Jump(info);
+}
+
+// A progressive file of few bytes may ask for as many passes over all pixels as it likes.
+constexpr int kMaxScans = 200;
+void CheckScans(j_common_ptr info) {
+  auto* decoder = reinterpret_cast<j_decompress_ptr>(info);
+  if (decoder->input_scan_number <= kMaxScans) return;
+  auto* errors = reinterpret_cast<Errors*>(info->err);
+  std::snprintf(errors->message, sizeof errors->message, "more than %d scans", kMaxScans);
+  std::longjmp(errors->jump, 1);
+}
+
+// No object with a destructor may be made between setjmp and longjmp: the two halves of decoding
+// are plain functions, which return false on errors.
+bool ReadHeader(jpeg_decompress_struct& decoder, Errors& errors, std::string_view bytes) {
+  if (setjmp(errors.jump)) return false;
+  jpeg_create_decompress(&decoder);
+  jpeg_mem_src(&decoder, reinterpret_cast<const unsigned char*>(bytes.data()),
+               static_cast<unsigned long>(bytes.size()));
+  jpeg_read_header(&decoder, TRUE);
+  return true;
+}
+
+bool ReadPixels(jpeg_decompress_struct& decoder, Errors& errors, jpeg_progress_mgr& progress,
+                std::uint8_t* pixels) {
+  if (setjmp(errors.jump)) return false;
+  decoder.progress = &progress;
+  decoder.out_color_space = JCS_RGB;
+  decoder.dct_method = JDCT_ISLOW;
+  jpeg_start_decompress(&decoder);
+  const std::size_t stride = std::size_t{decoder.output_width} * 3;
+  while (decoder.output_scanline < decoder.output_height) {
+    JSAMPROW row = pixels + stride * decoder.output_scanline;
+    jpeg_read_scanlines(&decoder, &row, 1);
+  }
+  jpeg_finish_decompress(&decoder);
+  return true;
+}
+
+}  // namespace
+
+Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
+                 const ReadLimits& limits) {
+  jpeg_decompress_struct decoder = {};
+  struct Destroy {
+    jpeg_decompress_struct* decoder;
+    ~Destroy() { jpeg_destroy_decompress(decoder); }
+  } const destroy_at_end{&decoder};
+  Errors errors = {};
+  decoder.err = jpeg_std_error(&errors.base);
+  errors.base.error_exit = Jump;
+  errors.base.emit_message = EmitMessage;
+  const auto fail = [&](const std::string& reason) {
+    throw InputError(InputPosition::File(path), "is no JPEG to read: " + reason);
+  };
+  if (!ReadHeader(decoder, errors, bytes)) fail(errors.message);
+  CheckSize(InputPosition::File(path), decoder.image_width, decoder.image_height, limits);
+  if (decoder.num_components != 1 && decoder.num_components != 3) {
+    fail("it has " + std::to_string(decoder.num_components) + " channels");
+  }
+  std::vector<std::uint8_t> pixels(std::size_t{decoder.image_width} * decoder.image_height * 3);
+  jpeg_progress_mgr progress = {};
+  progress.progress_monitor = CheckScans;
+  if (!ReadPixels(decoder, errors, progress, pixels.data())) fail(errors.message);
+  return FromBytes(int(decoder.image_width), int(decoder.image_height), pixels.data(), encoding);
+}
+
+}  // namespace skywave

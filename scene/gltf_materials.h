@@ -1,0 +1,35 @@
+// glTF's materials as Skywave's.
+//
+//   pbrMetallicRoughness           metallic-roughness: factors and both textures
+//   KHR_materials_ior              its index
+//   KHR_materials_transmission     from a factor of 1/2: smooth dielectric, clear
+//   KHR_materials_unlit            Lambert, with a warning
+//   KHR_texture_transform          offset, rotation and scale
+//
+// Left out with a warning: emission, alpha (masked and blended surfaces are opaque), normal maps.
+// Occlusion is left out in silence: it is what rendering finds out. Filters of samplers are ours.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene/warnings.h"
+
+namespace skywave {
+
+struct GltfMaterials {
+  // By material of the file, and behind them the one of primitives that have none: the set of
+  // texture coordinates that its textures use.
+  std::vector<int> uv_set;
+};
+
+// Appends the materials of the file and the default one to scene.materials, in their order, with
+// their textures and images. Throws InputError(path).
+GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
+                               Warnings& warnings);
+
+}  // namespace skywave

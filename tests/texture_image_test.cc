@@ -1,0 +1,145 @@
+// PNG and JPEG pictures as textures: what they hold, and damaged ones.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+// jpeglib.h needs FILE.
+#include <jpeglib.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "image/image.h"
+
+namespace skywave {
+namespace {
+
+std::vector<std::uint8_t> Pixels(int width, int height) {
+  std::vector<std::uint8_t> rgb(std::size_t(width) * height * 3);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      std::uint8_t* const p = &rgb[(std::size_t(y) * width + x) * 3];
+      p[0] = std::uint8_t(255 * x / std::max(width - 1, 1));
+      p[1] = std::uint8_t(255 * y / std::max(height - 1, 1)), p[2] = 128;
+    }
+  }
+  return rgb;
+}
+
+std::string EncodeJpeg(int width, int height, const std::vector<std::uint8_t>& rgb,
+                       bool progressive, int channels = 3) {
+  jpeg_compress_struct encoder = {};
+  jpeg_error_mgr errors = {};
+  encoder.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&encoder);
+  unsigned char* memory = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&encoder, &memory, &size);
+  encoder.image_width = JDIMENSION(width), encoder.image_height = JDIMENSION(height);
+  encoder.input_components = channels;
+  encoder.in_color_space = channels == 1 ? JCS_GRAYSCALE : channels == 4 ? JCS_CMYK : JCS_RGB;
+  jpeg_set_defaults(&encoder);
+  jpeg_set_quality(&encoder, 98, TRUE);
+  if (progressive) jpeg_simple_progression(&encoder);
+  jpeg_start_compress(&encoder, TRUE);
+  while (encoder.next_scanline < encoder.image_height) {
+    auto* row = const_cast<JSAMPROW>(&rgb[std::size_t(encoder.next_scanline) * width * channels]);
+    jpeg_write_scanlines(&encoder, &row, 1);
+  }
+  jpeg_finish_compress(&encoder);
+  jpeg_destroy_compress(&encoder);
+  const std::string bytes(reinterpret_cast<char*>(memory), size);
+  std::free(memory);
+  return bytes;
+}
+
+double Linear(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+TEST(TextureImages, PngIsExactInBothEncodings) {
+  const auto rgb = Pixels(19, 7);
+  const std::string png = EncodePng(19, 7, rgb);
+  const Image color = DecodeTexture("a.png", png, Encoding::kSrgb);
+  const Image number = DecodeTexture("a.png", png, Encoding::kLinear);
+  ASSERT_EQ(color.width, 19);
+  ASSERT_EQ(color.height, 7);
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    ASSERT_FLOAT_EQ(color.rgb[i], float(Linear(rgb[i] / 255.0)));
+    ASSERT_FLOAT_EQ(number.rgb[i], rgb[i] / 255.0f);
+  }
+}
+
+TEST(TextureImages, JpegIsCloseBaselineAndProgressiveAndGrey) {
+  const auto rgb = Pixels(40, 24);
+  for (const bool progressive : {false, true}) {
+    const Image image =
+        DecodeTexture("a.jpg", EncodeJpeg(40, 24, rgb, progressive), Encoding::kLinear);
+    ASSERT_EQ(image.width, 40);
+    ASSERT_EQ(image.height, 24);
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      ASSERT_NEAR(image.rgb[i], rgb[i] / 255.0, 0.06) << i;
+    }
+  }
+  const std::vector<std::uint8_t> grey(16 * 8, 77);
+  const Image image = DecodeTexture("g.jpg", EncodeJpeg(16, 8, grey, false, 1), Encoding::kLinear);
+  for (const float value : image.rgb) ASSERT_NEAR(value, 77 / 255.0, 0.005);
+  EXPECT_THROW(DecodeTexture("c.jpg", EncodeJpeg(4, 4, std::vector<std::uint8_t>(64), false, 4),
+                             Encoding::kLinear),
+               InputError);
+}
+
+TEST(TextureImages, EveryPrefixIsRefused) {
+  const auto rgb = Pixels(17, 9);
+  for (const std::string& file :
+       {EncodeJpeg(17, 9, rgb, false), EncodeJpeg(17, 9, rgb, true), EncodePng(17, 9, rgb)}) {
+    EXPECT_NO_THROW(DecodeTexture("a", file, Encoding::kSrgb));
+    // The last 16 bytes of a PNG say nothing of its pixels: the check sum and IEND.
+    const std::size_t end = file[0] == '\x89' ? file.size() - 16 : file.size() - 1;
+    for (std::size_t length = 0; length < end; ++length) {
+      EXPECT_THROW(DecodeTexture("a", std::string_view(file).substr(0, length), Encoding::kSrgb),
+                   InputError)
+          << length << " of " << file.size();
+    }
+  }
+}
+
+TEST(TextureImages, EveryFlippedBitIsSurvived) {
+  const auto rgb = Pixels(17, 9);
+  ReadLimits limits;
+  limits.max_pixels = 1 << 16;
+  int refused = 0;
+  for (const std::string& file :
+       {EncodeJpeg(17, 9, rgb, false), EncodeJpeg(17, 9, rgb, true), EncodePng(17, 9, rgb)}) {
+    for (std::size_t bit = 0; bit < file.size() * 8; ++bit) {
+      std::string damaged = file;
+      damaged[bit / 8] = char(damaged[bit / 8] ^ (1 << bit % 8));
+      try {
+        const Image image = DecodeTexture("a", damaged, Encoding::kSrgb, limits);
+        EXPECT_EQ(image.rgb.size(), std::size_t(image.width) * image.height * 3);
+      } catch (const InputError&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(TextureImages, LimitsHoldBeforeAnythingIsDecoded) {
+  ReadLimits narrow;
+  narrow.max_width = 16;
+  const auto rgb = Pixels(17, 9);
+  for (const std::string& file : {EncodeJpeg(17, 9, rgb, false), EncodePng(17, 9, rgb)}) {
+    try {
+      DecodeTexture("a", file, Encoding::kSrgb, narrow);
+      ADD_FAILURE();
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("limit"), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,125 @@
+// Textures of pbrt and OBJ files: which way up they are, what they are multiplied with, and what is
+// said of those that are not understood.
+#include <gtest/gtest.h>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "scene/mtl.h"
+#include "scene/pbrt_reader.h"
+#include "scene/reader.h"
+#include "tests/support/oracle_texture.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+// Red, green; blue, white.
+void WriteFourColors(const TemporaryFolder& folder, const std::string& name) {
+  WritePng(folder.Path(name), 2, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
+}
+
+void ExpectSeen(const Scene& scene, const Material& material, glm::dvec2 uv, glm::dvec3 color) {
+  ASSERT_TRUE(material.color_texture);
+  const glm::dvec3 seen = LookUpTexture(scene, *material.color_texture, uv);
+  EXPECT_LT(glm::length(seen - color), 1e-6) << seen.x << " " << seen.y << " " << seen.z;
+}
+
+const std::string kTriangle =
+    "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] "
+    "\"float uv\" [0 0 1 0 0 1]\n";
+
+class PbrtTextureFiles : public testing::Test {
+ protected:
+  PbrtTextureFiles() { WriteFourColors(folder_, "t.png"); }
+  Scene Read(const std::string& textures, const std::string& material) {
+    return ReadScene(
+        folder_.Write("s.pbrt", "WorldBegin\n" + textures + "\n" + material + "\n" + kTriangle));
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PbrtTextureFiles, HaveTheirFirstRowOnTop) {
+  const Scene scene = Read(
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\" "
+      "\"float uscale\" 1 \"float scale\" 0.5\n"
+      "Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"t\" \"rgb scale\" [1 .5 .25]",
+      "Material \"diffuse\" \"texture reflectance\" \"s\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_LT(glm::length(material.reflectance - glm::vec3(0.5f, 0.25f, 0.125f)), 1e-6);
+  ExpectSeen(scene, material, {0.25, 0.75}, {1, 0, 0});
+  ExpectSeen(scene, material, {0.75, 0.75}, {0, 1, 0});
+  ExpectSeen(scene, material, {0.25, 0.25}, {0, 0, 1});
+}
+
+TEST_F(PbrtTextureFiles, AreReadOnceAndWrappedAsTheySay) {
+  const Scene scene = Read(
+      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\"\n"
+      "Texture \"b\" \"color\" \"imagemap\" \"string filename\" \"t.png\" \"string wrap\" "
+      "\"clamp\" \"float udelta\" 2",
+      "Material \"matte\" \"texture Kd\" \"b\"");
+  EXPECT_EQ(scene.images.size(), 1u);
+  ASSERT_EQ(scene.textures.size(), 2u);
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  ExpectSeen(scene, material, {0.25, 0.75}, {0, 1, 0});
+  ExpectSeen(scene, material, {0.25, 0.25}, {1, 1, 1});
+}
+
+TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
+  const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
+  for (const std::string& texture :
+       {image + " \"string mapping\" \"planar\"", image + " \"string wrap\" \"black\"",
+        image + " \"bool invert\" true", std::string("\"fbm\"")}) {
+    const Scene scene =
+        Read("Texture \"t\" \"spectrum\" " + texture, "Material \"matte\" \"texture Kd\" \"t\"");
+    EXPECT_FALSE(scene.warnings.empty()) << texture;
+  }
+  EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"no.png\"", ""),
+               InputError);
+  EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\"", ""), InputError);
+}
+
+TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
+  const Scene scene = Read("",
+                           "Material \"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] "
+                           "\"float roughness\" 0.25 \"float eta\" 1.7");
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_EQ(material.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_FLOAT_EQ(material.alpha, 0.5f);
+  EXPECT_FLOAT_EQ(material.ior, 1.7f);
+  EXPECT_EQ(material.metallic, 0);
+  EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
+TEST(MtlTextures, HaveTheirFirstRowOnTopAndTheirOptions) {
+  const TemporaryFolder folder;
+  WriteFourColors(folder, "t.png");
+  const auto read = [&](const std::string& statements) {
+    folder.Write("a.mtl", "newmtl m\n" + statements + "\n");
+    return ReadScene(folder.Write("a.obj",
+                                  "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\n"
+                                  "vt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
+  };
+  const auto material = [](const Scene& scene) {
+    return scene.materials.at(scene.meshes.at(0).material);
+  };
+  const Scene plain = read("Kd .5 .5 .5\nmap_Kd t.png");
+  EXPECT_EQ(plain.warnings, std::vector<std::string>{});
+  EXPECT_EQ(material(plain).reflectance, glm::vec3(0.5f));
+  ExpectSeen(plain, material(plain), {0.25, 0.75}, {1, 0, 0});
+  ExpectSeen(plain, material(plain), {1.75, 0.25}, {1, 1, 1});
+  const Scene moved = read("Kd 0 0 0\nmap_Kd -clamp on -o 0.5 0 0 -s 1 1 1 t.png");
+  EXPECT_EQ(material(moved).reflectance, glm::vec3(1));
+  ExpectSeen(moved, material(moved), {0.25, 0.75}, {0, 1, 0});
+  ExpectSeen(moved, material(moved), {9, 0.75}, {0, 1, 0});
+  ExpectSeen(moved, material(moved), {0.25, 0.25}, {1, 1, 1});
+  const Scene coated = read("Kd 1 1 1\nKs .5 .5 .5\nNs 98\nmap_Kd t.png");
+  EXPECT_EQ(material(coated).bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_NEAR(material(coated).alpha, std::sqrt(0.02), 1e-6);
+  EXPECT_TRUE(material(coated).color_texture);
+  folder.Write("t.png", "no picture");
+  EXPECT_THROW(read("map_Kd t.png"), InputError);
+}
+
+}  // namespace
+}  // namespace skywave
