@@ -3,7 +3,7 @@
 #include <OpenEXRConfig.h>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
-#include <hwy/highway.h>
+#include <hwy/targets.h>
 #include <sys/utsname.h>
 #include <tbb/version.h>
 #include <unistd.h>
