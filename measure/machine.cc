@@ -3,7 +3,7 @@
 #include <OpenEXRConfig.h>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
-#include <hwy/targets.h>
+#include <hwy/highway.h>  // of which only the version and the names of targets
 #include <sys/utsname.h>
 #include <tbb/version.h>
 #include <unistd.h>
