@@ -3,7 +3,6 @@
 #include <OpenEXRConfig.h>
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
-#include <hwy/highway.h>  // of which only the version and the names of targets
 #include <sys/utsname.h>
 #include <tbb/version.h>
 #include <unistd.h>
@@ -11,6 +10,7 @@
 
 #include <fstream>
 
+#include "kernels/targets.h"
 #include "scene/geometry.h"
 #include "wavefront/render.h"
 
@@ -31,12 +31,6 @@ std::string SystemName() {
   utsname name = {};
   return uname(&name) == 0 ? fmt::format("{} {} {}", name.sysname, name.release, name.machine)
                            : "unknown";
-}
-
-// The best set that this processor has and kernels are compiled for.
-std::string KernelInstructions() {
-  const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
-  return hwy::TargetName(targets & -targets);
 }
 
 std::string BuildKind() {
@@ -67,10 +61,10 @@ Machine DescribeMachine(const std::string& embree_config) {
           .compiler = "g++ " __VERSION__,
 #endif
           .build = BuildKind(),
-          .instructions = KernelInstructions(),
+          .instructions = KernelTarget(),
           .embree_config = embree_config.empty() ? DefaultEmbreeConfig() : embree_config,
           .libraries = {{"embree", RTC_VERSION_STRING},
-                        {"highway", fmt::format("{}.{}.{}", HWY_MAJOR, HWY_MINOR, HWY_PATCH)},
+                        {"highway", HighwayVersion()},
                         {"tbb", fmt::format("{}.{}", TBB_VERSION_MAJOR, TBB_VERSION_MINOR)},
                         {"openexr", OPENEXR_VERSION_STRING},
                         {"xxhash", fmt::format("{}.{}.{}", XXH_VERSION_MAJOR, XXH_VERSION_MINOR,

@@ -1,0 +1,13 @@
+// What the kernels run on.
+#pragma once
+
+#include <string>
+
+namespace skywave {
+
+// Highway's name of the best instruction set that this processor has and the kernels are compiled
+// for, and the version of Highway.
+std::string KernelTarget();
+std::string HighwayVersion();
+
+}  // namespace skywave
