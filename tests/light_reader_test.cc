@@ -150,7 +150,6 @@ TEST(PbrtLights, InstancesShine) {
 }
 
 TEST(PbrtLights, WhatIsNoLightIsRefusedWithItsLine) {
-  const std::string triangle(kTriangle);
   for (const auto& [text, reason] : std::initializer_list<std::pair<std::string, const char*>>{
            {"LightSource \"point\" \"rgb I\" [1 -1 1]", "negative"},
            {"LightSource \"distant\" \"float scale\" -2", "negative"},
@@ -305,7 +304,7 @@ TEST_F(GltfLights, WhatIsNoLightIsRefused) {
   EXPECT_NE(error_of((light + "intensity").c_str(), 1e30), "");
   EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", 1), "");
   EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", -1), "");
-  EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual", json::array()), "");
+  EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", "x"), "");
   EXPECT_NE(error_of("/materials", {{{"emissiveFactor", {-1, 0, 0}}}}), "");
   json document = Document();
   Light(document)["type"] = "spot";

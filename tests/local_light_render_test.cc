@@ -43,7 +43,7 @@ Scene Floor() {
   Scene scene;
   Place(scene, Quad(30), AddLambert(scene, "floor", glm::vec3(1)), glm::vec3(0));
   Place(scene, Quad(30), AddLambert(scene, "lid", glm::vec3(0)), {0, 9, 0});
-  scene.camera = LookAtCamera({6, 4, 0}, {0, 0, 0}, {0, 1, 0}, 0.01f, false);
+  scene.camera = LookAtCamera({6, 4, -3}, {0, 0, 0}, {0, 1, 0}, 0.01f, false);
   return scene;
 }
 
