@@ -137,8 +137,8 @@ bool SampleLights(const FrameView& frame, const ShadePoints& points, const Light
   const bool local = index >= plan.fixed && shares.local.share > 0;
   UniformColumns of_strategy = uniforms;
   if (local && shares.local.share < 1) {
-    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth more
-    // than that wastes.
+    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
+    // more than that wastes.
     SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
     of_strategy.u = rest.u;
   }
