@@ -107,16 +107,18 @@ void TextureSurfacesStage(benchmark::State& state) {
 void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
   WaveFixture f(strategy);
   Worker& w = f.worker;
-  const LightPlan plan = f.plan();
+  const LightShares shares = f.shares();
+  const LightPlan& plan = shares.plan;
   if ((fixed ? plan.fixed : plan.drawn) == 0) return state.SkipWithError("not in its plan");
   Run(state, f.ranges.light_sampled(), [&] {
-    SampleLights(f.frame, f.Points(), plan, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lights);
+    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lobe,
+                 w.lights);
   });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
+  SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
   Run(state, f.ranges.light_sampled(),
       [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights); });
 }
@@ -124,7 +126,7 @@ void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
+  SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
   EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
@@ -138,7 +140,7 @@ void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
+  SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
   EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });

@@ -80,7 +80,7 @@ struct WaveFixture {
     return request;
   }
 
-  LightPlan plan() const { return frame.strategy->Plan(frame.light_samples()); }
+  LightShares shares() const { return frame.light_shares(); }
 
   FlushDenormals flush;
   RenderJob job;

@@ -1,6 +1,7 @@
 // skywave info: what is in a scene.
 #include <fmt/format.h>
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,6 +9,7 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "scene/geometry.h"
+#include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
 #include "wavefront/job.h"
@@ -22,6 +24,7 @@ struct InfoFlags {
 struct SceneFile {
   Scene scene;
   SceneSummary summary;
+  std::array<LocalLightTotal, kLocalLightKinds> local_lights = {};  // by kind
   double load_seconds = 0, build_seconds = 0;
   std::size_t geometry_bytes = 0;  // what rendering keeps, without the BVH
 };
@@ -36,7 +39,9 @@ SceneFile Load(const std::string& path) {
   if (file.summary.triangles > 0) {
     const Geometry geometry(file.scene, path);
     file.build_seconds = geometry.build_seconds();
-    file.geometry_bytes = geometry.bytes();
+    const LocalLights lights(file.scene, geometry, path, BoundingRadius(*file.summary.bounds), 0);
+    file.local_lights = lights.totals();
+    file.geometry_bytes = geometry.bytes() + lights.bytes();
   }
   return file;
 }
@@ -62,6 +67,7 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   if (material.color_texture) json["color_texture"] = *material.color_texture;
   if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
   if (material.bsdf == BsdfKind::kDielectric) json["ior"] = material.ior;
+  if (material.emission != glm::vec3(0)) json["emission"] = List(material.emission);
   return json;
 }
 
@@ -110,6 +116,12 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   }
   json["lights"] = nlohmann::ordered_json::array();
   for (const EnvironmentLight& light : scene.environments) json["lights"].push_back(Json(light));
+  for (std::uint32_t kind = 0; kind < kLocalLightKinds; ++kind) {
+    const LocalLightTotal& total = file.local_lights[kind];
+    if (total.count == 0) continue;
+    json["lights"].push_back(
+        {{"kind", ToString(LocalLightKind(kind))}, {"count", total.count}, {"power", total.power}});
+  }
   json["bytes"] = {{"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}};
   json["seconds"] = {{"load", file.load_seconds}, {"build", file.build_seconds}};
   json["not_supported"] = scene.warnings;
@@ -133,6 +145,12 @@ std::string Parameters(const Material& material) {
       return fmt::format("ior {:.4g}", material.ior);
   }
   return "";
+}
+
+std::string Emission(const Material& material) {
+  if (material.emission == glm::vec3(0)) return "";
+  return fmt::format(", shines with {}{}", Text(material.emission),
+                     material.emission_texture ? " * texture" : "");
 }
 
 std::string Describe(const Camera& camera) {
@@ -180,12 +198,20 @@ void Print(const std::string& path, const SceneFile& file) {
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    fmt::print("  {:<24}{:<12}{:>10}  {}\n", material.name, ToString(material.bsdf),
-               summary.triangles_of_material[i], Parameters(material));
+    fmt::print("  {:<24}{:<12}{:>10}  {}{}\n", material.name, ToString(material.bsdf),
+               summary.triangles_of_material[i], Parameters(material), Emission(material));
   }
-  fmt::print("\n{} lights\n", scene.environments.size());
+  std::size_t lights = scene.environments.size();
+  for (const LocalLightTotal& total : file.local_lights) lights += total.count;
+  fmt::print("\n{} lights\n", lights);
   for (const EnvironmentLight& light : scene.environments) fmt::print("  {}\n", Describe(light));
-  if (scene.environments.empty()) fmt::print("  give an illumination map with --env MAP\n");
+  for (std::uint32_t kind = 0; kind < kLocalLightKinds; ++kind) {
+    const LocalLightTotal& total = file.local_lights[kind];
+    if (total.count == 0) continue;
+    fmt::print("  {:<24}{:>10}  power {:.6g}\n", ToString(LocalLightKind(kind)), total.count,
+               total.power);
+  }
+  if (lights == 0) fmt::print("  give an illumination map with --env MAP\n");
   fmt::print("\n{} remarks\n", scene.warnings.size());
   for (const std::string& warning : scene.warnings) fmt::print("  {}\n", warning);
 }

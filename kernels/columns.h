@@ -83,16 +83,16 @@ struct HitColumns {
   }
 };
 
-// One row = one ray that left the scene. Written by partition; radiance and light_pdf by the
-// environment strategy.
+// One row = one ray that met light: left the scene, or hit what shines. Written by partition,
+// radiance and light_pdf by the environment strategy; or all by the kernel of local lights.
 struct EscapeColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit length
   float *throughput_r, *throughput_g, *throughput_b;
   float* pdf;                                   // as in RayColumns
   std::uint32_t* path;                          // row in PathColumns
   std::uint32_t* from;                          // row in SurfaceColumns of the bounce before
-  float *radiance_r, *radiance_g, *radiance_b;  // of the map in direction dir
-  float* light_pdf;                             // of dir by the light strategy [1/sr]
+  float *radiance_r, *radiance_g, *radiance_b;  // what it sees there
+  float* light_pdf;                             // of dir by light samples [1/sr]
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -145,14 +145,15 @@ struct SurfaceRanges {
 };
 
 // One row = one light sample, and then one shadow ray, of the surface in the same row. Written by
-// the strategy; the BSDF turns radiance into the contribution and closes t_far where there is none.
+// the strategy and local lights; the BSDF turns radiance into the contribution and closes t_far
+// where there is none.
 struct LightColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit, towards the light
   float *r, *g, *b;              // in: radiance; out: what the path gains if nothing is in between
-  // Samples of the surface a steradian around dir [1/sr]. <= 0: no sample. Infinite: a directional
-  // light, r, g, b are its irradiance, and no BSDF sample can meet it.
+  // Samples of the surface a steradian around dir [1/sr]. <= 0: no sample. Infinite: a light
+  // without extent, r, g, b are its irradiance, and no BSDF sample can meet it.
   float* pdf;
-  float* t_far;  // infinity: trace; negative: nothing to trace, or occluded
+  float* t_far;  // distance of the light or infinity: trace; negative: nothing to, or occluded
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {

@@ -4,8 +4,12 @@
 
 #include <array>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <utility>
 
 #include "base/error.h"
+#include "scene/mesh.h"
 #include "scene/scene_building.h"
 #include "scene/shapes.h"
 
@@ -17,6 +21,8 @@ constexpr std::array kScenes = {
                      "a still life in the sun: stone, glaze, gold, copper, mirror, glass"},
     BuiltinSceneInfo{"spheres", "one sphere of each BSDF on a plane under the sun"},
     BuiltinSceneInfo{"furnace", "a white sphere in constant radiance 1: everything renders to 1"},
+    BuiltinSceneInfo{"lamps",
+                     "a room with a lamp in its ceiling, a spot, a bulb and a glowing ball"},
     BuiltinSceneInfo{"many-shapes", "a field of 196 blobs, 1.0 M triangles of Lambert"},
 };
 
@@ -39,6 +45,57 @@ Scene FurnaceScene() {
   scene.environments.push_back({.world_from_map = EnvironmentFrame('y', false, 0)});
   scene.camera = LookAtCamera({0, 0, 4}, glm::vec3(0), {0, 1, 0}, 40, false);
   scene.settings = BuiltinSettings(64, 8);
+  return scene;
+}
+
+// A quad of the xz plane that looks along `normal` from `centre`, its sides turned accordingly.
+void PlaceWall(Scene& scene, float half, std::uint32_t material, const glm::vec3& centre,
+               const glm::vec3& normal) {
+  const glm::vec3 from(0, 1, 0), axis = glm::cross(from, normal);
+  glm::dmat4 turn(1);
+  if (glm::length(axis) > 0) {
+    turn = glm::rotate(glm::dmat4(1), glm::half_pi<double>(), glm::dvec3(axis));
+  } else if (normal.y < 0) {
+    turn = glm::rotate(glm::dmat4(1), glm::pi<double>(), glm::dvec3(1, 0, 0));
+  }
+  Mesh wall = Quad(half);
+  TransformMesh(turn, wall);
+  Place(scene, std::move(wall), material, centre);
+}
+
+// A room of 4 x 4 x 4, open towards the camera, without a sky: lit by each kind of local light but
+// the distant ones, which would come through no wall.
+Scene LampsScene() {
+  Scene scene;
+  const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
+  const std::uint32_t red = AddLambert(scene, "brick", {0.55f, 0.14f, 0.08f});
+  const std::uint32_t blue = AddLambert(scene, "slate", {0.12f, 0.22f, 0.40f});
+  PlaceWall(scene, 2, white, {0, 0, 0}, {0, 1, 0});
+  PlaceWall(scene, 2, white, {0, 4, 0}, {0, -1, 0});
+  PlaceWall(scene, 2, white, {0, 2, -2}, {0, 0, 1});
+  PlaceWall(scene, 2, red, {-2, 2, 0}, {1, 0, 0});
+  PlaceWall(scene, 2, blue, {2, 2, 0}, {-1, 0, 0});
+  const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0.6f));
+  scene.materials[lamp].emission = {9, 8.2f, 7};
+  PlaceWall(scene, 0.45f, lamp, {0, 3.98f, 0}, {0, -1, 0});
+  const std::uint32_t glow = AddLambert(scene, "glow", glm::vec3(0.2f));
+  scene.materials[glow].emission = {4, 1.4f, 0.3f};
+  Place(scene, Sphere(0.18f, 6), glow, {1.2f, 0.18f, 0.9f});
+  Place(scene, Sphere(0.55f), AddMetal(scene, "Au", 0.2f), {-0.85f, 0.55f, -0.5f});
+  Place(scene, Sphere(0.45f), AddGlass(scene, 1.5f), {0.35f, 0.45f, 0.55f});
+  Place(scene, RoundedBox({0.4f, 0.8f, 0.4f}, 0.04f, 6), white, {0.95f, 0.8f, -0.8f}, 25);
+  const glm::vec3 spot(-1.7f, 3.6f, 1.6f), target(-0.85f, 0, -0.5f);
+  scene.lights.push_back({.kind = LocalLightKind::kSpot,
+                          .emission = {14, 16, 20},
+                          .position = spot,
+                          .direction = glm::normalize(target - spot),
+                          .cos_full = std::cos(glm::radians(13.0f)),
+                          .cos_dark = std::cos(glm::radians(19.0f))});
+  scene.lights.push_back({.kind = LocalLightKind::kPoint,
+                          .emission = {0.5f, 0.55f, 0.4f},
+                          .position = {1.6f, 2.4f, -1.6f}});
+  scene.camera = LookAtCamera({0, 2, 8.2f}, {0, 1.9f, 0}, {0, 1, 0}, 38, false);
+  scene.settings = BuiltinSettings(128, 8);
   return scene;
 }
 
@@ -83,6 +140,7 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "gallery") return GalleryScene();
   if (name == "spheres") return SpheresScene();
   if (name == "furnace") return FurnaceScene();
+  if (name == "lamps") return LampsScene();
   if (name == "many-shapes") return ManyShapesScene();
   std::string known;
   for (const BuiltinSceneInfo& info : kScenes) {

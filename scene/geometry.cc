@@ -118,10 +118,12 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   }
   bool textured = false;
   for (const Material& material : scene.materials) {
-    for (const auto& texture : {material.color_texture, material.roughness_texture}) {
+    textured = textured || material.color_texture || material.roughness_texture;
+    for (const auto& texture :
+         {material.color_texture, material.roughness_texture, material.emission_texture}) {
       if (!texture) continue;
-      textured = true;
-      if (*texture >= scene.textures.size()) {
+      if (*texture >= scene.textures.size() ||
+          scene.textures[*texture].image >= scene.images.size()) {
         throw InputError(InputPosition::File(path),
                          fmt::format("material '{}': its texture does not exist", material.name));
       }
@@ -186,6 +188,11 @@ MaterialView Geometry::materials() const {
   return {.records = materials_.data(), .conductor = conductor_tables_};
 }
 
+glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
+  const float* p = &vertices_[3 * std::size_t{indices_[3 * triangle + std::size_t(corner)]}];
+  return {p[0], p[1], p[2]};
+}
+
 TextureView Geometry::textures() const { return textures_.view(); }
 
 std::size_t Geometry::bytes() const {
@@ -209,6 +216,9 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const Material& m : scene.materials) {
     add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
     add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
+    if (m.emission != glm::vec3(0)) {
+      add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
+    }
   }
   for (const Texture& t : scene.textures) {
     add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
@@ -225,6 +235,10 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const EnvironmentLight& light : scene.environments) {
     if (light.map) add(light.map->width), add(light.map->height), add_all(light.map->rgb);
     add(light.scale), add(light.world_from_map);
+  }
+  for (const PunctualLight& l : scene.lights) {
+    add(l.kind), add(l.emission), add(l.position), add(l.direction), add(l.cos_full);
+    add(l.cos_dark);
   }
   const std::uint64_t hash = XXH64_digest(state);
   XXH64_freeState(state);

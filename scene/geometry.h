@@ -32,6 +32,8 @@ class Geometry {
   MaterialView materials() const;
   TextureView textures() const;  // empty: no material has one
   std::size_t triangle_count() const { return triangles_.size(); }
+  // Where corner 0, 1 or 2 of a triangle is, in the order that decides its geometric normal.
+  glm::vec3 Corner(std::size_t triangle, int corner) const;
   std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
   double build_seconds() const { return build_seconds_; }
 

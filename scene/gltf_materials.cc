@@ -112,20 +112,48 @@ float Fraction(Context& context, const char* name, double value) {
 }
 
 void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
-  const auto& emission = from.emissiveFactor;
-  if (std::any_of(emission.begin(), emission.end(), [](double e) { return e > 0; })) {
-    Warn(context, "emission is not supported: left out");
-  }
   if (from.alphaMode == "MASK" || from.alphaMode == "BLEND") {
     Warn(context, fmt::format("alphaMode {} is not supported: rendered opaque", from.alphaMode));
   }
   if (from.normalTexture.index >= 0) Warn(context, "normal maps are not supported: left out");
   for (const auto& [name, value] : from.extensions) {
     if (name == "KHR_materials_ior" || name == "KHR_materials_transmission" ||
-        name == "KHR_materials_unlit") {
+        name == "KHR_materials_unlit" || name == "KHR_materials_emissive_strength") {
       continue;
     }
     Warn(context, fmt::format("the extension {} is not supported: left out", name));
+  }
+}
+
+// What the material shines with; `uv_set`: of its other textures, or negative if it has none.
+void SetEmission(Context& context, const tinygltf::Material& from, int& uv_set,
+                 Material& material) {
+  double strength = 1;
+  if (const auto found = from.extensions.find("KHR_materials_emissive_strength");
+      found != from.extensions.end()) {
+    strength = Number(found->second, "emissiveStrength", 1);
+  }
+  glm::dvec3 emission(0);
+  for (std::size_t c = 0; c < 3 && c < from.emissiveFactor.size(); ++c) {
+    emission[int(c)] = from.emissiveFactor[c] * strength;
+    if (!(emission[int(c)] >= 0 && emission[int(c)] <= 1e18)) {
+      throw InputError(
+          InputPosition::File(context.path),
+          fmt::format("material '{}' has an emission of {}", from.name, emission[int(c)]));
+    }
+  }
+  if (emission == glm::dvec3(0)) return;
+  material.emission = glm::vec3(emission);
+  material.emits_on_both_sides = from.doubleSided;
+  int set = uv_set;
+  material.emission_texture = AddTexture(context, from.emissiveTexture, Encoding::kSrgb, set);
+  if (!material.emission_texture) return;
+  if (uv_set >= 0 && set != uv_set) {
+    Warn(context,
+         "two sets of texture coordinates in a material are not supported: the first one is used "
+         "for the emission too");
+  } else {
+    uv_set = set;
   }
 }
 
@@ -160,11 +188,12 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
             .reflectance = glm::vec3(1),
             .ior = material.ior};
   }
+  uv_set = -1;
   int roughness_set = -1;
   material.color_texture = AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, uv_set);
   material.roughness_texture =
       AddTexture(context, pbr.metallicRoughnessTexture, Encoding::kLinear, roughness_set);
-  if (!material.color_texture) uv_set = std::max(roughness_set, 0);
+  if (!material.color_texture) uv_set = roughness_set;
   if (material.roughness_texture && roughness_set != uv_set) {
     Warn(context,
          "two sets of texture coordinates in a material are not supported: the set of "
@@ -185,9 +214,11 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
   Context context{model, path, scene, warnings};
   GltfMaterials materials;
   for (const tinygltf::Material& from : model.materials) {
-    int set = 0;
-    scene.materials.push_back(MakeMaterial(context, from, set));
-    materials.uv_set.push_back(set);
+    int set = -1;
+    Material material = MakeMaterial(context, from, set);
+    SetEmission(context, from, set, material);
+    scene.materials.push_back(std::move(material));
+    materials.uv_set.push_back(std::max(set, 0));
   }
   // Of primitives without a material: all defaults of the schema.
   scene.materials.push_back({.name = "default",

@@ -5,8 +5,11 @@
 //   KHR_materials_transmission     from a factor of 1/2: smooth dielectric, clear
 //   KHR_materials_unlit            Lambert, with a warning
 //   KHR_texture_transform          offset, rotation and scale
+//   emissiveFactor, emissiveTexture, KHR_materials_emissive_strength
+//                                  radiance in nits, on both sides of doubleSided materials; of the
+//                                  texture each triangle takes the mean
 //
-// Left out with a warning: emission, alpha (masked and blended surfaces are opaque), normal maps.
+// Left out with a warning: alpha (masked and blended surfaces are opaque), normal maps.
 // Occlusion is left out in silence: it is what rendering finds out. Filters of samplers are ours.
 #pragma once
 

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/gltf_lights.h"
 #include "scene/gltf_materials.h"
 #include "scene/gltf_meshes.h"
 #include "scene/mesh.h"
@@ -217,6 +218,7 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
         scene.meshes.push_back(std::move(mesh));
       }
     }
+    AddGltfLight(model, node, world, path, scene, warnings);
     if (node.camera >= 0 && !scene.camera) {
       if (std::size_t(node.camera) >= model.cameras.size()) {
         Fail(path, fmt::format("there is no camera {}", node.camera));

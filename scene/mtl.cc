@@ -56,8 +56,8 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
       throw InputError(PositionOf(lines),
                        fmt::format("'{}' takes one or three numbers that are not negative", word));
     }
-    if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 0) {
-      AddWarning(warnings, PositionOf(lines), "Ke: emission is not supported: left out");
+    if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 1e18) {
+      throw InputError(PositionOf(lines), "'Ke' is brighter than 1e18");
     }
   } else if (IsOneOf(word, {"Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm"})) {
     const bool halo = word == "d" && words.size() > 1 && words[1] == "-halo";
@@ -65,10 +65,11 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
       throw InputError(PositionOf(lines), "'d -halo' is not supported: give a plain number");
     }
     ParseObjNumbers(lines, words, 1, 1);
-  } else if (IsMap(word) && word != "map_Kd") {
+  } else if (IsMap(word) && word != "map_Kd" && word != "map_Ke") {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("{}: textures are not supported: the plain value is used", word));
-  } else if (!IsOneOf(word, {"map_Kd", "sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
+  } else if (!IsOneOf(word,
+                      {"map_Kd", "map_Ke", "sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("'{}' is no statement of MTL: ignored", word.substr(0, 40)));
   }
@@ -93,13 +94,17 @@ std::vector<Entry> CheckMtl(ObjLines& lines, Warnings& warnings) {
   return entries;
 }
 
-// A reflectance, clamped to [0, 1]. tinyobjloader leaves 0 in the channels that a grey given by one
-// number does not name.
-glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
-                   Warnings& warnings) {
+// tinyobjloader leaves 0 in the channels that a grey given by one number does not name.
+glm::vec3 Color(const float* values, const Entry& entry, std::string_view word) {
   const auto found = entry.statements.find(word);
   const bool grey = found != entry.statements.end() && found->second.single;
-  const glm::vec3 color = grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
+  return grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
+}
+
+// A reflectance, clamped to [0, 1].
+glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
+                   Warnings& warnings) {
+  const glm::vec3 color = Color(values, entry, word);
   const glm::vec3 clamped = glm::clamp(color, 0.0f, 1.0f);
   if (clamped != color) {
     AddWarning(warnings, At(entry, word), fmt::format("{} is clamped to [0, 1]", word));
@@ -134,20 +139,19 @@ Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
           .alpha = std::max(alpha, 1e-3f)};
 }
 
-// The texture of map_Kd, or nothing.
-std::optional<std::uint32_t> DiffuseMap(const tinyobj::material_t& mtl, const Entry& entry,
-                                        TextureFiles& textures, Warnings& warnings) {
-  if (mtl.diffuse_texname.empty()) return std::nullopt;
-  std::string name = mtl.diffuse_texname;
+// The texture of map_Kd or map_Ke, or nothing.
+std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
+                                      const Entry& entry, std::string_view word,
+                                      TextureFiles& textures, Warnings& warnings) {
+  if (name.empty()) return std::nullopt;
   std::replace(name.begin(), name.end(), '\\', '/');
   const auto path = std::filesystem::path(entry.position.path).parent_path() / name;
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) {
-    AddWarning(warnings, At(entry, "map_Kd"),
-               fmt::format("map_Kd: there is no file \"{}\": the plain value is used", name));
+    AddWarning(warnings, At(entry, word),
+               fmt::format("{}: there is no file \"{}\": the plain value is used", word, name));
     return std::nullopt;
   }
-  const tinyobj::texture_option_t& option = mtl.diffuse_texopt;
   Texture texture;
   texture.image = AddTextureImage(textures, path.string(), Encoding::kSrgb);
   texture.wrap_u = texture.wrap_v = option.clamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
@@ -167,7 +171,8 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureF
                "partly transparent surfaces are not supported: rendered opaque");
   }
   if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
-  const auto map = DiffuseMap(mtl, entry, textures, warnings);
+  const auto map =
+      ColorMap(mtl.diffuse_texname, mtl.diffuse_texopt, entry, "map_Kd", textures, warnings);
   if (!map && IsBlack(diffuse) && !IsBlack(specular)) {
     if (mtl.illum == 3 || mtl.illum == 5) {
       return {.bsdf = BsdfKind::kMirror, .reflectance = specular};
@@ -188,6 +193,16 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureF
   // Exporters write black for "as the map has it".
   if (map && (!entry.Has("Kd") || IsBlack(diffuse))) material.reflectance = glm::vec3(1);
   return material;
+}
+
+void SetEmission(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                 Warnings& warnings, Material& material) {
+  material.emits_on_both_sides = true;
+  material.emission = Color(mtl.emission, entry, "Ke");
+  if (entry.Has("Ke") && IsBlack(material.emission)) return;
+  material.emission_texture =
+      ColorMap(mtl.emissive_texname, mtl.emissive_texopt, entry, "map_Ke", textures, warnings);
+  if (material.emission_texture && !entry.Has("Ke")) material.emission = glm::vec3(1);
 }
 
 }  // namespace
@@ -211,6 +226,7 @@ std::vector<Material> ParseMtl(std::string text, const std::string& path, Textur
   }
   for (std::size_t i = 0; i < read.size(); ++i) {
     materials.push_back(ToMaterial(read[i], entries[i], textures, warnings));
+    SetEmission(read[i], entries[i], textures, warnings, materials.back());
     materials.back().name = entries[i].name;
   }
   return materials;

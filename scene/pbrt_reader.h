@@ -3,8 +3,10 @@
 // Read are: comments, Include and Import; all transform directives; attribute and object scopes
 // (instances become copies); Camera "perspective", "orthographic", "spherical" and "environment";
 // the numbers of Film, Sampler, Integrator and PixelFilter that RenderSettings holds; materials
-// (pbrt_materials.h), constant textures, shapes (pbrt_shapes.h) and LightSource "infinite". Files
-// that are only a piece of a scene, without WorldBegin, are read too.
+// (pbrt_materials.h), constant textures, shapes (pbrt_shapes.h), LightSource "infinite", "point",
+// "spot" and "distant", and AreaLightSource "diffuse" on every shape (pbrt_lights.cc; a "power" is
+// that of a whole shape, spots fall off as in pbrt-v4, lights of objects shine in every instance).
+// Files that are only a piece of a scene, without WorldBegin, are read too.
 //
 // Whatever else is legal pbrt gives one line in Scene::warnings that says what is done instead.
 // Syntax errors, directives that pbrt does not have, wrong counts, missing files, singular

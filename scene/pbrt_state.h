@@ -17,12 +17,20 @@
 
 namespace skywave {
 
+// What AreaLightSource makes of the shapes that follow.
+struct PbrtAreaLight {
+  std::uint32_t number;  // of the directive: shapes of one share their material
+  glm::vec3 radiance;    // or, with `power`, what that is a factor of
+  bool two_sided;
+  std::optional<float> power;  // of each shape
+};
+
 // What AttributeBegin saves and AttributeEnd restores.
 struct PbrtGraphicsState {
   glm::dmat4 to_world{1.0};               // the current transformation matrix
   std::optional<std::uint32_t> material;  // nothing: shapes are invisible
   bool reverse_orientation = false;
-  bool has_area_light = false;
+  std::optional<PbrtAreaLight> area_light;
 };
 
 struct PbrtScope {
@@ -41,6 +49,9 @@ struct PbrtReader {
   std::map<std::string, std::optional<std::uint32_t>> named_materials;
   PbrtTextures textures;
   TextureFiles texture_files{&scene};
+  std::uint32_t area_lights = 0;
+  // By material and area light: the material that shines.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
   std::map<std::string, std::vector<Mesh>> objects;
   std::vector<Mesh>* object = nullptr;  // the one being defined
   bool in_world = false;
@@ -59,6 +70,13 @@ using PbrtHandler = void (*)(PbrtReader& reader, PbrtSource& source, const PbrtT
 
 // The directive Texture (pbrt_textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+
+// The directives LightSource and AreaLightSource, and the material of a shape in the world: the
+// current one, shining if there is an area light (pbrt_lights.cc).
+void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+std::uint32_t MaterialOfPbrtShape(PbrtReader& reader, const Mesh& mesh,
+                                  const InputPosition& position);
 
 // The handler of a directive, by file: null for words that are not its.
 PbrtHandler FindPbrtTransformDirective(std::string_view word);  // pbrt_transforms.cc

@@ -127,13 +127,9 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
                "a shape that only bounds a medium is not supported: left out");
     return;
   }
-  if (reader.state.has_area_light) {
-    AddWarning(reader.warnings, position,
-               "a shape that is an area light does not emit: only its material is rendered");
-  }
   TransformMesh(reader.state.to_world, *mesh);
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
-  mesh->material = *reader.state.material;
+  mesh->material = MaterialOfPbrtShape(reader, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
   AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
 }
@@ -181,67 +177,6 @@ void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word
   reader.state.material = found->second;
 }
 
-// Columns right, forward, up of a lat-long map in the light's space (see pbrt_reader.h), in the
-// world. Frames are unit vectors: pbrt's directions do not change by a scale either.
-glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
-  const glm::dmat3 linear(reader.state.to_world);
-  glm::dmat3 frame(-linear[1], -linear[0], linear[2]);
-  for (int i = 0; i < 3; ++i) frame[i] = glm::normalize(frame[i]);
-  const double skew = std::abs(glm::dot(frame[0], frame[1])) +
-                      std::abs(glm::dot(frame[1], frame[2])) +
-                      std::abs(glm::dot(frame[2], frame[0]));
-  const double lengths[] = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
-  const bool even = std::max({lengths[0], lengths[1], lengths[2]}) <=
-                    1.001 * std::min({lengths[0], lengths[1], lengths[2]});
-  if (skew > 1e-4 || !even) {
-    AddWarning(
-        reader.warnings, parameters.position,
-        parameters.directive + ": its transform stretches the map: only the rotation is used");
-    const double side = glm::determinant(frame) < 0 ? -1 : 1;
-    frame[1] = glm::normalize(frame[1] - frame[2] * glm::dot(frame[1], frame[2]));
-    frame[0] = side * glm::cross(frame[1], frame[2]);
-  }
-  return frame;
-}
-
-void ReadLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const InputPosition position = PositionOf(source, word);
-  const std::string type = ExpectString(source, "the type of LightSource");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("LightSource \"{}\"", type));
-  if (type != "infinite" && type != "exinfinite") {
-    AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
-    return;
-  }
-  EnvironmentLight light;
-  light.scale = FindColor(parameters, "L", reader.textures, reader.warnings).value_or(glm::vec3(1));
-  if (Find(parameters, {"float"}, "scale")) {
-    light.scale *= *FindFloat(parameters, "scale");
-  } else if (const auto scale = FindColor(parameters, "scale", reader.textures, reader.warnings)) {
-    light.scale *= *scale;  // a colour in pbrt-v3
-  }
-  if (!glm::all(glm::greaterThanEqual(light.scale, glm::vec3(0)))) {
-    throw InputError(position, parameters.directive + ": negative radiance");
-  }
-  for (const char* name : {"filename", "mapname"}) {
-    const auto file = FindString(parameters, name);
-    if (!file || file->empty()) continue;
-    light.map_path = ResolvePbrtPath(reader, *file, position);
-    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3 has lat-longs
-  }
-  light.world_from_map = MapFrame(reader, parameters);
-  ReportUnused(parameters, reader.warnings);
-  reader.scene.environments.push_back(std::move(light));
-}
-
-void AreaLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const std::string type = ExpectString(source, "the type of AreaLightSource");
-  ReadParameters(source, PositionOf(source, word), "AreaLightSource");
-  AddWarning(reader.warnings, PositionOf(source, word),
-             fmt::format("AreaLightSource \"{}\" is not supported: left out", type));
-  reader.state.has_area_light = true;
-}
-
 // `Word "name" parameters`, of which nothing is rendered.
 void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, fmt::format("the name of {}", word.text));
@@ -276,8 +211,8 @@ constexpr Entry kDirectives[] = {
     {"MakeNamedMaterial", MakeNamedMaterial},
     {"NamedMaterial", NamedMaterial},
     {"Texture", ReadPbrtTexture},
-    {"LightSource", ReadLightSource},
-    {"AreaLightSource", AreaLightSource},
+    {"LightSource", ReadPbrtLightSource},
+    {"AreaLightSource", ReadPbrtAreaLight},
     {"MakeNamedMedium", Ignore},
     {"Attribute", Ignore},  // pbrt-v4: defaults of parameters
     {"Volume", Ignore},     // pbrt-v2

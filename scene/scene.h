@@ -11,6 +11,7 @@
 #include "image/image.h"
 #include "kernels/camera.h"
 #include "kernels/columns.h"
+#include "kernels/local_lights.h"
 
 namespace skywave {
 
@@ -28,6 +29,10 @@ struct Material {
   // Indices into Scene::textures: factors of the reflectance; of the square root of alpha (green)
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
+  // Radiance of the surface itself, on the side of its normals or on both; the texture is a factor.
+  glm::vec3 emission{0.0f};
+  bool emits_on_both_sides = false;
+  std::optional<std::uint32_t> emission_texture;
 };
 
 // An image as a material uses it. uv (0, 0) is the top left corner of the image, (1, 1) the bottom
@@ -81,6 +86,16 @@ struct EnvironmentLight {
   glm::mat3 world_from_map{1.0f};  // columns: right, forward, up
 };
 
+// A light without extent.
+struct PunctualLight {
+  LocalLightKind kind = LocalLightKind::kPoint;  // point, spot or distant
+  glm::vec3 emission{0.0f};                      // as in LocalLight: intensity or irradiance
+  glm::vec3 position{0.0f};                      // point, spot; world space
+  glm::vec3 direction{0, 0, 1};  // spot: where it points; distant: towards it; world space, unit
+  // Spot: cosines of the angles to `direction` up to which it is full and from which it is dark.
+  float cos_full = 1, cos_dark = 0;
+};
+
 // A part of the film, as fractions of its width from the left and its height from the top.
 struct CropFractions {
   float left = 0, right = 1, top = 0, bottom = 1;
@@ -102,6 +117,7 @@ struct Scene {
   std::vector<Image> images;  // of textures: linear RGB, or numbers as they are
   std::optional<Camera> camera;
   std::vector<EnvironmentLight> environments;
+  std::vector<PunctualLight> lights;
   RenderSettings settings;
   // True if the world's axes are left-handed (pbrt's are): decides which way round a map given on
   // the command line is laid, so that it is never seen mirrored.

@@ -180,7 +180,8 @@ INSTANTIATE_TEST_SUITE_P(
     Builtin, Determinism,
     testing::Values(Case{"gallery", Integrator::kPath}, Case{"gallery", Integrator::kDirect},
                     Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect},
-                    Case{"painted", Integrator::kPath}, Case{"painted", Integrator::kDirect}),
+                    Case{"painted", Integrator::kPath}, Case{"painted", Integrator::kDirect},
+                    Case{"lamps", Integrator::kPath}, Case{"lamps", Integrator::kDirect}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });

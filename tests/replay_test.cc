@@ -19,8 +19,8 @@ namespace {
 constexpr RayOrder kOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
 
 struct RecordedFrame {
-  RecordedFrame() {
-    JobRequest request = {.scene = "spheres"};
+  explicit RecordedFrame(const char* scene = "spheres") {
+    JobRequest request = {.scene = scene};
     request.width = 48, request.height = 32, request.samples_per_pixel = 4;
     request.options.threads = 2;
     job = std::make_unique<RenderJob>(request);
@@ -54,6 +54,20 @@ TEST(Replay, TracesEveryRayOfTheFrame) {
   const RecordedFrame frame;
   const std::size_t rays = Rays(frame.recorders, false).size() + Rays(frame.recorders, true).size();
   EXPECT_EQ(rays, frame.result.stats.total_rays());
+}
+
+// A room without sun or sky: every shadow ray ends at a lamp, and in a replay too.
+TEST(Replay, ShadowRaysEndAtTheirLights) {
+  const RecordedFrame frame("lamps");
+  for (const RayOrder order : kOrders) {
+    for (const RayRecorder& recorder : OrderRays(frame.recorders, order)) {
+      for (const RayBatch& batch : recorder.batches()) {
+        for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
+          ASSERT_EQ(std::isfinite(recorder.t_far()[i]), batch.occlusion);
+        }
+      }
+    }
+  }
 }
 
 TEST(Replay, HitsAreTheSameForEveryCallAndOrder) {

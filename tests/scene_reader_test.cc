@@ -424,7 +424,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
   const Scene scene = Parse(
       "Film \"rgb\" \"string filename\" \"out.exr\"\n"                 // 1
       "WorldBegin\n"                                                   // 2
-      "LightSource \"distant\" \"rgb L\" [1 1 1]\n"                    // 3
+      "LightSource \"goniometric\" \"rgb I\" [1 1 1]\n"                // 3
       "Material \"velvet\"\n"                                          // 4
       "Shape \"disk\"\n"                                               // 5
       "Shape \"sphere\"\n"                                             // 6
@@ -433,19 +433,19 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "Material \"dielectric\" \"float roughness\" 0.1\n"              // 9
       "Texture \"wood\" \"spectrum\" \"fbm\" \"float roughness\" 1\n"  // 10
       "Material \"matte\" \"texture Kd\" \"wood\"\n"                   // 11
-      "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\n"                // 12
+      "AreaLightSource \"laser\" \"rgb L\" [1 1 1]\n"                  // 12
       "WorldEnd\n"                                                     // 13
       "WorldBegin\n");                                                 // 14
   const std::vector<std::string> expected = {
       "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is named on the command line",
-      "t.pbrt:3: LightSource \"distant\" is not supported: left out",
+      "t.pbrt:3: LightSource \"goniometric\" is not supported: left out",
       "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
       "t.pbrt:5: Shape \"disk\" is not supported: left out (2 times)",
       "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
       "t.pbrt:9: Material \"dielectric\": roughness is not supported: rendered smooth",
       "t.pbrt:10: Texture \"wood\" \"fbm\" is not supported: its users take their default",
       "t.pbrt:11: Material \"matte\": \"texture Kd\" (\"wood\") varies: the default is used",
-      "t.pbrt:12: AreaLightSource \"diffuse\" is not supported: left out",
+      "t.pbrt:12: AreaLightSource \"laser\" is not supported: left out",
       "t.pbrt:14: everything after WorldEnd is ignored",
   };
   EXPECT_EQ(scene.warnings, expected);
@@ -469,7 +469,9 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"",
                            "MediumInterface \"m\" \"\"",
                            "Attribute \"shape\" \"float radius\" 2",
-                           "LightSource \"point\"",
+                           "LightSource \"projection\"",
+                           "LightSource \"point\" \"float bulge\" 1",
+                           "LightSource \"spot\" \"blackbody I\" 5500",
                            "LightSource \"infinite\" \"float illuminance\" 3",
                            "LightSource \"infinite\" \"blackbody L\" 5500",
                            "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"",
@@ -488,7 +490,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Shape \"curve\"",
                            "Shape \"sphere\" \"integer radius\" 2",
                            "Material \"none\" Shape \"sphere\"",
-                           "AreaLightSource \"diffuse\" Shape \"sphere\""}) {
+                           "AreaLightSource \"diffuse\" \"string filename\" \"a.png\""}) {
     const Scene scene = Parse(std::string("\n") + text);
     ASSERT_FALSE(scene.warnings.empty()) << text;
     for (const std::string& warning : scene.warnings) {

@@ -35,6 +35,20 @@ void Copy(const glm::vec3& from, float* to) {
 
 }  // namespace
 
+LightShares FrameView::light_shares() const {
+  LightShares shares;
+  shares.plan = has_sky() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};
+  if (local_lights.count == 0) return shares;
+  if (shares.plan.drawn > 0) {
+    shares.local = local_lights.shared;
+    shares.of_strategy = 1 - shares.local.share;
+  } else {
+    shares.local = local_lights.alone;
+    shares.plan.drawn = light_samples();
+  }
+  return shares;
+}
+
 float DefaultFilterRadius(PixelFilter filter) {
   switch (filter) {
     case PixelFilter::kBox:

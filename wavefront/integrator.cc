@@ -45,6 +45,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
   AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
+  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
@@ -55,15 +56,20 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   clock.Lap(Stage::kSurface);
 }
 
-// The end of a path: only what lies beyond the scene can still be seen.
-void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Worker& w,
-             StageClock& clock) {
-  TraceEscapes(frame.tracer, rays, n, w.hits);
+// The end of a path: only what shines by itself can still be seen.
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Worker& w,
+               StageClock& clock) {
+  if (frame.has_emitters()) {
+    TraceClosest(frame.tracer, rays, n, w.hits);
+  } else {
+    TraceEscapes(frame.tracer, rays, n, w.hits);
+  }
   clock.Lap(Stage::kIntersect);
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
+  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
   clock.Lap(Stage::kEscape);
 }
 
@@ -73,12 +79,13 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const ShadePoints points = Points(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
-  const LightPlan plan = frame.strategy->Plan(frame.light_samples());
-  for (std::uint32_t index = 0; index < plan.total(); ++index) {
-    SampleLights(frame, points, plan, bounce, index, w.uniforms, w.lights);
+  const LightShares shares = frame.light_shares();
+  for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
+    const bool bounded =
+        SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
-    EvaluateLights(frame, w.surfaces, w.ranges, w.lights);
+    EvaluateLights(frame, w.surfaces, w.ranges, bounded, w.lights);
     CountShadowRays(w.stats, w.lights, n);
     clock.Lap(Stage::kEvaluate);
     TraceShadows(frame.tracer, w.surfaces, n, w.lights);
@@ -107,7 +114,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetSky(frame, *rays, n, w, clock);
+      MeetLight(frame, *rays, n, w, clock);
       break;
     }
     MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
@@ -133,7 +140,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetSky(frame, *rays, n, w, clock);
+      MeetLight(frame, *rays, n, w, clock);
       break;
     }
     MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);

@@ -7,6 +7,7 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
 #include "lights/projections.h"
@@ -26,7 +27,7 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// The light of the frame, as the request or else the scene has it, its pixels in memory.
+// The map of the frame, as the request or else the scene has it; black where only local lights are.
 EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
                              std::vector<std::string>& notes) {
   const EnvironmentRequest& wish = request.environment;
@@ -37,6 +38,7 @@ EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
         EnvironmentFrame(scene.up_axis, scene.left_handed, wish.rotation_degrees);
     return light;
   }
+  if (scene.environments.empty() && HasLocalLights(scene)) return {.scale = glm::vec3(0)};
   if (scene.environments.empty()) {
     throw InputError(InputPosition::File(request.scene),
                      "has no light; give an illumination map with --env MAP");
@@ -82,6 +84,15 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
         fmt::format("{}: {} pixels exceed all bounds at this intensity and are set to 0",
                     light.map_path, bad.total()));
   }
+}
+
+// Luminance of what a map sends through the disk of a sphere around the scene.
+double SkyPower(const Image& map, float radius) {
+  const std::array<double, 3> mean = SphereMean(map);
+  double luminance = 0;
+  for (std::size_t c = 0; c < 3; ++c) luminance += double(kLuminance[c]) * mean[c];
+  constexpr double kPi = glm::pi<double>();
+  return 4 * kPi * luminance * kPi * double(radius) * radius;
 }
 
 // Runs `work` with as many threads as the user allows.
@@ -252,6 +263,12 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   times_.build = geometry_->build_seconds();
 
   brightest_ = *std::max_element(light.map->rgb.begin(), light.map->rgb.end());
+  if (HasLocalLights(scene)) {
+    const float radius = BoundingRadius(bounds);
+    local_lights_ =
+        LocalLights(scene, *geometry_, request.scene, radius, SkyPower(*light.map, radius));
+    brightest_ = std::max(brightest_, local_lights_.brightest());
+  }
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
@@ -268,6 +285,7 @@ FrameView RenderJob::frame() const {
   return {.options = options_,
           .geometry = geometry_.get(),
           .strategy = strategy_.get(),
+          .local_lights = local_lights_.view(),
           .camera = camera_,
           .tracer = {.scene = geometry_->scene(),
                      .closest = options_.backend,

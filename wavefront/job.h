@@ -9,6 +9,7 @@
 
 #include "lights/strategy.h"
 #include "scene/geometry.h"
+#include "scene/local_lights.h"
 #include "scene/scene.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
@@ -72,6 +73,7 @@ class RenderJob {
   const RenderOptions& options() const { return options_; }
   const Geometry& geometry() const { return *geometry_; }
   const EnvStrategy& strategy() const { return *strategy_; }
+  const LocalLights& local_lights() const { return local_lights_; }
   const JobTimes& times() const { return times_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
   // What was not understood, repaired or assumed; one line each, for the user.
@@ -84,10 +86,11 @@ class RenderJob {
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
+  LocalLights local_lights_;
   std::unique_ptr<EnvStrategy> strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;
-  float brightest_ = 0;  // channel of the map [scene radiance]
+  float brightest_ = 0;  // channel of map and local lights [scene radiance]
   std::uint64_t scene_hash_ = 0;
   JobTimes times_;
   std::vector<std::string> notes_;

@@ -11,6 +11,7 @@ void RayRecorder::Record(bool occlusion, const float* const org[3], const float*
       org_[axis].push_back(org[axis][i]);
       dir_[axis].push_back(dir[axis][i]);
     }
+    t_far_.push_back(t_far[i]);
   }
   const auto count = std::uint32_t(org_[0].size() - begin);
   if (count > 0) batches_.push_back({.occlusion = occlusion, .begin = begin, .count = count});

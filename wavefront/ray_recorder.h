@@ -26,10 +26,11 @@ class RayRecorder {
   const std::vector<RayBatch>& batches() const { return batches_; }
   const float* org(int axis) const { return org_[axis].data(); }
   const float* dir(int axis) const { return dir_[axis].data(); }
+  const float* t_far() const { return t_far_.data(); }
 
  private:
   std::vector<RayBatch> batches_;
-  std::vector<float> org_[3], dir_[3];
+  std::vector<float> org_[3], dir_[3], t_far_;
 };
 
 }  // namespace skywave

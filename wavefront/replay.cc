@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <memory>
 
 #include "wavefront/flush_denormals.h"
@@ -37,7 +36,7 @@ RayColumns RecordedRays(const Batch& b, const Scratch& scratch) {
   rays.dir_x = column(b.recorder->dir(0));
   rays.dir_y = column(b.recorder->dir(1));
   rays.dir_z = column(b.recorder->dir(2));
-  std::fill_n(rays.t_far, b.batch.count, std::numeric_limits<float>::infinity());
+  std::copy_n(b.recorder->t_far() + b.batch.begin, b.batch.count, rays.t_far);
   return rays;
 }
 

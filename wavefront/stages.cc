@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernels/accumulate.h"
+#include "kernels/directional.h"
 #include "kernels/environment.h"
 #include "kernels/partition.h"
 #include "kernels/sampler.h"
@@ -101,18 +102,30 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
 
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths) {
-  if (n == 0) return;
-  frame.strategy->EvaluateEscaped(from, n, frame.light_samples(), escaped);
+  if (n == 0 || !frame.has_sky()) return;
+  const float samples = frame.light_shares().strategy_samples(frame.light_samples());
+  frame.strategy->EvaluateEscaped(from, n, samples, escaped);
   AddEscapedRadiance(escaped, n, frame.mis(), paths);
 }
 
-void SampleLights(const FrameView& frame, const ShadePoints& points, const LightPlan& plan,
+void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
+                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths) {
+  if (!frame.has_emitters()) return;
+  const LightShares shares = frame.light_shares();
+  const std::uint32_t count =
+      MeetEmitters(frame.local_lights, shares.local, rays, hits, n, float(shares.plan.drawn), met);
+  AddEscapedRadiance(met, count, frame.mis(), paths);
+}
+
+bool SampleLights(const FrameView& frame, const ShadePoints& points, const LightShares& shares,
                   std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
-                  const LightColumns& lights) {
+                  const UniformColumns& rest, const LightColumns& lights) {
   const std::uint32_t n = points.ranges.light_sampled();
+  const LightPlan& plan = shares.plan;
   LightCall call = {.index = index,
                     .requested = frame.light_samples(),
-                    .pair = SamplePair(bounce, SampleUse::kLight)};
+                    .pair = SamplePair(bounce, SampleUse::kLight),
+                    .share = shares.of_strategy};
   if (index >= plan.fixed) {
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
                  {.stride = plan.drawn, .offset = index - plan.fixed}, uniforms);
@@ -121,20 +134,37 @@ void SampleLights(const FrameView& frame, const ShadePoints& points, const Light
     call.pair += kPairBlock * (index + 1);
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
-  frame.strategy->Sample(points, uniforms, n, call, lights);
+  const bool local = index >= plan.fixed && shares.local.share > 0;
+  UniformColumns of_strategy = uniforms;
+  if (local && shares.local.share < 1) {
+    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
+    // more than that wastes.
+    SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
+    of_strategy.u = rest.u;
+  }
+  if (!local || shares.local.share < 1) {
+    frame.strategy->Sample(points, of_strategy, n, call, lights);
+  }
+  if (local) {
+    SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
+                      float(plan.drawn), lights);
+  }
 #ifdef SKYWAVE_SLOWDOWN
   SlowDown(n);
 #endif
+  return local;
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, const LightColumns& lights) {
+                    const SurfaceRanges& ranges, bool bounded, const LightColumns& lights) {
   const MaterialView materials = frame.geometry->materials();
+  MisPolicy mis = frame.mis();
+  mis.bounded = bounded;
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     if (ranges.count(kind) == 0) continue;
     const std::uint32_t begin = ranges.begin[kind];
-    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
-                                  frame.mis(), Slice(lights, begin));
+    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind), mis,
+                                  Slice(lights, begin));
   }
 }
 

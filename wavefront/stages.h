@@ -46,15 +46,21 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths);
 
-// Draws light sample `index` of the strategy's plan for every surface that takes light samples, of
-// which there is at least one.
-void SampleLights(const FrameView& frame, const ShadePoints& points, const LightPlan& plan,
-                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
-                  const LightColumns& lights);
+// Adds the radiance of rays that hit what shines to their paths. `met`: room for them.
+void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
+                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths);
 
-// Turns light samples into contributions and opens or closes their shadow rays.
+// Draws light sample `index` of the plan for every surface that takes light samples, of which there
+// is at least one. `rest`: room for what local lights leave of the uniforms. True: t_far of
+// `lights` says how far the light is.
+bool SampleLights(const FrameView& frame, const ShadePoints& points, const LightShares& shares,
+                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
+                  const UniformColumns& rest, const LightColumns& lights);
+
+// Turns light samples into contributions and opens or closes their shadow rays, which are as long
+// as t_far of `lights` says if they are `bounded`.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, const LightColumns& lights);
+                    const SurfaceRanges& ranges, bool bounded, const LightColumns& lights);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
 // their number.

@@ -37,7 +37,10 @@ double FilterOffset(const std::vector<float>& offsets, double uniform) {
 }  // namespace
 
 Oracle::Oracle(const Scene& scene, OracleLights lights)
-    : camera_(scene.camera.value()), environment_(scene.environments.at(0), lights) {
+    : camera_(scene.camera.value()),
+      has_sky_(!scene.environments.empty()),
+      environment_(has_sky_ ? scene.environments[0] : EnvironmentLight{.scale = glm::vec3(0)},
+                   lights) {
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
   }
@@ -45,6 +48,15 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
   scene_textures_.textures = scene.textures;
   scene_textures_.images = scene.images;
   for (const Mesh& mesh : scene.meshes) AddMesh(mesh);
+  std::vector<OracleLocalLights::Triangle> emitters;
+  for (Triangle& t : triangles_) {
+    const Material& material = scene.materials[t.material];
+    t.light = {.corner = {t.corner[0], t.corner[1], t.corner[2]},
+               .radiance = material.emission,
+               .two_sided = material.emits_on_both_sides};
+    if (material.emission != glm::vec3(0)) emitters.push_back(t.light);
+  }
+  local_lights_ = OracleLocalLights(emitters, scene.lights);
   BuildEmbreeScene();
 }
 
@@ -55,7 +67,12 @@ Oracle::~Oracle() {
 
 void Oracle::AddMesh(const Mesh& mesh) {
   for (const glm::uvec3& corners : mesh.triangles) {
-    Triangle t = {.corner = {}, .normal = {}, .uv = {}, .material = mesh.material, .smooth = false};
+    Triangle t = {.corner = {},
+                  .normal = {},
+                  .uv = {},
+                  .material = mesh.material,
+                  .smooth = false,
+                  .light = {}};
     for (int i = 0; i < 3; ++i) {
       t.corner[i] = mesh.positions[corners[i]];
       if (!mesh.normals.empty()) t.normal[i] = mesh.normals[corners[i]];
@@ -114,6 +131,10 @@ bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
   if (back) ng = -ng, ns = -ns;
   // Smooth normals that look away from the eye cannot shade.
   if (!(glm::dot(ns, wo) > 1e-4)) ns = ng;
+  hit.distance = query.ray.tfar;
+  hit.light = t.light.radiance == dvec3(0) ? nullptr : &t.light;
+  hit.light_cosine = glm::dot(ng, wo);
+  if (t.light.two_sided) hit.light_cosine = std::abs(hit.light_cosine);
   hit.surface = {&materials_[t.material], wo, ng, ns, back};
   ApplyTextures(t, {w, u, v}, hit);
   hit.point = w * a + u * b + v * c;
@@ -140,10 +161,11 @@ void Oracle::ApplyTextures(const Triangle& triangle, const dvec3& weights, Hit& 
   }
 }
 
-bool Oracle::Occluded(const Ray& ray) const {
+bool Oracle::Occluded(const Ray& ray, double distance) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query = EmbreeRay(ray.origin, ray.direction);
+  query.tfar = float(distance * (1 - 1e-4));
   rtcOccluded1(scene_, &context, &query);
   return query.tfar < 0;
 }
@@ -161,17 +183,43 @@ dvec3 Oracle::LightFromSky(const dvec3& direction, double pdf, const RenderOptio
   if (!options.mis) return dvec3(0);
   const OracleEnvironment::Lit lit = environment_.AsLight(direction);
   const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
-  const double light_pdf = samples * lit.pdf;
+  const double light_pdf = samples * lit.pdf * (1 - LocalShare());
   return lit.radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
+}
+
+// Light samples are shared out evenly between the map and local lights.
+double Oracle::LocalShare() const { return local_lights_.empty() ? 0 : has_sky_ ? 0.5 : 1; }
+
+// What a ray that ends in a shining triangle sees of it; `pdf` as above.
+dvec3 Oracle::LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const {
+  if (!hit.light || !(hit.light_cosine > 0)) return dvec3(0);
+  if (pdf == 0) return hit.light->radiance;
+  if (!options.mis) return dvec3(0);
+  const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
+  const double light_pdf =
+      samples * LocalShare() * local_lights_.Pdf(*hit.light, hit.distance, hit.light_cosine);
+  return hit.light->radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
 }
 
 // One light sample, not yet divided by their number.
 dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
                               OracleRandom& random) const {
-  const OracleEnvironment::LightSample light = environment_.Sample(random);
+  OracleLocalLights::LightSample light;
+  if (!local_lights_.empty() && random() < LocalShare()) {
+    const auto local = local_lights_.Sample(LeaveFrom(hit, hit.surface.ng).origin, random);
+    if (!local) return dvec3(0);
+    light = *local;
+    light.pdf *= LocalShare();
+    if (light.pdf == 0) light.radiance /= LocalShare();
+  } else {
+    const OracleEnvironment::LightSample far = environment_.Sample(random);
+    light = {far.direction, far.radiance, far.pdf * (1 - LocalShare()),
+             std::numeric_limits<double>::infinity()};
+  }
   const OracleValue bsdf = EvaluateBsdf(hit.surface, light.direction);
   if (!(MaxComponent(bsdf.value * light.radiance) > 0)) return dvec3(0);
-  if (Occluded(LeaveFrom(hit, light.direction))) return dvec3(0);
+  if (Occluded(LeaveFrom(hit, light.direction), light.distance)) return dvec3(0);
+  if (light.pdf == 0) return bsdf.value * light.radiance;
   double weight = 1;
   if (options.mis) {
     const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
@@ -187,11 +235,12 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
   double pdf = 0;
   for (std::uint32_t bounce = 0;; ++bounce) {
     Hit hit;
-    // Behind the last surface, and behind the BSDF sample of `direct`, only the sky counts.
+    // Behind the last surface, and behind the BSDF sample of `direct`, only what shines counts.
     const bool last = bounce == options.max_depth || (direct && pdf > 0);
-    if (last ? !Occluded(ray) : !Intersect(ray, hit)) {
+    if (!Intersect(ray, hit)) {
       return radiance + throughput * LightFromSky(ray.direction, pdf, options);
     }
+    radiance += throughput * LightFromHit(hit, pdf, options);
     if (last) return radiance;
 
     if (!hit.surface.material->delta()) {
