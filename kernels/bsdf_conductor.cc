@@ -74,8 +74,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr bool ConductorIsLobed = true;
-SKYWAVE_BSDF_TABLE(Conductor, "conductor")
+inline constexpr BsdfTraits ConductorTraits = {.name = "conductor", .lobed = true};
+SKYWAVE_BSDF_TABLE(Conductor)
 
 }  // namespace skywave
 #endif  // HWY_ONCE

@@ -26,10 +26,10 @@ struct MetallicRoughness {
   HWY_INLINE MetallicRoughness(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                std::uint32_t n)
       // Rows behind the end hold anything.
-      : ggx(Clamp(Load(s.alpha + i), 1e-3f, 1.0f)),
+      : ggx(Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f)),
         color(ColorOf(s, i)),
         tables(*m.conductor),
-        metallic(Clamp(Load(s.metallic + i), 0.0f, 1.0f)) {
+        metallic(Clamp(Load(s.varying_1 + i), 0.0f, 1.0f)) {
     const VF one = Set(1.0f);
     const VF ior = Field(m, MaterialFields(s, i, n), 7);
     const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
@@ -141,8 +141,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr bool MetallicRoughnessIsLobed = true;
-SKYWAVE_BSDF_TABLE(MetallicRoughness, "metallic-roughness")
+inline constexpr BsdfTraits MetallicRoughnessTraits = {
+    .name = "metallic-roughness", .lobed = true, .varying = Varying::kRoughness};
+SKYWAVE_BSDF_TABLE(MetallicRoughness)
 
 }  // namespace skywave
 #endif  // HWY_ONCE

@@ -1,5 +1,7 @@
 #include "kernels/partition.h"
 
+#include <bit>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/partition.cc"
 #include "hwy/cache_control.h"
@@ -14,8 +16,9 @@ namespace HWY_NAMESPACE {
 constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
 constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of a record
 
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
-                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
+                  const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
+                  std::uint32_t* count) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
     // Records are random accesses: ask for those of later rows now.
@@ -35,9 +38,13 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const
     kind = IfThen(hit, kind, SetU(kMissQueue));
     kind = IfThen(inside, kind, SetU(kNoQueue));
     Store(kind, queue + i);
-    for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
+    const auto add = [&](std::uint32_t k) HWY_ATTR {
       count[k] += static_cast<std::uint32_t>(hn::CountTrue(U(), hn::Eq(kind, SetU(k))));
+    };
+    for (BsdfSet rest = present; rest != 0; rest &= rest - 1) {
+      add(static_cast<std::uint32_t>(std::countr_zero(rest)));
     }
+    add(kMissQueue);
   }
 }
 
@@ -109,9 +116,10 @@ HWY_EXPORT(ClassifyEscapes);
 HWY_EXPORT(MoveEscaped);
 HWY_EXPORT(MoveHits);
 
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
-                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
-  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, ray_pdf, n, queue, count);
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
+                  const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
+                  std::uint32_t* count) {
+  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, present, ray_pdf, n, queue, count);
 }
 std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue) {
   return HWY_DYNAMIC_DISPATCH(ClassifyEscapes)(hits, n, queue);

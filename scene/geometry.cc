@@ -138,6 +138,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
     const BsdfKind bsdf = scene.materials[mesh.material].bsdf;
+    if (!mesh.triangles.empty()) bsdfs_ |= BsdfSet{1} << std::uint32_t(bsdf);
     for (const glm::uvec3& corners : mesh.triangles) {
       AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_,
                      textured ? &textures_.uvs : nullptr);
@@ -207,7 +208,7 @@ std::uint64_t SceneHash(const Scene& scene) {
     add(mesh.material);
   }
   for (const Material& m : scene.materials) {
-    add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
+    add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
     add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
   }
   for (const Texture& t : scene.textures) {

@@ -12,6 +12,7 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/columns.h"
+#include "kernels/partition.h"
 #include "kernels/texture.h"
 #include "scene/scene.h"
 #include "scene/texture_tables.h"
@@ -31,6 +32,7 @@ class Geometry {
   const TriangleRecord* triangles() const { return triangles_.data(); }
   MaterialView materials() const;
   TextureView textures() const;  // empty: no material has one
+  BsdfSet bsdfs() const { return bsdfs_; }
   std::size_t triangle_count() const { return triangles_.size(); }
   std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
   double build_seconds() const { return build_seconds_; }
@@ -46,6 +48,7 @@ class Geometry {
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;
   std::vector<MaterialRecord> materials_;
+  BsdfSet bsdfs_ = 0;  // of the triangles
   TextureTables textures_;
   const ConductorTables* conductor_tables_ = nullptr;  // null: no conductor
   double build_seconds_ = 0;

@@ -144,13 +144,8 @@ TEST(Mirror, BentNormalsKeepTheReflectionAbove) {
   }
 }
 
-TEST(Bsdfs, TableIsInTheOrderOfTheKinds) {
+TEST(Bsdfs, DeltaOnesStandBehindTheOthers) {
   const auto table = Bsdfs();
-  EXPECT_EQ(table[std::size_t(BsdfKind::kLambert)].name, "lambert");
-  EXPECT_EQ(table[std::size_t(BsdfKind::kConductor)].name, "conductor");
-  EXPECT_EQ(table[std::size_t(BsdfKind::kMetallicRoughness)].name, "metallic-roughness");
-  EXPECT_EQ(table[std::size_t(BsdfKind::kMirror)].name, "mirror");
-  EXPECT_EQ(table[std::size_t(BsdfKind::kDielectric)].name, "dielectric");
   for (std::uint32_t k = 0; k < kBsdfKinds; ++k) {
     EXPECT_EQ(table[k].delta, k >= kFirstDeltaBsdf) << table[k].name;
     EXPECT_EQ(table[k].evaluate_lights == nullptr, table[k].delta) << table[k].name;

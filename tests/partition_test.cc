@@ -13,6 +13,8 @@
 namespace skywave {
 namespace {
 
+constexpr BsdfSet kAll = (BsdfSet{1} << kBsdfKinds) - 1;
+
 class Partition : public testing::Test {
  protected:
   Partition() : rays_(kFullWave), hits_(kFullWave), triangles_(100) {
@@ -73,9 +75,10 @@ TEST_F(Partition, ClassifiesAndCounts) {
       for (const bool only_sparse : {false, true}) {
         std::fill(queue_.begin(), queue_.end(), 0xDEADBEEFu);
         // Counts are added to what is there.
-        std::array<std::uint32_t, kBsdfKinds + 1> count = {10, 20, 30, 40, 50, 60};
-        ClassifyHits(hits_, triangles_.data(), only_sparse ? rays_->pdf : nullptr, n, queue_.data(),
-                     count.data());
+        std::array<std::uint32_t, kBsdfKinds + 1> count;
+        for (std::uint32_t k = 0; k <= kMissQueue; ++k) count[k] = 10 * (k + 1);
+        ClassifyHits(hits_, triangles_.data(), kAll, only_sparse ? rays_->pdf : nullptr, n,
+                     queue_.data(), count.data());
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
           const auto rows = RowsOf(k, n, only_sparse);
           EXPECT_EQ(count[k], 10 * (k + 1) + rows.size())
@@ -113,7 +116,7 @@ TEST_F(Partition, MovesEscapedRays) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       std::array<std::uint32_t, kBsdfKinds + 1> count = {};
-      ClassifyHits(hits_, triangles_.data(), nullptr, n, queue_.data(), count.data());
+      ClassifyHits(hits_, triangles_.data(), kAll, nullptr, n, queue_.data(), count.data());
       soa::Table<EscapeColumns> to(kFullWave);
       FillWithGarbage(to.columns(), kFullWave);
       MoveEscaped(rays_, queue_.data(), n, to);
@@ -135,7 +138,7 @@ TEST_F(Partition, MovesHits) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       std::array<std::uint32_t, kBsdfKinds + 1> count = {};
-      ClassifyHits(hits_, triangles_.data(), nullptr, n, queue_.data(), count.data());
+      ClassifyHits(hits_, triangles_.data(), kAll, nullptr, n, queue_.data(), count.data());
       for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
         soa::Table<SurfaceColumns> to(kFullWave);
         FillWithGarbage(to.columns(), kFullWave);

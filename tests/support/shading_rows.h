@@ -55,7 +55,7 @@ struct ShadingRows {
     s.lift[i] = 0x1p-10f;
     s.path[i] = 7 * i + 1;
     s.material[i] = 1;
-    s.alpha[i] = records[1].alpha, s.metallic[i] = records[1].eta[0];
+    s.varying_0[i] = records[1].alpha, s.varying_1[i] = records[1].eta[0];
   }
   MaterialView materials() const { return {records.data(), &GgxTables()}; }
 
