@@ -32,6 +32,11 @@ struct BsdfSample {
   VF pdf;     // [1/sr]; 0: delta
 };
 
+HWY_INLINE BsdfSample SampleOf(const V3& wi, const BsdfValue& value) {
+  const VF inverse = hn::Div(Set(1.0f), hn::Max(value.pdf, Set(1e-30f)));
+  return {wi, Scale(value.value, inverse), value.pdf};
+}
+
 // One vector of surfaces: what every BSDF sees of its rows.
 struct ShadingLanes {
   HWY_INLINE ShadingLanes(const SurfaceColumns& s, std::uint32_t i)

@@ -16,11 +16,14 @@
 namespace skywave {
 
 struct ConductorTables;
+struct SheenTables;
 
 // What all BSDF kernels read.
 struct MaterialView {
   const MaterialRecord* records;
   const ConductorTables* conductor;
+  const SheenTables* sheen = nullptr;
+  const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
 };
 
 // How light and BSDF samples of the same direction share the work: power heuristic, exponent 2
@@ -68,6 +71,7 @@ static_assert(sizeof(LightCell) == 8 * sizeof(float));
 enum class Varying {
   kNothing,
   kRoughness,  // GGX width, share of metal
+  kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
 };
 
 struct BsdfTraits {

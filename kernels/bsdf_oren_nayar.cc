@@ -55,8 +55,7 @@ struct OrenNayar {
   }
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF) const {
     const V3 wi = CosineHemisphere(u, v);
-    const BsdfValue value = Evaluate(wo, wi);
-    return {wi, Scale(value.value, hn::Div(Set(1.0f), hn::Max(value.pdf, Set(1e-30f)))), value.pdf};
+    return SampleOf(wi, Evaluate(wo, wi));
   }
 
   V3 color;

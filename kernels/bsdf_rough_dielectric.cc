@@ -63,11 +63,11 @@ struct RoughDielectric {
         Sub(Scale(h, hn::Sub(hn::Mul(ratio, cosine), refraction.cosine)), Scale(wo, ratio)));
     const MF reflects = hn::Lt(lobe, refraction.reflectance);
     const V3 wi = IfThen(reflects, reflected, refracted);
-    const BsdfValue value = Evaluate(wo, wi);
+    BsdfSample sample = SampleOf(wi, Evaluate(wo, wi));
     // A reflection below the surface, or a refraction above it, meets the facets again: lost.
     const MF stays = hn::Gt(wi.z, hn::Zero(F()));
-    const VF pdf = hn::IfThenElseZero(hn::Not(hn::Xor(stays, reflects)), value.pdf);
-    return {wi, Scale(value.value, hn::Div(Set(1.0f), hn::Max(value.pdf, Set(1e-30f)))), pdf};
+    sample.pdf = hn::IfThenElseZero(hn::Not(hn::Xor(stays, reflects)), sample.pdf);
+    return sample;
   }
 
   VU fields;

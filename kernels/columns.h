@@ -29,7 +29,15 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(MetallicRoughness)         \
   BSDF(OrenNayar)                 \
   BSDF(DiffuseTransmission)       \
-  BSDF(RoughDielectric)
+  BSDF(RoughDielectric)           \
+  BSDF(AnisotropicConductor)      \
+  BSDF(BeckmannConductor)         \
+  BSDF(Phong)                     \
+  BSDF(Blinn)                     \
+  BSDF(Ward)                      \
+  BSDF(CoatedMetallicRoughness)   \
+  BSDF(CoatedConductor)           \
+  BSDF(Measured)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
   BSDF(Dielectric)                \
@@ -206,23 +214,39 @@ struct TriangleRecord {
 };
 inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
 inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal
+// Of a mixture of two materials: the record is not shaded. normal[0] is the row of a record of the
+// same triangle with the first material, the next row has the second one; normal[1] is the share of
+// the second one, a float's bits.
+inline constexpr std::uint32_t kMixedTriangle = 1u << 21;
 inline constexpr std::uint32_t kKindShift = 24;
 inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material
 
-// Parameters of the BSDFs, 16 floats a material, read by gathers at material * 16 + field.
+// Parameters of the BSDFs, 16 floats a material, read by gathers at material * 16 + field. Each
+// BSDF has the fields that its file names.
 struct MaterialRecord {
   float color[3];  // reflectance
-  float alpha;     // width of microfacets; Oren-Nayar: roughness
+  float alpha;     // width of microfacets, along the tangent; Oren-Nayar: roughness
   // Conductors: index, real part; metallic-roughness: metallic in eta[0]; diffuse transmission:
-  // what passes through.
+  // what passes through; Phong: the gloss.
   float eta[3];
-  float ior;                    // dielectrics, metallic-roughness: inside / outside
-  float k[3];                   // conductor: index, imaginary part
+  float ior;   // dielectrics, coats: inside / outside; anisotropic lobes: width across the tangent
+  float k[3];  // conductors: index, imaginary part; coated metallic-roughness: see its file
   std::uint32_t color_texture;  // row in the texture table + 1; 0: none
-  float multiscatter[3];  // conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017
-  std::uint32_t roughness_texture;  // likewise; metallic-roughness: G roughness, B metallic
+  // Conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017; coated metallic-roughness:
+  // colour of the sheen.
+  float multiscatter[3];
+  // Metallic-roughness: as color_texture, G roughness, B metallic; coated conductor: width of the
+  // coat, a float's bits; measured: index of the first float of its table.
+  std::uint32_t roughness_texture;
 };
 static_assert(sizeof(MaterialRecord) == 16 * sizeof(float));
+
+// A measured BRDF in the coordinates of the MERL database (Matusik et al. 2003): half angle (bins
+// of equal size in its square root), angle between half vector and wi, and azimuth of wi about it,
+// in half a turn; the last one runs fastest, three floats (RGB) a bin [1/sr].
+inline constexpr std::uint32_t kMeasuredHalf = 90, kMeasuredDifference = 90, kMeasuredTurn = 180;
+inline constexpr std::uint32_t kMeasuredFloats =
+    3 * kMeasuredHalf * kMeasuredDifference * kMeasuredTurn;
 
 // Texture coordinates of a triangle's corners: 8 floats, read only where a material has a texture.
 struct TriangleUvs {

@@ -15,6 +15,12 @@ inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // behind the queues of
 using BsdfSet = std::uint32_t;
 static_assert(kBsdfKinds <= 32);
 
+// Replaces the triangle of hits [0, n) on a mixture of materials (kMixedTriangle) by its record
+// with one of them: the second one where u[i] is below its share, and so on for mixtures of
+// mixtures.
+void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
+                     const HitColumns& hits);
+
 // Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, which is one of
 // `present`, or kMissQueue. Adds the length of every queue to count[kBsdfKinds + 1]. `queue` is a
 // padded column; its padding matches no queue. Where `ray_pdf` is not null, hits of rays with a

@@ -95,9 +95,19 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
     TextureColors(textures, materials, angle, ranges.total(), surfaces);
   }
   for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
-    if (ranges.count(kind) == 0 || Bsdfs()[kind].varying != Varying::kRoughness) continue;
-    PrepareMetallicRoughness(textures, materials, angle, ranges.count(kind),
-                             Slice(surfaces, ranges.begin[kind]));
+    const std::uint32_t n = ranges.count(kind);
+    if (n == 0) continue;
+    const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
+    switch (Bsdfs()[kind].varying) {
+      case Varying::kNothing:
+        break;
+      case Varying::kRoughness:
+        PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        break;
+      case Varying::kTangent:
+        PrepareTangents(frame.geometry->tangents(), n, rows);
+        break;
+    }
   }
 }
 
