@@ -82,7 +82,7 @@ Scene MaterialsScene() {
     Place(scene, Sphere(0.45f), m, {1.1f * (float(column) - 2.5f), 0.45f, 1.25f * (1 - row)});
   }
   AddProceduralSky(scene);
-  scene.camera = LookAtCamera({0, 4.2f, 7}, {0, 0.2f, 0.1f}, {0, 1, 0}, 38, false);
+  scene.camera = LookAtCamera({0, 6.2f, 6.6f}, {0, 0.3f, 0.1f}, {0, 1, 0}, 36, false);
   scene.settings = BuiltinSettings(64, 12);
   return scene;
 }

@@ -69,20 +69,20 @@ std::vector<MaterialCase> MakeDenseCases() {
       list.push_back({"Frosted" + std::to_string(int(alpha * 100)) + side,
                       kRoughDielectric,
                       {.color = {1, 0.9f, 0.5f}, .alpha = alpha, .ior = 1.5f},
-                      .back = back});
+                      back});
     }
     list.push_back({"Bubble" + side,
                     kRoughDielectric,
                     {.color = {1, 1, 1}, .alpha = 0.2f, .ior = 0.75f},
-                    .back = back});
+                    back});
   }
   for (const BsdfKind kind : {kAnisotropicConductor, kBeckmannConductor}) {
     const std::string name = kind == kBeckmannConductor ? "Gauss" : "Brushed";
-    list.push_back({name + "Gold", kind, Brushed(0.3f, 0.1f, false), .turn = 0.7});
-    list.push_back({name + "White", kind, Brushed(0.08f, 0.5f, true), .turn = -2.1});
+    list.push_back({name + "Gold", kind, Brushed(0.3f, 0.1f, false), false, 0.7});
+    list.push_back({name + "White", kind, Brushed(0.08f, 0.5f, true), false, -2.1});
     list.push_back({name + "Round", kind, Brushed(0.2f, 0.2f, true)});
-    list.push_back({name + "Narrow", kind, Brushed(0.01f, 0.02f, true), .turn = 3.0});
-    list.push_back({name + "Rough", kind, Brushed(1, 0.8f, true), .turn = 1.5});
+    list.push_back({name + "Narrow", kind, Brushed(0.01f, 0.02f, true), false, 3.0});
+    list.push_back({name + "Rough", kind, Brushed(1, 0.8f, true), false, 1.5});
   }
   for (const float alpha : {0.05f, 0.3f, 0.9f}) {
     const std::string name = std::to_string(int(alpha * 100));
@@ -91,8 +91,8 @@ std::vector<MaterialCase> MakeDenseCases() {
     list.push_back({"Blinn" + name, kBlinn, blinn});
   }
   list.push_back({"BlinnWhite", kBlinn, WhiteConductor(0.2f)});
-  list.push_back({"WardSatin", kWard, Brushed(0.3f, 0.1f, true), .turn = 0.7});
-  list.push_back({"WardNarrow", kWard, Brushed(0.05f, 0.03f, true), .turn = 2.0});
+  list.push_back({"WardSatin", kWard, Brushed(0.3f, 0.1f, true), false, 0.7});
+  list.push_back({"WardNarrow", kWard, Brushed(0.05f, 0.03f, true), false, 2.0});
   list.push_back({"Lacquer", kCoatedMetallicRoughness, CoatedVarnish(1, 0.1f, 0, 0.3f)});
   list.push_back({"Velvet", kCoatedMetallicRoughness, CoatedVarnish(0, 0.1f, 1, 0.2f)});
   list.push_back({"Both", kCoatedMetallicRoughness, CoatedVarnish(0.5f, 0.3f, 0.6f, 0.6f)});
@@ -380,7 +380,10 @@ const std::vector<MaterialCase>& DeltaCases() {
 const MaterialCase& ExampleOf(BsdfKind kind) {
   for (const auto* cases : {&DenseCases(), &DeltaCases()}) {
     for (const MaterialCase& material : *cases) {
-      if (material.kind == kind && material.record.color[2] > 0) return material;
+      if (material.kind == kind && material.record.color[2] > 0 &&
+          (cases == &DeltaCases() || LobeWidth(material) >= 0.05)) {
+        return material;
+      }
     }
   }
   ADD_FAILURE() << Bsdfs()[std::size_t(kind)].name << " has no case";
