@@ -45,6 +45,10 @@ SceneFile Load(const std::string& path) {
 std::vector<float> List(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 std::string Text(const glm::vec3& v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z); }
 
+std::string_view KindOf(const Material& material) {
+  return material.mixture ? "mixture" : ToString(material.bsdf);
+}
+
 // What a BSDF reads beside the reflectance, in the order in which it is printed.
 struct Parameter {
   const char* name;
@@ -102,7 +106,7 @@ std::vector<Parameter> ParametersOf(const Material& m) {
 
 nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   nlohmann::ordered_json json = {{"name", material.name},
-                                 {"bsdf", ToString(material.bsdf)},
+                                 {"bsdf", KindOf(material)},
                                  {"triangles", triangles},
                                  {"reflectance", List(material.reflectance)}};
   for (const Parameter& parameter : ParametersOf(material)) {
@@ -224,7 +228,7 @@ void Print(const std::string& path, const SceneFile& file) {
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    fmt::print("  {:<24}{:<12}{:>10}  {}\n", material.name, ToString(material.bsdf),
+    fmt::print("  {:<24}{:<12}{:>10}  {}\n", material.name, KindOf(material),
                summary.triangles_of_material[i], Parameters(material));
   }
   fmt::print("\n{} lights\n", scene.environments.size());

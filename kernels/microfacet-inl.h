@@ -117,7 +117,10 @@ struct Beckmann {
           hn::Mul(hn::Mul(Set(2 * kHalfInvRootPi), bell), hn::Sub(cosine, hn::Mul(slope, sine)));
       const VF next = hn::Sub(slope, hn::Div(excess, hn::Max(rise, Set(1e-20f))));
       const MF between = hn::And(hn::Gt(next, low), hn::Lt(next, high));
-      slope = IfThen(between, next, hn::Mul(half, hn::Add(low, high)));
+      // At the root the rounding of a step may leave the bounds: it is not bisected away again.
+      const MF settled = hn::Lt(hn::Abs(excess), Set(2e-7f));
+      const VF safe = IfThen(between, next, hn::Mul(half, hn::Add(low, high)));
+      slope = IfThen(settled, slope, safe);
     }
     const VF across = ErfInverse(hn::Sub(hn::Add(v, v), one));
     const VF sx = hn::Sub(hn::Mul(c, slope), hn::Mul(s, across));

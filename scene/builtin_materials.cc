@@ -79,7 +79,7 @@ Scene MaterialsScene() {
   scene.materials.push_back({.name = "mixture", .mixture = Mixture{first + 7, first + 1, 0.5f}});
   for (std::uint32_t m = first; m < scene.materials.size(); ++m) {
     const int place = int(m - first), column = place % kColumns, row = place / kColumns;
-    Place(scene, Sphere(0.45f), m, {1.1f * (float(column) - 2.5f), 0.45f, 1.25f * (1 - row)});
+    Place(scene, Sphere(0.45f, 24), m, {1.1f * (float(column) - 2.5f), 0.45f, 1.25f * (1 - row)});
   }
   AddProceduralSky(scene);
   scene.camera = LookAtCamera({0, 6.2f, 6.6f}, {0, 0.3f, 0.1f}, {0, 1, 0}, 36, false);

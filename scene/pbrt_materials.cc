@@ -159,17 +159,19 @@ std::optional<MetalIndex> MetalOfSpectrumName(std::string_view name, std::string
   return std::nullopt;
 }
 
-// `part` is "eta" or "k".
-glm::vec3 ConductorIndex(Context& context, std::string_view part, const MetalIndex& fallback) {
+// `part` is "eta" or "k", the parameter's name `prefix` and that.
+glm::vec3 ConductorIndex(Context& context, const std::string& prefix, const std::string& part,
+                         const MetalIndex& fallback) {
+  const std::string name = prefix + part;
   const auto pick = [&](const MetalIndex& metal) { return part == "eta" ? metal.eta : metal.k; };
-  if (const PbrtParameter* named = Find(context.parameters, {"spectrum"}, part);
+  if (const PbrtParameter* named = Find(context.parameters, {"spectrum"}, name);
       named && named->strings.size() == 1) {
     if (const auto metal = MetalOfSpectrumName(named->strings[0], part)) return pick(*metal);
   }
-  const auto color = FindColor(context.parameters, part, context.textures, context.warnings);
+  const auto color = FindColor(context.parameters, name, context.textures, context.warnings);
   if (color && !glm::all(glm::greaterThanEqual(*color, glm::vec3(0)))) {
     throw InputError(context.parameters.position,
-                     fmt::format("{}: \"{}\" is negative", context.parameters.directive, part));
+                     fmt::format("{}: \"{}\" is negative", context.parameters.directive, name));
   }
   return color.value_or(pick(fallback));
 }
@@ -218,8 +220,8 @@ void SetIndex(Context& context, const std::string& prefix, Material& material) {
     return;
   }
   const MetalIndex copper = *FindMetal("Cu");
-  material.eta = ConductorIndex(context, prefix + "eta", copper);
-  material.k = ConductorIndex(context, prefix + "k", copper);
+  material.eta = ConductorIndex(context, prefix, "eta", copper);
+  material.k = ConductorIndex(context, prefix, "k", copper);
 }
 
 // pbrt's own threshold between rough and specular.
