@@ -1,5 +1,6 @@
 // skywave info: what is in a scene.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <chrono>
@@ -49,24 +50,79 @@ SceneFile Load(const std::string& path) {
 std::vector<float> List(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 std::string Text(const glm::vec3& v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z); }
 
+std::string_view KindOf(const Material& material) {
+  return material.mixture ? "mixture" : ToString(material.bsdf);
+}
+
+// What a BSDF reads beside the reflectance, in the order in which it is printed.
+struct Parameter {
+  const char* name;
+  std::vector<float> values;
+};
+std::vector<Parameter> ParametersOf(const Material& m) {
+  const Parameter alpha = {"alpha", {m.alpha}}, ior = {"ior", {m.ior}};
+  const Parameter eta = {"eta", List(m.eta)}, k = {"k", List(m.k)};
+  const Parameter across = {"alpha_across", {m.alpha_across.value_or(m.alpha)}};
+  const Parameter metallic = {"metallic", {m.metallic}};
+  const Parameter coat = {"coat", {m.coat}}, coat_alpha = {"coat_alpha", {m.coat_alpha}};
+  if (m.mixture) {
+    return {{"mixture", {float(m.mixture->first), float(m.mixture->second)}},
+            {"share", {m.mixture->share}}};
+  }
+  switch (m.bsdf) {
+    case BsdfKind::kLambert:
+    case BsdfKind::kMirror:
+    case BsdfKind::kMeasured:
+      return {};
+    case BsdfKind::kConductor:
+    case BsdfKind::kBlinn:
+      return {alpha, eta, k};
+    case BsdfKind::kAnisotropicConductor:
+    case BsdfKind::kBeckmannConductor:
+      return {alpha, across, eta, k};
+    case BsdfKind::kCoatedConductor:
+      return {alpha, eta, k, coat_alpha, ior};
+    case BsdfKind::kMetallicRoughness:
+      return {alpha, metallic, ior};
+    case BsdfKind::kCoatedMetallicRoughness:
+      return {alpha,
+              metallic,
+              ior,
+              coat,
+              coat_alpha,
+              {"sheen", List(m.sheen)},
+              {"sheen_alpha", {m.sheen_alpha}}};
+    case BsdfKind::kOrenNayar:
+      return {alpha};
+    case BsdfKind::kDiffuseTransmission:
+      return {{"transmittance", List(m.second_color)}};
+    case BsdfKind::kPhong:
+      return {alpha, {"gloss", List(m.second_color)}};
+    case BsdfKind::kWard:
+      return {alpha, across};
+    case BsdfKind::kRoughDielectric:
+      return {alpha, ior};
+    case BsdfKind::kDielectric:
+    case BsdfKind::kThinDielectric:
+      return {ior};
+  }
+  return {};
+}
+
 nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   nlohmann::ordered_json json = {{"name", material.name},
-                                 {"bsdf", ToString(material.bsdf)},
+                                 {"bsdf", KindOf(material)},
                                  {"triangles", triangles},
                                  {"reflectance", List(material.reflectance)}};
-  if (material.bsdf == BsdfKind::kConductor) {
-    json["alpha"] = material.alpha;
-    json["eta"] = List(material.eta);
-    json["k"] = List(material.k);
-  }
-  if (material.bsdf == BsdfKind::kMetallicRoughness) {
-    json["alpha"] = material.alpha;
-    json["metallic"] = material.metallic;
-    json["ior"] = material.ior;
+  for (const Parameter& parameter : ParametersOf(material)) {
+    if (parameter.values.size() == 1) {
+      json[parameter.name] = parameter.values[0];
+    } else {
+      json[parameter.name] = parameter.values;
+    }
   }
   if (material.color_texture) json["color_texture"] = *material.color_texture;
   if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
-  if (material.bsdf == BsdfKind::kDielectric) json["ior"] = material.ior;
   if (material.emission != glm::vec3(0)) json["emission"] = List(material.emission);
   return json;
 }
@@ -129,22 +185,14 @@ nlohmann::ordered_json Json(const SceneFile& file) {
 }
 
 std::string Parameters(const Material& material) {
-  switch (material.bsdf) {
-    case BsdfKind::kLambert:
-    case BsdfKind::kMirror:
-      return "reflectance " + Text(material.reflectance);
-    case BsdfKind::kConductor:
-      return fmt::format("alpha {:.4g}, eta {}, k {}", material.alpha, Text(material.eta),
-                         Text(material.k));
-    case BsdfKind::kMetallicRoughness:
-      return fmt::format("base colour {}{}, metallic {:.4g}, alpha {:.4g}{}, ior {:.4g}",
-                         Text(material.reflectance), material.color_texture ? " * texture" : "",
-                         material.metallic, material.alpha,
-                         material.roughness_texture ? " * texture" : "", material.ior);
-    case BsdfKind::kDielectric:
-      return fmt::format("ior {:.4g}", material.ior);
+  std::string text = "reflectance " + Text(material.reflectance);
+  if (material.color_texture) text += " * texture";
+  for (const Parameter& parameter : ParametersOf(material)) {
+    text += fmt::format(", {} {:.4g}", parameter.name, fmt::join(parameter.values, " "));
+    const bool textured = std::string_view(parameter.name) == "alpha" && material.roughness_texture;
+    if (textured) text += " * texture";
   }
-  return "";
+  return text;
 }
 
 std::string Emission(const Material& material) {
@@ -198,7 +246,7 @@ void Print(const std::string& path, const SceneFile& file) {
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    fmt::print("  {:<24}{:<12}{:>10}  {}{}\n", material.name, ToString(material.bsdf),
+    fmt::print("  {:<24}{:<12}{:>10}  {}{}\n", material.name, KindOf(material),
                summary.triangles_of_material[i], Parameters(material), Emission(material));
   }
   std::size_t lights = scene.environments.size();

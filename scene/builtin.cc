@@ -7,6 +7,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "scene/mesh.h"
@@ -24,6 +25,8 @@ constexpr std::array kScenes = {
     BuiltinSceneInfo{"lamps",
                      "a room with a lamp in its ceiling, a spot, a bulb and a glowing ball"},
     BuiltinSceneInfo{"many-shapes", "a field of 196 blobs, 1.0 M triangles of Lambert"},
+    BuiltinSceneInfo{"many-materials", "the same field with every BSDF"},
+    BuiltinSceneInfo{"materials", "a sphere of each BSDF under the sun"},
 };
 
 Scene SpheresScene() {
@@ -110,20 +113,25 @@ Mesh Blob(int seed) {
   return blob;
 }
 
-Scene ManyShapesScene() {
+std::vector<Material> FiveColors() {
+  return {{.name = "white", .reflectance = glm::vec3(0.75f)},
+          {.name = "red", .reflectance = {0.6f, 0.12f, 0.08f}},
+          {.name = "green", .reflectance = {0.15f, 0.4f, 0.12f}},
+          {.name = "blue", .reflectance = {0.1f, 0.2f, 0.5f}},
+          {.name = "yellow", .reflectance = {0.7f, 0.5f, 0.1f}}};
+}
+
+Scene ManyShapesScene(const std::vector<Material>& materials) {
   constexpr int kSide = 14;  // 14 * 14 blobs of 5120 triangles
   Scene scene;
   Place(scene, Quad(200), AddLambert(scene, "floor", glm::vec3(0.5f)), glm::vec3(0));
-  const std::uint32_t materials[] = {AddLambert(scene, "white", glm::vec3(0.75f)),
-                                     AddLambert(scene, "red", {0.6f, 0.12f, 0.08f}),
-                                     AddLambert(scene, "green", {0.15f, 0.4f, 0.12f}),
-                                     AddLambert(scene, "blue", {0.1f, 0.2f, 0.5f}),
-                                     AddLambert(scene, "yellow", {0.7f, 0.5f, 0.1f})};
+  scene.materials.insert(scene.materials.end(), materials.begin(), materials.end());
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
       const int seed = i * kSide + j;
-      Place(scene, Blob(seed), materials[(2654435761u * (seed + 1u) >> 16) % std::size(materials)],
-            {i - 0.5f * (kSide - 1), 0.45f, 0.5f * (kSide - 1) - j}, 37.0f * seed);
+      const auto material = std::uint32_t(1 + (2654435761u * (seed + 1u) >> 16) % materials.size());
+      Place(scene, Blob(seed), material, {i - 0.5f * (kSide - 1), 0.45f, 0.5f * (kSide - 1) - j},
+            37.0f * seed);
     }
   }
   AddProceduralSky(scene);
@@ -141,7 +149,9 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "spheres") return SpheresScene();
   if (name == "furnace") return FurnaceScene();
   if (name == "lamps") return LampsScene();
-  if (name == "many-shapes") return ManyShapesScene();
+  if (name == "many-shapes") return ManyShapesScene(FiveColors());
+  if (name == "many-materials") return ManyShapesScene(OneOfEachBsdf());
+  if (name == "materials") return MaterialsScene();
   std::string known;
   for (const BuiltinSceneInfo& info : kScenes) {
     known += fmt::format("{}{}", known.empty() ? "" : ", ", info.name);

@@ -4,6 +4,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -50,13 +51,13 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
 std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z); }
 
 // Appends one triangle: positions already in the vertex table from `first_vertex` on.
-void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::uint32_t first_vertex,
+void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
                     std::vector<std::uint32_t>& indices, std::vector<TriangleRecord>& records,
                     std::vector<TriangleUvs>* uvs) {
   const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
                   &c = mesh.positions[corners.z];
   const glm::vec3 face = glm::cross(b - a, c - a);
-  TriangleRecord record = {.normal = {}, .tag = mesh.material | std::uint32_t(bsdf) << kKindShift};
+  TriangleRecord record = {.normal = {}, .tag = mesh.material};
   bool smooth = !mesh.normals.empty();
   if (smooth) {
     glm::vec3 normals[3], sum(0);
@@ -78,24 +79,103 @@ void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::ui
   if (uvs != nullptr) uvs->push_back(MakeTriangleUvs(mesh, corners));
 }
 
-MaterialRecord PackMaterial(const Material& material) {
+void Copy(const glm::vec3& from, float* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
+
+float Width(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
+
+MaterialRecord PackMaterial(const Material& material, const Scene& scene) {
   MaterialRecord record = {};
-  const float alpha = std::clamp(material.alpha, 1e-3f, 1.0f);
-  for (int c = 0; c < 3; ++c) {
-    record.color[c] = material.reflectance[c];
-    record.eta[c] = material.eta[c];
-    record.k[c] = material.k[c];
-    if (material.bsdf == BsdfKind::kConductor) {
-      record.multiscatter[c] =
-          ConductorMultiscatter(GgxTables(), alpha, material.eta[c], material.k[c]);
-    }
-  }
-  record.alpha = alpha;
+  Copy(material.reflectance, record.color);
+  record.alpha = Width(material.alpha);
+  Copy(material.eta, record.eta);
+  Copy(material.k, record.k);
   record.ior = material.ior;
-  if (material.bsdf == BsdfKind::kMetallicRoughness) record.eta[0] = material.metallic;
   if (material.color_texture) record.color_texture = *material.color_texture + 1;
   if (material.roughness_texture) record.roughness_texture = *material.roughness_texture + 1;
+  switch (material.bsdf) {
+    case BsdfKind::kCoatedConductor:
+      record.roughness_texture = std::bit_cast<std::uint32_t>(Width(material.coat_alpha));
+      [[fallthrough]];
+    case BsdfKind::kConductor:
+      for (int c = 0; c < 3; ++c) {
+        record.multiscatter[c] =
+            ConductorMultiscatter(GgxTables(), record.alpha, material.eta[c], material.k[c]);
+      }
+      break;
+    case BsdfKind::kCoatedMetallicRoughness:
+      Copy({material.coat, Width(material.coat_alpha), Width(material.sheen_alpha)}, record.k);
+      Copy(material.sheen, record.multiscatter);
+      [[fallthrough]];
+    case BsdfKind::kMetallicRoughness:
+      record.eta[0] = material.metallic;
+      break;
+    case BsdfKind::kDiffuseTransmission:
+    case BsdfKind::kPhong:
+      Copy(material.second_color, record.eta);
+      break;
+    case BsdfKind::kAnisotropicConductor:
+    case BsdfKind::kBeckmannConductor:
+    case BsdfKind::kWard:
+      record.ior = Width(material.alpha_across.value_or(material.alpha));
+      break;
+    case BsdfKind::kOrenNayar:
+      record.alpha = std::clamp(material.alpha, 0.0f, 1.0f);
+      break;
+    case BsdfKind::kMeasured: {
+      const MeasuredBrdf& brdf = scene.measured[material.measured];
+      record.alpha = Width(brdf.alpha);
+      record.ior = brdf.specular_share;
+      record.roughness_texture = material.measured * kMeasuredFloats;
+      break;
+    }
+    default:
+      break;
+  }
   return record;
+}
+
+// Which tables the kernels of a BSDF read beside the records.
+bool ReadsGgxTables(BsdfKind bsdf) {
+  return bsdf == BsdfKind::kConductor || bsdf == BsdfKind::kMetallicRoughness ||
+         bsdf == BsdfKind::kCoatedConductor || bsdf == BsdfKind::kCoatedMetallicRoughness;
+}
+
+void CheckMaterial(const Scene& scene, std::size_t index, const std::string& path) {
+  const Material& material = scene.materials[index];
+  const auto fail = [&](const std::string& reason) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("material '{}': {}", material.name, reason));
+  };
+  for (const auto& texture :
+       {material.color_texture, material.roughness_texture, material.emission_texture}) {
+    if (texture && (*texture >= scene.textures.size() ||
+                    scene.textures[*texture].image >= scene.images.size())) {
+      fail("its texture does not exist");
+    }
+  }
+  if (const auto& mixture = material.mixture) {
+    if (mixture->first >= index || mixture->second >= index) fail("it is mixed of later materials");
+  } else if (material.bsdf == BsdfKind::kMeasured &&
+             (material.measured >= scene.measured.size() ||
+              scene.measured[material.measured].rgb.size() != kMeasuredFloats)) {
+    fail("its measured BRDF does not exist");
+  }
+}
+
+// The direction in which u grows over a triangle; the world's +y where it has no uvs.
+std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
+  glm::dvec3 tangent(0, 1, 0);
+  if (!mesh.uvs.empty()) {
+    const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]),
+        c(mesh.positions[corners.z]);
+    const glm::dvec2 s(mesh.uvs[corners.x]), t(mesh.uvs[corners.y]), w(mesh.uvs[corners.z]);
+    const glm::dvec2 along = t - s, across = w - s;
+    const double area = along.x * across.y - along.y * across.x;
+    const glm::dvec3 u = (across.y * (b - a) - along.y * (c - a)) * (area < 0 ? -1.0 : 1.0);
+    const double length = glm::length(u);
+    if (std::isfinite(length) && length > 0) tangent = u / length;
+  }
+  return EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
 }
 
 }  // namespace
@@ -117,17 +197,12 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                                  scene.materials.size(), triangle_count));
   }
   bool textured = false;
-  for (const Material& material : scene.materials) {
+  bool tangents = false;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    CheckMaterial(scene, i, path);
+    const Material& material = scene.materials[i];
     textured = textured || material.color_texture || material.roughness_texture;
-    for (const auto& texture :
-         {material.color_texture, material.roughness_texture, material.emission_texture}) {
-      if (!texture) continue;
-      if (*texture >= scene.textures.size() ||
-          scene.textures[*texture].image >= scene.images.size()) {
-        throw InputError(InputPosition::File(path),
-                         fmt::format("material '{}': its texture does not exist", material.name));
-      }
-    }
+    tangents = tangents || Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
   }
   if (textured) {
     textures_ = MakeTextureTables(scene, path);
@@ -139,19 +214,23 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   for (const Mesh& mesh : scene.meshes) {
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
-    const BsdfKind bsdf = scene.materials[mesh.material].bsdf;
     for (const glm::uvec3& corners : mesh.triangles) {
-      AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_,
+      AppendTriangle(mesh, corners, first_vertex, indices_, triangles_,
                      textured ? &textures_.uvs : nullptr);
+      if (tangents) tangents_.push_back(PackTangent(mesh, corners));
     }
   }
+  // Variants come behind all triangles, variants of variants behind those.
+  for (std::size_t i = 0; i < triangles_.size(); ++i) AppendVariants(scene, i);
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
-    materials_.push_back(PackMaterial(material));
+    materials_.push_back(PackMaterial(material, scene));
     // Tens of milliseconds, so only for those who need them.
-    if (material.bsdf == BsdfKind::kConductor || material.bsdf == BsdfKind::kMetallicRoughness) {
-      conductor_tables_ = &GgxTables();
-    }
+    if (ReadsGgxTables(material.bsdf)) conductor_tables_ = &GgxTables();
+    if (material.bsdf == BsdfKind::kCoatedMetallicRoughness) sheen_tables_ = &GetSheenTables();
+  }
+  for (const MeasuredBrdf& brdf : scene.measured) {
+    measured_.insert(measured_.end(), brdf.rgb.begin(), brdf.rgb.end());
   }
 
   const auto start = std::chrono::steady_clock::now();
@@ -180,12 +259,38 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// Gives triangle `i` the BSDF of its material, or two more records where that is a mixture.
+void Geometry::AppendVariants(const Scene& scene, std::size_t i) {
+  const std::uint32_t material = triangles_[i].tag & kMaterialMask;
+  const auto& mixture = scene.materials[material].mixture;
+  if (!mixture) {
+    const auto bsdf = std::uint32_t(scene.materials[material].bsdf);
+    triangles_[i].tag |= bsdf << kKindShift;
+    bsdfs_ |= BsdfSet{1} << bsdf;
+    return;
+  }
+  has_mixtures_ = true;
+  const auto first = std::uint32_t(triangles_.size());
+  for (const std::uint32_t variant : {mixture->first, mixture->second}) {
+    TriangleRecord record = triangles_[i];
+    record.tag = (record.tag & ~kMaterialMask) | variant;
+    triangles_.push_back(record);
+    if (!textures_.uvs.empty()) textures_.uvs.push_back(TriangleUvs(textures_.uvs[i]));
+    if (!tangents_.empty()) tangents_.push_back(std::uint32_t(tangents_[i]));
+  }
+  triangles_[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), 0},
+                   .tag = kMixedTriangle};
+}
+
 std::string DefaultEmbreeConfig() {
   return __builtin_cpu_supports("avx2") ? "isa=avx2" : "verbose=0";
 }
 
 MaterialView Geometry::materials() const {
-  return {.records = materials_.data(), .conductor = conductor_tables_};
+  return {.records = materials_.data(),
+          .conductor = conductor_tables_,
+          .sheen = sheen_tables_,
+          .measured = measured_.data()};
 }
 
 glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
@@ -198,7 +303,7 @@ TextureView Geometry::textures() const { return textures_.view(); }
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
          triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         textures_.bytes();
+         (tangents_.size() + measured_.size()) * sizeof(float) + textures_.bytes();
 }
 
 std::uint64_t SceneHash(const Scene& scene) {
@@ -214,12 +319,17 @@ std::uint64_t SceneHash(const Scene& scene) {
     add(mesh.material);
   }
   for (const Material& m : scene.materials) {
-    add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
+    add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k),
+        add(m.alpha), add(m.ior);
     add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
+    add(m.alpha_across.value_or(-1)), add(m.second_color), add(m.coat), add(m.coat_alpha);
+    add(m.sheen), add(m.sheen_alpha), add(m.measured);
+    if (m.mixture) add(m.mixture->first), add(m.mixture->second), add(m.mixture->share);
     if (m.emission != glm::vec3(0)) {
       add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
     }
   }
+  for (const MeasuredBrdf& brdf : scene.measured) add_all(brdf.rgb);
   for (const Texture& t : scene.textures) {
     add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
   }

@@ -12,13 +12,15 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/columns.h"
+#include "kernels/partition.h"
 #include "kernels/texture.h"
 #include "scene/scene.h"
 #include "scene/texture_tables.h"
 
 namespace skywave {
 
-// Immutable once built. Triangle i of the records is primitive i of the only Embree geometry.
+// Immutable once built. Triangle i of the records is primitive i of the only Embree geometry;
+// behind them lie the variants of triangles whose material is a mixture (kMixedTriangle).
 class Geometry {
  public:
   // Checks every index and coordinate (InputError names `path` and the mesh), turns triangles whose
@@ -31,13 +33,19 @@ class Geometry {
   const TriangleRecord* triangles() const { return triangles_.data(); }
   MaterialView materials() const;
   TextureView textures() const;  // empty: no material has one
-  std::size_t triangle_count() const { return triangles_.size(); }
+  BsdfSet bsdfs() const { return bsdfs_; }
+  // One a triangle record, for PrepareTangents; null: no BSDF has one.
+  const std::uint32_t* tangents() const { return tangents_.data(); }
+  bool has_mixtures() const { return has_mixtures_; }
+  std::size_t triangle_count() const { return indices_.size() / 3; }
   // Where corner 0, 1 or 2 of a triangle is, in the order that decides its geometric normal.
   glm::vec3 Corner(std::size_t triangle, int corner) const;
   std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
   double build_seconds() const { return build_seconds_; }
 
  private:
+  void AppendVariants(const Scene& scene, std::size_t i);
+
   struct Release {
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
     void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
@@ -48,8 +56,13 @@ class Geometry {
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;
   std::vector<MaterialRecord> materials_;
+  BsdfSet bsdfs_ = 0;                    // of the triangles
+  std::vector<std::uint32_t> tangents_;  // empty: no BSDF has one
+  std::vector<float> measured_;
+  bool has_mixtures_ = false;
   TextureTables textures_;
-  const ConductorTables* conductor_tables_ = nullptr;  // null: no conductor
+  const ConductorTables* conductor_tables_ = nullptr;  // null: no material needs them
+  const SheenTables* sheen_tables_ = nullptr;          // likewise
   double build_seconds_ = 0;
 };
 

@@ -2,7 +2,10 @@
 //
 //   pbrMetallicRoughness           metallic-roughness: factors and both textures
 //   KHR_materials_ior              its index
-//   KHR_materials_transmission     from a factor of 1/2: smooth dielectric, clear
+//   KHR_materials_transmission     from a factor of 1/2: a pane of the base colour, or with
+//   KHR_materials_volume           (thickness above 0) a dielectric, smooth or rough; no absorption
+//   KHR_materials_clearcoat, KHR_materials_sheen   layers (kernels/coat-inl.h), by their factors
+//   KHR_materials_specular         the index that reflects so much
 //   KHR_materials_unlit            Lambert, with a warning
 //   KHR_texture_transform          offset, rotation and scale
 //   emissiveFactor, emissiveTexture, KHR_materials_emissive_strength

@@ -140,7 +140,7 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
     ReportUnused(parameters, reader.warnings);
     return std::nullopt;
   }
-  Material material = MakePbrtMaterial(type, parameters, reader.textures, reader.warnings);
+  Material material = MakePbrtMaterial(type, parameters, reader);
   material.name = name;
   reader.scene.materials.push_back(std::move(material));
   return static_cast<std::uint32_t>(reader.scene.materials.size() - 1);

@@ -15,6 +15,11 @@
 
 namespace skywave {
 
+struct Mixture {
+  std::uint32_t first, second;  // indices into Scene::materials, of materials before this one
+  float share;                  // of the second one, in [0, 1]
+};
+
 struct Material {
   std::string name;
   BsdfKind bsdf = BsdfKind::kLambert;
@@ -23,16 +28,37 @@ struct Material {
   glm::vec3 reflectance{0.5f};
   glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
   glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
-  float alpha = 0.1f;   // conductor, metallic-roughness: GGX width
-  float ior = 1.5f;     // dielectric: index inside (where the normal points away) / outside
-  float metallic = 0;   // metallic-roughness: share of metal
+  // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
+  // is 2 / alpha^2 - 2.
+  float alpha = 0.1f;
+  // Anisotropic conductors, Ward: the width across the tangent; not given: alpha.
+  std::optional<float> alpha_across;
+  float ior = 1.5f;    // dielectric: index inside (where the normal points away) / outside
+  float metallic = 0;  // metallic-roughness: share of metal
+  // Diffuse transmission: what passes through; Phong: the gloss.
+  glm::vec3 second_color{0.0f};
+  // Coated conductor (strength 1; `ior` is the coat's), coated metallic-roughness (index 1.5).
+  float coat = 1, coat_alpha = 1e-3f;
+  glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
+  float sheen_alpha = 0.1f;
+  std::uint32_t measured = 0;  // measured: index into Scene::measured
   // Indices into Scene::textures: factors of the reflectance; of the square root of alpha (green)
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
+  // Two other materials, one of which a hit has: nothing but the emission counts then.
+  std::optional<Mixture> mixture;
   // Radiance of the surface itself, on the side of its normals or on both; the texture is a factor.
   glm::vec3 emission{0.0f};
   bool emits_on_both_sides = false;
   std::optional<std::uint32_t> emission_texture;
+};
+
+// A BRDF as it was measured (scene/merl.h).
+struct MeasuredBrdf {
+  std::vector<float> rgb;  // kMeasuredFloats [1/sr], in the order that columns.h gives
+  // The lobe that sampling takes for it: GGX width and probability, the rest is drawn by the
+  // cosine.
+  float alpha = 1, specular_share = 0;
 };
 
 // An image as a material uses it. uv (0, 0) is the top left corner of the image, (1, 1) the bottom
@@ -113,6 +139,7 @@ struct RenderSettings {
 struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
+  std::vector<MeasuredBrdf> measured;
   std::vector<Texture> textures;
   std::vector<Image> images;  // of textures: linear RGB, or numbers as they are
   std::optional<Camera> camera;

@@ -89,6 +89,11 @@ std::vector<FurnaceCase> Cases() {
     cases.push_back({"Lambert" + shading, White(BsdfKind::kLambert), smooth, mean, block});
     cases.push_back({"Mirror" + shading, White(BsdfKind::kMirror), smooth, 0, 0});
     cases.push_back({"Glass" + shading, White(BsdfKind::kDielectric), smooth, 0, 0});
+    cases.push_back({"Clay" + shading, White(BsdfKind::kOrenNayar, 1), smooth, mean, block});
+    Material sheet = White(BsdfKind::kDiffuseTransmission);
+    sheet.reflectance = glm::vec3(0.4f), sheet.second_color = glm::vec3(0.6f);
+    cases.push_back({"Sheet" + shading, sheet, smooth, mean, block});
+    cases.push_back({"Pane" + shading, White(BsdfKind::kThinDielectric), smooth, 0, 0});
     for (const int percent : {1, 5, 10, 20, 40, 70, 100}) {
       const bool narrow = percent <= 10;
       cases.push_back({"Conductor" + std::to_string(percent) + shading,

@@ -288,7 +288,70 @@ TEST(Materials, Conductors) {
       "Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" .4 \"bool "
       "remaproughness\" "
       "false");
-  EXPECT_FLOAT_EQ(anisotropic.alpha, 0.2f);
+  EXPECT_EQ(anisotropic.bsdf, BsdfKind::kAnisotropicConductor);
+  EXPECT_FLOAT_EQ(anisotropic.alpha, 0.1f);
+  EXPECT_FLOAT_EQ(anisotropic.alpha_across.value(), 0.4f);
+  const Material coated = OnlyMaterial(
+      "Material \"coatedconductor\" \"float conductor.roughness\" .25 "
+      "\"float interface.roughness\" .01 \"float interface.eta\" 1.4 "
+      "\"spectrum conductor.eta\" \"metal-Au-eta\" \"spectrum conductor.k\" \"metal-Au-k\"");
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedConductor);
+  EXPECT_FLOAT_EQ(coated.alpha, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.1f);
+  EXPECT_FLOAT_EQ(coated.ior, 1.4f);
+  ExpectNear(coated.k, {3.98316f, 2.38572f, 1.60322f});
+}
+
+TEST(Materials, DiffuseOnes) {
+  const Material clay = OnlyMaterial("Material \"matte\" \"float sigma\" 20");
+  EXPECT_EQ(clay.bsdf, BsdfKind::kOrenNayar);
+  // B / A of Oren and Nayar 1994 for sigma = 20 degrees.
+  EXPECT_NEAR(clay.alpha, 0.2591 / 0.8652, 1e-3);
+  EXPECT_EQ(OnlyMaterial("Material \"matte\" \"float sigma\" 0").bsdf, BsdfKind::kLambert);
+  const Material sheet = OnlyMaterial(
+      "Material \"diffusetransmission\" \"rgb reflectance\" [.1 .2 .3] \"rgb transmittance\" "
+      "[.4 .5 .6] \"float scale\" .5");
+  EXPECT_EQ(sheet.bsdf, BsdfKind::kDiffuseTransmission);
+  ExpectNear(sheet.reflectance, {0.05f, 0.1f, 0.15f});
+  ExpectNear(sheet.second_color, {0.2f, 0.25f, 0.3f});
+  const Material too_much = OnlyMaterial(
+      "Material \"diffusetransmission\" \"rgb reflectance\" [1 1 1] \"rgb transmittance\" [1 1 1]");
+  ExpectNear(too_much.reflectance + too_much.second_color, glm::vec3(1));
+  const Material translucent =
+      OnlyMaterial("Material \"translucent\" \"rgb Kd\" [.8 .8 .8] \"rgb transmit\" [.25 .5 1]");
+  ExpectNear(translucent.second_color, {0.2f, 0.4f, 0.8f});
+}
+
+TEST(Materials, RoughAndThinGlass) {
+  const Material frosted =
+      OnlyMaterial("Material \"dielectric\" \"float roughness\" .09 \"float eta\" 1.4");
+  EXPECT_EQ(frosted.bsdf, BsdfKind::kRoughDielectric);
+  EXPECT_FLOAT_EQ(frosted.alpha, 0.3f);
+  EXPECT_FLOAT_EQ(frosted.ior, 1.4f);
+  EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float uroughness\" .1 \"float vroughness\" .1").bsdf,
+            BsdfKind::kRoughDielectric);
+  EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float roughness\" 0").bsdf, BsdfKind::kDielectric);
+  EXPECT_EQ(OnlyMaterial("Material \"thindielectric\" \"float eta\" 1.2").bsdf,
+            BsdfKind::kThinDielectric);
+}
+
+TEST(Materials, Mixtures) {
+  const char* const kTwo =
+      "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"matte\"\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"mirror\"\n";
+  const auto mixture = [&](const std::string& rest) {
+    const Scene scene = Parse(kTwo + ("Material \"mix\" " + rest) + "\n" + kTriangle);
+    return scene.materials.at(scene.meshes.at(0).material).mixture.value();
+  };
+  const Mixture v4 = mixture("\"string materials\" [\"a\" \"b\"] \"float amount\" .3");
+  EXPECT_EQ(v4.second, v4.first + 1);
+  EXPECT_FLOAT_EQ(v4.share, 0.3f);
+  const Mixture v3 = mixture(
+      "\"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"rgb amount\" [.3 .3 .3]");
+  EXPECT_EQ(v3.second, v3.first + 1);
+  EXPECT_FLOAT_EQ(v3.share, 0.7f);
+  EXPECT_THROW(mixture("\"string materials\" [\"a\" \"c\"]"), InputError);
+  EXPECT_THROW(mixture("\"string materials\" [\"a\"]"), InputError);
 }
 
 TEST(Materials, NamedOnesAndConstantTextures) {
@@ -442,7 +505,6 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
       "t.pbrt:5: Shape \"disk\" is not supported: left out (2 times)",
       "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
-      "t.pbrt:9: Material \"dielectric\": roughness is not supported: rendered smooth",
       "t.pbrt:10: Texture \"wood\" \"fbm\" is not supported: its users take their default",
       "t.pbrt:11: Material \"matte\": \"texture Kd\" (\"wood\") varies: the default is used",
       "t.pbrt:12: AreaLightSource \"laser\" is not supported: left out",
@@ -476,13 +538,13 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "LightSource \"infinite\" \"blackbody L\" 5500",
                            "LightSource \"infinite\" \"spectrum L\" \"stdillum-D65\"",
                            "Scale 1 2 1 LightSource \"infinite\"",
-                           "Material \"matte\" \"float sigma\" 20",
                            "Material \"plastic\"",
-                           "Material \"metal\" \"float uroughness\" .2",
+                           "Material \"glass\" \"float uroughness\" .2",
+                           "Material \"coatedconductor\"",
+                           "Material \"translucent\"",
                            "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
                            "Material \"glass\" \"rgb Kt\" [0 0 0]",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
-                           "Material \"mix\"",
                            "Material \"diffuse\" \"string normalmap\" \"n.png\"",
                            "Material \"diffuse\" \"spectrum reflectance\" [400 .1 700 .2]",
                            "Shape \"sphere\" \"float zmin\" 0",

@@ -5,6 +5,7 @@
 
 #include "kernels/accumulate.h"
 #include "kernels/partition.h"
+#include "kernels/sampler.h"
 #include "kernels/surface.h"
 #include "wavefront/checks.h"
 
@@ -33,12 +34,16 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
 }
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n, bool only_delta,
-                  Worker& w, StageClock& clock) {
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
   TraceClosest(frame.tracer, rays, n, w.hits);
   clock.Lap(Stage::kIntersect);
+  if (frame.geometry->has_mixtures()) {
+    DrawUniforms(w.paths, rays.path, n, MixturePair(bounce), {}, w.uniforms);
+    ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
+  }
   const std::uint32_t escaped =
       SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
@@ -117,7 +122,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
       MeetLight(frame, *rays, n, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
@@ -143,7 +148,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
       MeetLight(frame, *rays, n, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);

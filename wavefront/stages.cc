@@ -69,7 +69,8 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
                        std::uint32_t n, bool only_delta, std::uint32_t* queue,
                        SurfaceRanges& ranges) {
   std::uint32_t count[kBsdfKinds + 1] = {};
-  ClassifyHits(hits, geometry.triangles(), only_delta ? rays.pdf : nullptr, n, queue, count);
+  ClassifyHits(hits, geometry.triangles(), geometry.bsdfs(), only_delta ? rays.pdf : nullptr, n,
+               queue, count);
   for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
     ranges.begin[kind + 1] = ranges.begin[kind] + count[kind];
   }
@@ -94,10 +95,21 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
   if (!textures.empty()) {
     TextureColors(textures, materials, angle, ranges.total(), surfaces);
   }
-  constexpr auto kKind = std::uint32_t(BsdfKind::kMetallicRoughness);
-  if (ranges.count(kKind) == 0) return;
-  PrepareMetallicRoughness(textures, materials, angle, ranges.count(kKind),
-                           Slice(surfaces, ranges.begin[kKind]));
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    const std::uint32_t n = ranges.count(kind);
+    if (n == 0) continue;
+    const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
+    switch (Bsdfs()[kind].varying) {
+      case Varying::kNothing:
+        break;
+      case Varying::kRoughness:
+        PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        break;
+      case Varying::kTangent:
+        PrepareTangents(frame.geometry->tangents(), n, rows);
+        break;
+    }
+  }
 }
 
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
