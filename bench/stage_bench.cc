@@ -122,16 +122,18 @@ void SampleLightsStage(benchmark::State& state, const std::string& strategy, boo
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
+  const float* reach =
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
   Run(state, f.ranges.light_sampled(),
-      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights); });
+      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
+  const float* reach =
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
+  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
   tracer.occlusion = backend;
@@ -144,8 +146,9 @@ void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
+  const float* reach =
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
+  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
 }

@@ -136,8 +136,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     StoreBelow(IfThen(counts, gain.x, zero), lights.r, i, n);
     StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
     StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
-    const VF reach = mis.bounded ? Load(lights.t_far + i) : open;
-    StoreBelow(IfThen(counts, reach, closed), lights.t_far, i, n);
+    StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
     if constexpr (kTransmits<Bsdf>) MoveOrigins(s, lanes, world, i, n);
   }
 }

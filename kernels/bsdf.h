@@ -32,7 +32,6 @@ struct MaterialView {
 // density see no light.
 struct MisPolicy {
   bool enabled = true;
-  bool bounded = false;  // t_far of light samples holds how far their shadow rays go
 };
 
 // Russian roulette after scattering: a path goes on with probability min(1, largest throughput).
@@ -93,9 +92,8 @@ struct BsdfKernels {
 
   // Rows [0, n): turns the radiance of a light sample into what the path gains if the light is
   // seen, throughput * value * radiance / pdf * MIS weight, and opens (t_far
-  // infinite, or as it is where mis.bounded) or closes (t_far negative) its shadow ray. BSDFs that
-  // transmit move org of the surfaces to the side of the light (see SurfaceColumns::lift). Null for
-  // delta BSDFs.
+  // infinite) or closes (t_far negative) its shadow ray. BSDFs that transmit move org of the
+  // surfaces to the side of the light (see SurfaceColumns::lift). Null for delta BSDFs.
   void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
                           std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);
 

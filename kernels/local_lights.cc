@@ -83,7 +83,7 @@ HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
 // Light samples of one vector of surfaces at `org`, in the terms of LightColumns.
 struct DrawnLights {
   V3 dir, radiance;
-  VF pdf, t_far;
+  VF pdf, reach;
 };
 HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x, VF y,
                                   const V3& org) {
@@ -120,26 +120,26 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
   }
   // What is known of a hit's place, as surfaces are lifted (kernels/surface.cc).
   const VF slack = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
-  VF t_far = hn::Sub(distance, slack);
+  VF reach = hn::Sub(distance, slack);
   const MF distant = light.Is(LocalLightKind::kDistant);
   if (!hn::AllFalse(F(), distant)) {
     dir = IfThen(distant, axis, dir);
     worth = IfThen(distant, hn::Div(one, probability), worth);
-    t_far = IfThen(distant, infinity, t_far);
+    reach = IfThen(distant, infinity, reach);
   }
-  return {dir, Scale(light.emission(), worth), pdf, t_far};
+  return {dir, Scale(light.emission(), worth), pdf, reach};
 }
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out) {
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach) {
   const VU end = SetU(choice.first[view.count]);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     VU target = ToUnsigned(hn::Mul(Load(uniforms.u + i), Set(float(kChoiceUnits))));
     const MU picks = hn::And(RowsBelow(i, n), hn::Gt(end, target));
     if (hn::AllFalse(U(), picks)) {
-      Store(infinity, out.t_far + i);
+      Store(infinity, reach + i);
       continue;
     }
     target = hn::IfThenElseZero(picks, target);
@@ -157,7 +157,13 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     Store3(IfThen(picked, drawn.radiance, Load3(out.r + i, out.g + i, out.b + i)), out.r + i,
            out.g + i, out.b + i);
     Store(IfThen(picked, drawn.pdf, Load(out.pdf + i)), out.pdf + i);
-    Store(IfThen(picked, drawn.t_far, infinity), out.t_far + i);
+    Store(IfThen(picked, drawn.reach, infinity), reach + i);
+  }
+}
+
+void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    Store(hn::Min(Load(lights.t_far + i), Load(reach + i)), lights.t_far + i);
   }
 }
 
@@ -217,12 +223,17 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(SampleLocalLights);
+HWY_EXPORT(LimitShadows);
 HWY_EXPORT(MeetEmitters);
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out) {
-  HWY_DYNAMIC_DISPATCH(SampleLocalLights)(view, choice, surfaces, uniforms, n, samples, out);
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach) {
+  HWY_DYNAMIC_DISPATCH(SampleLocalLights)
+  (view, choice, surfaces, uniforms, n, samples, out, reach);
+}
+void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights) {
+  HWY_DYNAMIC_DISPATCH(LimitShadows)(reach, n, lights);
 }
 std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
                            const RayColumns& rays, const HitColumns& hits, std::uint32_t n,

@@ -49,13 +49,16 @@ struct LocalLightView {
 };
 inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 
-// Puts a light sample into each of rows [0, n) whose uniforms.u picks a light: dir, r, g, b, pdf
-// and t_far of `out`, short of the light by what keeps its own triangle from being hit. The others
-// keep what is there, a sample of something else, and get an infinite t_far. Points of triangles
-// are uniform in area. `samples`: picks that a surface makes, which densities count.
+// Puts a light sample into each of rows [0, n) whose uniforms.u picks a light: dir, r, g, b and pdf
+// of `out`, and in `reach` its distance, less what keeps its own triangle from being hit. The
+// others keep what is there, a sample of something else, with an infinite reach. Points of
+// triangles are uniform in area. `samples`: picks that a surface makes, which densities count.
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out);
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach);
+
+// Ends the shadow rays [0, n) that are open after `reach`.
+void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights);
 
 // Appends to `met` (from its row 0) those of rays [0, n) that hit the shining side of a triangle,
 // in order, with its radiance and the density of SampleLocalLights there; returns their number.

@@ -202,7 +202,7 @@ TEST_F(LocalLightKernels, UniformsAtTheEndsOfALightPickIt) {
       const auto surfaces = RandomSurfaces(3, 5);
       soa::Table<LightColumns> out(3);
       for (std::uint32_t i = 0; i < 3; ++i) out->r[i] = -1, out->g[i] = 2;
-      SampleLocalLights(view_, choice, surfaces, uniforms, 3, 1, out);
+      SampleLocalLights(view_, choice, surfaces, uniforms, 3, 1, out, out->t_far);
       const float* emission = view_.lights[light].emission;
       for (int i = 0; i < 2; ++i) {
         EXPECT_NEAR(out->r[i] * emission[1], out->g[i] * emission[0],
@@ -223,7 +223,8 @@ TEST_F(LocalLightKernels, SamplesAreTheReferences) {
       const auto surfaces = RandomSurfaces(n, 11);
       const auto uniforms = RandomUniforms(n, 12);
       soa::Table<LightColumns> out(n);
-      SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, float(kSamples), out);
+      SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, float(kSamples), out,
+                        out->t_far);
       for (std::uint32_t i = 0; i < n; ++i) {
         const std::uint32_t unit = UnitOf(uniforms->u[i]), index = LightAt(unit);
         const LocalLight& light = view_.lights[index];
@@ -279,7 +280,7 @@ TEST_F(LocalLightKernels, SamplesAreTheSameOnEveryTarget) {
   const auto uniforms = RandomUniforms(kFullWave, 22);
   ExpectSameOnEveryTarget([&] {
     soa::Table<LightColumns> out(kFullWave);
-    SampleLocalLights(view_, view_.alone, surfaces, uniforms, kFullWave, 2, out);
+    SampleLocalLights(view_, view_.alone, surfaces, uniforms, kFullWave, 2, out, out->t_far);
     return ColumnBits(out.columns(), kFullWave);
   });
 }
@@ -316,7 +317,8 @@ TEST(LocalLightDensity, InverseDensitiesSumToTheSolidAngle) {
   constexpr std::uint32_t kRows = 1 << 16;
   soa::Table<SurfaceColumns> surfaces(kRows);  // all at the origin
   soa::Table<LightColumns> out(kRows);
-  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 3), kRows, 2, out);
+  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 3), kRows, 2, out,
+                    out->t_far);
   Moments inverse;
   for (std::uint32_t i = 0; i < kRows; ++i) inverse.Add(2 / double(out->pdf[i]));
   const LocalLight& light = view.lights[0];
@@ -333,7 +335,8 @@ TEST(LocalLightDensity, PointsAreUniformOverTheTriangle) {
   constexpr int kSide = 8;
   soa::Table<SurfaceColumns> surfaces(kRows);
   soa::Table<LightColumns> out(kRows);
-  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 4), kRows, 1, out);
+  SampleLocalLights(view, view.alone, surfaces, RandomUniforms(kRows, 4), kRows, 1, out,
+                    out->t_far);
   const LocalLight& light = view.lights[0];
   const Vec p = Of(light.position), a = Of(light.axis), b = Of(light.edge), n = Cross(a, b);
   std::vector<double> counts(kSide * kSide * 2), expected(kSide * kSide * 2);
@@ -365,7 +368,7 @@ TEST_F(LocalLightKernels, MetTrianglesHaveTheDensityOfTheirSamples) {
     const auto surfaces = RandomSurfaces(n, 31);
     const auto uniforms = RandomUniforms(n, 32);
     soa::Table<LightColumns> samples(n);
-    SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, kSamples, samples);
+    SampleLocalLights(view_, view_.alone, surfaces, uniforms, n, kSamples, samples, samples->t_far);
     soa::Table<RayColumns> rays(n);
     soa::Table<HitColumns> hits(n);
     std::vector<std::uint32_t> expected;

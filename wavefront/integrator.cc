@@ -86,11 +86,11 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   if (n == 0) return;
   const LightShares shares = frame.light_shares();
   for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
-    const bool bounded =
+    const float* reach =
         SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
-    EvaluateLights(frame, w.surfaces, w.ranges, bounded, w.lights);
+    EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
     CountShadowRays(w.stats, w.lights, n);
     clock.Lap(Stage::kEvaluate);
     TraceShadows(frame.tracer, w.surfaces, n, w.lights);

@@ -129,9 +129,10 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
   AddEscapedRadiance(met, count, frame.mis(), paths);
 }
 
-bool SampleLights(const FrameView& frame, const ShadePoints& points, const LightShares& shares,
-                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
-                  const UniformColumns& rest, const LightColumns& lights) {
+const float* SampleLights(const FrameView& frame, const ShadePoints& points,
+                          const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                          const UniformColumns& uniforms, const UniformColumns& rest,
+                          const LightColumns& lights) {
   const std::uint32_t n = points.ranges.light_sampled();
   const LightPlan& plan = shares.plan;
   LightCall call = {.index = index,
@@ -159,25 +160,24 @@ bool SampleLights(const FrameView& frame, const ShadePoints& points, const Light
   }
   if (local) {
     SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
-                      float(plan.drawn), lights);
+                      float(plan.drawn), lights, rest.v);
   }
 #ifdef SKYWAVE_SLOWDOWN
   SlowDown(n);
 #endif
-  return local;
+  return local ? rest.v : nullptr;
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, bool bounded, const LightColumns& lights) {
+                    const SurfaceRanges& ranges, const float* reach, const LightColumns& lights) {
   const MaterialView materials = frame.geometry->materials();
-  MisPolicy mis = frame.mis();
-  mis.bounded = bounded;
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     if (ranges.count(kind) == 0) continue;
     const std::uint32_t begin = ranges.begin[kind];
-    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind), mis,
-                                  Slice(lights, begin));
+    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
+                                  frame.mis(), Slice(lights, begin));
   }
+  if (reach != nullptr) LimitShadows(reach, ranges.light_sampled(), lights);
 }
 
 std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,

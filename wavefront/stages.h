@@ -51,16 +51,17 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
                 std::uint32_t n, const EscapeColumns& met, const PathColumns& paths);
 
 // Draws light sample `index` of the plan for every surface that takes light samples, of which there
-// is at least one. `rest`: room for what local lights leave of the uniforms. True: t_far of
-// `lights` says how far the light is.
-bool SampleLights(const FrameView& frame, const ShadePoints& points, const LightShares& shares,
-                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
-                  const UniformColumns& rest, const LightColumns& lights);
+// is at least one. Returns how far the light of every row is, null: infinitely. `rest`: room for
+// that and for what local lights leave of the uniforms.
+const float* SampleLights(const FrameView& frame, const ShadePoints& points,
+                          const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                          const UniformColumns& uniforms, const UniformColumns& rest,
+                          const LightColumns& lights);
 
-// Turns light samples into contributions and opens or closes their shadow rays, which are as long
-// as t_far of `lights` says if they are `bounded`.
+// Turns light samples into contributions and opens or closes their shadow rays. `reach`: as
+// SampleLights returns it.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, bool bounded, const LightColumns& lights);
+                    const SurfaceRanges& ranges, const float* reach, const LightColumns& lights);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
 // their number.
