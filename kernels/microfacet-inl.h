@@ -118,7 +118,7 @@ struct Beckmann {
       const VF next = hn::Sub(slope, hn::Div(excess, hn::Max(rise, Set(1e-20f))));
       const MF between = hn::And(hn::Gt(next, low), hn::Lt(next, high));
       // At the root the rounding of a step may leave the bounds: it is not bisected away again.
-      const MF settled = hn::Lt(hn::Abs(excess), Set(2e-7f));
+      const MF settled = hn::Lt(hn::Abs(excess), Set(1e-6f));
       const VF safe = IfThen(between, next, hn::Mul(half, hn::Add(low, high)));
       slope = IfThen(settled, slope, safe);
     }

@@ -15,6 +15,9 @@
 namespace skywave {
 namespace {
 
+constexpr std::size_t kMaxRecords = std::size_t{1} << 29;  // kernels index them by 31 bits of words
+constexpr std::size_t kMaxVariants = 128;                  // records a triangle, in the mean
+
 bool Finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -191,7 +194,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   if (triangle_count == 0) {
     throw InputError(InputPosition::File(path), "there is no triangle to render");
   }
-  if (scene.materials.size() > kMaterialMask || triangle_count >= (std::size_t{1} << 29)) {
+  if (scene.materials.size() > kMaterialMask || triangle_count >= kMaxRecords) {
     throw InputError(InputPosition::File(path),
                      fmt::format("{} materials and {} triangles are more than a scene can hold",
                                  scene.materials.size(), triangle_count));
@@ -221,7 +224,14 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     }
   }
   // Variants come behind all triangles, variants of variants behind those.
-  for (std::size_t i = 0; i < triangles_.size(); ++i) AppendVariants(scene, i);
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    AppendVariants(scene, i);
+    // Mixtures of mixtures double with every level.
+    if (triangles_.size() > kMaxVariants * triangle_count || triangles_.size() >= kMaxRecords) {
+      throw InputError(InputPosition::File(path),
+                       "the mixtures of materials have more variants than a scene can hold");
+    }
+  }
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
     materials_.push_back(PackMaterial(material, scene));

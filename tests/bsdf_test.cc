@@ -400,8 +400,8 @@ TEST(BsdfValue, TransmissionIsReciprocal) {
       if (cos_i < 1e-2 || cos_o < 1e-2) continue;
       const double f = a->r[i] / cos_i / (*ratio * *ratio), reversed = b->r[i] / cos_o;
       sum += f;
-      // Far from the lobe of a narrow one floats keep few digits of a value of next to nothing.
-      ASSERT_NEAR(f, reversed, 2e-3 * std::max(f, reversed) + 1e-7)
+      // Facets seen edge-on pass next to nothing, of which floats keep few digits.
+      ASSERT_NEAR(f, reversed, 2e-3 * std::max(f, reversed) + 1e-6)
           << material.name << ", pair " << i;
     }
     EXPECT_GT(sum, 0) << material.name;
