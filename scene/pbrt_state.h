@@ -11,17 +11,25 @@
 
 #include "scene/pbrt_parameters.h"
 #include "scene/pbrt_tokens.h"
+#include "scene/read_options.h"
 #include "scene/scene.h"
 #include "scene/texture_files.h"
 #include "scene/warnings.h"
 
 namespace skywave {
 
+// Parameters that Attribute gives to all later directives of a kind ("shape", "material",
+// "texture"). Shared between scopes, replaced as a whole.
+using PbrtAttributeMap = std::map<std::string, std::vector<PbrtParameter>, std::less<>>;
+using PbrtAttributes = std::shared_ptr<const PbrtAttributeMap>;
+
 // What AttributeBegin saves and AttributeEnd restores.
 struct PbrtGraphicsState {
   glm::dmat4 to_world{1.0};               // the current transformation matrix
   std::optional<std::uint32_t> material;  // nothing: shapes are invisible
   bool reverse_orientation = false;
+  bool transform_active = true;  // false: transforms are those of the end of a motion
+  PbrtAttributes attributes;
   bool has_area_light = false;
 };
 
@@ -32,6 +40,7 @@ struct PbrtScope {
 };
 
 struct PbrtReader {
+  ReadOptions options;
   Scene scene;
   Warnings warnings;
   PbrtGraphicsState state;
@@ -47,7 +56,15 @@ struct PbrtReader {
   bool ended = false;         // by WorldEnd
   std::size_t triangles = 0;  // of all meshes, objects included
   int includes = 0;
+  std::optional<std::uint32_t> checker_image;  // index into Scene::images
+  std::size_t baked_texels = 0;
 };
+
+// The parameters that follow a directive, and those that Attribute gives to its kind unless it has
+// parameters of that name itself.
+PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
+                                           const InputPosition& position, std::string_view kind,
+                                           const std::string& directive);
 
 // The path of a file that the scene names: absolute, or beside the file that is being read, or (as
 // pbrt has it) beside the main one. Throws InputError at `position` if there is none.
@@ -56,6 +73,11 @@ std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
 
 // A directive's work; `word` is the directive itself, already taken from `source`.
 using PbrtHandler = void (*)(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+
+// The material "mix" (pbrt_mix.cc), or nothing if it is invisible. Throws InputError if a material
+// that it names is not there.
+std::optional<std::uint32_t> MixPbrtMaterials(PbrtReader& reader, const std::string& name,
+                                              PbrtParameters& parameters);
 
 // The directive Texture (pbrt_textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
