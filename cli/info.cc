@@ -9,6 +9,7 @@
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/job_flags.h"
 #include "scene/geometry.h"
 #include "scene/local_lights.h"
 #include "scene/reader.h"
@@ -20,6 +21,7 @@ namespace {
 
 struct InfoFlags {
   std::string scene, json;
+  ReadOptions read;
 };
 
 struct SceneFile {
@@ -30,10 +32,10 @@ struct SceneFile {
   std::size_t geometry_bytes = 0;  // what rendering keeps, without the BVH
 };
 
-SceneFile Load(const std::string& path) {
+SceneFile Load(const std::string& path, const ReadOptions& options) {
   SceneFile file;
   const auto start = std::chrono::steady_clock::now();
-  file.scene = ReadScene(path);
+  file.scene = ReadScene(path, options);
   file.load_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   file.summary = Summarize(file.scene);
@@ -266,7 +268,7 @@ void Print(const std::string& path, const SceneFile& file) {
 
 int InfoMain(const InfoFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
-  const SceneFile file = Load(flags.scene);
+  const SceneFile file = Load(flags.scene, flags.read);
   Print(flags.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");
   return 0;
@@ -277,8 +279,9 @@ int InfoMain(const InfoFlags& flags) {
 void AddInfoCommand(CLI::App& program, Run& run) {
   CLI::App* command = program.add_subcommand("info", "What is in a scene");
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("scene", flags->scene, "pbrt, OBJ or PLY file, or a built-in scene")
+  command->add_option("scene", flags->scene, "pbrt, OBJ, glTF or PLY file, or a built-in scene")
       ->required();
+  AddReadFlags(*command, flags->read);
   command->add_option("--json", flags->json, "write the same as JSON");
   command->footer("Example:\n  skywave info model.obj --json model.json");
   command->callback([flags, &run] { run = [flags] { return InfoMain(*flags); }; });

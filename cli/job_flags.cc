@@ -85,9 +85,21 @@ std::string CameraFlags(const CameraRequest& c) {
 
 }  // namespace
 
+void AddReadFlags(CLI::App& command, ReadOptions& options) {
+  command.add_flag("--strict", options.strict,
+                   "refuse a scene of which something would be left out or approximated");
+  command
+      .add_option("--max-triangles", options.max_triangles,
+                  "refuse a scene that grows beyond this by instances or subdivision")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 31))
+      ->capture_default_str();
+}
+
 void AddJobFlags(CLI::App& command, JobRequest& r) {
   RenderOptions& o = r.options;
-  command.add_option("scene", r.scene, "pbrt, OBJ or PLY file, or a built-in scene")->required();
+  command.add_option("scene", r.scene, "pbrt, OBJ, glTF or PLY file, or a built-in scene")
+      ->required();
+  AddReadFlags(command, r.read);
 
   const auto light = "Light";
   command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")

@@ -1,5 +1,5 @@
 // pbrt's lights. RGB is what it says in linear Rec. 709, radiance or intensity as the scene's units
-// have it: none of pbrt-v4's scaling by the spectrum of an illuminant.
+// have it: none of pbrt-v4's scaling by the spectrum of an illuminant. Spectra: docs/pbrt.md.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ constexpr double kPi = glm::pi<double>();
 // The colour `name`, 1 if there is none, times "scale": a number in pbrt-v4, a colour in pbrt-v3.
 glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_view name) {
   glm::vec3 emission =
-      FindColor(parameters, name, reader.textures, reader.warnings).value_or(glm::vec3(1));
+      FindColor(parameters, name, reader.textures, reader.warnings, SpectrumUse::kEmission)
+          .value_or(glm::vec3(1));
   if (Find(parameters, {"float"}, "scale")) {
     emission *= *FindFloat(parameters, "scale");
   } else if (const auto scale = FindColor(parameters, "scale", reader.textures, reader.warnings)) {

@@ -11,6 +11,7 @@
 
 #include "scene/pbrt_parameters.h"
 #include "scene/pbrt_tokens.h"
+#include "scene/read_options.h"
 #include "scene/scene.h"
 #include "scene/texture_files.h"
 #include "scene/warnings.h"
@@ -24,6 +25,10 @@ struct PbrtAreaLight {
   bool two_sided;
   std::optional<float> power;  // of each shape
 };
+// Parameters that Attribute gives to all later directives of a kind ("shape", "material",
+// "texture"). Shared between scopes, replaced as a whole.
+using PbrtAttributeMap = std::map<std::string, std::vector<PbrtParameter>, std::less<>>;
+using PbrtAttributes = std::shared_ptr<const PbrtAttributeMap>;
 
 // What AttributeBegin saves and AttributeEnd restores.
 struct PbrtGraphicsState {
@@ -31,6 +36,8 @@ struct PbrtGraphicsState {
   std::optional<std::uint32_t> material;  // nothing: shapes are invisible
   bool reverse_orientation = false;
   std::optional<PbrtAreaLight> area_light;
+  bool transform_active = true;  // false: transforms are those of the end of a motion
+  PbrtAttributes attributes;
 };
 
 struct PbrtScope {
@@ -40,6 +47,7 @@ struct PbrtScope {
 };
 
 struct PbrtReader {
+  ReadOptions options;
   Scene scene;
   Warnings warnings;
   PbrtGraphicsState state;
@@ -58,7 +66,15 @@ struct PbrtReader {
   bool ended = false;         // by WorldEnd
   std::size_t triangles = 0;  // of all meshes, objects included
   int includes = 0;
+  std::optional<std::uint32_t> checker_image;  // index into Scene::images
+  std::size_t baked_texels = 0;
 };
+
+// The parameters that follow a directive, and those that Attribute gives to its kind unless it has
+// parameters of that name itself.
+PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
+                                           const InputPosition& position, std::string_view kind,
+                                           const std::string& directive);
 
 // The path of a file that the scene names: absolute, or beside the file that is being read, or (as
 // pbrt has it) beside the main one. Throws InputError at `position` if there is none.

@@ -46,6 +46,7 @@ void WorldBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   }
   reader.in_world = true;
   reader.state.to_world = glm::dmat4(1);
+  reader.state.transform_active = true;
   reader.coordinate_systems["world"] = glm::dmat4(1);
 }
 
@@ -64,7 +65,9 @@ void TransformBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   OpenScope(reader, source, word);
 }
 void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  reader.state.to_world = CloseScope(reader, source, word, "TransformBegin").to_world;
+  const PbrtGraphicsState saved = CloseScope(reader, source, word, "TransformBegin");
+  reader.state.to_world = saved.to_world;
+  reader.state.transform_active = saved.transform_active;
 }
 
 void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -88,9 +91,10 @@ void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh,
              std::vector<Mesh>& meshes) {
   reader.triangles += mesh.triangles.size();
-  if (reader.triangles > kMaxSceneTriangles) {
-    throw InputError(position, fmt::format("the scene has more than {} triangles from here on",
-                                           kMaxSceneTriangles));
+  if (reader.triangles > reader.options.max_triangles) {
+    throw InputError(position, fmt::format("the scene has more than {} triangles from here on; "
+                                           "instances count as copies (--max-triangles)",
+                                           reader.options.max_triangles));
   }
   const std::size_t bad = FirstNonFinite(mesh.positions);
   if (bad < mesh.positions.size()) {
@@ -116,11 +120,15 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Shape");
-  PbrtParameters parameters = ReadParameters(source, position, fmt::format("Shape \"{}\"", type));
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "shape",
+                                                          fmt::format("Shape \"{}\"", type));
   const auto resolve = [&](const std::string& name) {
     return ResolvePbrtPath(reader, name, position);
   };
-  std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve, reader.warnings);
+  std::optional<Mesh> mesh = MakePbrtShape(
+      type, parameters, resolve,
+      {.needs_uvs = !reader.scene.textures.empty(), .max_triangles = reader.options.max_triangles},
+      reader.warnings);
   if (!mesh) return;
   if (!reader.state.material) {
     AddWarning(reader.warnings, position,
@@ -149,16 +157,16 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
 void ReadMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Material");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("Material \"{}\"", type));
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "material",
+                                                          fmt::format("Material \"{}\"", type));
   reader.state.material = AddMaterial(reader, type, type, parameters);
 }
 
 void MakeNamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a material");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("MakeNamedMaterial \"{}\"", name));
+  PbrtParameters parameters = ReadParametersAndAttributes(
+      reader, source, position, "material", fmt::format("MakeNamedMaterial \"{}\"", name));
   const auto type = FindString(parameters, "type");
   if (!type) {
     throw InputError(position,
@@ -175,6 +183,32 @@ void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word
     throw InputError(PositionOf(source, word), fmt::format("there is no material \"{}\"", name));
   }
   reader.state.material = found->second;
+}
+
+// pbrt-v4: parameters for all later directives of a kind, within the scope.
+void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string kind = ExpectString(source, "the kind of Attribute");
+  const PbrtParameters given =
+      ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind));
+  if (kind == "light" || kind == "medium") {
+    AddWarning(reader.warnings, position, given.directive + " is not supported: ignored");
+    return;
+  }
+  if (kind != "shape" && kind != "material" && kind != "texture") {
+    throw InputError(
+        position, given.directive + ": the kinds are shape, light, material, medium and texture");
+  }
+  auto all = reader.state.attributes ? *reader.state.attributes : PbrtAttributeMap();
+  for (const PbrtParameter& parameter : given.list) {
+    std::erase_if(all[kind], [&](auto& other) { return other.name == parameter.name; });
+    all[kind].push_back(parameter);
+  }
+  if (all[kind].size() > kMaxPbrtParameters) {
+    throw InputError(position, fmt::format("{} has more than {} parameters", given.directive,
+                                           kMaxPbrtParameters));
+  }
+  reader.state.attributes = std::make_shared<const PbrtAttributeMap>(std::move(all));
 }
 
 // `Word "name" parameters`, of which nothing is rendered.
@@ -214,8 +248,8 @@ constexpr Entry kDirectives[] = {
     {"LightSource", ReadPbrtLightSource},
     {"AreaLightSource", ReadPbrtAreaLight},
     {"MakeNamedMedium", Ignore},
-    {"Attribute", Ignore},  // pbrt-v4: defaults of parameters
-    {"Volume", Ignore},     // pbrt-v2
+    {"Attribute", Attribute},
+    {"Volume", Ignore},  // pbrt-v2
     {"MediumInterface", MediumInterface},
 };
 

@@ -44,8 +44,10 @@ EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
                      "has no light; give an illumination map with --env MAP");
   }
   if (scene.environments.size() > 1) {
-    notes.push_back(fmt::format("{}: of {} infinite lights only the first is used", request.scene,
-                                scene.environments.size()));
+    const std::string text =
+        fmt::format("of {} infinite lights only the first is used", scene.environments.size());
+    if (request.read.strict) throw InputError(InputPosition::File(request.scene), text);
+    notes.push_back(request.scene + ": " + text);
   }
   EnvironmentLight light = scene.environments.front();
   light.world_from_map = EnvironmentTurn(scene.up_axis, scene.left_handed, wish.rotation_degrees) *
@@ -183,7 +185,7 @@ std::array<float, 9> Rows(const glm::mat3& columns) {
 
 RenderJob::RenderJob(const JobRequest& request) {
   const auto start = Clock::now();
-  Scene scene = ReadScene(request.scene);
+  Scene scene = ReadScene(request.scene, request.read);
   times_.load = SecondsSince(start);
   BuildOnThreads(std::move(scene), request);
 }

@@ -10,6 +10,7 @@
 #include "lights/strategy.h"
 #include "scene/geometry.h"
 #include "scene/local_lights.h"
+#include "scene/read_options.h"
 #include "scene/scene.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
@@ -42,6 +43,7 @@ struct CameraRequest {
 struct JobRequest {
   std::string scene;    // file or built-in scene
   bool ground = false;  // a plane under the scene
+  ReadOptions read;
   EnvironmentRequest environment;
   CameraRequest camera;
   std::string strategy = "importance";
