@@ -124,6 +124,14 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   }
   if (wish.kind) {
     camera = WithKind(camera, *wish.kind, bounds, scene.up_axis, scene.left_handed);
+    if (wish.fov_degrees) camera.fov_degrees = *wish.fov_degrees;
+  }
+  constexpr float kWidestPlane = 179;
+  if (wish.fov_degrees > kWidestPlane && camera.kind != CameraKind::kFisheye) {
+    throw InputError(InputPosition::File(fmt::format("--fov {}", *wish.fov_degrees)),
+                     fmt::format("a {} camera sees at most {} degrees; --camera fisheye sees more",
+                                 ToString(camera.kind), kWidestPlane),
+                     kExitUsage);
   }
   const glm::mat3 axes(camera.world_from_camera);
   const float depth = glm::length(axes[2]);
@@ -285,8 +293,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
-  for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic,
-                                CameraKind::kLatLong, CameraKind::kEqualArea}) {
+  for (const CameraKind kind : kCameraKinds) {
     if (name == ToString(kind)) return kind;
   }
   return std::nullopt;
@@ -302,6 +309,8 @@ std::string_view ToString(CameraKind kind) {
       return "latlong";
     case CameraKind::kEqualArea:
       return "equal-area";
+    case CameraKind::kFisheye:
+      return "fisheye";
   }
   return "";
 }
