@@ -190,8 +190,9 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
 }
 
 std::string RepeatCommand(const JobRequest& request, const RenderOptions& options) {
-  return fmt::format("skywave render {} --strategy {} --spp {}", SceneFlags(request, options),
-                     Quoted(request.strategy), options.samples_per_pixel);
+  const std::string aovs = options.aovs == 0 ? "" : " --aovs " + ToString(options.aovs);
+  return fmt::format("skywave render {} --strategy {} --spp {}{}", SceneFlags(request, options),
+                     Quoted(request.strategy), options.samples_per_pixel, aovs);
 }
 
 }  // namespace skywave

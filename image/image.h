@@ -54,8 +54,14 @@ Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding en
 // written them).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-// Scan-line EXR, 32-bit float R, G, B, ZIP. Identical input gives identical bytes.
-void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {});
+// A channel of an EXR beside R, G and B, "layer.letter": as many values as the picture has pixels.
+struct NamedChannel {
+  std::string name;
+  std::vector<float> values;
+};
+// Scan-line EXR, 32-bit float R, G, B and `layers`, ZIP. Identical input gives identical bytes.
+void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {},
+              const std::vector<NamedChannel>& layers = {});
 // The string attributes of an EXR header.
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits = {});
 // Little-endian colour PFM (bit-exact) and run-length coded Radiance RGBE (nearest; negative values

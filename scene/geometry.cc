@@ -101,7 +101,7 @@ MaterialRecord PackMaterial(const Material& material) {
 }  // namespace
 
 Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
-                   const std::string& embree_config) {
+                   const std::string& embree_config, bool keep_uvs) {
   std::size_t vertex_count = 0, triangle_count = 0;
   for (const Mesh& mesh : scene.meshes) {
     CheckMesh(mesh, scene.materials.size(), path);
@@ -127,10 +127,9 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
       }
     }
   }
-  if (textured) {
-    textures_ = MakeTextureTables(scene, path);
-    textures_.uvs.reserve(triangle_count);
-  }
+  if (textured) textures_ = MakeTextureTables(scene, path);
+  keep_uvs = keep_uvs || textured;
+  if (keep_uvs) textures_.uvs.reserve(triangle_count);
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
   triangles_.reserve(triangle_count);
@@ -138,9 +137,10 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
     const BsdfKind bsdf = scene.materials[mesh.material].bsdf;
+    first_triangle_.push_back(std::uint32_t(triangles_.size()));
     for (const glm::uvec3& corners : mesh.triangles) {
       AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_,
-                     textured ? &textures_.uvs : nullptr);
+                     keep_uvs ? &textures_.uvs : nullptr);
     }
   }
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
@@ -187,6 +187,11 @@ MaterialView Geometry::materials() const {
 }
 
 TextureView Geometry::textures() const { return textures_.view(); }
+
+std::uint32_t Geometry::MeshOf(std::uint32_t triangle) const {
+  const auto next = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), triangle);
+  return std::uint32_t(next - first_triangle_.begin()) - 1;
+}
 
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +

@@ -24,13 +24,17 @@ class Geometry {
   // Checks every index and coordinate (InputError names `path` and the mesh), turns triangles whose
   // vertex normals point the other way, packs the tables and builds the BVH on `threads` threads
   // (0: all). `embree_config` is handed to rtcNewDevice; empty stands for DefaultEmbreeConfig().
+  // `keep_uvs`: the coordinates of the corners are kept even if no material has a texture.
   Geometry(const Scene& scene, const std::string& path, int threads = 0,
-           const std::string& embree_config = "");
+           const std::string& embree_config = "", bool keep_uvs = false);
 
   RTCScene scene() const { return scene_.get(); }
   const TriangleRecord* triangles() const { return triangles_.data(); }
   MaterialView materials() const;
-  TextureView textures() const;  // empty: no material has one
+  TextureView textures() const;                                    // empty: no material has one
+  const TriangleUvs* uvs() const { return textures_.uvs.data(); }  // by triangle, where kept
+  // The index in Scene::meshes of a triangle's mesh.
+  std::uint32_t MeshOf(std::uint32_t triangle) const;
   std::size_t triangle_count() const { return triangles_.size(); }
   std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
   double build_seconds() const { return build_seconds_; }
@@ -45,6 +49,7 @@ class Geometry {
   std::vector<float> vertices_;         // xyz, one float of padding at the end
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;
+  std::vector<std::uint32_t> first_triangle_;  // of every mesh, ascending
   std::vector<MaterialRecord> materials_;
   TextureTables textures_;
   const ConductorTables* conductor_tables_ = nullptr;  // null: no conductor

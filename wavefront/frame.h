@@ -10,6 +10,7 @@
 #include "lights/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
+#include "wavefront/aovs.h"
 #include "wavefront/trace.h"
 
 namespace skywave {
@@ -32,6 +33,7 @@ struct RenderOptions {
   int threads = 0;            // 0: as many as the process may use
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kStream;
+  AovSet aovs = 0;  // layers beside the picture
 };
 
 // The const view that stages take. Lives as long as the objects it points into.

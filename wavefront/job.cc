@@ -170,6 +170,11 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
   return crop;
 }
 
+float WorldExtent(const Bounds& bounds, const Camera& camera) {
+  const glm::vec3 farthest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
+  return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
+}
+
 std::array<float, 9> Rows(const glm::mat3& columns) {
   std::array<float, 9> rows;
   for (int i = 0; i < 9; ++i) rows[std::size_t(i)] = columns[i / 3][i % 3];
@@ -241,6 +246,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      kExitUsage);
   }
 
+  if (options_.max_depth == 0 && ReadsHits(options_.aovs)) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
+                     "at --max-depth 0 no surface is looked at", kExitUsage);
+  }
+
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
   LoadMap(light, request.environment, notes_);
@@ -255,8 +265,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   scene.camera =
       ChooseCamera(scene, bounds, request.camera, float(film_width) / float(film_height));
   if (request.ground) AddGround(scene, bounds);
-  geometry_ =
-      std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
+  world_extent_ = WorldExtent(SceneBounds(scene, request.scene), *scene.camera);
+  geometry_ = std::make_unique<Geometry>(scene, request.scene, options_.threads,
+                                         request.embree_config, NeedsUvs(options_.aovs));
   times_.build = geometry_->build_seconds();
 
   brightest_ = *std::max_element(light.map->rgb.begin(), light.map->rgb.end());
@@ -290,7 +301,9 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   return strategy;
 }
 
-Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }
+Film RenderJob::MakeFilm() const {
+  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_);
+}
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
   for (const CameraKind kind : kCameraKinds) {
