@@ -124,17 +124,13 @@ TEST(Aovs, MeansAreOverTheSamplesThatHit) {
   JobRequest request = SmallRequest(21, 21, 64);  // the middle column sees the rim
   request.filter = PixelFilter::kBox;
   const Layers layers = Resolve(MakeJob(TwoWalls(), request, "albedo,coverage,object-id,depth"));
-  int ids[3] = {};
   for (const int y : {1, 4, 8}) {
     const int i = y * 21 + 10;
     EXPECT_NEAR(layers.at("coverage.V")[i], 0.5, 0.05);
     EXPECT_FLOAT_EQ(layers.at("albedo.R")[i], 0.8f);
     EXPECT_NEAR(layers.at("depth.Z")[i], 4, 1e-4);
-    const float id = layers.at("object-id.V")[i];
-    EXPECT_TRUE(id == 0 || id == 1) << id;
   }
-  for (const float id : layers.at("object-id.V")) ++ids[int(id)];
-  EXPECT_EQ(ids[0] + ids[1] + ids[2], 21 * 21);
+  for (const float id : layers.at("object-id.V")) EXPECT_TRUE(id == 0 || id == 1 || id == 2) << id;
 }
 
 TEST(Aovs, IdsAreOfTheSampleNearestToTheCentre) {
@@ -200,10 +196,12 @@ TEST(Aovs, BitsDoNotDependOnTheCut) {
 
 // Direct light is what a render of one surface a path shows, bit by bit; indirect is the rest.
 TEST(Aovs, DirectIsThePictureOfOneSurface) {
-  for (const char* const name : {"spheres", "gallery"}) {
-    for (const bool mis : {true, false}) {
+  for (const auto& [name, mis] :
+       {std::pair{"spheres", true}, {"spheres", false}, {"gallery", true}}) {
+    for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
       JobRequest request = SmallRequest(40, 30, 4);
       request.max_depth = 6;
+      request.integrator = integrator;
       request.options.mis = mis;
       const Scene scene = BuiltinScene(name);
       const RenderJob job = MakeJob(scene, request, "direct,indirect");
@@ -222,11 +220,9 @@ TEST(Aovs, DirectIsThePictureOfOneSurface) {
       }
       EXPECT_GT(indirect, 0);
       // Of a render of one surface, everything is direct.
-      const RenderJob shallow = MakeJob(scene, request, "direct,indirect");
+      const Layers shallow = Resolve(MakeJob(scene, request, "indirect"));
       for (const char* const channel : {"indirect.R", "indirect.G", "indirect.B"}) {
-        const Layers of_shallow = Resolve(shallow);
-        EXPECT_EQ(*std::max_element(of_shallow.at(channel).begin(), of_shallow.at(channel).end()),
-                  0);
+        EXPECT_EQ(shallow.at(channel), std::vector<float>(40 * 30, 0)) << channel;
       }
     }
   }
@@ -248,13 +244,15 @@ Spread SpreadOf(const std::vector<double>& runs) {
 // for the points of a sequence, whose mean varies less than that of independent ones:
 // E[s^2] = n / (n - 1) * (variance of a sample - variance of the mean of n).
 TEST(Aovs, VarianceIsThatOfIndependentSamples) {
-  constexpr std::size_t kRuns = 400, kPixels = 8 * 6;
+  constexpr std::size_t kRuns = 1500, kPixels = 8 * 6;
   constexpr std::uint32_t kSamples = 8;
   JobRequest request = SmallRequest(8, 6, 1);
   request.options.threads = 1;
-  const RenderJob single = MakeJob(PaintedScene(), request, "variance");
+  Scene scene = PaintedScene();
+  SetLight(scene, SkyWithSun(64, 32, 1, 0.4));  // without rare bright samples
+  const RenderJob single = MakeJob(scene, request, "variance");
   request.samples_per_pixel = kSamples;
-  const RenderJob job = MakeJob(PaintedScene(), request, "variance");
+  const RenderJob job = MakeJob(scene, request, "variance");
   using Runs = std::vector<std::vector<double>>;
   Runs of_sample(kPixels), of_mean(kPixels), of_layer(kPixels);
   for (std::uint32_t run = 0; run < kRuns; ++run) {

@@ -263,11 +263,11 @@ TEST_F(Cli, ACameraExposesThePng) {
   const std::string picture = "render scene.pbrt --size 6x4 --spp 2 -q";
   // 1.2 * 2^0 is white, and two stops less than that.
   ASSERT_EQ(Run(picture + " --shutter 1 --f-number 1 -o camera.exr").exit_code, 0);
-  ASSERT_EQ(Run(picture + " --exposure -0.263034 -o stops.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --exposure=-0.263034 -o stops.exr").exit_code, 0);
   EXPECT_EQ(Bytes("camera.png"), Bytes("stops.png"));
   ASSERT_EQ(
-      Run(picture + " --shutter 1/4 --f-number 2 --iso 400 --exposure -2 -o sum.exr").exit_code, 0);
-  ASSERT_EQ(Run(picture + " --exposure -4.263034 -o less.exr").exit_code, 0);
+      Run(picture + " --shutter 1/4 --f-number 2 --iso 400 --exposure=-2 -o sum.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --exposure=-4.263034 -o less.exr").exit_code, 0);
   EXPECT_EQ(Bytes("sum.png"), Bytes("less.png"));
   EXPECT_NE(Bytes("sum.png"), Bytes("stops.png"));
   EXPECT_EQ(Bytes("sum.exr"), Bytes("stops.exr"));

@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"

@@ -265,7 +265,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   scene.camera =
       ChooseCamera(scene, bounds, request.camera, float(film_width) / float(film_height));
   if (request.ground) AddGround(scene, bounds);
-  world_extent_ = WorldExtent(SceneBounds(scene, request.scene), *scene.camera);
+  if (options_.aovs != 0) {
+    world_extent_ = WorldExtent(SceneBounds(scene, request.scene), *scene.camera);
+  }
   geometry_ = std::make_unique<Geometry>(scene, request.scene, options_.threads,
                                          request.embree_config, NeedsUvs(options_.aovs));
   times_.build = geometry_->build_seconds();
