@@ -69,7 +69,7 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent)
   if (Sums(aovs, AovSum::kDirect) || Sums(aovs, AovSum::kIndirect)) direct_.resize(pixels * 3);
 }
 
-bool AovFilm::IsNearest(std::uint32_t pixel, std::uint64_t key) {
+bool AovFilm::BecomesNearest(std::uint32_t pixel, std::uint64_t key) {
   if (key >= nearest_[pixel]) return false;
   nearest_[pixel] = key;
   return true;
@@ -79,7 +79,7 @@ void AovFilm::AddFirstHits(const FirstHits& hits) {
   if (hits_.empty()) return;
   for (std::uint32_t i = 0; i < hits.rays && !nearest_.empty(); ++i) {
     const std::uint32_t pixel = hits.paths.pixel[i];
-    if (hits.hits.geom[i] != kNoHit || !IsNearest(pixel, NearnessKey(hits, i))) continue;
+    if (hits.hits.geom[i] != kNoHit || !BecomesNearest(pixel, NearnessKey(hits, i))) continue;
     for (HitLayer& layer : layers_) {
       if (layer.values.empty()) continue;
       const std::size_t channels = layer.aov->channels.size();
@@ -101,7 +101,7 @@ void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t 
     const std::uint32_t path = rows.surfaces.path[i];
     pixel[i] = hits.paths.pixel[path];
     ++hits_[pixel[i]];
-    nearest[i] = !nearest_.empty() && IsNearest(pixel[i], NearnessKey(hits, path));
+    nearest[i] = !nearest_.empty() && BecomesNearest(pixel[i], NearnessKey(hits, path));
   }
   float columns[kMaxAovChannels][kRows];
   const AovColumns out = {columns[0], columns[1], columns[2]};

@@ -49,7 +49,8 @@ class AovFilm {
     std::vector<std::int64_t> sums;  // kMeanOfHits
     std::vector<float> values;       // kNearestHit
   };
-  bool IsNearest(std::uint32_t pixel, std::uint64_t key);
+  // Whether a sample with this key is nearer to the centre than all before, and now the nearest.
+  bool BecomesNearest(std::uint32_t pixel, std::uint64_t key);
   void AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end);
 
   AovSet aovs_;
