@@ -184,7 +184,7 @@ std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
 }  // namespace
 
 Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
-                   const std::string& embree_config) {
+                   const std::string& embree_config, bool keep_uvs) {
   std::size_t vertex_count = 0, triangle_count = 0;
   for (const Mesh& mesh : scene.meshes) {
     CheckMesh(mesh, scene.materials.size(), path);
@@ -207,19 +207,19 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     textured = textured || material.color_texture || material.roughness_texture;
     tangents = tangents || Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
   }
-  if (textured) {
-    textures_ = MakeTextureTables(scene, path);
-    textures_.uvs.reserve(triangle_count);
-  }
+  if (textured) textures_ = MakeTextureTables(scene, path);
+  keep_uvs = keep_uvs || textured;
+  if (keep_uvs) textures_.uvs.reserve(triangle_count);
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
   triangles_.reserve(triangle_count);
   for (const Mesh& mesh : scene.meshes) {
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
+    first_triangle_.push_back(std::uint32_t(triangles_.size()));
     for (const glm::uvec3& corners : mesh.triangles) {
       AppendTriangle(mesh, corners, first_vertex, indices_, triangles_,
-                     textured ? &textures_.uvs : nullptr);
+                     keep_uvs ? &textures_.uvs : nullptr);
       if (tangents) tangents_.push_back(PackTangent(mesh, corners));
     }
   }
@@ -285,6 +285,7 @@ void Geometry::AppendVariants(const Scene& scene, std::size_t i) {
     TriangleRecord record = triangles_[i];
     record.tag = (record.tag & ~kMaterialMask) | variant;
     triangles_.push_back(record);
+    mixed_.push_back(std::uint32_t(i));
     if (!textures_.uvs.empty()) textures_.uvs.push_back(TriangleUvs(textures_.uvs[i]));
     if (!tangents_.empty()) tangents_.push_back(std::uint32_t(tangents_[i]));
   }
@@ -310,10 +311,16 @@ glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
 
 TextureView Geometry::textures() const { return textures_.view(); }
 
+std::uint32_t Geometry::MeshOf(std::uint32_t triangle) const {
+  while (triangle >= triangle_count()) triangle = mixed_[triangle - triangle_count()];
+  const auto next = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), triangle);
+  return std::uint32_t(next - first_triangle_.begin()) - 1;
+}
+
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
          triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         (tangents_.size() + measured_.size()) * sizeof(float) + textures_.bytes();
+         (tangents_.size() + mixed_.size() + measured_.size()) * sizeof(float) + textures_.bytes();
 }
 
 std::uint64_t SceneHash(const Scene& scene) {

@@ -26,18 +26,22 @@ class Geometry {
   // Checks every index and coordinate (InputError names `path` and the mesh), turns triangles whose
   // vertex normals point the other way, packs the tables and builds the BVH on `threads` threads
   // (0: all). `embree_config` is handed to rtcNewDevice; empty stands for DefaultEmbreeConfig().
+  // `keep_uvs`: the coordinates of the corners are kept even if no material has a texture.
   Geometry(const Scene& scene, const std::string& path, int threads = 0,
-           const std::string& embree_config = "");
+           const std::string& embree_config = "", bool keep_uvs = false);
 
   RTCScene scene() const { return scene_.get(); }
   const TriangleRecord* triangles() const { return triangles_.data(); }
   MaterialView materials() const;
-  TextureView textures() const;  // empty: no material has one
+  TextureView textures() const;                                    // empty: no material has one
+  const TriangleUvs* uvs() const { return textures_.uvs.data(); }  // by triangle, where kept
   BsdfSet bsdfs() const { return bsdfs_; }
   // One a triangle record, for PrepareTangents; null: no BSDF has one.
   const std::uint32_t* tangents() const { return tangents_.data(); }
   bool has_mixtures() const { return has_mixtures_; }
   std::size_t triangle_count() const { return indices_.size() / 3; }
+  // The index in Scene::meshes of the mesh that a triangle record is of.
+  std::uint32_t MeshOf(std::uint32_t triangle) const;
   // Where corner 0, 1 or 2 of a triangle is, in the order that decides its geometric normal.
   glm::vec3 Corner(std::size_t triangle, int corner) const;
   std::size_t bytes() const;  // of vertices, indices and tables, without the BVH
@@ -55,6 +59,8 @@ class Geometry {
   std::vector<float> vertices_;         // xyz, one float of padding at the end
   std::vector<std::uint32_t> indices_;  // three a triangle
   std::vector<TriangleRecord> triangles_;
+  std::vector<std::uint32_t> first_triangle_;  // of every mesh, ascending
+  std::vector<std::uint32_t> mixed_;           // of every variant: the record that it is one of
   std::vector<MaterialRecord> materials_;
   BsdfSet bsdfs_ = 0;                    // of the triangles
   std::vector<std::uint32_t> tangents_;  // empty: no BSDF has one

@@ -91,7 +91,7 @@ struct ScreenWindow {
 struct Camera {
   CameraKind kind = CameraKind::kPerspective;
   glm::mat4 world_from_camera{1.0f};
-  float fov_degrees = 45.0f;           // of a screen window's [-1, 1]
+  float fov_degrees = 45.0f;           // of a screen window's [-1, 1], of a fisheye's circle
   std::optional<ScreenWindow> window;  // unset: [-1, 1] on the shorter side of the film
   // Of perspective and orthographic cameras, in camera space. The plane at the focal distance is
   // sharp; radius 0: everything is.
@@ -170,7 +170,7 @@ Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float a
 
 // The camera of another kind at the same place. A perspective camera that becomes orthographic
 // shows as much as before of what is as far away as the middle of `bounds`; one that becomes
-// spherical stands upright.
+// spherical stands upright; one that becomes a fisheye looks where it looked and sees half of all.
 Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, char up_axis,
                 bool left_handed);
 

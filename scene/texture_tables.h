@@ -16,7 +16,7 @@ struct TextureTables {
   std::vector<TextureRecord> records;
   std::vector<TextureLevel> levels;
   std::vector<std::uint32_t> texels;
-  std::vector<TriangleUvs> uvs;  // by triangle; empty if no material has a texture
+  std::vector<TriangleUvs> uvs;  // by triangle; empty if nobody asks for them
 
   TextureView view() const;  // of tables that stay where they are
   std::size_t bytes() const;

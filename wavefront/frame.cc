@@ -94,7 +94,10 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
   view.whole_width = std::uint32_t(width), view.whole_height = std::uint32_t(height);
   view.filter_offset = filter_offset;
   Copy(glm::vec3(world[3]), view.origin);
-  if (camera.kind == CameraKind::kLatLong || camera.kind == CameraKind::kEqualArea) {
+  if (!HasPlaneFilm(camera.kind)) {
+    const double rim = double(camera.fov_degrees) / 720;
+    view.turns_per_pixel = float(2 * rim / std::min(width, height));
+    view.rim_turns = float(rim);
     Copy(glm::vec3(glm::normalize(x)), view.right);
     Copy(glm::vec3(-glm::normalize(y)), view.down);
     Copy(glm::vec3(glm::normalize(z)), view.forward);

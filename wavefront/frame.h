@@ -11,6 +11,7 @@
 #include "lights/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
+#include "wavefront/aovs.h"
 #include "wavefront/trace.h"
 
 namespace skywave {
@@ -33,6 +34,7 @@ struct RenderOptions {
   int threads = 0;            // 0: as many as the process may use
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kStream;
+  AovSet aovs = 0;  // layers beside the picture
 };
 
 // The light samples of a surface: what the strategy plans. Each drawn one goes to a local light or

@@ -12,6 +12,9 @@
 namespace skywave {
 namespace {
 
+// Light samples of this bounce are the first that meet two surfaces on their way to the camera.
+constexpr std::uint32_t kFirstIndirectBounce = 1;
+
 void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
   stats.rays[std::uint32_t(bounce == 0 ? RayKind::kCamera : RayKind::kBounce)] += n;
   BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
@@ -100,8 +103,26 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   }
 }
 
-void FinishWave(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+// What the film keeps of a bounce beside radiance, where it is asked to.
+void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
+              Film& film, StageClock& clock) {
+  if (!film.has_aovs()) return;
+  if (bounce == 0) {
+    film.AddFirstHits({.first = {.frame = frame, .surfaces = w.surfaces, .count = w.ranges.total()},
+                       .paths = w.paths,
+                       .hits = w.hits,
+                       .film = w.uniforms,
+                       .rays = paths});
+  }
+  // The rays that left the first surfaces have met the sky; the second ones are not lit yet.
+  if (bounce == kFirstIndirectBounce) film.AddDirect(w.paths, paths);
+  clock.Lap(Stage::kFilm);
+}
+
+// `bounce`: at which the last path ended.
+void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
   film.Add(w.paths, n, w.stats);
+  if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
 }
@@ -114,8 +135,8 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
-  std::uint32_t n = range.count;
-  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+  std::uint32_t n = range.count, bounce = 0;
+  for (; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
@@ -123,6 +144,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
       break;
     }
     MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
@@ -130,7 +152,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
-  FinishWave(range.count, w, film, clock);
+  FinishWave(range.count, bounce, w, film, clock);
 }
 
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
@@ -139,9 +161,9 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
-  std::uint32_t n = range.count;
+  std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
-  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+  for (; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
@@ -149,6 +171,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
       break;
     }
     MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);
@@ -156,7 +179,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
-  FinishWave(range.count, w, film, clock);
+  FinishWave(range.count, bounce, w, film, clock);
 }
 
 }  // namespace skywave

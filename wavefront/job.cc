@@ -137,6 +137,14 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   }
   if (wish.kind) {
     camera = WithKind(camera, *wish.kind, bounds, scene.up_axis, scene.left_handed);
+    if (wish.fov_degrees) camera.fov_degrees = *wish.fov_degrees;
+  }
+  constexpr float kWidestPlane = 179;
+  if (wish.fov_degrees > kWidestPlane && camera.kind != CameraKind::kFisheye) {
+    throw InputError(InputPosition::File(fmt::format("--fov {}", *wish.fov_degrees)),
+                     fmt::format("a {} camera sees at most {} degrees; --camera fisheye sees more",
+                                 ToString(camera.kind), kWidestPlane),
+                     kExitUsage);
   }
   const glm::mat3 axes(camera.world_from_camera);
   const float depth = glm::length(axes[2]);
@@ -173,6 +181,11 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
                     crop->width, crop->height, crop->x, crop->y, options.width, options.height));
   }
   return crop;
+}
+
+float WorldExtent(const Bounds& bounds, const Camera& camera) {
+  const glm::vec3 farthest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
+  return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
 }
 
 std::array<float, 9> Rows(const glm::mat3& columns) {
@@ -246,6 +259,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      kExitUsage);
   }
 
+  if (options_.max_depth == 0 && ReadsHits(options_.aovs)) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
+                     "at --max-depth 0 no surface is looked at", kExitUsage);
+  }
+
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
   LoadMap(light, request.environment, notes_);
@@ -260,8 +278,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   scene.camera =
       ChooseCamera(scene, bounds, request.camera, float(film_width) / float(film_height));
   if (request.ground) AddGround(scene, bounds);
-  geometry_ =
-      std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
+  if (options_.aovs != 0) {
+    world_extent_ = WorldExtent(SceneBounds(scene, request.scene), *scene.camera);
+  }
+  geometry_ = std::make_unique<Geometry>(scene, request.scene, options_.threads,
+                                         request.embree_config, NeedsUvs(options_.aovs));
   times_.build = geometry_->build_seconds();
 
   brightest_ = *std::max_element(light.map->rgb.begin(), light.map->rgb.end());
@@ -302,11 +323,12 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   return strategy;
 }
 
-Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }
+Film RenderJob::MakeFilm() const {
+  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_);
+}
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
-  for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic,
-                                CameraKind::kLatLong, CameraKind::kEqualArea}) {
+  for (const CameraKind kind : kCameraKinds) {
     if (name == ToString(kind)) return kind;
   }
   return std::nullopt;
@@ -322,6 +344,8 @@ std::string_view ToString(CameraKind kind) {
       return "latlong";
     case CameraKind::kEqualArea:
       return "equal-area";
+    case CameraKind::kFisheye:
+      return "fisheye";
   }
   return "";
 }

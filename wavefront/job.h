@@ -92,7 +92,8 @@ class RenderJob {
   std::unique_ptr<EnvStrategy> strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;
-  float brightest_ = 0;  // channel of map and local lights [scene radiance]
+  float brightest_ = 0;     // channel of map and local lights [scene radiance]
+  float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0;
   JobTimes times_;
   std::vector<std::string> notes_;

@@ -23,6 +23,8 @@ constexpr std::uint32_t kFirstRouletteBounce = 3;
 
 // The angle that a pixel in the middle of the film takes up; 0 where it has none.
 float PixelAngle(const CameraView& camera) {
+  constexpr float kTurn = 6.28318531f;
+  if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
   if (camera.kind != CameraKind::kPerspective) return 0;
   const auto length = [](const float* v) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
