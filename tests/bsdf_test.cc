@@ -400,8 +400,8 @@ TEST(BsdfValue, TransmissionIsReciprocal) {
       if (cos_i < 1e-2 || cos_o < 1e-2) continue;
       const double f = a->r[i] / cos_i / (*ratio * *ratio), reversed = b->r[i] / cos_o;
       sum += f;
-      // Facets seen edge-on pass next to nothing, of which floats keep few digits.
-      ASSERT_NEAR(f, reversed, 2e-3 * std::max(f, reversed) + 1e-6)
+      // Next to total reflection little passes, and floats keep few digits of what Fresnel leaves.
+      ASSERT_NEAR(f, reversed, 2e-3 * std::max(f, reversed) + 5e-5)
           << material.name << ", pair " << i;
     }
     EXPECT_GT(sum, 0) << material.name;
