@@ -11,17 +11,20 @@
 namespace skywave {
 namespace {
 
+RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
+
 void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
-  stats.rays[std::uint32_t(bounce == 0 ? RayKind::kCamera : RayKind::kBounce)] += n;
+  stats.rays[std::uint32_t(KindOf(bounce))] += n;
   BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
   occupancy.rows += n;
   occupancy.capacity += wave;
 }
 
-void CountShadowRays(RenderStats& stats, const LightColumns& lights, std::uint32_t n) {
-  std::uint64_t open = 0;
+// Shadow rays that are there to be traced or, once traced, that met nothing.
+std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
+  std::uint32_t open = 0;
   for (std::uint32_t i = 0; i < n; ++i) open += lights.t_far[i] >= 0;
-  stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  return open;
 }
 
 // The surfaces of the bounce at hand, as strategies see them.
@@ -33,12 +36,12 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
 }
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n, bool only_delta,
-                  Worker& w, StageClock& clock) {
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
-  TraceClosest(frame.tracer, rays, n, w.hits);
-  clock.Lap(Stage::kIntersect);
+  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits);
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
   const std::uint32_t escaped =
       SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
@@ -48,6 +51,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
+  CountMeeting(n, escaped, ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   PrepareSurfaces(frame.geometry->triangles(), materials.records, ranges.total(), w.surfaces);
   TextureSurfaces(frame, ranges, w.surfaces);
@@ -56,12 +60,13 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 }
 
 // The end of a path: only what lies beyond the scene can still be seen.
-void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Worker& w,
-             StageClock& clock) {
-  TraceEscapes(frame.tracer, rays, n, w.hits);
-  clock.Lap(Stage::kIntersect);
+void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, std::uint32_t bounce,
+             Worker& w, StageClock& clock) {
+  TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits);
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
   clock.Lap(Stage::kEscape);
@@ -79,10 +84,12 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, w.lights);
-    CountShadowRays(w.stats, w.lights, n);
+    const std::uint32_t open = CountOpen(w.lights, n);
+    w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
     clock.Lap(Stage::kEvaluate);
     TraceShadows(frame.tracer, w.surfaces, n, w.lights);
-    clock.Lap(Stage::kShadow);
+    clock.Lap(Stage::kShadow, RayKind::kShadow);
+    CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     clock.Lap(Stage::kAccumulate);
   }
@@ -90,6 +97,10 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
 
 void FinishWave(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
   film.Add(w.paths, n, w.stats);
+  // Of the two kernels that every path of the wave passes.
+  for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
+    w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
+  }
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
 }
@@ -107,14 +118,16 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetSky(frame, *rays, n, w, clock);
+      MeetSky(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
-                bounce, w.uniforms, w.lobe, *next);
+    const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
+                *next);
+    CountScattering(w.ranges, first_kind, w.stats.lanes);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
@@ -133,13 +146,14 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetSky(frame, *rays, n, w, clock);
+      MeetSky(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);
+    CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
