@@ -132,6 +132,8 @@ def main():
     parser.add_argument("new", nargs="?", default="HEAD")
     parser.add_argument("--programs", action="store_true", help="base and new are programs")
     parser.add_argument("--pairs", type=int, default=10, help="runs of each (default: 10)")
+    parser.add_argument("--repetitions", type=int, default=9,
+                        help="renders of a scene in a run, of which the median counts (default: 9)")
     parser.add_argument("--threshold", type=float, default=5,
                         help="percent that new may be slower (default: 5)")
     parser.add_argument("--jobs", type=int, default=2, help="of the builds (default: 2)")
@@ -139,16 +141,16 @@ def main():
     arguments = parser.parse_args()
     if arguments.pairs < 3:
         parser.error("an interval wants at least 3 pairs")
+    flags = ["--repetitions", str(arguments.repetitions), *arguments.bench]
     if arguments.programs:
         programs = [os.path.abspath(arguments.base), os.path.abspath(arguments.new)]
-        return report(measure(programs, arguments.pairs, arguments.bench), arguments.threshold)
+        return report(measure(programs, arguments.pairs, flags), arguments.threshold)
     with tempfile.TemporaryDirectory() as folder:
         trees = [os.path.join(folder, name) for name in ("base", "new")]
         try:
             programs = [build(revision, tree, arguments.jobs)
                         for revision, tree in zip((arguments.base, arguments.new), trees)]
-            return report(measure(programs, arguments.pairs, arguments.bench),
-                          arguments.threshold)
+            return report(measure(programs, arguments.pairs, flags), arguments.threshold)
         finally:
             for tree in trees:
                 subprocess.run(["git", "worktree", "remove", "--force", tree],

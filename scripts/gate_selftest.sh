@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Which gate sees light sampling made 2, 1.1 and 1.02 times as slow (wavefront/slowdown.h):
 #   scripts/gate_selftest.sh [PAIRS [PERCENT...]]
-# PAIRS of runs for scripts/bench_compare.py (default: 15); PERCENT: 0, 100, 10 and 2 by default.
-# Builds the program into build/slowdown-PERCENT, 0 too; takes some minutes, on an idle machine. Fails
-# unless the unchanged program passes all gates, the instruction gate sees every slow-down, and the
-# wall gate sees those of 10 % and more.
+# PAIRS of runs for scripts/bench_compare.py (default: 12); PERCENT: 0, 100, 10 and 2 by default.
+# Builds the program into build/slowdown-PERCENT, 0 too; some three minutes a percentage, on an idle
+# machine. Fails unless the unchanged program passes all gates, the instruction gate sees every
+# slow-down, and the wall gate sees those of 10 % and more.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-pairs=${1:-15}
+pairs=${1:-12}
 percents=("${@:2}")
 [[ ${#percents[@]} -gt 0 ]] || percents=(0 100 10 2)
 folder() { echo "build/slowdown-$1"; }
