@@ -66,7 +66,7 @@ void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
   tracer.closest = backend;
   Run(state, f.n, [&] {
     std::fill_n(f.worker.rays[0]->t_far, f.n, std::numeric_limits<float>::infinity());
-    TraceClosest(tracer, f.worker.rays[0], f.n, f.worker.hits);
+    TraceClosest(tracer, RayKind::kCamera, f.worker.rays[0], f.n, f.worker.hits);
   });
 }
 void SortHitsStage(benchmark::State& state, bool bounce) {

@@ -14,18 +14,20 @@ namespace {
 
 // Light samples of this bounce are the first that meet two surfaces on their way to the camera.
 constexpr std::uint32_t kFirstIndirectBounce = 1;
+RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
 
 void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
-  stats.rays[std::uint32_t(bounce == 0 ? RayKind::kCamera : RayKind::kBounce)] += n;
+  stats.rays[std::uint32_t(KindOf(bounce))] += n;
   BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
   occupancy.rows += n;
   occupancy.capacity += wave;
 }
 
-void CountShadowRays(RenderStats& stats, const LightColumns& lights, std::uint32_t n) {
-  std::uint64_t open = 0;
+// Shadow rays that are there to be traced or, once traced, that met nothing.
+std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
+  std::uint32_t open = 0;
   for (std::uint32_t i = 0; i < n; ++i) open += lights.t_far[i] >= 0;
-  stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  return open;
 }
 
 // The surfaces of the bounce at hand, as strategies see them.
@@ -41,8 +43,8 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
-  TraceClosest(frame.tracer, rays, n, w.hits);
-  clock.Lap(Stage::kIntersect);
+  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits);
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
   if (frame.geometry->has_mixtures()) {
     DrawUniforms(w.paths, rays.path, n, MixturePair(bounce), {}, w.uniforms);
     ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
@@ -57,6 +59,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
+  CountMeeting(n, escaped, ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   PrepareSurfaces(frame.geometry->triangles(), materials.records, ranges.total(), w.surfaces);
   TextureSurfaces(frame, ranges, w.surfaces);
@@ -65,16 +68,17 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 }
 
 // The end of a path: only what shines by itself can still be seen.
-void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Worker& w,
-               StageClock& clock) {
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, Worker& w, StageClock& clock) {
   if (frame.has_emitters()) {
-    TraceClosest(frame.tracer, rays, n, w.hits);
+    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits);
   } else {
-    TraceEscapes(frame.tracer, rays, n, w.hits);
+    TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits);
   }
-  clock.Lap(Stage::kIntersect);
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
   AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
@@ -94,10 +98,12 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
-    CountShadowRays(w.stats, w.lights, n);
+    const std::uint32_t open = CountOpen(w.lights, n);
+    w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
     clock.Lap(Stage::kEvaluate);
     TraceShadows(frame.tracer, w.surfaces, n, w.lights);
-    clock.Lap(Stage::kShadow);
+    clock.Lap(Stage::kShadow, RayKind::kShadow);
+    CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     clock.Lap(Stage::kAccumulate);
   }
@@ -123,6 +129,10 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
 void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
   film.Add(w.paths, n, w.stats);
   if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
+  // Of the two kernels that every path of the wave passes.
+  for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
+    w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
+  }
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
 }
@@ -140,15 +150,17 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetLight(frame, *rays, n, w, clock);
+      MeetLight(frame, *rays, n, bounce, w, clock);
       break;
     }
     MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
-                bounce, w.uniforms, w.lobe, *next);
+    const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
+                *next);
+    CountScattering(w.ranges, first_kind, w.stats.lanes);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
@@ -167,7 +179,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetLight(frame, *rays, n, w, clock);
+      MeetLight(frame, *rays, n, bounce, w, clock);
       break;
     }
     MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
@@ -175,6 +187,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     LightSurfaces(frame, bounce, w, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);
+    CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);

@@ -62,7 +62,7 @@ void Sort(std::vector<KeyedRay>& rays) {
                    [](const KeyedRay& a, const KeyedRay& b) { return a.key < b.key; });
 }
 
-void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) {
+void Append(RayKind kind, bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) {
   std::array<std::vector<float>, 7> columns;
   for (auto& column : columns) column.resize(kSortedBatch);
   for (std::size_t first = 0; first < rays.size(); first += kSortedBatch) {
@@ -77,8 +77,29 @@ void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) 
     }
     const float* const org[3] = {columns[0].data(), columns[1].data(), columns[2].data()};
     const float* const dir[3] = {columns[3].data(), columns[4].data(), columns[5].data()};
-    to.Record(occlusion, org, dir, columns[6].data(), n);
+    to.Record(kind, occlusion, org, dir, columns[6].data(), n);
   }
+}
+
+// The rays that are traced alike, within each batch or over all of them.
+void OrderAlike(const std::vector<RayRecorder>& recorders, RayKind kind, bool occlusion,
+                RayOrder order, const Box& box, RayRecorder& to) {
+  std::vector<KeyedRay> rays;
+  const auto flush = [&] {
+    Sort(rays);
+    Append(kind, occlusion, rays, to);
+    rays.clear();
+  };
+  for (const RayRecorder& recorder : recorders) {
+    for (const RayBatch& batch : recorder.batches()) {
+      if (batch.kind != kind || batch.occlusion != occlusion) continue;
+      for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
+        rays.push_back({SortKey(recorder, i, box), &recorder, i});
+      }
+      if (order == RayOrder::kWave) flush();
+    }
+  }
+  flush();
 }
 
 }  // namespace
@@ -87,23 +108,10 @@ std::vector<RayRecorder> OrderRays(const std::vector<RayRecorder>& recorders, Ra
   if (order == RayOrder::kTraced) return recorders;
   const Box box = BoundOrigins(recorders);
   std::vector<RayRecorder> ordered(1);
-  for (const bool occlusion : {false, true}) {
-    std::vector<KeyedRay> rays;
-    const auto flush = [&] {
-      Sort(rays);
-      Append(occlusion, rays, ordered.front());
-      rays.clear();
-    };
-    for (const RayRecorder& recorder : recorders) {
-      for (const RayBatch& batch : recorder.batches()) {
-        if (batch.occlusion != occlusion) continue;
-        for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
-          rays.push_back({SortKey(recorder, i, box), &recorder, i});
-        }
-        if (order == RayOrder::kWave) flush();
-      }
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    for (const bool occlusion : {false, true}) {
+      OrderAlike(recorders, RayKind(kind), occlusion, order, box, ordered.front());
     }
-    flush();
   }
   return ordered;
 }

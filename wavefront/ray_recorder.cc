@@ -2,8 +2,8 @@
 
 namespace skywave {
 
-void RayRecorder::Record(bool occlusion, const float* const org[3], const float* const dir[3],
-                         const float* t_far, std::uint32_t n) {
+void RayRecorder::Record(RayKind kind, bool occlusion, const float* const org[3],
+                         const float* const dir[3], const float* t_far, std::uint32_t n) {
   const std::size_t begin = org_[0].size();
   for (std::uint32_t i = 0; i < n; ++i) {
     if (t_far[i] < 0) continue;
@@ -14,7 +14,8 @@ void RayRecorder::Record(bool occlusion, const float* const org[3], const float*
     t_far_.push_back(t_far[i]);
   }
   const auto count = std::uint32_t(org_[0].size() - begin);
-  if (count > 0) batches_.push_back({.occlusion = occlusion, .begin = begin, .count = count});
+  if (count == 0) return;
+  batches_.push_back({.kind = kind, .occlusion = occlusion, .begin = begin, .count = count});
 }
 
 }  // namespace skywave

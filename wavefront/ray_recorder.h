@@ -2,16 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace skywave {
 
 enum class RayKind : std::uint32_t { kCamera, kBounce, kShadow };
 inline constexpr std::uint32_t kRayKinds = 3;
+inline constexpr std::string_view kRayKindNames[kRayKinds] = {"camera", "bounce", "shadow"};
 
 // One call of a trace function: rows [begin, begin + count) of the recorder's columns.
 struct RayBatch {
-  bool occlusion;
+  RayKind kind;
+  bool occlusion;  // any hit was enough: shadow rays, and others that can only see the map
   std::size_t begin;
   std::uint32_t count;
 };
@@ -19,7 +22,7 @@ struct RayBatch {
 class RayRecorder {
  public:
   // Appends rows [0, n) whose t_far is not negative.
-  void Record(bool occlusion, const float* const org[3], const float* const dir[3],
+  void Record(RayKind kind, bool occlusion, const float* const org[3], const float* const dir[3],
               const float* t_far, std::uint32_t n);
 
   std::size_t size() const { return org_[0].size(); }  // rays

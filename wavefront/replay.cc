@@ -48,9 +48,23 @@ std::uint64_t CountHits(const HitColumns& hits, std::uint32_t n) {
   return n - std::uint64_t(std::count(hits.geom, hits.geom + n, kNoHit));
 }
 
+std::vector<Batch> BatchesOf(RayKind kind, bool occlusion,
+                             const std::vector<RayRecorder>& recorders) {
+  std::vector<Batch> batches;
+  for (const RayRecorder& recorder : recorders) {
+    for (const RayBatch& batch : recorder.batches()) {
+      if (batch.kind != kind || batch.occlusion != occlusion) continue;
+      batches.push_back({&recorder, batch});
+    }
+  }
+  return batches;
+}
+
 // The wall clock [s]; adds the rays that hit something to `hits`.
-double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
-                  tbb::task_arena& arena, std::uint32_t rows, std::uint64_t& hits) {
+double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
+                     tbb::task_arena& arena, std::uint64_t& hits) {
+  std::uint32_t rows = 1;
+  for (const Batch& b : batches) rows = std::max(rows, b.batch.count);
   // Before the clock starts: allocation and the first touch of memory are not Embree's.
   std::vector<std::unique_ptr<Scratch>> scratch(std::size_t(arena.max_concurrency()));
   for (auto& mine : scratch) mine = std::make_unique<Scratch>(rows);
@@ -65,7 +79,7 @@ double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool 
         TraceOcclusion(tracer, rays, n);
         mine->hit += CountOccluded(rays, n);
       } else {
-        TraceClosest(tracer, rays, n, mine->hits);
+        TraceClosest(tracer, batches[i].batch.kind, rays, n, mine->hits);
         mine->hit += CountHits(mine->hits, n);
       }
     });
@@ -79,19 +93,16 @@ double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool 
 
 ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder>& recorders,
                   int threads) {
-  std::vector<Batch> closest, occlusion;
-  std::uint32_t rows = 1;
-  for (const RayRecorder& recorder : recorders) {
-    for (const RayBatch& batch : recorder.batches()) {
-      (batch.occlusion ? occlusion : closest).push_back({&recorder, batch});
-      rows = std::max(rows, batch.count);
-    }
-  }
   const Tracer tracer = {.scene = scene, .closest = backend, .occlusion = backend};
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   ReplayTime time;
-  time.closest = ReplayKind(tracer, closest, false, arena, rows, time.closest_hits);
-  time.occlusion = ReplayKind(tracer, occlusion, true, arena, rows, time.occlusion_hits);
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    for (const bool occlusion : {false, true}) {
+      const std::vector<Batch> batches = BatchesOf(RayKind(kind), occlusion, recorders);
+      if (batches.empty()) continue;
+      time.seconds[kind] += ReplayBatches(tracer, batches, occlusion, arena, time.hits[kind]);
+    }
+  }
   return time;
 }
 
