@@ -61,7 +61,7 @@ class Outputs(unittest.TestCase):
     def test_lights_fit_into_eight_bits(self):
         lights = [{"irradiance": [3, 1, 1]}, {"irradiance": [2, 9, 1]}]
         brightest = programs.embree_factor(lights) * 10 * scene.ALBEDO / math.pi
-        self.assertLess(brightest, 1)
+        self.assertLess(brightest, 0.9)  # the rest is for light between surfaces
         self.assertGreater(brightest, 0.8)
 
 
@@ -104,14 +104,15 @@ class Pictures(unittest.TestCase):
             self.skipTest("no program")
         with tempfile.TemporaryDirectory() as folder:
             exr, pfm, errors = (Path(folder) / name for name in ("a.exr", "a.pfm", "e.json"))
-            subprocess.run([PROGRAM, "render", "gallery", "--size", "37x21", "--spp", "1", "-q",
-                            "-o", exr], check=True)
-            picture = pictures.read_exr(exr)
-            pictures.write_pfm(pfm, picture)
-            subprocess.run([PROGRAM, "compare", pfm, exr, "--json", errors], check=True,
-                           stdout=subprocess.DEVNULL)
-            self.assertEqual(picture[:2], (37, 21))
-            self.assertEqual(json.loads(errors.read_text())["different_pixels"], 0)
+            for name in ("gallery", "furnace"):  # noise, which is stored bare, and what zips well
+                subprocess.run([PROGRAM, "render", name, "--size", "37x21", "--spp", "4", "-q",
+                                "-o", exr], check=True)
+                picture = pictures.read_exr(exr)
+                pictures.write_pfm(pfm, picture)
+                subprocess.run([PROGRAM, "compare", pfm, exr, "--json", errors], check=True,
+                               stdout=subprocess.DEVNULL)
+                self.assertEqual(picture[:2], (37, 21))
+                self.assertEqual(json.loads(errors.read_text())["different_pixels"], 0, name)
 
 
 class Run(unittest.TestCase):
