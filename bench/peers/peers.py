@@ -148,7 +148,10 @@ def errors(session, picture, truth):
 
 
 def summarize(rows, pixels, samples):
-    """Adds rates and ratios to rows with `runs` and errors; the row of Skywave is the measure."""
+    """Adds rates and ratios to rows with `runs` and errors; the row of Skywave is the measure.
+
+    Ratios of times are those of the pairs of one repeat: a slow minute slows both.
+    """
     for row in rows:
         if not row.get("skipped"):
             row["seconds"] = median(row["runs"])
@@ -157,9 +160,10 @@ def summarize(rows, pixels, samples):
                 None)
     for row in rows:
         if ours and not row.get("skipped"):
-            row["skywave_faster"] = row["seconds"] / ours["seconds"]
-            row["skywave_efficiency"] = (row["seconds"] * row["mse"]
-                                         / (ours["seconds"] * ours["mse"]))
+            pairs = sorted(theirs / mine for theirs, mine in zip(row["runs"], ours["runs"]))
+            row["skywave_faster"] = median(pairs)
+            row["skywave_faster_range"] = [pairs[0], pairs[-1]]
+            row["skywave_efficiency"] = row["skywave_faster"] * row["mse"] / ours["mse"]
     return rows
 
 

@@ -68,13 +68,14 @@ class Outputs(unittest.TestCase):
 class Figures(unittest.TestCase):
     def test_ratios(self):
         rows = peers.summarize([{"program": "Skywave", "runs": [3, 1, 2], "mse": 0.1},
-                                {"program": "Cycles", "runs": [10], "mse": 0.2},
+                                {"program": "Cycles", "runs": [30, 6, 10], "mse": 0.2},
                                 {"program": "POV-Ray", "runs": [], "skipped": "not installed"}],
                                1000, 4)
         self.assertEqual(rows[0]["seconds"], 2)
         self.assertAlmostEqual(rows[0]["msamples_per_s"], 0.002)
-        self.assertAlmostEqual(rows[1]["skywave_faster"], 5)
-        self.assertAlmostEqual(rows[1]["skywave_efficiency"], 10)
+        self.assertAlmostEqual(rows[1]["skywave_faster"], 6)
+        self.assertEqual(rows[1]["skywave_faster_range"], [5, 10])
+        self.assertAlmostEqual(rows[1]["skywave_efficiency"], 12)
         self.assertNotIn("seconds", rows[2])
 
     def test_agreement(self):

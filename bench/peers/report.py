@@ -28,7 +28,8 @@ def job_table(job):
         rows.append([row["program"], str(job["samples"]), number(row["seconds"]),
                      number(row["msamples_per_s"]),
                      "" if row["program"] == "Skywave" or "skywave_faster" not in row
-                     else f"{row['skywave_faster']:.1f} times as fast",
+                     else "{:.1f} times as fast ({:.1f} to {:.1f})".format(
+                         row["skywave_faster"], *row["skywave_faster_range"]),
                      number(row.get("rays_per_sample")), number(row["mse"]),
                      number(row["relative_mse"]), signed_percent(row["mean_ratio"]),
                      f"{100 * row['worst_block']:.1f} %",
@@ -41,7 +42,7 @@ def markdown(summary):
     s = summary["settings"]
     lines = [f"`{s['command']}`", "",
              f"{s['date']}, {s['processor']}, {s['threads']} threads, {s['size']}, medians of "
-             f"{s['repeats']} alternated repeats.", ""]
+             f"{s['repeats']} alternated repeats, ratios by pair.", ""]
     for job in summary["jobs"]:
         lines += [job["title"] + ":", "", *job_table(job), ""]
     lines += ["- *mean* and *worst block*: against the reference, of the picture and of that of "
