@@ -26,9 +26,10 @@ from statistics import median
 
 import pictures
 import programs
-import report
+import report  # finds bench/reporting.py
 import scene
 from programs import PROGRAMS, Failed, Job, Session
+from reporting import processor
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 LIGHTS = 4
@@ -64,6 +65,9 @@ def parse(arguments):
         parser.error("--size is two numbers, such as 640x480")
     if min(width, height, options.depth, options.repeats) < 1 or options.samples < 4:
         parser.error("--size, --depth and --repeats are at least 1, --samples at least 4")
+    if width < height:
+        parser.error("--size is at least as wide as it is high: some programs count the field of "
+                     "view on the upright side, others on the shorter one")
     options.reference = options.reference or 32 * options.samples
     for file in (options.program, options.data / "models" / "bunny.ply",
                  options.data / "probes" / "latlong" / "grace_latlong.exr"):
@@ -207,16 +211,6 @@ def command_of(options):
     return ("bench/peers/peers.py --data DATA -o OUT --size {}x{} --samples {} --depth {} "
             "--repeats {} --reference {}").format(*options.size, options.samples, options.depth,
                                                   options.repeats, options.reference)
-
-
-def processor():
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
-    return "unknown processor"
 
 
 def main(arguments):

@@ -43,6 +43,8 @@ class Outputs(unittest.TestCase):
         self.assertAlmostEqual(programs.cycles_seconds(text, 64), 3.2)
         with self.assertRaises(programs.Failed):
             programs.cycles_seconds("peers: one sample 0.5", 64)
+        with self.assertRaises(programs.Failed):
+            programs.cycles_seconds("peers: one sample 0.5\npeers: all samples 0.4", 64)
 
     def test_embree(self):
         text = "BENCHMARK_RENDER_MIN 0.2\nBENCHMARK_RENDER_AVG 0.25\nBENCHMARK_RENDER_MAX 0.3\n"

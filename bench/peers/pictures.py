@@ -73,7 +73,8 @@ def read_exr(path):
     lines = ZIP_LINES[compression]
     for offset in struct.unpack_from(f"<{-(-height // lines)}Q", data, at):
         y, size = struct.unpack_from("<2i", data, offset)
-        block, expected = data[offset + 8:offset + 8 + size], line_bytes * min(lines, y0 + height - y)
+        block = data[offset + 8:offset + 8 + size]
+        expected = line_bytes * min(lines, y0 + height - y)
         if compression and size < expected:
             block = unzip(block)
         for line in range(len(block) // line_bytes):

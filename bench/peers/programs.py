@@ -89,7 +89,10 @@ def cycles_seconds(text, samples):
     """What all samples take. Scene, tree and map are prepared for one sample as for all."""
     one, = found(r"peers: one sample ([\d.]+)", text, "the time of one sample")
     whole, = found(r"peers: all samples ([\d.]+)", text, "the time of all samples")
-    return (float(whole) - float(one)) * samples / (samples - 1)
+    seconds = (float(whole) - float(one)) * samples / (samples - 1)
+    if seconds <= 0:
+        raise Failed("the samples take too little time to be told from the rest: take more")
+    return seconds
 
 
 def cycles(session, job, seed):

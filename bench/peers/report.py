@@ -1,20 +1,14 @@
 """Results of peers.py as Markdown."""
 
+import sys
+from pathlib import Path
 
-def number(value, digits=3):
-    if value is None:
-        return ""
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e+" in text else text
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from reporting import lines_of_table, number
 
 
 def signed_percent(ratio):
     return "" if ratio is None else f"{100 * (ratio - 1):+.2f} %"
-
-
-def lines_of_table(header, rows, right_from=1):
-    marks = ["---" if i < right_from else "---:" for i in range(len(header))]
-    return ["| " + " | ".join(cells) + " |" for cells in [header, marks, *rows]]
 
 
 def job_table(job):
@@ -35,7 +29,7 @@ def job_table(job):
                      f"{100 * row['worst_block']:.1f} %",
                      "" if "skywave_efficiency" not in row
                      else f"{row['skywave_efficiency']:.1f}"])
-    return lines_of_table(header, rows)
+    return lines_of_table(header, rows, 1)
 
 
 def markdown(summary):

@@ -1,8 +1,8 @@
 """The scene of the comparison as plain data, and its text for every program.
 
-World: x right, y up, z towards the viewer's back (left-handed, as pbrt and POV-Ray have it), metres.
-The middle of the map lies along +z, its right half along +x. It is the scene that
-scripts/data_scenes.sh writes, but the bunny has the plane's grey.
+World: y up, left-handed as pbrt and POV-Ray have it, metres. The middle of the map lies along +z,
+its right half along +x; the camera looks towards -z. It is the scene that scripts/data_scenes.sh
+writes, but the bunny has the plane's grey.
 """
 
 import struct
@@ -90,12 +90,13 @@ def write_povray(file, bunny, lights_file, aspect):
 
     a, b, c, d = PLANE[0]
     angle = f"2 * degrees(atan({aspect:.9g} * tan(radians({FIELD_OF_VIEW}) / 2)))"
+    grey = f"pigment {{ rgb {ALBEDO} }} finish {{ ambient 0 diffuse 1 }}"
     file.write_text(
         "#version 3.7;\nglobal_settings { assumed_gamma 1 max_trace_level 5 }\n"
         f'#include "{lights_file}"\n'
         f"camera {{ perspective location {point(EYE)} sky {point(UP)} right x*{aspect:.9g} up y\n"
         f"  angle {angle} look_at {point(TARGET)} }}\n"
-        f"#declare Grey = texture {{ pigment {{ rgb {ALBEDO} }} finish {{ ambient 0 diffuse 1 }} }}\n"
+        f"#declare Grey = texture {{ {grey} }}\n"
         f"mesh {{ triangle {{ {point(a)}, {point(b)}, {point(c)} }}\n"
         f"  triangle {{ {point(c)}, {point(d)}, {point(a)} }} texture {{ Grey }} }}\n"
         "mesh2 {\n" + block("vertex_vectors", rows(bunny.positions, ", "))
@@ -106,14 +107,14 @@ def write_povray(file, bunny, lights_file, aspect):
 def blender_mesh(points, triangles, normals=()):
     """As JSON for blender_render.py, in Blender's right-handed world with z up.
 
-    The exchange of y and z is a mirror, so triangles turn round as well: else their sides would
-    contradict the normals, and surfaces would be black.
+    The exchange of y and z is a mirror, so triangles have to turn round, which the same exchange of
+    their second and third vertex does: else their sides would contradict the normals, and surfaces
+    would be black.
     """
     def turned(values):
         return flat((values[i], values[i + 2], values[i + 1]) for i in range(0, len(values), 3))
 
-    return {"positions": turned(points), "normals": turned(normals), "triangles": flat((triangles[i], triangles[i + 2], triangles[i + 1])
-                              for i in range(0, len(triangles), 3))}
+    return {"positions": turned(points), "normals": turned(normals), "triangles": turned(triangles)}
 
 
 def blender_scene(bunny):

@@ -22,7 +22,8 @@ from pathlib import Path
 
 import figures
 import measure
-import report
+import report  # finds bench/reporting.py
+from reporting import processor
 from tables import TABLES
 
 
@@ -123,7 +124,7 @@ def earlier_runs(table, facts, options):
     summary = json.loads(file.read_text())
     settings = summary["settings"]
     now = {"size": options.size, "threads": options.threads or "all", "version": facts["version"],
-           "processor": measure.processor()}
+           "processor": processor()}
     if any(settings[key] != now[key] for key in now) or summary["reference"] != facts:
         raise measure.Failed(f"{file} was measured otherwise: remove it, or do not --resume")
     return {row["row"]: row["ours"]["runs"] for row in summary["rows"] if row["ours"]}
@@ -145,7 +146,7 @@ def measure_table(table, options):
     light_picture = session.light_reference(1, say)
     runs = earlier_runs(table, facts, options)
     settings = {"command": command_of(table, options), "date": date.today().isoformat(),
-                "processor": measure.processor(), "threads": options.threads or "all",
+                "processor": processor(), "threads": options.threads or "all",
                 "size": options.size, "version": facts["version"]}
     summary = None
     for repeat in range(options.repeats):

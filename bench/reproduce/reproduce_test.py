@@ -111,7 +111,7 @@ class Resume(unittest.TestCase):
             summary = figures.summarize(TABLES["8.2"], {"5": [run, run]})
             summary.update(reference=facts, settings={
                 "size": "80x60", "threads": "all", "version": "1",
-                "processor": measure.processor()})
+                "processor": reproduce.processor()})
             file = Path(folder) / "table_8.2.json"
             file.write_text(json.dumps(summary))
             self.assertEqual(reproduce.earlier_runs(TABLES["8.2"], facts, options),
