@@ -2,7 +2,8 @@
 
     blender -b --factory-startup --python blender_render.py -- JOB.json
 
-Every setting that bears on time or picture is set here, none is left to a default that may change.
+What makes the work another is set here. Sampling pattern, roulette, the threshold of light samples,
+tiles and tree are Cycles's own, as its users have them.
 """
 
 import json
