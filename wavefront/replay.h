@@ -11,7 +11,7 @@
 namespace skywave {
 
 struct ReplayTime {
-  double closest = 0, occlusion = 0;  // [s] wall clock on all threads
+  double closest = 0, occlusion = 0;  // [s] in Embree, the mean over the threads
   // Rays that hit something: the same for every backend, order and number of threads.
   std::uint64_t closest_hits = 0, occlusion_hits = 0;
 };
