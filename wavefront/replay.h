@@ -12,7 +12,7 @@
 namespace skywave {
 
 struct ReplayTime {
-  std::array<double, kRayKinds> seconds = {};  // wall clock on all threads
+  std::array<double, kRayKinds> seconds = {};  // in Embree, the mean over the threads
   // Rays that hit something: the same for every backend, order and number of threads.
   std::array<std::uint64_t, kRayKinds> hits = {};
 };
