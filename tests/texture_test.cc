@@ -183,20 +183,20 @@ TEST_F(TextureRows, RoughnessIsGreenAndMetallicBlue) {
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
     const std::uint32_t material = s.material[i] & kMaterialMask;
     if (material == 0) {
-      ASSERT_EQ(s.alpha[i], 0.3f);
-      ASSERT_EQ(s.metallic[i], 0.6f);
+      ASSERT_EQ(s.varying_0[i], 0.3f);
+      ASSERT_EQ(s.varying_1[i], 0.6f);
       continue;
     }
     bool certain = true;
     const glm::dvec3 seen = Reference(i, (material + 3) % kTextures, certain);
     if (!certain) continue;
-    ASSERT_NEAR(s.alpha[i], std::max(1e-3, 0.9 * seen.y * seen.y), 1e-3) << "row " << i;
-    ASSERT_NEAR(s.metallic[i], 0.8 * seen.z, 5e-4) << "row " << i;
+    ASSERT_NEAR(s.varying_0[i], std::max(1e-3, 0.9 * seen.y * seen.y), 1e-3) << "row " << i;
+    ASSERT_NEAR(s.varying_1[i], 0.8 * seen.z, 5e-4) << "row " << i;
   }
   PrepareMetallicRoughness({}, materials_.data(), kAngle, kFullWave, s);
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
-    ASSERT_EQ(s.alpha[i], materials_[s.material[i] & kMaterialMask].alpha);
-    ASSERT_EQ(s.metallic[i], materials_[s.material[i] & kMaterialMask].eta[0]);
+    ASSERT_EQ(s.varying_0[i], materials_[s.material[i] & kMaterialMask].alpha);
+    ASSERT_EQ(s.varying_1[i], materials_[s.material[i] & kMaterialMask].eta[0]);
   }
 }
 
@@ -205,11 +205,11 @@ TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
     const SurfaceColumns& s = surfaces_;
     std::fill_n(s.color_r, kFullWave, 0.9f), std::fill_n(s.color_g, kFullWave, 0.5f);
     std::fill_n(s.color_b, kFullWave, 0.2f);
-    std::fill_n(s.alpha, kFullWave, -1.0f), std::fill_n(s.metallic, kFullWave, -1.0f);
+    std::fill_n(s.varying_0, kFullWave, -1.0f), std::fill_n(s.varying_1, kFullWave, -1.0f);
     TextureColors(tables_.view(), materials_.data(), kAngle, n, s);
     PrepareMetallicRoughness(tables_.view(), materials_.data(), kAngle, n, s);
     std::vector<float> values;
-    for (const float* column : {s.color_r, s.color_g, s.color_b, s.alpha, s.metallic}) {
+    for (const float* column : {s.color_r, s.color_g, s.color_b, s.varying_0, s.varying_1}) {
       values.insert(values.end(), column, column + kFullWave);
     }
     return values;
