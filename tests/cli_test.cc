@@ -521,10 +521,10 @@ TEST_F(Cli, BenchReportsItsSummary) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_TRUE(Contains(result.out, "SUMMARY msamples_per_s=")) << result.out;
   const auto json = nlohmann::json::parse(Bytes("b.json"));
-  EXPECT_EQ(json.at("schema"), "skywave-bench-1");
+  EXPECT_EQ(json.at("schema"), "skywave-bench-2");
   EXPECT_EQ(json.at("render_seconds").size(), 3u);
   for (const char* const backend : {"stream", "packet", "array", "single"}) {
-    EXPECT_EQ(json.at("replay_seconds").at(backend).at("closest").size(), 3u);
+    EXPECT_EQ(json.at("replay_seconds").at(backend).at("camera").size(), 3u);
   }
   EXPECT_GT(json.at("summary").at("embree_fraction").get<double>(), 0);
 }

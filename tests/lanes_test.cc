@@ -43,7 +43,10 @@ TEST(LaneCount, IssuesWholeVectors) {
 }
 
 TEST(Lanes, AreThoseOfTheQueues) {
-  const SurfaceRanges ranges = Ranges({20, 0, 1, 0, 9});
+  std::array<std::uint32_t, kBsdfKinds> counts = {20, 0, 1};
+  const auto last = BsdfKind(kBsdfKinds - 1);  // takes no light samples
+  counts[kBsdfKinds - 1] = 9;
+  const SurfaceRanges ranges = Ranges(counts);
   LaneCounts lanes = {};
   CountMeeting(40, 10, ranges, lanes);
   ExpectLanes(Of(lanes, Kernel::kIntersect), 40, 40, 48);
@@ -59,7 +62,7 @@ TEST(Lanes, AreThoseOfTheQueues) {
   ExpectLanes(Of(lanes, Kernel::kAccumulate), 5, 24, 32);
   CountScattering(ranges, 1, lanes);
   ExpectLanes(Of(lanes, Kernel::kScatter), 0, 0, 0);
-  ExpectLanes(Of(lanes, Kernel::kScatter, BsdfKind(4)), 9, 16, 16);
+  ExpectLanes(Of(lanes, Kernel::kScatter, last), 9, 16, 16);
 }
 
 TEST(Lanes, NamesAreThereAndDiffer) {

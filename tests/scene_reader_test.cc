@@ -406,30 +406,6 @@ TEST(Scopes, AttributesReachWhatFollows) {
   EXPECT_FLOAT_EQ(scene.materials.at(scene.meshes[2].material).ior, 1.7f);
 }
 
-TEST(Materials, MixesOfDiffuseSurfacesAreExact) {
-  const std::string two =
-      "MakeNamedMaterial \"a\" \"string type\" \"matte\" \"rgb Kd\" [1 0 0]\n"
-      "MakeNamedMaterial \"b\" \"string type\" \"matte\" \"rgb Kd\" [0 0 .5]\n"
-      "MakeNamedMaterial \"m\" \"string type\" \"mirror\"\n";
-  // Version 4's amount is that of the second, version 3's that of the first.
-  ExpectNear(
-      OnlyMaterial(two + "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .2")
-          .reflectance,
-      {0.8f, 0, 0.1f});
-  ExpectNear(OnlyMaterial(two + "Material \"mix\" \"string namedmaterial1\" \"a\" "
-                                "\"string namedmaterial2\" \"b\" \"rgb amount\" [.2 .2 .6]")
-                 .reflectance,
-             {0.2f, 0, 0.2f});
-  EXPECT_EQ(
-      OnlyMaterial(two + "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" .6")
-          .bsdf,
-      BsdfKind::kMirror);
-  EXPECT_EQ(
-      OnlyMaterial(two + "Material \"mix\" \"string materials\" [\"a\" \"m\"] \"float amount\" .4")
-          .bsdf,
-      BsdfKind::kLambert);
-}
-
 TEST(Objects, InstancesAreTransformedCopies) {
   const Scene scene =
       Parse(std::string("WorldBegin\nObjectBegin \"o\"\nTranslate 1 0 0\n") + kTriangle +
