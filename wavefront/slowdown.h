@@ -10,7 +10,7 @@ namespace skywave {
 inline void SlowDown(std::uint32_t n) {
   // Multiplications that wait for each other; the number is what the light samples of `importance`
   // cost on a machine with AVX-512 at 4 cycles a step.
-  constexpr std::uint64_t kStepsPerSample = 20;
+  constexpr std::uint64_t kStepsPerSample = 25;
   std::uint64_t x = n;
   for (std::uint64_t step = n * kStepsPerSample * SKYWAVE_SLOWDOWN / 100; step > 0; --step) {
     x = x * 6364136223846793005u + 1442695040888963407u;
