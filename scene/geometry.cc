@@ -49,10 +49,11 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
 
 std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z); }
 
-// Appends one triangle: positions already in the vertex table from `first_vertex` on.
-void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::uint32_t first_vertex,
-                    std::vector<std::uint32_t>& indices, std::vector<TriangleRecord>& records,
-                    std::vector<TriangleUvs>* uvs) {
+// Appends one triangle: positions already in the vertex table from `first_vertex` on. Returns its
+// corners in the order of the record.
+glm::uvec3 AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners,
+                          std::uint32_t first_vertex, std::vector<std::uint32_t>& indices,
+                          std::vector<TriangleRecord>& records) {
   const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
                   &c = mesh.positions[corners.z];
   const glm::vec3 face = glm::cross(b - a, c - a);
@@ -75,7 +76,38 @@ void AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners, std::ui
   if (!smooth) record.tag |= kFlatTriangle;
   for (int i = 0; i < 3; ++i) indices.push_back(first_vertex + corners[i]);
   records.push_back(record);
-  if (uvs != nullptr) uvs->push_back(MakeTriangleUvs(mesh, corners));
+  return corners;
+}
+
+constexpr float kSteepest = 1e6f;  // what is more is a wall all the same
+
+// Nothing where no material has a normal map.
+std::vector<NormalMapRecord> PackNormalMaps(const Scene& scene, const TextureTables& textures) {
+  std::vector<NormalMapRecord> records;
+  bool any = false;
+  for (const Material& material : scene.materials) {
+    NormalMapRecord record = {};
+    if (material.normal_texture) {
+      any = true;
+      const bool heights = scene.textures[*material.normal_texture].use == TextureUse::kHeights;
+      record.texture = *material.normal_texture + 1;
+      const float scale = material.normal_scale * textures.slopes[*material.normal_texture];
+      record.scale = std::isnan(scale) ? 0 : std::clamp(scale, -kSteepest, kSteepest);
+      record.per_texel = heights && !material.height_in_texels;
+    }
+    records.push_back(record);
+  }
+  if (!any) records.clear();
+  return records;
+}
+
+// Meshes in their order, those whose material is opaque first.
+std::vector<const Mesh*> OpaqueFirst(const Scene& scene) {
+  std::vector<const Mesh*> meshes;
+  for (const Mesh& mesh : scene.meshes) meshes.push_back(&mesh);
+  std::stable_partition(meshes.begin(), meshes.end(),
+                        [&](const Mesh* mesh) { return scene.materials[mesh->material].opaque(); });
+  return meshes;
 }
 
 MaterialRecord PackMaterial(const Material& material) {
@@ -118,7 +150,8 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   }
   bool textured = false;
   for (const Material& material : scene.materials) {
-    for (const auto& texture : {material.color_texture, material.roughness_texture}) {
+    for (const auto& texture : {material.color_texture, material.roughness_texture,
+                                material.opacity_texture, material.normal_texture}) {
       if (!texture) continue;
       textured = true;
       if (*texture >= scene.textures.size()) {
@@ -130,18 +163,28 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   if (textured) {
     textures_ = MakeTextureTables(scene, path);
     textures_.uvs.reserve(triangle_count);
+    normal_maps_ = PackNormalMaps(scene, textures_);
   }
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
   triangles_.reserve(triangle_count);
-  for (const Mesh& mesh : scene.meshes) {
+  if (!normal_maps_.empty()) tangents_.reserve(triangle_count);
+  for (const Mesh* const from : OpaqueFirst(scene)) {
+    const Mesh& mesh = *from;
+    const Material& material = scene.materials[mesh.material];
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
-    const BsdfKind bsdf = scene.materials[mesh.material].bsdf;
-    for (const glm::uvec3& corners : mesh.triangles) {
-      AppendTriangle(mesh, bsdf, corners, first_vertex, indices_, triangles_,
-                     textured ? &textures_.uvs : nullptr);
+    for (const glm::uvec3& triangle : mesh.triangles) {
+      const glm::uvec3 corners =
+          AppendTriangle(mesh, material.bsdf, triangle, first_vertex, indices_, triangles_);
+      if (textured) textures_.uvs.push_back(MakeTriangleUvs(mesh, corners));
+      if (normal_maps_.empty()) continue;
+      tangents_.push_back(
+          material.normal_texture
+              ? MakeTriangleTangents(mesh, corners, scene.textures[*material.normal_texture])
+              : TriangleTangents{});
     }
+    if (material.opaque()) first_with_holes_ = std::uint32_t(triangles_.size());
   }
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
@@ -150,6 +193,13 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     if (material.bsdf == BsdfKind::kConductor || material.bsdf == BsdfKind::kMetallicRoughness) {
       conductor_tables_ = &GgxTables();
     }
+  }
+  if (has_holes()) {
+    opacity_ = MakeOpacityRecords(scene.materials);
+    hole_filter_ = {.opacity = {.triangles = triangles_.data(),
+                                .records = opacity_.data(),
+                                .textures = textures_.view()},
+                    .first = first_with_holes_};
   }
 
   const auto start = std::chrono::steady_clock::now();
@@ -160,16 +210,29 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   if (!device_) {
     throw InputError(InputPosition::File(path), "Embree does not start with: " + config);
   }
+  rtcSetDeviceMemoryMonitorFunction(
+      device_.get(),
+      [](void* sum, ssize_t bytes, bool) {
+        *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
+        return true;
+      },
+      &embree_bytes_);
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
-  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             vertices_.data(), 0, 3 * sizeof(float), vertex_count);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(),
-                             0, 3 * sizeof(std::uint32_t), triangle_count);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_.get(), geometry);
-  rtcReleaseGeometry(geometry);
+  const auto attach = [&](unsigned id, std::size_t first, std::size_t count, bool holes) {
+    if (count == 0) return;
+    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               vertices_.data(), 0, 3 * sizeof(float), vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               &indices_[3 * first], 0, 3 * sizeof(std::uint32_t), count);
+    if (holes) SetHoleFilter(geometry, hole_filter_);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene_.get(), geometry, id);
+    rtcReleaseGeometry(geometry);
+  };
+  attach(0, 0, first_with_holes_, false);
+  attach(1, first_with_holes_, triangle_count - first_with_holes_, true);
   rtcCommitScene(scene_.get());
   if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
     throw InputError(InputPosition::File(path),
@@ -188,10 +251,16 @@ MaterialView Geometry::materials() const {
 
 TextureView Geometry::textures() const { return textures_.view(); }
 
+NormalMapView Geometry::normal_maps() const {
+  if (normal_maps_.empty()) return {};
+  return {.records = normal_maps_.data(), .tangents = tangents_.data()};
+}
+
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
          triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         textures_.bytes();
+         textures_.bytes() + normal_maps_.size() * sizeof(NormalMapRecord) +
+         tangents_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
 }
 
 std::uint64_t SceneHash(const Scene& scene) {
@@ -205,13 +274,21 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     add_all(mesh.positions), add_all(mesh.normals), add_all(mesh.uvs), add_all(mesh.triangles);
     add(mesh.material);
+    if (!mesh.tangents.empty()) add_all(mesh.tangents);
   }
   for (const Material& m : scene.materials) {
     add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
     add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
+    if (!m.opaque()) {
+      add(m.opacity), add(m.opacity_cutoff.value_or(-1)), add(m.opacity_texture.value_or(~0u));
+    }
+    if (m.normal_texture) {
+      add(*m.normal_texture), add(m.normal_scale), add(m.height_in_texels);
+    }
   }
   for (const Texture& t : scene.textures) {
     add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
+    if (t.use != TextureUse::kColor) add(t.use);
   }
   for (const Image& image : scene.images) {
     add(image.width), add(image.height), add_all(image.rgb);

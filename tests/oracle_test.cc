@@ -14,6 +14,7 @@
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/screens_scene.h"
 #include "tests/support/statistics.h"
 
 namespace skywave {
@@ -343,6 +344,14 @@ TEST(OraclePictures, EveryFilterAgrees) {
     JobRequest request = Request(Integrator::kDirect, 1);
     request.filter = filter;
     ExpectSame(scene, request);
+  }
+}
+
+TEST(OraclePictures, HolesAndReliefAgree) {
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = Request(integrator, 4);
+    request.options.light_samples = 2;
+    ExpectSame(ScreensScene(), request);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "kernels/accumulate.h"
 #include "kernels/partition.h"
+#include "kernels/sampler.h"
 #include "kernels/surface.h"
 #include "wavefront/checks.h"
 
@@ -32,12 +33,19 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
           .paths = w.paths};
 }
 
+// The keys of the rays that arrive at a bounce.
+const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
+                                 const RayColumns& rays, std::uint32_t n, const Worker& w) {
+  return RayKeys(frame, w.paths, rays.path, n, SamplePair(bounce, SampleUse::kScatter),
+                 w.queue->queue);
+}
+
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n, bool only_delta,
-                  Worker& w, StageClock& clock) {
+void MeetSurfaces(const FrameView& frame, std::uint32_t bounce, const RayColumns& rays,
+                  std::uint32_t n, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
-  TraceClosest(frame.tracer, rays, n, w.hits);
+  TraceClosest(frame.tracer, rays, n, w.hits, PathRayKeys(frame, bounce, rays, n, w));
   clock.Lap(Stage::kIntersect);
   const std::uint32_t escaped =
       SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
@@ -56,9 +64,9 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 }
 
 // The end of a path: only what lies beyond the scene can still be seen.
-void MeetSky(const FrameView& frame, const RayColumns& rays, std::uint32_t n, Worker& w,
-             StageClock& clock) {
-  TraceEscapes(frame.tracer, rays, n, w.hits);
+void MeetSky(const FrameView& frame, std::uint32_t bounce, const RayColumns& rays, std::uint32_t n,
+             Worker& w, StageClock& clock) {
+  TraceEscapes(frame.tracer, rays, n, w.hits, PathRayKeys(frame, bounce, rays, n, w));
   clock.Lap(Stage::kIntersect);
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
@@ -81,7 +89,10 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     EvaluateLights(frame, w.surfaces, w.ranges, w.lights);
     CountShadowRays(w.stats, w.lights, n);
     clock.Lap(Stage::kEvaluate);
-    TraceShadows(frame.tracer, w.surfaces, n, w.lights);
+    // The first light sample has one of the bounce's numbers, later ones are numbered behind.
+    const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
+    TraceShadows(frame.tracer, w.surfaces, n, w.lights,
+                 RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue));
     clock.Lap(Stage::kShadow);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     clock.Lap(Stage::kAccumulate);
@@ -107,10 +118,10 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetSky(frame, *rays, n, w, clock);
+      MeetSky(frame, bounce, *rays, n, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, /*only_delta=*/false, w, clock);
+    MeetSurfaces(frame, bounce, *rays, n, /*only_delta=*/false, w, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
@@ -133,10 +144,10 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetSky(frame, *rays, n, w, clock);
+      MeetSky(frame, bounce, *rays, n, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, /*only_delta=*/true, w, clock);
+    MeetSurfaces(frame, bounce, *rays, n, /*only_delta=*/true, w, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);

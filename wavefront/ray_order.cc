@@ -66,6 +66,8 @@ void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) 
   std::array<std::vector<float>, 6> columns;
   for (auto& column : columns) column.resize(kSortedBatch);
   const std::vector<float> t_far(kSortedBatch, std::numeric_limits<float>::infinity());
+  std::vector<std::uint32_t> keys(kSortedBatch);
+  const bool keyed = !rays.empty() && rays.front().recorder->keys() != nullptr;
   for (std::size_t first = 0; first < rays.size(); first += kSortedBatch) {
     const auto n = std::uint32_t(std::min<std::size_t>(kSortedBatch, rays.size() - first));
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -74,10 +76,11 @@ void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) 
         columns[axis][i] = ray.recorder->org(axis)[ray.row];
         columns[3 + axis][i] = ray.recorder->dir(axis)[ray.row];
       }
+      if (keyed) keys[i] = ray.recorder->keys()[ray.row];
     }
     const float* const org[3] = {columns[0].data(), columns[1].data(), columns[2].data()};
     const float* const dir[3] = {columns[3].data(), columns[4].data(), columns[5].data()};
-    to.Record(occlusion, org, dir, t_far.data(), n);
+    to.Record(occlusion, org, dir, t_far.data(), keyed ? keys.data() : nullptr, n);
   }
 }
 

@@ -3,7 +3,7 @@
 namespace skywave {
 
 void RayRecorder::Record(bool occlusion, const float* const org[3], const float* const dir[3],
-                         const float* t_far, std::uint32_t n) {
+                         const float* t_far, const std::uint32_t* keys, std::uint32_t n) {
   const std::size_t begin = org_[0].size();
   for (std::uint32_t i = 0; i < n; ++i) {
     if (t_far[i] < 0) continue;
@@ -11,6 +11,7 @@ void RayRecorder::Record(bool occlusion, const float* const org[3], const float*
       org_[axis].push_back(org[axis][i]);
       dir_[axis].push_back(dir[axis][i]);
     }
+    if (keys != nullptr) keys_.push_back(keys[i]);
   }
   const auto count = std::uint32_t(org_[0].size() - begin);
   if (count > 0) batches_.push_back({.occlusion = occlusion, .begin = begin, .count = count});

@@ -62,11 +62,13 @@ double ReplayKind(const Tracer& tracer, const std::vector<Batch>& batches, bool 
       const FlushDenormals flush;
       const RayColumns rays = RecordedRays(batches[i], *mine);
       const std::uint32_t n = batches[i].batch.count;
+      const std::uint32_t* keys = batches[i].recorder->keys();
+      if (keys != nullptr) keys += batches[i].batch.begin;
       if (occlusion) {
-        TraceOcclusion(tracer, rays, n);
+        TraceOcclusion(tracer, rays, n, keys);
         mine->hit += CountOccluded(rays, n);
       } else {
-        TraceClosest(tracer, rays, n, mine->hits);
+        TraceClosest(tracer, rays, n, mine->hits, keys);
         mine->hit += CountHits(mine->hits, n);
       }
     });

@@ -64,6 +64,14 @@ void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformC
   GenerateCameraRays(frame.camera, paths, film, lens, range.count, rays);
 }
 
+const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
+                             const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
+                             std::uint32_t* keys) {
+  if (!frame.geometry->has_holes()) return nullptr;
+  DrawRayKeys(paths, rows, n, event, keys);
+  return keys;
+}
+
 std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
                        std::uint32_t n, bool only_delta, std::uint32_t* queue,
                        SurfaceRanges& ranges) {
@@ -92,6 +100,9 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
   const float angle = PixelAngle(frame.camera);
   if (!textures.empty()) {
     TextureColors(textures, materials, angle, ranges.total(), surfaces);
+  }
+  if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
+    BendNormals(textures, maps, angle, ranges.total(), surfaces);
   }
   constexpr auto kKind = std::uint32_t(BsdfKind::kMetallicRoughness);
   if (ranges.count(kKind) == 0) return;

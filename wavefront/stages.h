@@ -26,6 +26,12 @@ struct WaveRange {
 void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& film,
                   const UniformColumns& lens, const PathColumns& paths, const RayColumns& rays);
 
+// The keys that decide which holes rays [0, n) meet, in `keys`; null in scenes without holes. The
+// rays are those of the paths in `rows`, traced for what `event` numbers (SamplePair).
+const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
+                             const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
+                             std::uint32_t* keys);
+
 // Writes the queue of every ray (kernels/partition.h) and the ranges that the queues of the BSDFs
 // will take in the surface table; returns the number of rays that hit nothing. With `only_delta`,
 // hits of rays that were drawn from a density are dropped: `direct` wants no second bounce of them.

@@ -40,6 +40,7 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
     : camera_(scene.camera.value()), environment_(scene.environments.at(0), lights) {
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
+    has_holes_ = has_holes_ || !material.opaque();
   }
   scene_textures_.materials = scene.materials;
   scene_textures_.textures = scene.textures;
@@ -93,14 +94,29 @@ void Oracle::BuildEmbreeScene() {
   rtcCommitScene(scene_);
 }
 
-bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
+// The nearest triangle that stops the ray, which tries them one after the other.
+bool Oracle::FindHit(const Ray& ray, OracleRandom& random, RTCRayHit& query) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRayHit query = {};
   query.ray = EmbreeRay(ray.origin, ray.direction);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  while (true) {
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    const Triangle& t = triangles_[query.hit.primID];
+    const Material& material = scene_textures_.materials[t.material];
+    const double u = query.hit.u, v = query.hit.v;
+    const glm::dvec2 uv =
+        (1 - u - v) * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
+    if (material.opaque() || random() < OracleOpacity(scene_textures_, material, uv)) return true;
+    query.ray.tnear = std::nextafter(query.ray.tfar, std::numeric_limits<float>::infinity());
+    query.ray.tfar = std::numeric_limits<float>::infinity();
+  }
+}
+
+bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
+  RTCRayHit query = {};
+  if (!FindHit(ray, random, query)) return false;
 
   const Triangle& t = triangles_[query.hit.primID];
   const double u = query.hit.u, v = query.hit.v, w = 1 - u - v;
@@ -114,6 +130,15 @@ bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
   if (back) ng = -ng, ns = -ns;
   // Smooth normals that look away from the eye cannot shade.
   if (!(glm::dot(ns, wo) > 1e-4)) ns = ng;
+  const Material& material = scene_textures_.materials[t.material];
+  if (material.normal_texture) {
+    const glm::dvec2 uv =
+        w * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
+    const double side = back ? -1 : 1;
+    ns = side * OracleBend(scene_textures_, material, t.corner, t.uv, uv, side * ns);
+    // Normals that look away are turned to the eye, along the plane of both.
+    ns = glm::normalize(ns + wo * std::max(0.0, 1.0 / 128 - glm::dot(ns, wo)));
+  }
   hit.surface = {&materials_[t.material], wo, ng, ns, back};
   ApplyTextures(t, {w, u, v}, hit);
   hit.point = w * a + u * b + v * c;
@@ -140,7 +165,11 @@ void Oracle::ApplyTextures(const Triangle& triangle, const dvec3& weights, Hit& 
   }
 }
 
-bool Oracle::Occluded(const Ray& ray) const {
+bool Oracle::Occluded(const Ray& ray, OracleRandom& random) const {
+  if (has_holes_) {
+    RTCRayHit hit = {};
+    return FindHit(ray, random, hit);
+  }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query = EmbreeRay(ray.origin, ray.direction);
@@ -171,7 +200,7 @@ dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
   const OracleEnvironment::LightSample light = environment_.Sample(random);
   const OracleValue bsdf = EvaluateBsdf(hit.surface, light.direction);
   if (!(MaxComponent(bsdf.value * light.radiance) > 0)) return dvec3(0);
-  if (Occluded(LeaveFrom(hit, light.direction))) return dvec3(0);
+  if (Occluded(LeaveFrom(hit, light.direction), random)) return dvec3(0);
   double weight = 1;
   if (options.mis) {
     const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
@@ -189,7 +218,7 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
     Hit hit;
     // Behind the last surface, and behind the BSDF sample of `direct`, only the sky counts.
     const bool last = bounce == options.max_depth || (direct && pdf > 0);
-    if (last ? !Occluded(ray) : !Intersect(ray, hit)) {
+    if (last ? !Occluded(ray, random) : !Intersect(ray, random, hit)) {
       return radiance + throughput * LightFromSky(ray.direction, pdf, options);
     }
     if (last) return radiance;

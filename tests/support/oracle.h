@@ -13,6 +13,7 @@
 #include "image/image.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/oracle_environment.h"
+#include "tests/support/oracle_relief.h"
 #include "tests/support/oracle_texture.h"
 #include "wavefront/frame.h"
 
@@ -55,9 +56,10 @@ class Oracle {
 
   void AddMesh(const Mesh& mesh);
   void BuildEmbreeScene();
-  bool Intersect(const Ray& ray, Hit& hit) const;
+  bool FindHit(const Ray& ray, OracleRandom& random, RTCRayHit& query) const;
+  bool Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const;
   void ApplyTextures(const Triangle& triangle, const glm::dvec3& weights, Hit& hit) const;
-  bool Occluded(const Ray& ray) const;
+  bool Occluded(const Ray& ray, OracleRandom& random) const;
   Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
   glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
                           const RenderOptions& options) const;
@@ -70,6 +72,7 @@ class Oracle {
   Camera camera_;
   OracleEnvironment environment_;
   std::vector<OracleMaterial> materials_;
+  bool has_holes_ = false;
   Scene scene_textures_;  // materials, textures and images only
   std::vector<Triangle> triangles_;
   RTCDevice device_ = nullptr;
