@@ -77,8 +77,9 @@ glm::mat3x2 Transform(const tinygltf::Value& extension) {
 }
 
 // Nothing where the material has no such texture. `set` becomes the uv set that it uses.
-std::optional<std::uint32_t> AddTexture(Context& context, const tinygltf::TextureInfo& info,
-                                        Encoding encoding, int& set) {
+template <class Info>
+std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Encoding encoding,
+                                        TextureUse use, int& set) {
   if (info.index < 0) return std::nullopt;
   if (std::size_t(info.index) >= context.model.textures.size()) {
     throw InputError(InputPosition::File(context.path),
@@ -90,6 +91,7 @@ std::optional<std::uint32_t> AddTexture(Context& context, const tinygltf::Textur
     return std::nullopt;
   }
   Texture texture;
+  texture.use = use;
   set = info.texCoord;
   texture.image = AddImage(context, from.source, encoding);
   if (from.sampler >= 0 && std::size_t(from.sampler) < context.model.samplers.size()) {
@@ -116,16 +118,38 @@ void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
   if (std::any_of(emission.begin(), emission.end(), [](double e) { return e > 0; })) {
     Warn(context, "emission is not supported: left out");
   }
-  if (from.alphaMode == "MASK" || from.alphaMode == "BLEND") {
-    Warn(context, fmt::format("alphaMode {} is not supported: rendered opaque", from.alphaMode));
-  }
-  if (from.normalTexture.index >= 0) Warn(context, "normal maps are not supported: left out");
   for (const auto& [name, value] : from.extensions) {
     if (name == "KHR_materials_ior" || name == "KHR_materials_transmission" ||
         name == "KHR_materials_unlit") {
       continue;
     }
     Warn(context, fmt::format("the extension {} is not supported: left out", name));
+  }
+}
+
+// The alpha of factor and base colour texture. `set` becomes the uv set of the texture.
+void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Material& material) {
+  const bool masked = from.alphaMode == "MASK";
+  if (!masked && from.alphaMode != "BLEND") return;
+  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
+  const double factor = pbr.baseColorFactor.size() > 3 ? pbr.baseColorFactor[3] : 1;
+  material.opacity = Fraction(context, "alpha of baseColorFactor", factor);
+  if (masked) {
+    // NaN is 0. More than 1 hides everything, which is valid.
+    material.opacity_cutoff = float(from.alphaCutoff > 0 ? from.alphaCutoff : 0);
+  }
+  material.opacity_texture =
+      AddTexture(context, pbr.baseColorTexture, Encoding::kAlpha, TextureUse::kOpacity, set);
+  if (material.opacity_texture) {
+    const Texture& texture = context.scene.textures[*material.opacity_texture];
+    if (IsWhite(context.scene.images[texture.image])) {
+      material.opacity_texture.reset();
+      context.scene.textures.pop_back();
+    }
+  }
+  if (masked && !material.opacity_texture) {
+    material.opacity = material.opacity >= *material.opacity_cutoff ? 1.0f : 0.0f;
+    material.opacity_cutoff.reset();
   }
 }
 
@@ -161,11 +185,18 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
             .ior = material.ior};
   }
   int roughness_set = -1;
-  material.color_texture = AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, uv_set);
-  material.roughness_texture =
-      AddTexture(context, pbr.metallicRoughnessTexture, Encoding::kLinear, roughness_set);
-  if (!material.color_texture) uv_set = std::max(roughness_set, 0);
-  if (material.roughness_texture && roughness_set != uv_set) {
+  int normal_set = -1;
+  material.color_texture =
+      AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, TextureUse::kColor, uv_set);
+  material.roughness_texture = AddTexture(context, pbr.metallicRoughnessTexture, Encoding::kLinear,
+                                          TextureUse::kColor, roughness_set);
+  material.normal_texture =
+      AddTexture(context, from.normalTexture, Encoding::kLinear, TextureUse::kNormals, normal_set);
+  material.normal_scale = float(from.normalTexture.scale);
+  SetOpacity(context, from, uv_set, material);
+  if (!material.color_texture) uv_set = std::max({roughness_set, normal_set, 0});
+  if ((material.roughness_texture && roughness_set != uv_set) ||
+      (material.normal_texture && normal_set != uv_set)) {
     Warn(context,
          "two sets of texture coordinates in a material are not supported: the set of "
          "the base colour is used");
@@ -174,6 +205,7 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
     Warn(context, "unlit materials are rendered as Lambert");
     material.bsdf = BsdfKind::kLambert;
     material.roughness_texture.reset();
+    material.normal_texture.reset();
   }
   return material;
 }
@@ -188,6 +220,7 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
     int set = 0;
     scene.materials.push_back(MakeMaterial(context, from, set));
     materials.uv_set.push_back(set);
+    materials.uses_tangents.push_back(scene.materials.back().normal_texture.has_value());
   }
   // Of primitives without a material: all defaults of the schema.
   scene.materials.push_back({.name = "default",
@@ -196,6 +229,7 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
                              .alpha = 1,
                              .metallic = 1});
   materials.uv_set.push_back(0);
+  materials.uses_tangents.push_back(false);
   return materials;
 }
 

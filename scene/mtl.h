@@ -11,6 +11,11 @@
 //                                                        much Ks is does not count
 //   everything else                                      Lambert of Kd
 //
+// d (1 - Tr) is the share of rays that a surface which is no glass stops, and map_d a factor of it:
+// the alpha channel of its file, or else its grey. norm, bump, map_bump and map_Bump are maps of
+// normals where they are coloured, and grey ones (but for norm) of heights: MTL does not say how
+// high white is, here it is bm hundredths of the width of the image.
+//
 // map_Kd is multiplied with Kd (1 where there is none, or 0) in the last two, its v upwards; its
 // options -s, -o and -clamp count. A map whose file is missing is left out, with a warning.
 //

@@ -3,8 +3,9 @@
 // Read are: comments, Include and Import; all transform directives; attribute and object scopes
 // (instances become copies); Camera "perspective", "orthographic", "spherical" and "environment";
 // the numbers of Film, Sampler, Integrator and PixelFilter that RenderSettings holds; materials
-// (pbrt_materials.h), constant textures, shapes (pbrt_shapes.h) and LightSource "infinite". Files
-// that are only a piece of a scene, without WorldBegin, are read too.
+// (pbrt_materials.h), textures (pbrt_textures.cc), shapes (pbrt_shapes.h), alpha, bumps and normal
+// maps (pbrt_surface_maps.h) and LightSource "infinite". Files that are only a piece of a scene,
+// without WorldBegin, are read too.
 //
 // Whatever else is legal pbrt gives one line in Scene::warnings that says what is done instead.
 // Syntax errors, directives that pbrt does not have, wrong counts, missing files, singular

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "scene/pbrt_parameters.h"
@@ -41,6 +42,8 @@ struct PbrtReader {
   std::map<std::string, std::optional<std::uint32_t>> named_materials;
   PbrtTextures textures;
   TextureFiles texture_files{&scene};
+  // By material, opacity and its texture: the copy of the material for shapes with such an alpha.
+  std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;
   std::map<std::string, std::vector<Mesh>> objects;
   std::vector<Mesh>* object = nullptr;  // the one being defined
   bool in_world = false;

@@ -97,7 +97,7 @@ PbrtTexture Scale(PbrtReader& reader, PbrtParameters& parameters) {
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a texture");
-  const std::string type = ExpectString(source, "the type of a texture");
+  ExpectString(source, "the type of a texture");
   const std::string kind = ExpectString(source, "the class of a texture");
   PbrtParameters parameters =
       ReadParameters(source, position, fmt::format("Texture \"{}\" \"{}\"", name, kind));
@@ -105,7 +105,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     reader.textures[name] = Constant(reader, parameters);
   } else if (kind == "scale") {
     reader.textures[name] = Scale(reader, parameters);
-  } else if (kind == "imagemap" && type != "float") {
+  } else if (kind == "imagemap") {
     reader.textures[name] = ImageMap(reader, parameters);
   } else {
     reader.textures[name] = {};
