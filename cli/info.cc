@@ -23,7 +23,7 @@ struct SceneFile {
   Scene scene;
   SceneSummary summary;
   double load_seconds = 0, build_seconds = 0;
-  std::size_t geometry_bytes = 0;  // what rendering keeps, without the BVH
+  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // what rendering keeps
 };
 
 SceneFile Load(const std::string& path) {
@@ -37,6 +37,7 @@ SceneFile Load(const std::string& path) {
     const Geometry geometry(file.scene, path);
     file.build_seconds = geometry.build_seconds();
     file.geometry_bytes = geometry.bytes();
+    file.bvh_bytes = geometry.bvh_bytes();
   }
   return file;
 }
@@ -62,6 +63,12 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   if (material.color_texture) json["color_texture"] = *material.color_texture;
   if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
   if (material.bsdf == BsdfKind::kDielectric) json["ior"] = material.ior;
+  if (!material.opaque()) {
+    json["opacity"] = material.opacity;
+    if (material.opacity_cutoff) json["opacity_cutoff"] = *material.opacity_cutoff;
+    if (material.opacity_texture) json["opacity_texture"] = *material.opacity_texture;
+  }
+  if (material.normal_texture) json["normal_texture"] = *material.normal_texture;
   return json;
 }
 
@@ -110,10 +117,22 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   }
   json["lights"] = nlohmann::ordered_json::array();
   for (const EnvironmentLight& light : scene.environments) json["lights"].push_back(Json(light));
-  json["bytes"] = {{"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}};
+  json["bytes"] = {
+      {"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}, {"bvh", file.bvh_bytes}};
   json["seconds"] = {{"load", file.load_seconds}, {"build", file.build_seconds}};
   json["not_supported"] = scene.warnings;
   return json;
+}
+
+// What any material may have besides.
+std::string SurfaceMaps(const Material& material) {
+  std::string text;
+  if (!material.opaque()) {
+    text += fmt::format(", {}opacity {:.4g}{}", material.opacity_cutoff ? "masked, " : "",
+                        material.opacity, material.opacity_texture ? " * texture" : "");
+  }
+  if (material.normal_texture) text += ", normal map";
+  return text;
 }
 
 std::string Parameters(const Material& material) {
@@ -174,14 +193,15 @@ void Print(const std::string& path, const SceneFile& file) {
       fmt::format("{}-handed, {} up", scene.left_handed ? "left" : "right", scene.up_axis));
   row("camera", scene.camera ? Describe(*scene.camera) : "none: one that sees everything is used");
   constexpr double kMib = 1024 * 1024;
-  row("memory", fmt::format("{:.2f} MiB as read, {:.2f} MiB to render, without the BVH",
-                            double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib));
+  row("memory", fmt::format("{:.2f} MiB as read, {:.2f} MiB to render and {:.2f} MiB of BVH",
+                            double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib,
+                            double(file.bvh_bytes) / kMib));
   row("time", fmt::format("load {:.3f} s, build {:.3f} s", file.load_seconds, file.build_seconds));
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
     fmt::print("  {:<24}{:<12}{:>10}  {}\n", material.name, ToString(material.bsdf),
-               summary.triangles_of_material[i], Parameters(material));
+               summary.triangles_of_material[i], Parameters(material) + SurfaceMaps(material));
   }
   fmt::print("\n{} lights\n", scene.environments.size());
   for (const EnvironmentLight& light : scene.environments) fmt::print("  {}\n", Describe(light));
