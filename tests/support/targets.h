@@ -31,9 +31,8 @@ class TargetScope {
 // The targets that kernels/ is compiled for and this processor has, best first.
 inline std::vector<std::int64_t> TestedTargets() {
   std::vector<std::int64_t> targets;
-  // The build leaves out SSSE3 for the kernels (HWY_DISABLED_TARGETS), which is private to them.
-  const std::int64_t all = hwy::SupportedTargets() & HWY_TARGETS & ~std::int64_t{HWY_SSSE3};
-  for (std::int64_t rest = all; rest != 0; rest &= rest - 1) targets.push_back(rest & -rest);
+  for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1)
+    targets.push_back(rest & -rest);
   return targets;
 }
 
