@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/screens_scene.h"
 #include "wavefront/job.h"
 #include "wavefront/render.h"
 
@@ -19,11 +20,12 @@ namespace {
 constexpr RayOrder kOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
 
 struct RecordedFrame {
-  RecordedFrame() {
+  explicit RecordedFrame(bool holes = false) {
     JobRequest request = {.scene = "spheres"};
     request.width = 48, request.height = 32, request.samples_per_pixel = 4;
     request.options.threads = 2;
-    job = std::make_unique<RenderJob>(request);
+    job = holes ? std::make_unique<RenderJob>(ScreensScene(), request)
+                : std::make_unique<RenderJob>(request);
     Film film = job->MakeFilm();
     result = RenderFrame(job->frame(), film, nullptr, &recorders);
   }
@@ -56,8 +58,10 @@ TEST(Replay, TracesEveryRayOfTheFrame) {
   EXPECT_EQ(rays, frame.result.stats.total_rays());
 }
 
-TEST(Replay, HitsAreTheSameForEveryCallAndOrder) {
-  const RecordedFrame frame;
+class ReplayOf : public testing::TestWithParam<bool> {};
+
+TEST_P(ReplayOf, HitsAreTheSameForEveryCallAndOrder) {
+  const RecordedFrame frame(GetParam());
   const RTCScene scene = frame.job->geometry().scene();
   const ReplayTime first = Replay(scene, Backend::kSingle, frame.recorders, 1);
   EXPECT_GT(first.closest_hits, 0u);
@@ -76,6 +80,10 @@ TEST(Replay, HitsAreTheSameForEveryCallAndOrder) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Replay, ReplayOf, testing::Bool(), [](const auto& test) {
+  return test.param ? "SceneWithHoles" : "OpaqueScene";
+});
 
 TEST(OrderRays, KeepsEveryRay) {
   const RecordedFrame frame;

@@ -80,7 +80,7 @@ void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) 
     }
     const float* const org[3] = {columns[0].data(), columns[1].data(), columns[2].data()};
     const float* const dir[3] = {columns[3].data(), columns[4].data(), columns[5].data()};
-    to.Record(occlusion, org, dir, t_far.data(), keyed ? keys.data() : nullptr, n);
+    to.Record(occlusion, org, dir, t_far.data(), n, keyed ? keys.data() : nullptr);
   }
 }
 

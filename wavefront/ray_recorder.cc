@@ -3,7 +3,7 @@
 namespace skywave {
 
 void RayRecorder::Record(bool occlusion, const float* const org[3], const float* const dir[3],
-                         const float* t_far, const std::uint32_t* keys, std::uint32_t n) {
+                         const float* t_far, std::uint32_t n, const std::uint32_t* keys) {
   const std::size_t begin = org_[0].size();
   for (std::uint32_t i = 0; i < n; ++i) {
     if (t_far[i] < 0) continue;

@@ -21,7 +21,7 @@ class RayRecorder {
   // Appends rows [0, n) whose t_far is not negative. `keys`: of rays in scenes with holes, else
   // null, for all rays of a recorder alike.
   void Record(bool occlusion, const float* const org[3], const float* const dir[3],
-              const float* t_far, const std::uint32_t* keys, std::uint32_t n);
+              const float* t_far, std::uint32_t n, const std::uint32_t* keys = nullptr);
 
   std::size_t size() const { return org_[0].size(); }  // rays
   const std::vector<RayBatch>& batches() const { return batches_; }

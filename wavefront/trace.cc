@@ -123,7 +123,7 @@ void Record(RayRecorder* recorder, bool occlusion, const RayView& rays, std::uin
   if (recorder == nullptr) return;
   const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
   const float* const dir[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
-  recorder->Record(occlusion, org, dir, rays.t_far, rays.keys, n);
+  recorder->Record(occlusion, org, dir, rays.t_far, n, rays.keys);
 }
 
 // Makes one numbering of the triangles of both geometries.
