@@ -481,7 +481,6 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Material \"glass\" \"rgb Kt\" [0 0 0]",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
                            "Material \"mix\"",
-                           "Material \"diffuse\" \"string normalmap\" \"n.png\"",
                            "Material \"diffuse\" \"spectrum reflectance\" [400 .1 700 .2]",
                            "Shape \"sphere\" \"float zmin\" 0",
                            "Shape \"sphere\" \"float phimax\" 90",
