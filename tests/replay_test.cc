@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "scene/builtin.h"
 #include "tests/support/screens_scene.h"
 #include "wavefront/job.h"
 #include "wavefront/render.h"
@@ -24,8 +25,8 @@ struct RecordedFrame {
     JobRequest request = {.scene = "spheres"};
     request.width = 48, request.height = 32, request.samples_per_pixel = 4;
     request.options.threads = 2;
-    job = holes ? std::make_unique<RenderJob>(ScreensScene(), request)
-                : std::make_unique<RenderJob>(request);
+    job =
+        std::make_unique<RenderJob>(holes ? ScreensScene() : BuiltinScene(request.scene), request);
     Film film = job->MakeFilm();
     result = RenderFrame(job->frame(), film, nullptr, &recorders);
   }

@@ -109,7 +109,8 @@ bool Oracle::FindHit(const Ray& ray, OracleRandom& random, RTCRayHit& query) con
     const glm::dvec2 uv =
         (1 - u - v) * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
     if (material.opaque() || random() < OracleOpacity(scene_textures_, material, uv)) return true;
-    query.ray.tnear = std::nextafter(query.ray.tfar, std::numeric_limits<float>::infinity());
+    // Beyond the rounding of distances: else Embree finds the same hit for ever.
+    query.ray.tnear = query.ray.tfar * (1 + 0x1p-20f) + 1e-20f;
     query.ray.tfar = std::numeric_limits<float>::infinity();
   }
 }
