@@ -18,12 +18,14 @@ struct ShadowRays {
   ShadowRays() : wave("penrose:lights=" + std::to_string(kLights)) {
     Worker& w = wave.worker;
     const std::uint32_t n = wave.ranges.light_sampled();
-    const LightPlan plan = wave.plan();
+    const LightShares shares = wave.shares();
+    const LightPlan& plan = shares.plan;
     std::vector<std::vector<Vector>> directions(plan.fixed, std::vector<Vector>(n));
     std::vector<std::vector<bool>> open(plan.fixed, std::vector<bool>(n));
     for (std::uint32_t light = 0; light < plan.fixed; ++light) {
-      SampleLights(wave.frame, wave.Points(), plan, 0, light, w.uniforms, w.lights);
-      EvaluateLights(wave.frame, w.surfaces, wave.ranges, w.lights);
+      const float* reach = SampleLights(wave.frame, wave.Points(), shares, 0, light, w.uniforms,
+                                        w.lobe, w.lights, w.hits);
+      EvaluateLights(wave.frame, w.surfaces, wave.ranges, reach, w.lights);
       for (std::uint32_t i = 0; i < n; ++i) {
         directions[light][i] = {w.lights->dir_x[i], w.lights->dir_y[i], w.lights->dir_z[i]};
         open[light][i] = w.lights->t_far[i] >= 0;

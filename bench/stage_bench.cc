@@ -2,6 +2,7 @@
 #include <benchmark/benchmark.h>
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 
@@ -10,6 +11,9 @@
 #include "kernels/camera.h"
 #include "kernels/environment.h"
 #include "kernels/sampler.h"
+#include "scene/builtin.h"
+#include "scene/geometry.h"
+#include "scene/shapes.h"
 
 namespace skywave {
 namespace {
@@ -62,7 +66,7 @@ void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
   tracer.closest = backend;
   Run(state, f.n, [&] {
     std::fill_n(f.worker.rays[0]->t_far, f.n, std::numeric_limits<float>::infinity());
-    TraceClosest(tracer, f.worker.rays[0], f.n, f.worker.hits);
+    TraceClosest(tracer, RayKind::kCamera, f.worker.rays[0], f.n, f.worker.hits);
   });
 }
 void SortHitsStage(benchmark::State& state, bool bounce) {
@@ -107,25 +111,29 @@ void TextureSurfacesStage(benchmark::State& state) {
 void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
   WaveFixture f(strategy);
   Worker& w = f.worker;
-  const LightPlan plan = f.plan();
+  const LightShares shares = f.shares();
+  const LightPlan& plan = shares.plan;
   if ((fixed ? plan.fixed : plan.drawn) == 0) return state.SkipWithError("not in its plan");
   Run(state, f.ranges.light_sampled(), [&] {
-    SampleLights(f.frame, f.Points(), plan, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lights);
+    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lobe,
+                 w.lights, w.hits);
   });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
-  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
+  const float* reach =
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
   Run(state, f.ranges.light_sampled(),
-      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights); });
+      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
+  const float* reach =
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
+  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
   tracer.occlusion = backend;
@@ -138,8 +146,9 @@ void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  SampleLights(f.frame, f.Points(), f.plan(), 0, 0, w.uniforms, w.lights);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, w.lights);
+  const float* reach =
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
+  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
 }
@@ -159,15 +168,49 @@ void PathWave(benchmark::State& state) {
   Run(state, f.range.count, [&] { RenderPathWave(f.frame, f.range, f.worker, f.film); });
 }
 
+// A material of every BSDF: those of the scene "materials" and a measured one, all of one value.
+const Geometry& MaterialsOfAll() {
+  static const Geometry geometry = [] {
+    Scene scene = BuiltinScene("materials");
+    scene.measured.push_back(
+        {.rgb = std::vector<float>(kMeasuredFloats, 0.2f), .alpha = 0.3f, .specular_share = 0.5f});
+    scene.materials.push_back({.bsdf = BsdfKind::kMeasured, .reflectance = glm::vec3(1)});
+    scene.meshes.push_back(Quad(1));
+    scene.meshes.back().material = std::uint32_t(scene.materials.size() - 1);
+    return Geometry(scene, "materials", 1);
+  }();
+  return geometry;
+}
+
+// Gives every surface of the wave a material of BSDF `kind`.
+void PaintWave(WaveFixture& f, std::uint32_t kind) {
+  const Geometry& geometry = MaterialsOfAll();
+  const auto of_kind = [&](const TriangleRecord& t) {
+    return (t.tag & kMixedTriangle) == 0 && t.tag >> kKindShift == kind;
+  };
+  const TriangleRecord* const end = geometry.triangles() + geometry.triangle_count();
+  const TriangleRecord* const found = std::find_if(geometry.triangles(), end, of_kind);
+  const std::uint32_t material = found == end ? 0 : found->tag & kMaterialMask;
+  const MaterialRecord& record = geometry.materials().records[material];
+  const bool tangent = Bsdfs()[kind].varying == Varying::kTangent;
+  const SurfaceColumns& s = f.worker.surfaces;
+  for (std::uint32_t i = 0; i < f.ranges.total(); ++i) {
+    s.material[i] = material;
+    s.varying_0[i] = tangent ? 1 : record.alpha;
+    s.varying_1[i] = tangent ? 0 : record.eta[0];
+  }
+}
+
 // Every surface of the camera wave shaded as BSDF `kind`, light samples and scattering apart.
 void BsdfEvaluate(benchmark::State& state, std::uint32_t kind) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
+  PaintWave(f, kind);
   DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, w.uniforms);
   f.frame.strategy->Sample(f.Points(), w.uniforms, n, {}, w.lights);
   Run(state, n, [&] {
-    Bsdfs()[kind].evaluate_lights(w.surfaces, f.frame.geometry->materials(), n, f.frame.mis(),
+    Bsdfs()[kind].evaluate_lights(w.surfaces, MaterialsOfAll().materials(), n, f.frame.mis(),
                                   w.lights);
   });
 }
@@ -175,10 +218,11 @@ void BsdfScatter(benchmark::State& state, std::uint32_t kind) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
+  PaintWave(f, kind);
   DrawUniforms(w.paths, w.surfaces->path, n, 2, {}, w.uniforms);
   DrawUniforms(w.paths, w.surfaces->path, n, 3, {}, w.lobe);
   Run(state, n, [&] {
-    Bsdfs()[kind].scatter(w.surfaces, f.frame.geometry->materials(),
+    Bsdfs()[kind].scatter(w.surfaces, MaterialsOfAll().materials(),
                           {.direction = w.uniforms, .lobe = w.lobe}, n, {}, w.rays[1], 0);
   });
 }

@@ -39,7 +39,7 @@ struct WaveFixture {
   void Camera() {
     GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
     n = range.count;
-    TraceClosest(frame.tracer, worker.rays[0], n, worker.hits);
+    TraceClosest(frame.tracer, RayKind::kCamera, worker.rays[0], n, worker.hits);
     ranges = {};
     escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
                        ranges);
@@ -54,7 +54,7 @@ struct WaveFixture {
   void Bounce() {
     n = Scatter(frame, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms, worker.lobe,
                 worker.rays[0]);
-    TraceClosest(frame.tracer, worker.rays[0], n, worker.hits);
+    TraceClosest(frame.tracer, RayKind::kBounce, worker.rays[0], n, worker.hits);
     ranges = {};
     escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
                        ranges);
@@ -80,7 +80,7 @@ struct WaveFixture {
     return request;
   }
 
-  LightPlan plan() const { return frame.strategy->Plan(frame.light_samples()); }
+  LightShares shares() const { return frame.light_shares(); }
 
   FlushDenormals flush;
   RenderJob job;

@@ -10,6 +10,7 @@
 #include "cli/bench_report.h"
 #include "cli/commands.h"
 #include "cli/job_flags.h"
+#include "measure/revision.h"
 
 namespace skywave {
 namespace {
@@ -68,8 +69,8 @@ int BenchScene(const BenchFlags& flags) {
   const double seconds = speed.render_seconds();
   const double msamples = double(stats.samples) / seconds * 1e-6;
   const double mrays = double(stats.total_rays()) / seconds * 1e-6;
-  fmt::print("raw Embree, {} threads, medians of {}\n{}", speed.first.threads, repetitions,
-             ReplayText(speed));
+  fmt::print("raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads, repetitions,
+             ReplayText(speed), RayText(speed));
   fmt::print("render    {:>16.4f} s ({:.4f} to {:.4f}), backend {}\n", seconds,
              *std::min_element(speed.render.begin(), speed.render.end()),
              *std::max_element(speed.render.begin(), speed.render.end()),
@@ -78,8 +79,9 @@ int BenchScene(const BenchFlags& flags) {
              mrays, speed.embree_fraction());
   if (flags.json.empty()) return 0;
   nlohmann::ordered_json json;
-  json["schema"] = "skywave-bench-1";
+  json["schema"] = "skywave-bench-2";
   json["version"] = SKYWAVE_VERSION;
+  json["revision"] = GitRevision();
   json["command"] = RepeatCommand(flags.request, job.options());
   json["threads"] = speed.first.threads;
   json["wave"] = job.options().wave;
@@ -87,8 +89,11 @@ int BenchScene(const BenchFlags& flags) {
   const nlohmann::ordered_json measured = Json(speed);
   json["replay_seconds"] = measured.at("replay").at("traced").at("seconds");
   json["replay"] = measured.at("replay");
-  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
-    json["rays"][std::string(kRayKindNames[kind])] = stats.rays[kind];
+  for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+    json["rays"][std::string(kRayKindNames[i])] = {
+        {"count", stats.rays[i]},
+        {"traced_mrays_per_s", speed.traced_mrays_per_second(RayKind(i))},
+        {"raw_mrays_per_s", speed.raw_mrays_per_second(RayKind(i))}};
   }
   json["summary"] = {{"msamples_per_s", msamples},
                      {"mrays_per_s", mrays},
@@ -136,7 +141,8 @@ int BenchSuite(const BenchFlags& flags) {
   }
   SuiteReport report = {.full = flags.full,
                         .machine = DescribeMachine(flags.request.embree_config),
-                        .repetitions = settings.repetitions};
+                        .repetitions = settings.repetitions,
+                        .replayed = settings.replay};
   bool right = true;
   for (const SuiteScene& scene : SuiteScenes(flags.full)) {
     report.results.push_back(MeasureScene(scene, flags.request, settings));
@@ -149,7 +155,8 @@ int BenchSuite(const BenchFlags& flags) {
     return right ? 0 : kExitWrongPicture;
   }
   if (!right) return kExitWrongPicture;
-  fmt::print("{}{}{}", Headline(report), SummaryLine(Summarize(report.results)), SuiteText(report));
+  fmt::print("{}{}{}{}", Headline(report), SummaryLine(Summarize(report.results)),
+             NotMeasured(report), SuiteText(report));
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(report).dump(2) + "\n");
   if (!flags.report.empty()) WriteFileAtomically(flags.report, Html(report, history));
   return 0;

@@ -23,7 +23,7 @@ BarChart StageChart(const SuiteReport& report) {
   for (const SuiteResult& result : report.results) {
     Bar bar = {.name = std::string(result.scene.name), .values = {}};
     for (std::uint32_t i = 0; i < kStages; ++i) {
-      bar.values.push_back(StageSeconds(result.speed, i) /
+      bar.values.push_back(result.speed.stage_seconds(Stage(i)) /
                            double(result.speed.first.stats.samples) * 1e9);
     }
     chart.bars.push_back(bar);
@@ -36,16 +36,45 @@ BarChart CeilingChart(const SuiteResult& result) {
   BarChart chart = {
       .title = fmt::format("{}: the same rays through Embree alone", result.scene.name),
       .unit = "milliseconds",
-      .segments = {"closest hits", "occlusion", "render"}};
-  chart.bars.push_back({"render", {0, 0, speed.render_seconds() * 1e3}});
+      .segments = {"camera rays", "bounce rays", "shadow rays", "render"}};
+  chart.bars.push_back({"render", {0, 0, 0, speed.render_seconds() * 1e3}});
   for (int order = 0; order < kRayOrders; ++order) {
     for (int call = 0; call < kReplayCalls; ++call) {
       const ReplaySeconds& replay = speed.replay[order][call];
-      if (replay.closest.empty()) continue;
+      if (replay[0].empty()) continue;
       const std::string sorted = order == 0 ? "" : order == 1 ? ", sorted in waves" : ", sorted";
-      chart.bars.push_back({fmt::format("{}{}", ToString(kBackends[call]), sorted),
-                            {Median(replay.closest) * 1e3, Median(replay.occlusion) * 1e3}});
+      chart.bars.push_back(
+          {fmt::format("{}{}", ToString(kBackends[call]), sorted),
+           {Median(replay[0]) * 1e3, Median(replay[1]) * 1e3, Median(replay[2]) * 1e3}});
     }
+  }
+  return chart;
+}
+
+// How near each kind of rays comes to its ceiling.
+BarChart RooflineChart(const SuiteResult& result) {
+  BarChart chart = {.title = fmt::format("{}: rays while they are traced", result.scene.name),
+                    .unit = "Mrays/s, all threads together",
+                    .segments = {"in the render", "raw Embree, best call"}};
+  for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+    const auto kind = RayKind(i);
+    const std::string name(kRayKindNames[i]);
+    chart.bars.push_back({name + ", render", {result.speed.traced_mrays_per_second(kind)}});
+    chart.bars.push_back({name + ", raw", {0, result.speed.raw_mrays_per_second(kind)}});
+  }
+  return chart;
+}
+
+BarChart LaneChart(const SuiteReport& report) {
+  const std::uint32_t width = ShownLanes(report.machine);
+  BarChart chart = {.title = fmt::format("Lanes in use, of vectors of {}", width),
+                    .unit = "percent, over all scenes",
+                    .segments = {"lanes in use"}};
+  for (std::uint32_t i = 0; i < kKernels; ++i) {
+    LaneCount lanes;
+    for (const SuiteResult& result : report.results) lanes += result.speed.first.stats.lanes[i];
+    if (lanes.active == 0) continue;
+    chart.bars.push_back({ToString(Kernel(i)), {100 * lanes.utilisation(width)}});
   }
   return chart;
 }
@@ -89,15 +118,19 @@ std::string Html(const SuiteReport& report, const std::vector<HistoryEntry>& his
       "<meta name=\"viewport\" content=\"width=device-width\">\n"
       "<title>skywave bench</title>\n<style>{}</style></head>\n<body>\n"
       "<h1>{:.2f} Msamples/s</h1>\n<p>{}</p>\n<pre>{}</pre>\n",
-      kStyle, summary.msamples_per_s, EscapeXml(Headline(report)), EscapeXml(SummaryLine(summary)));
+      kStyle, summary.msamples_per_s, EscapeXml(Headline(report)),
+      EscapeXml(SummaryLine(summary) + NotMeasured(report)));
   if (!history.empty()) page += "<h2>History</h2>\n" + HistoryCharts(report, history);
   page += "<h2>Stages</h2>\n" +
           Figure(Svg(StageChart(report)), "Medians over the repetitions; hover for values.");
-  if (report.results.front().speed.best_replay_seconds(RayOrder::kTraced) > 0) {
+  page += "<h2>Vectors</h2>\n" +
+          Figure(Svg(LaneChart(report)), "Rows that a kernel is for over the lanes that it walks.");
+  if (report.replayed) {
     page += "<h2>Raw Embree against the render</h2>\n";
     for (const SuiteResult& result : report.results) {
       const Speed& speed = result.speed;
       const double traced = speed.best_replay_seconds(RayOrder::kTraced);
+      page += Svg(RooflineChart(result)) + "\n";
       page += Figure(
           Svg(CeilingChart(result)),
           fmt::format("The best calls in the traced order take {:.3f} of the render. Sorting would "

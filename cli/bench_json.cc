@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::string_view kSchema = "skywave-bench-suite-1";
+constexpr std::string_view kSchema = "skywave-bench-suite-2";
 
 // 0 stands for what was not measured.
 ordered_json Measured(double value) {
@@ -21,18 +21,22 @@ ordered_json Measured(double value) {
 }
 
 ordered_json Json(const SuiteSummary& summary) {
-  return {{"msamples_per_s", Measured(summary.msamples_per_s)},
-          {"mrays_per_s", Measured(summary.mrays_per_s)},
-          {"embree_fraction", Measured(summary.embree_fraction)},
-          {"scaling_2", Measured(summary.scaling_2)}};
+  ordered_json json;
+  for (const auto& [key, value] : Figures(summary)) json[std::string(key)] = Measured(value);
+  return json;
 }
 
 ordered_json Json(const Machine& machine) {
-  ordered_json json = {
-      {"processor", machine.processor},       {"processors", machine.processors},
-      {"memory_bytes", machine.memory_bytes}, {"system", machine.system},
-      {"compiler", machine.compiler},         {"build", machine.build},
-      {"instructions", machine.instructions}, {"embree_config", machine.embree_config}};
+  ordered_json json = {{"processor", machine.processor},
+                       {"processors", machine.processors},
+                       {"memory_bytes", machine.memory_bytes},
+                       {"system", machine.system},
+                       {"compiler", machine.compiler},
+                       {"build", machine.build},
+                       {"revision", machine.revision},
+                       {"instructions", machine.instructions},
+                       {"lanes", machine.lanes},
+                       {"embree_config", machine.embree_config}};
   for (const auto& [name, version] : machine.libraries) json["libraries"][name] = version;
   return json;
 }
@@ -64,13 +68,24 @@ ordered_json Json(const SuiteResult& result) {
     json["rays"][std::string(kRayKindNames[kind])] = {
         {"count", stats.rays[kind]},
         {"per_path", double(stats.rays[kind]) / samples},
-        {"mrays_per_s", double(stats.rays[kind]) / seconds * 1e-6}};
+        {"mrays_per_s", result.speed.mrays_per_second(RayKind(kind))},
+        {"traced_mrays_per_s", Measured(result.speed.traced_mrays_per_second(RayKind(kind)))},
+        {"raw_mrays_per_s", Measured(result.speed.raw_mrays_per_second(RayKind(kind)))}};
   }
-  const double busy = std::max(BusySeconds(result.speed), 1e-12);
+  const double busy = std::max(result.speed.busy_seconds(), 1e-12);
   for (std::uint32_t i = 0; i < kStages; ++i) {
-    const double stage = StageSeconds(result.speed, i);
+    const double stage = result.speed.stage_seconds(Stage(i));
     json["stages"][std::string(ToString(Stage(i)))] = {{"ns_per_sample", stage / samples * 1e9},
                                                        {"share", stage / busy}};
+  }
+  for (std::uint32_t i = 0; i < kKernels; ++i) {
+    const LaneCount& lanes = stats.lanes[i];
+    if (lanes.active == 0) continue;
+    ordered_json& to = json["lanes"][ToString(Kernel(i))];
+    to["active"] = lanes.active;
+    for (std::size_t width = 0; width < kLaneWidths.size(); ++width) {
+      to[fmt::format("issued_{}", kLaneWidths[width])] = lanes.issued[width];
+    }
   }
   for (const BounceOccupancy& bounce : stats.bounces) {
     if (bounce.rows == 0) break;
@@ -96,20 +111,32 @@ ordered_json Json(const Speed& speed) {
       all[std::string(ToString(Stage(i)))].push_back(stages[i]);
     }
   }
+  for (const auto& traces : speed.traces) {
+    ordered_json& all = json["repetitions"]["tracing"];
+    for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+      all[std::string(kRayKindNames[i])].push_back(traces[i]);
+    }
+  }
   for (const ThreadSeconds& count : speed.scaling) {
     json["scaling"].push_back({{"threads", count.threads},
                                {"render", count.render},
                                {"speed_up", Measured(speed.speed_up(count.threads))}});
   }
   json["load_average"] = {speed.load_average_before, speed.load_average_after};
-  if (speed.best_replay_seconds(RayOrder::kTraced) == 0) return json;
+  if (!speed.replayed(RayOrder::kTraced)) return json;
   for (int order = 0; order < kRayOrders; ++order) {
     ordered_json& to = json["replay"][std::string(kRayOrderNames[order])];
     for (int call = 0; call < kReplayCalls; ++call) {
       const ReplaySeconds& replay = speed.replay[order][call];
-      if (replay.closest.empty()) continue;
-      to["seconds"][std::string(ToString(kBackends[call]))] = {{"closest", replay.closest},
-                                                               {"occlusion", replay.occlusion}};
+      if (replay[0].empty()) continue;
+      ordered_json& seconds = to["seconds"][std::string(ToString(kBackends[call]))];
+      for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+        seconds[std::string(kRayKindNames[i])] = replay[i];
+      }
+    }
+    for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+      to["best_call"][std::string(kRayKindNames[i])] =
+          ToString(speed.best_replay(kReplayOrders[order], RayKind(i)).call);
     }
     to["best_seconds"] = speed.best_replay_seconds(kReplayOrders[order]);
     to["gain"] = speed.best_replay_seconds(RayOrder::kTraced) /

@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "measure/revision.h"
+
 namespace skywave {
 namespace {
 
@@ -77,6 +79,15 @@ LogPlot PlotOver(const ConvergeReport& report, bool over_time) {
   return plot;
 }
 
+// Samples whose noise would be a tenth of the error, as a hint; empty if those of `noise` are
+// unknown. What was measured is the error and the noise together.
+std::string EnoughSamples(std::uint32_t samples, double noise, double measured) {
+  if (samples == 0) return "";
+  const double error = std::max(measured - noise, 0.1 * measured);
+  return fmt::format(", about {:.0f}",
+                     std::exp2(std::ceil(std::log2(10 * samples * noise / error))));
+}
+
 }  // namespace
 
 std::vector<std::string> FindWarnings(const ConvergeReport& report) {
@@ -96,8 +107,10 @@ std::vector<std::string> FindWarnings(const ConvergeReport& report) {
   } else if (*noise > 0.1 * smallest) {
     warnings.push_back(fmt::format(
         "the reference's own {} of {:.3g} is more than a tenth of the smallest error, {:.3g}: "
-        "take more --reference-spp",
-        ToString(measure), *noise, smallest));
+        "{} --reference-spp{}",
+        ToString(measure), *noise, smallest,
+        report.reference_source == "auto" ? "take more" : "keep one of more",
+        EnoughSamples(report.reference_samples, *noise, smallest)));
   }
   return warnings;
 }
@@ -108,6 +121,7 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
   nlohmann::ordered_json json;
   json["schema"] = "skywave-converge-1";
   json["version"] = SKYWAVE_VERSION;
+  json["revision"] = GitRevision();
   json["command"] = report.command;
   json["settings"] = {{"width", options.width},
                       {"height", options.height},

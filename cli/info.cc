@@ -1,13 +1,17 @@
 // skywave info: what is in a scene.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/job_flags.h"
 #include "scene/geometry.h"
+#include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
 #include "wavefront/job.h"
@@ -17,27 +21,31 @@ namespace {
 
 struct InfoFlags {
   std::string scene, json;
+  ReadOptions read;
 };
 
 struct SceneFile {
   Scene scene;
   SceneSummary summary;
+  std::array<LocalLightTotal, kLocalLightKinds> local_lights = {};  // by kind
   double load_seconds = 0, build_seconds = 0;
   std::size_t geometry_bytes = 0, bvh_bytes = 0;  // what rendering keeps
 };
 
-SceneFile Load(const std::string& path) {
+SceneFile Load(const std::string& path, const ReadOptions& options) {
   SceneFile file;
   const auto start = std::chrono::steady_clock::now();
-  file.scene = ReadScene(path);
+  file.scene = ReadScene(path, options);
   file.load_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   file.summary = Summarize(file.scene);
   if (file.summary.triangles > 0) {
     const Geometry geometry(file.scene, path);
     file.build_seconds = geometry.build_seconds();
-    file.geometry_bytes = geometry.bytes();
     file.bvh_bytes = geometry.bvh_bytes();
+    const LocalLights lights(file.scene, geometry, path, BoundingRadius(*file.summary.bounds), 0);
+    file.local_lights = lights.totals();
+    file.geometry_bytes = geometry.bytes() + lights.bytes();
   }
   return file;
 }
@@ -45,30 +53,86 @@ SceneFile Load(const std::string& path) {
 std::vector<float> List(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 std::string Text(const glm::vec3& v) { return fmt::format("{:.6g} {:.6g} {:.6g}", v.x, v.y, v.z); }
 
+std::string_view KindOf(const Material& material) {
+  return material.mixture ? "mixture" : ToString(material.bsdf);
+}
+
+// What a BSDF reads beside the reflectance, in the order in which it is printed.
+struct Parameter {
+  const char* name;
+  std::vector<float> values;
+};
+std::vector<Parameter> ParametersOf(const Material& m) {
+  const Parameter alpha = {"alpha", {m.alpha}}, ior = {"ior", {m.ior}};
+  const Parameter eta = {"eta", List(m.eta)}, k = {"k", List(m.k)};
+  const Parameter across = {"alpha_across", {m.alpha_across.value_or(m.alpha)}};
+  const Parameter metallic = {"metallic", {m.metallic}};
+  const Parameter coat = {"coat", {m.coat}}, coat_alpha = {"coat_alpha", {m.coat_alpha}};
+  if (m.mixture) {
+    return {{"mixture", {float(m.mixture->first), float(m.mixture->second)}},
+            {"share", {m.mixture->share}}};
+  }
+  switch (m.bsdf) {
+    case BsdfKind::kLambert:
+    case BsdfKind::kMirror:
+    case BsdfKind::kMeasured:
+      return {};
+    case BsdfKind::kConductor:
+    case BsdfKind::kBlinn:
+      return {alpha, eta, k};
+    case BsdfKind::kAnisotropicConductor:
+    case BsdfKind::kBeckmannConductor:
+      return {alpha, across, eta, k};
+    case BsdfKind::kCoatedConductor:
+      return {alpha, eta, k, coat_alpha, ior};
+    case BsdfKind::kMetallicRoughness:
+      return {alpha, metallic, ior};
+    case BsdfKind::kCoatedMetallicRoughness:
+      return {alpha,
+              metallic,
+              ior,
+              coat,
+              coat_alpha,
+              {"sheen", List(m.sheen)},
+              {"sheen_alpha", {m.sheen_alpha}}};
+    case BsdfKind::kOrenNayar:
+      return {alpha};
+    case BsdfKind::kDiffuseTransmission:
+      return {{"transmittance", List(m.second_color)}};
+    case BsdfKind::kPhong:
+      return {alpha, {"gloss", List(m.second_color)}};
+    case BsdfKind::kWard:
+      return {alpha, across};
+    case BsdfKind::kRoughDielectric:
+      return {alpha, ior};
+    case BsdfKind::kDielectric:
+    case BsdfKind::kThinDielectric:
+      return {ior};
+  }
+  return {};
+}
+
 nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   nlohmann::ordered_json json = {{"name", material.name},
-                                 {"bsdf", ToString(material.bsdf)},
+                                 {"bsdf", KindOf(material)},
                                  {"triangles", triangles},
                                  {"reflectance", List(material.reflectance)}};
-  if (material.bsdf == BsdfKind::kConductor) {
-    json["alpha"] = material.alpha;
-    json["eta"] = List(material.eta);
-    json["k"] = List(material.k);
-  }
-  if (material.bsdf == BsdfKind::kMetallicRoughness) {
-    json["alpha"] = material.alpha;
-    json["metallic"] = material.metallic;
-    json["ior"] = material.ior;
+  for (const Parameter& parameter : ParametersOf(material)) {
+    if (parameter.values.size() == 1) {
+      json[parameter.name] = parameter.values[0];
+    } else {
+      json[parameter.name] = parameter.values;
+    }
   }
   if (material.color_texture) json["color_texture"] = *material.color_texture;
   if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
-  if (material.bsdf == BsdfKind::kDielectric) json["ior"] = material.ior;
   if (!material.opaque()) {
     json["opacity"] = material.opacity;
     if (material.opacity_cutoff) json["opacity_cutoff"] = *material.opacity_cutoff;
     if (material.opacity_texture) json["opacity_texture"] = *material.opacity_texture;
   }
   if (material.normal_texture) json["normal_texture"] = *material.normal_texture;
+  if (material.emission != glm::vec3(0)) json["emission"] = List(material.emission);
   return json;
 }
 
@@ -117,6 +181,12 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   }
   json["lights"] = nlohmann::ordered_json::array();
   for (const EnvironmentLight& light : scene.environments) json["lights"].push_back(Json(light));
+  for (std::uint32_t kind = 0; kind < kLocalLightKinds; ++kind) {
+    const LocalLightTotal& total = file.local_lights[kind];
+    if (total.count == 0) continue;
+    json["lights"].push_back(
+        {{"kind", ToString(LocalLightKind(kind))}, {"count", total.count}, {"power", total.power}});
+  }
   json["bytes"] = {
       {"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}, {"bvh", file.bvh_bytes}};
   json["seconds"] = {{"load", file.load_seconds}, {"build", file.build_seconds}};
@@ -136,22 +206,20 @@ std::string SurfaceMaps(const Material& material) {
 }
 
 std::string Parameters(const Material& material) {
-  switch (material.bsdf) {
-    case BsdfKind::kLambert:
-    case BsdfKind::kMirror:
-      return "reflectance " + Text(material.reflectance);
-    case BsdfKind::kConductor:
-      return fmt::format("alpha {:.4g}, eta {}, k {}", material.alpha, Text(material.eta),
-                         Text(material.k));
-    case BsdfKind::kMetallicRoughness:
-      return fmt::format("base colour {}{}, metallic {:.4g}, alpha {:.4g}{}, ior {:.4g}",
-                         Text(material.reflectance), material.color_texture ? " * texture" : "",
-                         material.metallic, material.alpha,
-                         material.roughness_texture ? " * texture" : "", material.ior);
-    case BsdfKind::kDielectric:
-      return fmt::format("ior {:.4g}", material.ior);
+  std::string text = "reflectance " + Text(material.reflectance);
+  if (material.color_texture) text += " * texture";
+  for (const Parameter& parameter : ParametersOf(material)) {
+    text += fmt::format(", {} {:.4g}", parameter.name, fmt::join(parameter.values, " "));
+    const bool textured = std::string_view(parameter.name) == "alpha" && material.roughness_texture;
+    if (textured) text += " * texture";
   }
-  return "";
+  return text;
+}
+
+std::string Emission(const Material& material) {
+  if (material.emission == glm::vec3(0)) return "";
+  return fmt::format(", shines with {}{}", Text(material.emission),
+                     material.emission_texture ? " * texture" : "");
 }
 
 std::string Describe(const Camera& camera) {
@@ -200,19 +268,28 @@ void Print(const std::string& path, const SceneFile& file) {
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    fmt::print("  {:<24}{:<12}{:>10}  {}\n", material.name, ToString(material.bsdf),
-               summary.triangles_of_material[i], Parameters(material) + SurfaceMaps(material));
+    fmt::print("  {:<24}{:<12}{:>10}  {}{}{}\n", material.name, KindOf(material),
+               summary.triangles_of_material[i], Parameters(material), SurfaceMaps(material),
+               Emission(material));
   }
-  fmt::print("\n{} lights\n", scene.environments.size());
+  std::size_t lights = scene.environments.size();
+  for (const LocalLightTotal& total : file.local_lights) lights += total.count;
+  fmt::print("\n{} lights\n", lights);
   for (const EnvironmentLight& light : scene.environments) fmt::print("  {}\n", Describe(light));
-  if (scene.environments.empty()) fmt::print("  give an illumination map with --env MAP\n");
+  for (std::uint32_t kind = 0; kind < kLocalLightKinds; ++kind) {
+    const LocalLightTotal& total = file.local_lights[kind];
+    if (total.count == 0) continue;
+    fmt::print("  {:<24}{:>10}  power {:.6g}\n", ToString(LocalLightKind(kind)), total.count,
+               total.power);
+  }
+  if (lights == 0) fmt::print("  give an illumination map with --env MAP\n");
   fmt::print("\n{} remarks\n", scene.warnings.size());
   for (const std::string& warning : scene.warnings) fmt::print("  {}\n", warning);
 }
 
 int InfoMain(const InfoFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
-  const SceneFile file = Load(flags.scene);
+  const SceneFile file = Load(flags.scene, flags.read);
   Print(flags.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");
   return 0;
@@ -223,8 +300,9 @@ int InfoMain(const InfoFlags& flags) {
 void AddInfoCommand(CLI::App& program, Run& run) {
   CLI::App* command = program.add_subcommand("info", "What is in a scene");
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("scene", flags->scene, "pbrt, OBJ or PLY file, or a built-in scene")
+  command->add_option("scene", flags->scene, "pbrt, OBJ, glTF or PLY file, or a built-in scene")
       ->required();
+  AddReadFlags(*command, flags->read);
   command->add_option("--json", flags->json, "write the same as JSON");
   command->footer("Example:\n  skywave info model.obj --json model.json");
   command->callback([flags, &run] { run = [flags] { return InfoMain(*flags); }; });

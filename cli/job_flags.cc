@@ -53,12 +53,14 @@ void AddCameraFlags(CLI::App& command, JobRequest& r) {
   const auto group = "Camera";
   CameraRequest& c = r.camera;
   AddParsed(command, "--camera", "kind (default: the scene's, or perspective)",
-            "perspective|orthographic|latlong|equal-area", c.kind, ParseCameraKind);
+            "perspective|orthographic|latlong|equal-area|fisheye", c.kind, ParseCameraKind);
   AddParsed(command, "--eye", "where it stands", "X,Y,Z", c.eye, ParsePoint);
   AddParsed(command, "--target", "what it looks at (with --eye alone: the middle of the scene)",
             "X,Y,Z", c.target, ParsePoint);
-  command.add_option("--fov", c.fov_degrees, "of the shorter side of the film [degrees]")
-      ->check(FiniteNumber(0.01, 179));
+  command
+      .add_option("--fov", c.fov_degrees,
+                  "of the shorter side of the film [degrees], for a fisheye up to 360")
+      ->check(FiniteNumber(0.01, 360));
   command.add_option("--lens-radius", c.lens_radius, "of a thin lens (0: none)")
       ->check(FiniteNumber(0, 1e12));
   command
@@ -85,9 +87,21 @@ std::string CameraFlags(const CameraRequest& c) {
 
 }  // namespace
 
+void AddReadFlags(CLI::App& command, ReadOptions& options) {
+  command.add_flag("--strict", options.strict,
+                   "refuse a scene of which something would be left out or approximated");
+  command
+      .add_option("--max-triangles", options.max_triangles,
+                  "refuse a scene that grows beyond this by instances or subdivision")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 31))
+      ->capture_default_str();
+}
+
 void AddJobFlags(CLI::App& command, JobRequest& r) {
   RenderOptions& o = r.options;
-  command.add_option("scene", r.scene, "pbrt, OBJ or PLY file, or a built-in scene")->required();
+  command.add_option("scene", r.scene, "pbrt, OBJ, glTF or PLY file, or a built-in scene")
+      ->required();
+  AddReadFlags(command, r.read);
 
   const auto light = "Light";
   command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")
@@ -188,8 +202,9 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
 }
 
 std::string RepeatCommand(const JobRequest& request, const RenderOptions& options) {
-  return fmt::format("skywave render {} --strategy {} --spp {}", SceneFlags(request, options),
-                     Quoted(request.strategy), options.samples_per_pixel);
+  const std::string aovs = options.aovs == 0 ? "" : " --aovs " + ToString(options.aovs);
+  return fmt::format("skywave render {} --strategy {} --spp {}{}", SceneFlags(request, options),
+                     Quoted(request.strategy), options.samples_per_pixel, aovs);
 }
 
 }  // namespace skywave

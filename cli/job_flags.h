@@ -8,6 +8,9 @@
 
 namespace skywave {
 
+// The flags that say what a scene may be.
+void AddReadFlags(CLI::App& command, ReadOptions& options);
+
 // Adds the flags to `command`; they write to `request`, which must outlive the parse.
 void AddJobFlags(CLI::App& command, JobRequest& request);
 

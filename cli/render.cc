@@ -1,7 +1,9 @@
 // skywave render: a scene to an EXR and a PNG.
 #include <fmt/format.h>
 
+#include <charconv>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -19,6 +21,7 @@ namespace {
 
 struct RenderFlags {
   JobRequest request;
+  PhotographicExposure photo;
   std::string output;
   std::string stats;
   ToneMapping tone;
@@ -39,13 +42,23 @@ Metadata Provenance(const RenderFlags& flags, const RenderJob& job) {
           {"sceneHash", fmt::format("{:016x}", job.scene_hash())}};
 }
 
+// The curve of the PNG, the exposure of the camera in it.
+ToneMapping Tone(const RenderFlags& flags) {
+  ToneMapping tone = flags.tone;
+  if (flags.photo.shutter_seconds > 0) tone.exposure_stops += ExposureStops(flags.photo);
+  return tone;
+}
+
 int RenderMain(RenderFlags& flags) {
   if (flags.output.empty()) {
     flags.output = std::filesystem::path(flags.request.scene).stem().string() + ".exr";
   }
   if (std::filesystem::path(flags.output).extension() != ".exr") {
     throw InputError(InputPosition::File("--output " + flags.output),
-                     "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
+                     flags.request.options.aovs == 0
+                         ? "the picture is an EXR file, so its name has to end in .exr"
+                         : "the layers of --aovs need an EXR file, whose name ends in .exr",
+                     kExitUsage);
   }
   const std::string png = PngPath(flags.output);
   for (const std::string& path : {flags.output, png, flags.stats}) {
@@ -57,6 +70,10 @@ int RenderMain(RenderFlags& flags) {
   const RenderJob job(flags.request);
   if (!flags.quiet) {
     for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
+    if (flags.photo.shutter_seconds > 0) {
+      fmt::print(stderr, "note: the PNG is exposed for EV100 {:.2f}: white is {:.4g} cd/m^2\n",
+                 ExposureValue100(flags.photo), std::exp2(-Tone(flags).exposure_stops));
+    }
   }
   Film film = job.MakeFilm();
   RenderReport report = {.job = &job, .frame = {}};
@@ -72,14 +89,58 @@ int RenderMain(RenderFlags& flags) {
   }
 
   const auto start = std::chrono::steady_clock::now();
-  const Image image = film.Resolve(job.options().samples_per_pixel);
-  WriteExr(flags.output, image, Provenance(flags, job));
-  WritePng(png, image.width, image.height, ToneMap(image, flags.tone));
+  const std::uint32_t samples = job.options().samples_per_pixel;
+  const Image image = film.Resolve(samples);
+  WriteExr(flags.output, image, Provenance(flags, job), film.ResolveAovs(samples));
+  WritePng(png, image.width, image.height, ToneMap(image, Tone(flags)));
   report.write_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!flags.stats.empty()) WriteFileAtomically(flags.stats, Json(report).dump(2) + "\n");
   if (!flags.quiet) fmt::print("{}wrote {} and {}\n", Table(report), flags.output, png);
   return 0;
+}
+
+// 1/125 or 0.008
+std::optional<float> ParseShutter(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  float value = 0, divisor = 1;
+  const auto number = [](std::string_view part, float& to) {
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), to);
+    return error == std::errc() && stop == part.data() + part.size() && to > 0;
+  };
+  const std::string_view whole = text;
+  if (!number(whole.substr(0, slash), value)) return std::nullopt;
+  if (slash != std::string::npos && !number(whole.substr(slash + 1), divisor)) return std::nullopt;
+  const float seconds = value / divisor;
+  return seconds >= 1e-9f && seconds <= 1e9f ? std::optional(seconds) : std::nullopt;
+}
+
+void AddExposureFlags(CLI::App& command, RenderFlags& flags) {
+  const auto group = "Exposure of the PNG";
+  command.add_option("--exposure", flags.tone.exposure_stops, "[stops], added to the camera's")
+      ->check(FiniteNumber(-100, 100))
+      ->group(group);
+  AddParsed(command, "--shutter", "of a camera for which radiance is luminance in cd/m^2 [s]",
+            "seconds or 1/SECONDS, for example 1/125", flags.photo.shutter_seconds, ParseShutter);
+  CLI::Option* const shutter = command.get_option("--shutter")->group(group);
+  CLI::Option* const stop = command.add_option("--f-number", flags.photo.f_number, "of its lens")
+                                ->check(FiniteNumber(0.1, 1000))
+                                ->needs(shutter)
+                                ->group(group);
+  shutter->needs(stop);
+  command.add_option("--iso", flags.photo.iso, "of its sensor")
+      ->check(FiniteNumber(0.1, 1e8))
+      ->needs(shutter)
+      ->capture_default_str()
+      ->group(group);
+}
+
+std::string AovHelp() {
+  std::string text = "Layers (--aovs):\n";
+  for (const Aov& aov : Aovs()) {
+    text += fmt::format("  {:<15} {:<4} {}\n", aov.name, aov.channels, aov.help);
+  }
+  return text + "\n";
 }
 
 }  // namespace
@@ -90,8 +151,11 @@ void AddRenderCommand(CLI::App& program, Run& run) {
   AddJobFlags(*command, flags->request);
   command->add_option("-o,--output", flags->output,
                       "EXR file; the PNG goes beside it (default: name of the scene)");
-  command->add_option("--exposure", flags->tone.exposure_stops, "of the PNG [stops]")
-      ->check(FiniteNumber(-100, 100));
+  AddParsed(*command, "--aovs", "layers of the EXR beside the picture (see below)",
+            "all, nor names divided by commas out of " + ToString(AllAovs()),
+            flags->request.options.aovs, ParseAovs);
+  command->get_option("--aovs")->type_name("all|NAME,NAME...");
+  AddExposureFlags(*command, *flags);
   command
       ->add_option_function<std::string>(
           "--tone",
@@ -103,11 +167,13 @@ void AddRenderCommand(CLI::App& program, Run& run) {
   command->add_option("--stats", flags->stats, "write the statistics as JSON to this file");
   command->add_flag("-q,--quiet", flags->quiet, "print errors only");
   command->footer(
+      AovHelp() +
       "Examples:\n"
       "  skywave render gallery -o gallery.exr\n"
       "  skywave render killeroo.pbrt --env grace.exr --env-up z --size 640x480 --spp 64\n"
       "  skywave render model.obj --env sky.hdr --ground\n"
-      "  skywave render bunny.ply --env sky.hdr --integrator direct --light-samples 16");
+      "  skywave render bunny.ply --env sky.hdr --integrator direct --light-samples 16\n"
+      "  skywave render gallery --aovs albedo,normal,depth -o gallery.exr");
   command->callback([flags, &run] { run = [flags] { return RenderMain(*flags); }; });
 }
 

@@ -6,8 +6,6 @@
 namespace skywave {
 namespace {
 
-constexpr std::string_view kRayNames[kRayKinds] = {"camera", "bounce", "shadow"};
-
 double PeakMemoryMib() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
@@ -35,7 +33,7 @@ std::string Table(const RenderReport& report) {
        double(stats.total_rays()) / double(std::max<std::uint64_t>(stats.samples, 1)),
        report.frame.threads);
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
-    line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayNames[kind],
+    line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
   }
   line("  {:<13}{:>8}{:>14}", "stage", "share", "ns a sample");
@@ -88,7 +86,7 @@ nlohmann::ordered_json Json(const RenderReport& report) {
   json["msamples_per_s"] = Rate(double(stats.samples), seconds);
   json["mrays_per_s"] = Rate(double(stats.total_rays()), seconds);
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
-    json["rays"][std::string(kRayNames[kind])] = {
+    json["rays"][std::string(kRayKindNames[kind])] = {
         {"count", stats.rays[kind]}, {"mrays_per_s", Rate(double(stats.rays[kind]), seconds)}};
   }
   for (std::uint32_t i = 0; i < kStages; ++i) {

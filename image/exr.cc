@@ -125,7 +125,8 @@ Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimit
   }
 }
 
-void WriteExr(const std::string& path, const Image& image, const Metadata& metadata) {
+void WriteExr(const std::string& path, const Image& image, const Metadata& metadata,
+              const std::vector<NamedChannel>& layers) {
   assert(image.rgb.size() == std::size_t(image.width) * image.height * 3);
   MemoryOutput stream(path);
   try {
@@ -137,13 +138,17 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
       header.insert(name, Imf::StringAttribute(text));
     }
     Imf::FrameBuffer frame;
-    const char* const kNames[] = {"R", "G", "B"};
-    for (int c = 0; c < 3; ++c) {
-      header.channels().insert(kNames[c], Imf::Channel(Imf::FLOAT));
+    const auto add = [&](const std::string& name, const float* values, std::size_t stride) {
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
       // The library only reads through the slices of an output file.
-      float* const first = const_cast<float*>(&image.rgb[c]);
-      frame.insert(kNames[c],
-                   Imf::Slice::Make(Imf::FLOAT, first, header.dataWindow(), 3 * sizeof(float)));
+      frame.insert(name, Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(values),
+                                          header.dataWindow(), stride * sizeof(float)));
+    };
+    const char* const kNames[] = {"R", "G", "B"};
+    for (std::size_t c = 0; c < 3; ++c) add(kNames[c], &image.rgb[c], 3);
+    for (const NamedChannel& channel : layers) {
+      assert(channel.values.size() * 3 == image.rgb.size());
+      add(channel.name, channel.values.data(), 1);
     }
     Imf::OutputFile file(stream, header, kNoThreads);
     file.setFrameBuffer(frame);

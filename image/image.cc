@@ -131,6 +131,16 @@ BadPixels RepairRadiance(Image& image) {
   return bad;
 }
 
+float ExposureValue100(const PhotographicExposure& camera) {
+  const double n = camera.f_number;
+  return float(std::log2(n * n / camera.shutter_seconds * 100 / camera.iso));
+}
+
+float ExposureStops(const PhotographicExposure& camera) {
+  constexpr double kSaturation = 78, kLens = 0.65, kSpeed = 100;
+  return float(-std::log2(kSaturation / (kLens * kSpeed)) - ExposureValue100(camera));
+}
+
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping) {
   const double scale = std::exp2(double(mapping.exposure_stops));
   std::vector<std::uint8_t> mapped(image.rgb.size());

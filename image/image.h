@@ -55,8 +55,14 @@ Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding en
 // written them).
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-// Scan-line EXR, 32-bit float R, G, B, ZIP. Identical input gives identical bytes.
-void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {});
+// A channel of an EXR beside R, G and B, "layer.letter": as many values as the picture has pixels.
+struct NamedChannel {
+  std::string name;
+  std::vector<float> values;
+};
+// Scan-line EXR, 32-bit float R, G, B and `layers`, ZIP. Identical input gives identical bytes.
+void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {},
+              const std::vector<NamedChannel>& layers = {});
 // The string attributes of an EXR header.
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits = {});
 // Little-endian colour PFM (bit-exact) and run-length coded Radiance RGBE (nearest; negative values
@@ -73,6 +79,19 @@ struct ToneMapping {
   float exposure_stops = 0;  // radiance is multiplied by 2^exposure_stops
   ToneCurve curve = ToneCurve::kClip;
 };
+// A camera whose exposure decides what becomes white.
+struct PhotographicExposure {
+  float iso = 100;
+  float shutter_seconds = 0;
+  float f_number = 0;
+};
+// log2(N^2 / t * 100 / ISO).
+float ExposureValue100(const PhotographicExposure& camera);
+// Stops that bring the luminance that saturates the sensor to 1, if radiance is luminance [cd/m^2].
+// The sensor gets H = q L t / N^2 [lux s] with q = 0.65, a usual lens, and is saturated by
+// 78 / ISO (ISO 12232, saturation-based speed), so by L = 1.2 * 2^EV100 (Lagarde and de Rousiers
+// 2014, "Moving Frostbite to Physically Based Rendering", Section 5.1).
+float ExposureStops(const PhotographicExposure& camera);
 // width * height * 3 bytes, rows from the top, rounded to the nearest; NaN is black.
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
 // 8-bit RGB PNG, its bytes or a file of them. Identical input gives identical bytes.

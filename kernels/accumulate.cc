@@ -74,9 +74,19 @@ HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
   }
 }
 
-HWY_INLINE std::uint64_t SaturatingSum(std::uint64_t a, std::uint64_t b) {
-  const std::uint64_t sum = a + b;
-  return sum < a ? ~std::uint64_t{0} : sum;
+// What the film adds of rows i.. of `paths`, [channel][lane].
+struct RowUnits {
+  alignas(kColumnAlignment) std::uint64_t rgb[3][kPadRows];
+};
+HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units) {
+  const VF zero = hn::Zero(F()), limit = Set(scale.limit);
+  const auto keep = [&](VF value) HWY_ATTR {
+    // A comparison with NaN fails, so NaN becomes 0 like negative values.
+    return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);
+  };
+  ToUnits(keep(rgb.x), scale.units, units.rgb[0]);
+  ToUnits(keep(rgb.y), scale.units, units.rgb[1]);
+  ToUnits(keep(rgb.z), scale.units, units.rgb[2]);
 }
 
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
@@ -84,7 +94,7 @@ FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale&
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   FilmCounts counts = {0, 0};
-  alignas(kColumnAlignment) std::uint64_t units[3][kPadRows];
+  RowUnits units;
   for (std::uint32_t i = 0; i < n; i += lanes) {
     const V3 rgb = Load3(paths.r + i, paths.g + i, paths.b + i);
     const MF inside = hn::RebindMask(F(), RowsBelow(i, n));
@@ -95,20 +105,14 @@ FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale&
     const MF bright =
         hn::Or(hn::Or(hn::Gt(rgb.x, limit), hn::Gt(rgb.y, limit)), hn::Gt(rgb.z, limit));
     counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
-    const auto keep = [&](VF value) HWY_ATTR {
-      // A comparison with NaN fails, so NaN becomes 0 like negative values.
-      return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);
-    };
-    ToUnits(keep(rgb.x), scale.units, units[0]);
-    ToUnits(keep(rgb.y), scale.units, units[1]);
-    ToUnits(keep(rgb.z), scale.units, units[2]);
+    ToUnits(rgb, scale, units);
     // Samples of a pixel follow each other: sum them before the memory is touched.
     const std::uint32_t rows = std::min(lanes, n - i);
     for (std::uint32_t lane = 0; lane < rows;) {
       const std::uint32_t pixel = paths.pixel[i + lane];
       std::uint64_t r = 0, g = 0, b = 0;  // at most 16 * 2^52
       for (; lane < rows && paths.pixel[i + lane] == pixel; ++lane) {
-        r += units[0][lane], g += units[1][lane], b += units[2][lane];
+        r += units.rgb[0][lane], g += units.rgb[1][lane], b += units.rgb[2][lane];
       }
       std::uint64_t* sum = sums + std::size_t(pixel) * 3;
       sum[0] = SaturatingSum(sum[0], r);
@@ -117,6 +121,21 @@ FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale&
     }
   }
   return counts;
+}
+
+void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      Uint128* sums) {
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+  RowUnits units;
+  for (std::uint32_t i = 0; i < n; i += lanes) {
+    ToUnits(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
+    for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        Uint128& sum = sums[std::size_t(paths.pixel[i + lane]) * 3 + c];
+        sum = SaturatingSum(sum, Uint128{units.rgb[c][lane]} * units.rgb[c][lane]);
+      }
+    }
+  }
 }
 
 }  // namespace HWY_NAMESPACE
@@ -129,6 +148,7 @@ namespace skywave {
 HWY_EXPORT(AddEscapedRadiance);
 HWY_EXPORT(AddUnoccludedRadiance);
 HWY_EXPORT(AddToFilm);
+HWY_EXPORT(AddSquaresToFilm);
 
 void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
                         const PathColumns& paths) {
@@ -142,6 +162,11 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums) {
   return HWY_DYNAMIC_DISPATCH(AddToFilm)(paths, n, scale, sums);
+}
+
+void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      Uint128* sums) {
+  HWY_DYNAMIC_DISPATCH(AddSquaresToFilm)(paths, n, scale, sums);
 }
 
 }  // namespace skywave

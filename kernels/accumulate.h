@@ -32,4 +32,18 @@ struct FilmCounts {
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums);
 
+// The square of a sample of 2^52 units has 104 bits.
+using Uint128 = unsigned __int128;
+
+// The same for squares of the units that AddToFilm adds: three sums a pixel, exact.
+void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      Uint128* sums);
+
+// Integer addition that stays at the largest number: free of order, as nothing is subtracted.
+template <class Unsigned>
+constexpr Unsigned SaturatingSum(Unsigned a, Unsigned b) {
+  const Unsigned sum = a + b;
+  return sum < a ? ~Unsigned{0} : sum;
+}
+
 }  // namespace skywave

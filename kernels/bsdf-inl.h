@@ -3,6 +3,7 @@
 //   Value  Evaluate(wo, wi)                  local frame, +z is the shading normal
 //   Sample Draw(wo, direction_u, direction_v, lobe_u)
 //   VF     Blurred(wo, wi, radius)           luminance of value, blurred over an angle; optional
+//   kTransmits                               true where light passes through; optional
 // and gets its kernels from EvaluateRows, EvaluateLightRows, WeighCellRows and ScatterRows.
 #if defined(SKYWAVE_KERNELS_BSDF_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_BSDF_INL_H_
@@ -31,6 +32,11 @@ struct BsdfSample {
   VF pdf;     // [1/sr]; 0: delta
 };
 
+HWY_INLINE BsdfSample SampleOf(const V3& wi, const BsdfValue& value) {
+  const VF inverse = hn::Div(Set(1.0f), hn::Max(value.pdf, Set(1e-30f)));
+  return {wi, Scale(value.value, inverse), value.pdf};
+}
+
 // One vector of surfaces: what every BSDF sees of its rows.
 struct ShadingLanes {
   HWY_INLINE ShadingLanes(const SurfaceColumns& s, std::uint32_t i)
@@ -57,10 +63,33 @@ HWY_INLINE V3 Field3(const MaterialView& m, VU fields, std::uint32_t field) {
   return {Field(m, fields, field), Field(m, fields, field + 1), Field(m, fields, field + 2)};
 }
 
-// Lanes where light can be reflected from world direction wi: above the surface as it is and as it
-// is shaded.
-HWY_INLINE MF Reflects(const ShadingLanes& lanes, const V3& world_wi, const V3& local_wi) {
-  return hn::And(hn::Gt(Dot(lanes.ng, world_wi), hn::Zero(F())), hn::Gt(local_wi.z, hn::Zero(F())));
+template <class Bsdf>
+inline constexpr bool kTransmits = requires {
+  Bsdf::kTransmits;
+};
+
+// Lanes where light can come from world direction wi: above the surface as it is and as it is
+// shaded; where light passes through, also below both.
+template <class Bsdf>
+HWY_INLINE MF Connects(const ShadingLanes& lanes, const V3& world_wi, const V3& local_wi) {
+  const VF height = Dot(lanes.ng, world_wi), zero = hn::Zero(F());
+  const MF above = hn::And(hn::Gt(height, zero), hn::Gt(local_wi.z, zero));
+  if constexpr (!kTransmits<Bsdf>) return above;
+  return hn::Or(above, hn::And(hn::Lt(height, zero), hn::Lt(local_wi.z, zero)));
+}
+
+// Moves origins to the side of the surface that `world` points to; the sign of lift keeps it.
+HWY_INLINE void MoveOrigins(const SurfaceColumns& s, const ShadingLanes& lanes, const V3& world,
+                            std::uint32_t i, std::uint32_t n) {
+  const VF zero = hn::Zero(F()), lift = Load(s.lift + i);
+  const VF toward =
+      IfThen(hn::Lt(Dot(lanes.ng, world), zero), hn::Neg(hn::Abs(lift)), hn::Abs(lift));
+  const V3 moved =
+      Add(Load3(s.org_x + i, s.org_y + i, s.org_z + i), Scale(lanes.ng, hn::Sub(toward, lift)));
+  StoreBelow(moved.x, s.org_x, i, n);
+  StoreBelow(moved.y, s.org_y, i, n);
+  StoreBelow(moved.z, s.org_z, i, n);
+  StoreBelow(toward, s.lift, i, n);
 }
 
 template <class Bsdf>
@@ -72,10 +101,10 @@ void EvaluateRows(const SurfaceColumns& s, const MaterialView& materials,
     const V3 world = Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
     const V3 wi = ToLocal(lanes.frame, world);
     const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
-    const MF reflects = Reflects(lanes, world, wi);
+    const MF connects = Connects<Bsdf>(lanes, world, wi);
     const VF zero = hn::Zero(F());
-    Store3(IfThen(reflects, result.value, V3{zero, zero, zero}), out.r + i, out.g + i, out.b + i);
-    Store(IfThen(reflects, result.pdf, zero), out.pdf + i);
+    Store3(IfThen(connects, result.value, V3{zero, zero, zero}), out.r + i, out.g + i, out.b + i);
+    Store(IfThen(connects, result.pdf, zero), out.pdf + i);
   }
 }
 
@@ -102,12 +131,13 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
     const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);
-    const MF counts = hn::And(hn::And(Reflects(lanes, world, wi), hn::Gt(pdf, zero)),
+    const MF counts = hn::And(hn::And(Connects<Bsdf>(lanes, world, wi), hn::Gt(pdf, zero)),
                               hn::Gt(MaxComponent(gain), zero));
     StoreBelow(IfThen(counts, gain.x, zero), lights.r, i, n);
     StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
     StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
     StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
+    if constexpr (kTransmits<Bsdf>) MoveOrigins(s, lanes, world, i, n);
   }
 }
 
@@ -132,6 +162,10 @@ struct CellWeights {
       value = bsdf.Blurred(lanes.wo, wi, radius);
     } else {
       value = Luminance(bsdf.Evaluate(lanes.wo, wi).value);
+    }
+    if constexpr (kTransmits<Bsdf>) {
+      value = IfThen(Connects<Bsdf>(lanes, dir, wi), value, zero);
+      return hn::Mul(hn::Max(value, least), energy);
     }
     value = hn::Max(IfThen(hn::Gt(height, zero), value, zero), least);
     // Of a cell that is mostly below the horizon little rises above it, and that is grazing.
@@ -174,6 +208,8 @@ void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::
 }
 
 // Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
+// `kMoved`: origins may lie behind the surface (MoveOrigins).
+template <bool kMoved = false>
 HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingLanes& lanes,
                                          std::uint32_t i, std::uint32_t n, const V3& world,
                                          const V3& weight, VF pdf, MF alive, VF roulette,
@@ -194,7 +230,8 @@ HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingL
 
   const V3 front = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
   const VF thickness = hn::Mul(Set(2.0f), Load(s.lift + i));
-  const MF through = hn::Lt(Dot(lanes.ng, world), zero);
+  MF through = hn::Lt(Dot(lanes.ng, world), zero);
+  if constexpr (kMoved) through = hn::Xor(through, hn::Lt(thickness, zero));
   const V3 origin = IfThen(through, Sub(front, Scale(lanes.ng, thickness)), front);
   append.Append(origin.x, rays.org_x + to);
   append.Append(origin.y, rays.org_y + to);
@@ -223,9 +260,11 @@ std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials
     const BsdfSample sample = bsdf.Draw(lanes.wo, Load(uniforms.direction.u + i),
                                         Load(uniforms.direction.v + i), Load(uniforms.lobe.u + i));
     const V3 world = ToWorld(lanes.frame, sample.wi);
-    const MF alive = hn::And(Reflects(lanes, world, sample.wi), hn::Gt(sample.pdf, hn::Zero(F())));
-    appended = AppendScattered(s, lanes, i, n, world, sample.weight, sample.pdf, alive,
-                               Load(uniforms.lobe.v + i), policy, rays, appended);
+    const MF alive =
+        hn::And(Connects<Bsdf>(lanes, world, sample.wi), hn::Gt(sample.pdf, hn::Zero(F())));
+    appended =
+        AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, sample.weight, sample.pdf, alive,
+                                          Load(uniforms.lobe.v + i), policy, rays, appended);
   }
   return appended;
 }
@@ -254,6 +293,32 @@ HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
           FresnelConductor(c, eta.z, k.z)};
 }
 
+// Lanes seen from the side that the normals of the mesh point away from.
+HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
+  return hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
+}
+
+// What a dielectric does with unpolarised light that meets it at cosine cos_o; `ratio` is the index
+// on its side over that on the other one.
+struct Refraction {
+  VF reflectance;  // Fresnel's; 1 for total reflection
+  VF cosine;       // of the refracted ray, by Snell
+};
+HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
+  const VF one = Set(1.0f);
+  const VF ratio2 = hn::Mul(ratio, ratio);
+  const VF sin2_t = hn::Mul(ratio2, hn::Sub(one, hn::Mul(cos_o, cos_o)));
+  const MF total = hn::Ge(sin2_t, one);
+  const VF cos_t = SafeSqrt(hn::Sub(one, sin2_t));
+  // Amplitudes for both polarisations, divided by the index on the far side.
+  const VF ro = hn::Mul(ratio, cos_o), rt = hn::Mul(ratio, cos_t);
+  const VF parallel = hn::Div(hn::Sub(cos_o, rt), hn::Add(cos_o, rt));
+  const VF perpendicular = hn::Div(hn::Sub(ro, cos_t), hn::Add(ro, cos_t));
+  const VF both = hn::Mul(
+      Set(0.5f), hn::Add(hn::Mul(parallel, parallel), hn::Mul(perpendicular, perpendicular)));
+  return {IfThen(total, one, both), cos_t};
+}
+
 // The normal about which a delta BSDF acts: the shading normal, or the geometric one where the
 // reflection about the shading normal would go into the surface. Returned in world space.
 HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
@@ -267,9 +332,9 @@ HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
 HWY_AFTER_NAMESPACE();
 
 // The entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
-// for every target, SKYWAVE_BSDF_TABLE(Name, "name") under HWY_ONCE defines NameKernels(), which
-// dispatches; NameIsLobed, a constant, says whether Draw looks at lobe_u. Macros, because dispatch
-// works on names of functions.
+// for every target, SKYWAVE_BSDF_TABLE(Name) under HWY_ONCE defines NameKernels(), which
+// dispatches; NameTraits, a constant, holds the fields of the table that are not functions. Macros,
+// because dispatch works on names of functions.
 #define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                \
   void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, \
                       std::uint32_t n, const BsdfValueColumns& out) {                             \
@@ -295,7 +360,7 @@ HWY_AFTER_NAMESPACE();
     return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
   }
 
-#define SKYWAVE_BSDF_TABLE(Bsdf, label)                                                          \
+#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                 \
   HWY_EXPORT(Evaluate##Bsdf);                                                                    \
   HWY_EXPORT(Evaluate##Bsdf##Lights);                                                            \
   HWY_EXPORT(WeighCells##Bsdf);                                                                  \
@@ -303,9 +368,10 @@ HWY_AFTER_NAMESPACE();
   HWY_EXPORT(Scatter##Bsdf);                                                                     \
   BsdfKernels Bsdf##Kernels() {                                                                  \
     return {                                                                                     \
-        .name = label,                                                                           \
+        .name = Bsdf##Traits.name,                                                               \
         .delta = false,                                                                          \
-        .lobed = Bsdf##IsLobed,                                                                  \
+        .lobed = Bsdf##Traits.lobed,                                                             \
+        .varying = Bsdf##Traits.varying,                                                         \
         .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
         .evaluate_lights =                                                                       \
             [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \

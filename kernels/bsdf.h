@@ -3,7 +3,8 @@
 // Conventions: wo points to the eye, wi to the light, both away from the surface. `value` is
 // f(wo, wi) |cos| [1/sr], per channel, radiance transport (transmission scales radiance by the
 // squared index ratio). `pdf` is of wi given wo [1/sr]. Reflection needs wi on wo's side of both
-// the geometric and the shading normal; what smooth normals would leak through is zero.
+// the geometric and the shading normal, transmission on the other side of both; what smooth normals
+// would leak through is zero.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +16,14 @@
 namespace skywave {
 
 struct ConductorTables;
+struct SheenTables;
 
 // What all BSDF kernels read.
 struct MaterialView {
   const MaterialRecord* records;
   const ConductorTables* conductor;
+  const SheenTables* sheen = nullptr;
+  const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
 };
 
 // How light and BSDF samples of the same direction share the work: power heuristic, exponent 2
@@ -63,10 +67,24 @@ struct LightCell {
 };
 static_assert(sizeof(LightCell) == 8 * sizeof(float));
 
+// What surface preparation writes to SurfaceColumns::varying_0 and varying_1 for a BSDF.
+enum class Varying {
+  kNothing,
+  kRoughness,  // GGX width, share of metal
+  kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
+};
+
+struct BsdfTraits {
+  std::string_view name;
+  bool lobed = false;  // as in BsdfKernels
+  Varying varying = Varying::kNothing;
+};
+
 struct BsdfKernels {
   std::string_view name;
   bool delta;  // no density: no light samples, value and pdf are 0
   bool lobed;  // chooses between lobes: needs ScatterUniforms::lobe.u
+  Varying varying;
 
   // Rows [0, n): value and pdf of directions wi (dir columns of `lights`).
   void (*evaluate)(const SurfaceColumns& surfaces, const MaterialView& materials,
@@ -74,7 +92,8 @@ struct BsdfKernels {
 
   // Rows [0, n): turns the radiance of a light sample into what the path gains if the light is
   // seen, throughput * value * radiance / pdf * MIS weight, and opens (t_far
-  // infinite) or closes (t_far negative) its shadow ray. Null for delta BSDFs.
+  // infinite) or closes (t_far negative) its shadow ray. BSDFs that transmit move org of the
+  // surfaces to the side of the light (see SurfaceColumns::lift). Null for delta BSDFs.
   void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
                           std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);
 
@@ -103,10 +122,9 @@ struct BsdfKernels {
 // In the order of BsdfKind.
 std::span<const BsdfKernels, kBsdfKinds> Bsdfs();
 
-BsdfKernels LambertKernels();
-BsdfKernels ConductorKernels();
-BsdfKernels MetallicRoughnessKernels();
-BsdfKernels MirrorKernels();
-BsdfKernels DielectricKernels();
+#define SKYWAVE_DECLARE(name) BsdfKernels name##Kernels();
+SKYWAVE_DENSE_BSDFS(SKYWAVE_DECLARE)
+SKYWAVE_DELTA_BSDFS(SKYWAVE_DECLARE)
+#undef SKYWAVE_DECLARE
 
 }  // namespace skywave

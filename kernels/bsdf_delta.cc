@@ -1,7 +1,7 @@
 // The delta BSDFs. Mirror: reflection times the Fresnel reflectance of a complex index (eta = k =
 // 0: a perfect mirror). Dielectric: smooth glass, reflecting with the probability of the
 // unpolarised Fresnel reflectance and refracting otherwise (Snell), radiance scaled by the squared
-// index ratio.
+// index ratio. Thin dielectric: a sheet of it.
 #include "kernels/bsdf.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -50,45 +50,53 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
   return appended;
 }
 
-std::uint32_t ScatterDielectric(const SurfaceColumns& s, const MaterialView& m,
-                                const ScatterUniforms& uniforms, std::uint32_t n,
-                                const ScatterPolicy& policy, const RayColumns& rays,
-                                std::uint32_t appended) {
+// `thin`: both faces of a sheet at once. What is reflected between them adds up to 2 R / (1 + R),
+// and what comes through goes straight on.
+HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialView& m,
+                                      const ScatterUniforms& uniforms, std::uint32_t n,
+                                      const ScatterPolicy& policy, const RayColumns& rays,
+                                      std::uint32_t appended, bool thin) {
   const VF one = Set(1.0f), zero = hn::Zero(F());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const ShadingLanes lanes(s, i);
     const V3 wo = WorldWo(s, i);
     const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
     const VF ior = Field(m, MaterialFields(s, i, n), 7);
-    const MF inside = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
     // Index on wo's side over index on the other side.
-    const VF ratio = IfThen(inside, ior, hn::Div(one, ior));
+    VF ratio = hn::Div(one, ior);
+    if (!thin) ratio = IfThen(SeenFromBehind(s, i), ior, ratio);
     const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
     const VF ratio2 = hn::Mul(ratio, ratio);
-    const VF sin2_t = hn::Mul(ratio2, hn::Sub(one, hn::Mul(cos_o, cos_o)));
-    const MF total = hn::Ge(sin2_t, one);
-    const VF cos_t = SafeSqrt(hn::Sub(one, sin2_t));
-    // Amplitudes for both polarisations, divided by the index on the far side.
-    const VF ro = hn::Mul(ratio, cos_o), rt = hn::Mul(ratio, cos_t);
-    const VF parallel = hn::Div(hn::Sub(cos_o, rt), hn::Add(cos_o, rt));
-    const VF perpendicular = hn::Div(hn::Sub(ro, cos_t), hn::Add(ro, cos_t));
-    const VF fresnel = IfThen(total, one,
-                              hn::Mul(Set(0.5f), hn::Add(hn::Mul(parallel, parallel),
-                                                         hn::Mul(perpendicular, perpendicular))));
-    const MF reflects = hn::Lt(Load(uniforms.lobe.u + i), fresnel);
+    const Refraction refraction = FresnelDielectric(cos_o, ratio);
+    VF reflectance = refraction.reflectance;
+    if (thin) reflectance = hn::Div(hn::Add(reflectance, reflectance), hn::Add(one, reflectance));
+    const MF reflects = hn::Lt(Load(uniforms.lobe.u + i), reflectance);
 
     const V3 reflected = Sub(Scale(normal, hn::Mul(Set(2.0f), cos_o)), wo);
-    const V3 refracted =
-        Normalize(Sub(Scale(normal, hn::Sub(hn::Mul(ratio, cos_o), cos_t)), Scale(wo, ratio)));
-    const V3 wi = IfThen(reflects, reflected, refracted);
+    const V3 refracted = Normalize(
+        Sub(Scale(normal, hn::Sub(hn::Mul(ratio, cos_o), refraction.cosine)), Scale(wo, ratio)));
+    const V3 wi = IfThen(reflects, reflected, thin ? Neg(wo) : refracted);
     const VF side = Dot(lanes.ng, wi);
     const MF alive =
         hn::Or(hn::And(reflects, hn::Gt(side, zero)), hn::AndNot(reflects, hn::Lt(side, zero)));
-    const V3 weight = Scale(ColorOf(s, i), IfThen(reflects, one, ratio2));
+    const V3 weight = Scale(ColorOf(s, i), IfThen(reflects, one, thin ? one : ratio2));
     appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
                                policy, rays, appended);
   }
   return appended;
+}
+
+std::uint32_t ScatterDielectric(const SurfaceColumns& s, const MaterialView& m,
+                                const ScatterUniforms& uniforms, std::uint32_t n,
+                                const ScatterPolicy& policy, const RayColumns& rays,
+                                std::uint32_t appended) {
+  return ScatterGlass(s, m, uniforms, n, policy, rays, appended, false);
+}
+std::uint32_t ScatterThinDielectric(const SurfaceColumns& s, const MaterialView& m,
+                                    const ScatterUniforms& uniforms, std::uint32_t n,
+                                    const ScatterPolicy& policy, const RayColumns& rays,
+                                    std::uint32_t appended) {
+  return ScatterGlass(s, m, uniforms, n, policy, rays, appended, true);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -101,22 +109,28 @@ namespace skywave {
 HWY_EXPORT(EvaluateDelta);
 HWY_EXPORT(ScatterMirror);
 HWY_EXPORT(ScatterDielectric);
+HWY_EXPORT(ScatterThinDielectric);
+
+namespace {
+BsdfKernels DeltaKernels(std::string_view name, bool lobed,
+                         decltype(BsdfKernels::scatter) scatter) {
+  return {.name = name,
+          .delta = true,
+          .lobed = lobed,
+          .varying = Varying::kNothing,
+          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
+          .scatter = scatter};
+}
+}  // namespace
 
 BsdfKernels MirrorKernels() {
-  return {.name = "mirror",
-          .delta = true,
-          .lobed = false,
-          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
-          .evaluate_lights = nullptr,
-          .scatter = SKYWAVE_SCATTER(ScatterMirror)};
+  return DeltaKernels("mirror", false, SKYWAVE_SCATTER(ScatterMirror));
 }
 BsdfKernels DielectricKernels() {
-  return {.name = "dielectric",
-          .delta = true,
-          .lobed = true,
-          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
-          .evaluate_lights = nullptr,
-          .scatter = SKYWAVE_SCATTER(ScatterDielectric)};
+  return DeltaKernels("dielectric", true, SKYWAVE_SCATTER(ScatterDielectric));
+}
+BsdfKernels ThinDielectricKernels() {
+  return DeltaKernels("thin-dielectric", true, SKYWAVE_SCATTER(ScatterThinDielectric));
 }
 
 }  // namespace skywave

@@ -36,8 +36,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr bool LambertIsLobed = false;
-SKYWAVE_BSDF_TABLE(Lambert, "lambert")
+inline constexpr BsdfTraits LambertTraits = {.name = "lambert", .lobed = false};
+SKYWAVE_BSDF_TABLE(Lambert)
 
 }  // namespace skywave
 #endif  // HWY_ONCE

@@ -120,6 +120,27 @@ struct EqualArea {
   }
 };
 
+struct Fisheye {
+  // Makes (x, y) an offset from the middle of the whole film; returns its length [pixels].
+  static HWY_INLINE VF FromMiddle(const CameraView& camera, VF& x, VF& y) {
+    x = hn::Sub(x, Set(0.5f * float(camera.whole_width)));
+    y = hn::Sub(y, Set(0.5f * float(camera.whole_height)));
+    return hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+  }
+  static HWY_INLINE MF Sees(const CameraView& camera, VF x, VF y) {
+    const VF radius = FromMiddle(camera, x, y);
+    return hn::Le(hn::Mul(radius, Set(camera.turns_per_pixel)), Set(camera.rim_turns));
+  }
+  static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
+    const VF radius = FromMiddle(camera, x, y);
+    VF sine, cosine;
+    SinCosTurn(hn::Min(hn::Mul(radius, Set(camera.turns_per_pixel)), Set(0.5f)), sine, cosine);
+    const MF middle = hn::Eq(radius, hn::Zero(F()));
+    const VF across = hn::Div(sine, IfThen(middle, Set(1.0f), radius));
+    return {Set3(camera.origin), FromAxes(camera, hn::Mul(x, across), hn::Mul(y, across), cosine)};
+  }
+};
+
 template <class Kind, bool kLens>
 HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& paths,
                                const UniformColumns& film, const UniformColumns& lens,
@@ -147,8 +168,14 @@ HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& path
     const V3 dir = Normalize(ray.dir);
     Store3(ray.origin, rays.org_x + i, rays.org_y + i, rays.org_z + i);
     Store3(dir, rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
-    Store(infinity, rays.t_far + i);
-    Store3({one, one, one}, rays.throughput_r + i, rays.throughput_g + i, rays.throughput_b + i);
+    VF throughput = one, t_far = infinity;
+    if constexpr (requires { Kind::Sees(camera, x, y); }) {
+      const MF seen = Kind::Sees(camera, x, y);
+      throughput = IfThen(seen, one, zero), t_far = IfThen(seen, infinity, Set(-1.0f));
+    }
+    Store(t_far, rays.t_far + i);
+    Store3({throughput, throughput, throughput}, rays.throughput_r + i, rays.throughput_g + i,
+           rays.throughput_b + i);
     Store(zero, rays.pdf + i);
     const VU path = hn::Iota(U(), i);
     Store(path, rays.path + i);
@@ -171,6 +198,8 @@ void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
       return GenerateRaysOf<LatLong, false>(camera, paths, film, lens, n, rays);
     case CameraKind::kEqualArea:
       return GenerateRaysOf<EqualArea, false>(camera, paths, film, lens, n, rays);
+    case CameraKind::kFisheye:
+      return GenerateRaysOf<Fisheye, false>(camera, paths, film, lens, n, rays);
   }
 }
 

@@ -11,8 +11,25 @@ inline constexpr std::uint32_t kFilterCells = 1024;
 
 // Perspective and orthographic cameras may have a thin lens. The spherical ones see everything:
 // kLatLong as a lat-long map, kEqualArea as the square of Clarberg 2008, "Fast Equal-Area Mapping
-// of the (Hemi)Sphere using SIMD", its middle straight up.
-enum class CameraKind : std::uint32_t { kPerspective, kOrthographic, kLatLong, kEqualArea };
+// of the (Hemi)Sphere using SIMD", its middle straight up. kFisheye is equidistant: the angle to
+// the axis grows with the distance from the middle of the film (Blender's "Fisheye Equidistant"),
+// in the circle that touches the shorter side; outside of it nothing is seen.
+enum class CameraKind : std::uint32_t {
+  kPerspective,
+  kOrthographic,
+  kLatLong,
+  kEqualArea,
+  kFisheye
+};
+inline constexpr CameraKind kCameraKinds[] = {CameraKind::kPerspective, CameraKind::kOrthographic,
+                                              CameraKind::kLatLong, CameraKind::kEqualArea,
+                                              CameraKind::kFisheye};
+
+// Whether the film is a plane in front of the camera (or behind its lens), so that depth has an
+// axis.
+constexpr bool HasPlaneFilm(CameraKind kind) {
+  return kind == CameraKind::kPerspective || kind == CameraKind::kOrthographic;
+}
 
 // A camera as a kernel needs it, all in world space. Film positions (x, y) are in pixels from the
 // top left corner of the whole film.
@@ -20,7 +37,7 @@ struct CameraView {
   CameraKind kind = CameraKind::kPerspective;
   float origin[3];
   // Perspective: (x, y) looks along corner + x * right + y * down, which is at focal distance 1.
-  // Orthographic: the ray begins there and looks along forward. Spherical: unit axes of the map.
+  // Orthographic: the ray begins there and looks along forward. The others: unit axes.
   float corner[3], right[3], down[3], forward[3];
   // Half axes of the lens, and the distance of the plane that is sharp in units of the directions
   // above. lens_radius 0: no lens.
@@ -28,7 +45,9 @@ struct CameraView {
   float lens_radius = 0, focal_distance = 1;
   std::uint32_t width = 1, height = 1;              // of the film that is rendered [pixels]
   std::uint32_t first_column = 0, first_row = 0;    // where that lies in the whole film [pixels]
-  std::uint32_t whole_width = 1, whole_height = 1;  // [pixels], spherical cameras
+  std::uint32_t whole_width = 1, whole_height = 1;  // [pixels], spherical cameras and fisheye
+  // Fisheye: angle of a pixel, and from the axis to the rim of the circle [turns], <= 1/2.
+  float turns_per_pixel = 0, rim_turns = 0;
   // Inverse of the pixel filter's cumulative distribution, kFilterCells cells: an offset from the
   // pixel's centre [pixels] for a uniform number, linear in between.
   const float* filter_offset = nullptr;  // kFilterCells + 1 entries
@@ -39,6 +58,7 @@ struct CameraView {
 // Writes rows [0, n) of `rays`: one ray a path with throughput 1, in path order. `film`: uniforms
 // of pair kFilmPair; `lens`: of pair kLensPair, read if the camera has a lens. The pixel filter is
 // sampled, so a sample belongs to one pixel with weight 1. Points of the lens are even on its disc.
+// Outside of the fisheye's circle the throughput is 0 and the ray is closed (negative t_far).
 void GenerateCameraRays(const CameraView& camera, const PathColumns& paths,
                         const UniformColumns& film, const UniformColumns& lens, std::uint32_t n,
                         const RayColumns& rays);

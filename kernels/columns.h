@@ -20,17 +20,38 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   return (rows + kPadRows - 1) / kPadRows * kPadRows + kPadRows;
 }
 
-// The queues: one a BSDF. Kinds before kFirstDeltaBsdf take light samples; the others are delta
-// distributions, which no light sample can meet.
+// The BSDFs, one line each: a file kernels/bsdf_*.cc defines NameKernels(), everything else
+// follows. Each has a queue, in this order. The first list takes light samples; the second one are
+// delta distributions, which no light sample can meet.
+#define SKYWAVE_DENSE_BSDFS(BSDF) \
+  BSDF(Lambert)                   \
+  BSDF(Conductor)                 \
+  BSDF(MetallicRoughness)         \
+  BSDF(OrenNayar)                 \
+  BSDF(DiffuseTransmission)       \
+  BSDF(RoughDielectric)           \
+  BSDF(AnisotropicConductor)      \
+  BSDF(BeckmannConductor)         \
+  BSDF(Phong)                     \
+  BSDF(Blinn)                     \
+  BSDF(Ward)                      \
+  BSDF(CoatedMetallicRoughness)   \
+  BSDF(CoatedConductor)           \
+  BSDF(Measured)
+#define SKYWAVE_DELTA_BSDFS(BSDF) \
+  BSDF(Mirror)                    \
+  BSDF(Dielectric)                \
+  BSDF(ThinDielectric)
+
+#define SKYWAVE_KIND(name) k##name,
+#define SKYWAVE_COUNT(name) +1
 enum class BsdfKind : std::uint32_t {
-  kLambert,
-  kConductor,
-  kMetallicRoughness,
-  kMirror,
-  kDielectric
+  SKYWAVE_DENSE_BSDFS(SKYWAVE_KIND) SKYWAVE_DELTA_BSDFS(SKYWAVE_KIND)
 };
-inline constexpr std::uint32_t kBsdfKinds = 5;
-inline constexpr std::uint32_t kFirstDeltaBsdf = 3;
+inline constexpr std::uint32_t kFirstDeltaBsdf = 0 SKYWAVE_DENSE_BSDFS(SKYWAVE_COUNT);
+inline constexpr std::uint32_t kBsdfKinds = kFirstDeltaBsdf SKYWAVE_DELTA_BSDFS(SKYWAVE_COUNT);
+#undef SKYWAVE_KIND
+#undef SKYWAVE_COUNT
 
 inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFu;  // HitColumns::geom of a ray that hit nothing
 
@@ -83,16 +104,16 @@ struct HitColumns {
   }
 };
 
-// One row = one ray that left the scene. Written by partition; radiance and light_pdf by the
-// environment strategy.
+// One row = one ray that met light: left the scene, or hit what shines. Written by partition,
+// radiance and light_pdf by the environment strategy; or all by the kernel of local lights.
 struct EscapeColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit length
   float *throughput_r, *throughput_g, *throughput_b;
   float* pdf;                                   // as in RayColumns
   std::uint32_t* path;                          // row in PathColumns
   std::uint32_t* from;                          // row in SurfaceColumns of the bounce before
-  float *radiance_r, *radiance_g, *radiance_b;  // of the map in direction dir
-  float* light_pdf;                             // of dir by the light strategy [1/sr]
+  float *radiance_r, *radiance_g, *radiance_b;  // what it sees there
+  float* light_pdf;                             // of dir by light samples [1/sr]
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -116,11 +137,14 @@ struct SurfaceColumns {
   float *org_x, *org_y, *org_z;        // in: ray origin; out: the hit, lifted by `lift` along ng
   float *ns_x, *ns_y, *ns_z;           // shading normal, unit, on wo's side
   float *color_r, *color_g, *color_b;  // reflectance at the hit
-  float* lift;                         // distance between the hit and origins of rays that leave it
-  std::uint32_t* material;             // row in MaterialTable | kBackFace
+  // Distance between the hit and org; negative: org lies behind the surface, because a BSDF that
+  // transmits has put it on the side of the light sample at hand.
+  float* lift;
+  std::uint32_t* material;  // row in MaterialTable | kBackFace
   // What the light strategy keeps of the row, from its samples to the rays that leave it.
   float* light_norm;
-  float *alpha, *metallic;  // metallic-roughness: GGX width, share of metal
+  // Parameters of the row's BSDF that vary over a surface, as BsdfKernels::varying says.
+  float *varying_0, *varying_1;
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -132,7 +156,7 @@ struct SurfaceColumns {
     f(self.ns_x), f(self.ns_y), f(self.ns_z);
     f(self.color_r), f(self.color_g), f(self.color_b);
     f(self.lift), f(self.material), f(self.light_norm);
-    f(self.alpha), f(self.metallic);
+    f(self.varying_0), f(self.varying_1);
   }
 };
 
@@ -145,14 +169,15 @@ struct SurfaceRanges {
 };
 
 // One row = one light sample, and then one shadow ray, of the surface in the same row. Written by
-// the strategy; the BSDF turns radiance into the contribution and closes t_far where there is none.
+// the strategy and local lights; the BSDF turns radiance into the contribution and closes t_far
+// where there is none.
 struct LightColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit, towards the light
   float *r, *g, *b;              // in: radiance; out: what the path gains if nothing is in between
-  // Samples of the surface a steradian around dir [1/sr]. <= 0: no sample. Infinite: a directional
-  // light, r, g, b are its irradiance, and no BSDF sample can meet it.
+  // Samples of the surface a steradian around dir [1/sr]. <= 0: no sample. Infinite: a light
+  // without extent, r, g, b are its irradiance, and no BSDF sample can meet it.
   float* pdf;
-  float* t_far;  // infinity: trace; negative: nothing to trace, or occluded
+  float* t_far;  // distance of the light or infinity: trace; negative: nothing to, or occluded
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -190,21 +215,39 @@ struct TriangleRecord {
 };
 inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
 inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal
+// Of a mixture of two materials: the record is not shaded. normal[0] is the row of a record of the
+// same triangle with the first material, the next row has the second one; normal[1] is the share of
+// the second one, a float's bits; normal[2] is the mixture itself, a material.
+inline constexpr std::uint32_t kMixedTriangle = 1u << 21;
 inline constexpr std::uint32_t kKindShift = 24;
 inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material
 
-// Parameters of the BSDFs, 16 floats a material, read by gathers at material * 16 + field.
+// Parameters of the BSDFs, 16 floats a material, read by gathers at material * 16 + field. Each
+// BSDF has the fields that its file names.
 struct MaterialRecord {
   float color[3];  // reflectance
-  float alpha;     // GGX width
-  float eta[3];    // conductor: index, real part; metallic-roughness: metallic in eta[0]
-  float ior;       // dielectric, metallic-roughness: inside / outside
-  float k[3];      // conductor: index, imaginary part
+  float alpha;     // width of microfacets, along the tangent; Oren-Nayar: roughness
+  // Conductors: index, real part; metallic-roughness: metallic in eta[0]; diffuse transmission:
+  // what passes through; Phong: the gloss.
+  float eta[3];
+  float ior;   // dielectrics, coats: inside / outside; anisotropic lobes: width across the tangent
+  float k[3];  // conductors: index, imaginary part; coated metallic-roughness: see its file
   std::uint32_t color_texture;  // row in the texture table + 1; 0: none
-  float multiscatter[3];  // conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017
-  std::uint32_t roughness_texture;  // likewise; metallic-roughness: G roughness, B metallic
+  // Conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017; coated metallic-roughness:
+  // colour of the sheen.
+  float multiscatter[3];
+  // Metallic-roughness: as color_texture, G roughness, B metallic; coated conductor: width of the
+  // coat, a float's bits; measured: index of the first float of its table.
+  std::uint32_t roughness_texture;
 };
 static_assert(sizeof(MaterialRecord) == 16 * sizeof(float));
+
+// A measured BRDF in the coordinates of the MERL database (Matusik et al. 2003): half angle (bins
+// of equal size in its square root), angle between half vector and wi, and azimuth of wi about it,
+// in half a turn; the last one runs fastest, three floats (RGB) a bin [1/sr].
+inline constexpr std::uint32_t kMeasuredHalf = 90, kMeasuredDifference = 90, kMeasuredTurn = 180;
+inline constexpr std::uint32_t kMeasuredFloats =
+    3 * kMeasuredHalf * kMeasuredDifference * kMeasuredTurn;
 
 // Texture coordinates of a triangle's corners: 8 floats, read only where a material has a texture.
 struct TriangleUvs {

@@ -116,6 +116,57 @@ const ConductorTables& GgxTables() {
   return *tables;
 }
 
+namespace {
+
+double SheenAlbedo(double alpha, double mu) {
+  constexpr int kHeights = 64, kTurns = 32;
+  mu = std::max(mu, 1e-3);
+  const double sine = std::sqrt(1 - mu * mu), power = 1 / alpha;
+  double sum = 0;
+  for (int i = 0; i < kHeights; ++i) {
+    const double z = (i + 0.5) / kHeights, r = std::sqrt(1 - z * z);
+    for (int j = 0; j < kTurns; ++j) {
+      const double phi = std::numbers::pi * (j + 0.5) / kTurns;
+      const double hx = sine + r * std::cos(phi), hy = r * std::sin(phi), hz = mu + z;
+      const double across2 = hx * hx + hy * hy;
+      const double d = (2 + power) * std::pow(across2 / (across2 + hz * hz), power / 2);
+      sum += d * z / (4 * (mu + z - mu * z));
+    }
+  }
+  // dwi = dz dphi over a full turn; D has 1 / (2 pi).
+  return sum / (kHeights * kTurns);
+}
+
+std::unique_ptr<SheenTables> BuildSheen() {
+  auto tables = std::make_unique<SheenTables>();
+  Column column = {};
+  for (std::uint32_t r = 0; r <= kAlbedoRows; ++r) {
+    if (r < kAlbedoRows) {
+      const double root = double(r) / (kAlbedoRows - 1);
+      const double alpha = std::max(root * root, double(kMinSheenAlpha));
+      double largest = 1;
+      for (std::uint32_t c = 0; c < kAlbedoColumns; ++c) {
+        const double mu = double(c) / (kAlbedoColumns - 1);
+        column[c] = SheenAlbedo(alpha, mu * mu);
+        largest = std::max(largest, column[c]);
+      }
+      for (double& albedo : column) albedo /= largest;
+      tables->scale[r] = float(1 / largest);
+    } else {
+      tables->scale[r] = tables->scale[r - 1];
+    }
+    StoreRow(column, r, tables->albedo);
+  }
+  return tables;
+}
+
+}  // namespace
+
+const SheenTables& GetSheenTables() {
+  static const std::unique_ptr<const SheenTables> tables = BuildSheen();
+  return *tables;
+}
+
 float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k) {
   const double at = std::sqrt(std::clamp(alpha, 0.0f, 1.0f)) * (kAlbedoRows - 1);
   const auto low = std::min(std::uint32_t(at), kAlbedoRows - 2);

@@ -30,4 +30,18 @@ const ConductorTables& GgxTables();
 // conductor with index eta + i k and GGX width alpha [1/sr].
 float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k);
 
+// Albedo of the sheen lobe (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF":
+// D = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with Neubelt's visibility
+// 1 / (4 (cos_o + cos_i - cos_o cos_i))), on the grid of ConductorTables. Narrow lobes would give
+// back more than they get at grazing angles: the lobe and its albedo are multiplied by `scale`, so
+// that none exceeds 1.
+struct SheenTables {
+  float albedo[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
+  float scale[kAlbedoRows + 1];  // by row
+};
+inline constexpr float kMinSheenAlpha = 0.04f;  // narrower ones are taken for this wide
+
+// Computed once, in double; about a tenth of a second.
+const SheenTables& GetSheenTables();
+
 }  // namespace skywave

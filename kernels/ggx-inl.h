@@ -76,9 +76,8 @@ struct Ggx {
     return hn::Mul(hn::Min(g, Set(1.0f)), hn::Mul(d, quarter_over_cos));
   }
 
-  // The reflection of wo about a visible normal (Heitz 2018, as spherical caps after Dupuy and
-  // Benyoub 2023).
-  HWY_INLINE V3 Reflect(const V3& wo, VF u, VF v) const {
+  // A visible normal (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023).
+  HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
     const V3 stretched = Normalize({hn::Mul(wo.x, alpha), hn::Mul(wo.y, alpha), wo.z});
     const VF one = Set(1.0f);
     const VF cap = hn::Sub(one, hn::Mul(v, hn::Add(one, stretched.z)));
@@ -88,7 +87,10 @@ struct Ggx {
     const V3 normal = {hn::Mul(hn::Add(hn::Mul(radius, c), stretched.x), alpha),
                        hn::Mul(hn::Add(hn::Mul(radius, s), stretched.y), alpha),
                        hn::Max(hn::Add(cap, stretched.z), Set(1e-7f))};
-    const V3 h = Normalize(normal);
+    return Normalize(normal);
+  }
+  HWY_INLINE V3 Reflect(const V3& wo, VF u, VF v) const {
+    const V3 h = VisibleNormal(wo, u, v);
     return Sub(Scale(h, hn::Mul(Set(2.0f), Dot(wo, h))), wo);
   }
 

@@ -10,17 +10,23 @@ std::uint32_t Mix(std::uint32_t x) {
   return x ^ x >> 16;
 }
 
+const OpacityRecord& RecordOf(const OpacityView& view, std::uint32_t triangle) {
+  const TriangleRecord& record = view.triangles[triangle];
+  const bool mixed = (record.tag & kMixedTriangle) != 0;
+  return view.records[mixed ? record.normal[2] : record.tag & kMaterialMask];
+}
+
 }  // namespace
 
 float Opacity(const OpacityView& view, std::uint32_t triangle, float u, float v) {
-  const OpacityRecord& record = view.records[view.triangles[triangle].tag & kMaterialMask];
+  const OpacityRecord& record = RecordOf(view, triangle);
   if (record.texture == 0) return record.factor;
   return record.factor * FirstChannel(view.textures, record.texture - 1, triangle, u, v);
 }
 
 bool IsMet(const OpacityView& view, std::uint32_t key, std::uint32_t triangle, float u, float v) {
   const float opacity = Opacity(view, triangle, u, v);
-  const float cutoff = view.records[view.triangles[triangle].tag & kMaterialMask].cutoff;
+  const float cutoff = RecordOf(view, triangle).cutoff;
   if (cutoff >= 0) return opacity >= cutoff;
   return float(Mix(key ^ triangle * 0x9E3779B9u) >> 8) * 0x1p-24f < opacity;
 }

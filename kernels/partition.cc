@@ -1,5 +1,7 @@
 #include "kernels/partition.h"
 
+#include <bit>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/partition.cc"
 #include "hwy/cache_control.h"
@@ -14,8 +16,9 @@ namespace HWY_NAMESPACE {
 constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
 constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of a record
 
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
-                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
+                  const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
+                  std::uint32_t* count) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
     // Records are random accesses: ask for those of later rows now.
@@ -35,9 +38,41 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const
     kind = IfThen(hit, kind, SetU(kMissQueue));
     kind = IfThen(inside, kind, SetU(kNoQueue));
     Store(kind, queue + i);
-    for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
+    const auto add = [&](std::uint32_t k) HWY_ATTR {
       count[k] += static_cast<std::uint32_t>(hn::CountTrue(U(), hn::Eq(kind, SetU(k))));
+    };
+    for (BsdfSet rest = present; rest != 0; rest &= rest - 1) {
+      add(static_cast<std::uint32_t>(std::countr_zero(rest)));
     }
+    add(kMissQueue);
+  }
+}
+
+void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
+                     const HitColumns& hits) {
+  const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
+  const VF one = Set(1.0f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    const MU hit = hn::And(RowsBelow(i, n), hn::Ne(Load(hits.geom + i), SetU(kNoHit)));
+    const VU read = Load(hits.triangle + i);
+    VU triangle = hn::IfThenElseZero(hit, read);
+    VF uniform = Load(u + i);
+    while (true) {
+      const VU record = hn::ShiftLeft<2>(triangle);
+      const VU tag = Gather(words, hn::Add(record, SetU(3)));
+      const MU mixed = hn::And(hit, hn::TestBit(tag, SetU(kMixedTriangle)));
+      if (hn::AllFalse(U(), mixed)) break;
+      const VF share = AsFloat(Gather(words, hn::Add(record, SetU(1))));
+      const MF second = hn::Lt(uniform, share);
+      const VU first = Gather(words, record);
+      const VU chosen = hn::Add(first, hn::IfThenElseZero(hn::RebindMask(U(), second), SetU(1)));
+      triangle = IfThen(mixed, chosen, triangle);
+      // What is left of the uniform, stretched to [0, 1) for the next choice.
+      const VF rest = IfThen(second, uniform, hn::Sub(uniform, share));
+      const VF room = IfThen(second, share, hn::Sub(one, share));
+      uniform = hn::Min(hn::Div(rest, hn::Max(room, Set(1e-20f))), Set(0x1.fffffep-1f));
+    }
+    Store(IfThen(hit, triangle, read), hits.triangle + i);
   }
 }
 
@@ -106,12 +141,18 @@ namespace skywave {
 
 HWY_EXPORT(ClassifyHits);
 HWY_EXPORT(ClassifyEscapes);
+HWY_EXPORT(ChooseMaterials);
 HWY_EXPORT(MoveEscaped);
 HWY_EXPORT(MoveHits);
 
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
-                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count) {
-  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, ray_pdf, n, queue, count);
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
+                  const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
+                  std::uint32_t* count) {
+  HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, present, ray_pdf, n, queue, count);
+}
+void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
+                     const HitColumns& hits) {
+  HWY_DYNAMIC_DISPATCH(ChooseMaterials)(triangles, u, n, hits);
 }
 std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue) {
   return HWY_DYNAMIC_DISPATCH(ClassifyEscapes)(hits, n, queue);

@@ -11,12 +11,23 @@ namespace skywave {
 
 inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // behind the queues of the BSDFs
 
-// Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, or kMissQueue. Adds the
-// length of every queue to count[kBsdfKinds + 1]. `queue` is a padded column; its padding matches
-// no queue. Where `ray_pdf` is not null, hits of rays with a density go to no queue (see
-// RayColumns::pdf).
-void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, const float* ray_pdf,
-                  std::uint32_t n, std::uint32_t* queue, std::uint32_t* count);
+// BSDFs as bits: 1 << kind.
+using BsdfSet = std::uint32_t;
+static_assert(kBsdfKinds <= 32);
+
+// Replaces the triangle of hits [0, n) on a mixture of materials (kMixedTriangle) by its record
+// with one of them: the second one where u[i] is below its share, and so on for mixtures of
+// mixtures.
+void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
+                     const HitColumns& hits);
+
+// Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, which is one of
+// `present`, or kMissQueue. Adds the length of every queue to count[kBsdfKinds + 1]. `queue` is a
+// padded column; its padding matches no queue. Where `ray_pdf` is not null, hits of rays with a
+// density go to no queue (see RayColumns::pdf).
+void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
+                  const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
+                  std::uint32_t* count);
 
 // The same for rays of which only misses matter: the others go to no queue. Returns the misses.
 std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue);

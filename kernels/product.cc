@@ -65,12 +65,12 @@ void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, s
 
 void GatherWeighedSurfaces(const SurfaceColumns& s, const std::uint32_t* from, std::uint32_t n,
                            const SurfaceColumns& out) {
-  const float* const columns[] = {s.wo_x,    s.wo_y,    s.wo_z,  s.ng_x,     s.ng_y,
-                                  s.ng_z,    s.ns_x,    s.ns_y,  s.ns_z,     s.color_r,
-                                  s.color_g, s.color_b, s.alpha, s.metallic, s.light_norm};
-  float* const copies[] = {out.wo_x,    out.wo_y,    out.wo_z,  out.ng_x,     out.ng_y,
-                           out.ng_z,    out.ns_x,    out.ns_y,  out.ns_z,     out.color_r,
-                           out.color_g, out.color_b, out.alpha, out.metallic, out.light_norm};
+  const float* const columns[] = {s.wo_x,    s.wo_y,    s.wo_z,      s.ng_x,      s.ng_y,
+                                  s.ng_z,    s.ns_x,    s.ns_y,      s.ns_z,      s.color_r,
+                                  s.color_g, s.color_b, s.varying_0, s.varying_1, s.light_norm};
+  float* const copies[] = {out.wo_x,    out.wo_y,    out.wo_z,      out.ng_x,      out.ng_y,
+                           out.ng_z,    out.ns_x,    out.ns_y,      out.ns_z,      out.color_r,
+                           out.color_g, out.color_b, out.varying_0, out.varying_1, out.light_norm};
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU row = hn::IfThenElseZero(RowsBelow(i, n), Load(from + i));
     for (std::size_t c = 0; c < std::size(columns); ++c) {

@@ -17,6 +17,8 @@ namespace skywave {
 enum class SampleUse : std::uint32_t { kLight, kScatter, kLobe };
 inline constexpr std::uint32_t kFilmPair = 0;
 inline constexpr std::uint32_t kLensPair = 0xFFFFFFFFu;  // behind every bounce
+// Which of two mixed materials a hit has (first dimension).
+constexpr std::uint32_t MixturePair(std::uint32_t bounce) { return kLensPair - 1 - bounce; }
 constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
   return 1 + 3 * bounce + static_cast<std::uint32_t>(use);
 }

@@ -62,6 +62,20 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
   }
 }
 
+void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n, const SurfaceColumns& s) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU triangle = hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i));
+    const V3 tangent = DecodeNormal(Gather(tangents, triangle));
+    const Frame frame = MakeFrame(Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i));
+    const VF along = Dot(frame.s, tangent), across = Dot(frame.t, tangent);
+    const VF length = hn::Sqrt(hn::Add(hn::Mul(along, along), hn::Mul(across, across)));
+    const MF usable = hn::Gt(length, Set(1e-3f));
+    const VF inverse = hn::Div(Set(1.0f), length);
+    StoreBelow(IfThen(usable, hn::Mul(along, inverse), Set(1.0f)), s.varying_0, i, n);
+    StoreBelow(IfThen(usable, hn::Mul(across, inverse), hn::Zero(F())), s.varying_1, i, n);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
@@ -70,10 +84,16 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(PrepareSurfaces);
+HWY_EXPORT(PrepareTangents);
 
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
                      std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareSurfaces)(triangles, materials, n, surfaces);
+}
+
+void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
+                     const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareTangents)(tangents, n, surfaces);
 }
 
 std::uint32_t EncodeNormal(float x, float y, float z) {

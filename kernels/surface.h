@@ -13,6 +13,11 @@ namespace skywave {
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
                      std::uint32_t n, const SurfaceColumns& surfaces);
 
+// Writes Varying::kTangent of rows [0, n). `tangents`: one a triangle (EncodeNormal), world space;
+// what of it lies in the surface is the tangent, the frame's own first axis where nothing does.
+void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
+                     const SurfaceColumns& surfaces);
+
 // A unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014): x in the low half.
 // Off by at most 6.5e-5 radians, near the diagonals.
 std::uint32_t EncodeNormal(float x, float y, float z);

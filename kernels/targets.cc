@@ -1,12 +1,25 @@
 #include "kernels/targets.h"
 
 #include "hwy/highway.h"
+#include "kernels/columns.h"
 
 namespace skywave {
+namespace {
 
-std::string KernelTarget() {
+// Smaller is better.
+std::int64_t BestTarget() {
   const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
-  return hwy::TargetName(targets & -targets);
+  return targets & -targets;
+}
+
+}  // namespace
+
+std::string KernelTarget() { return hwy::TargetName(BestTarget()); }
+
+std::uint32_t KernelLanes() {
+  const std::int64_t target = BestTarget();
+  if (target < HWY_AVX2) return kPadRows;
+  return target == HWY_AVX2 ? 8 : target < HWY_EMU128 ? 4 : 1;
 }
 
 std::string HighwayVersion() {

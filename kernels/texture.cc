@@ -48,8 +48,8 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
         metallic = IfThen(textured.lanes, Clamp(hn::Mul(metallic, seen.z), 0.0f, 1.0f), metallic);
       }
     }
-    StoreBelow(alpha, s.alpha, i, n);
-    StoreBelow(metallic, s.metallic, i, n);
+    StoreBelow(alpha, s.varying_0, i, n);
+    StoreBelow(metallic, s.varying_1, i, n);
   }
 }
 

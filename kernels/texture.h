@@ -27,7 +27,7 @@ struct TextureView {
 void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Writes alpha and metallic of rows [0, n), which are metallic-roughness: those of the material,
+// Writes Varying::kRoughness of rows [0, n), which are metallic-roughness: that of the material,
 // times roughness texture (green squared and blue) where there is one. `textures` may be empty.
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);

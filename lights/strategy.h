@@ -38,6 +38,9 @@ struct LightPlan {
 struct LightCall {
   std::uint32_t index = 0, requested = 1;
   std::uint32_t pair = 0;  // pair of dimensions of its uniforms (kernels/sampler.h)
+  float share = 1;         // of the drawn samples; the others go to local lights
+  // Drawn samples that a surface can expect.
+  float samples() const { return float(requested) * share; }
 };
 
 // Immutable after construction, shared by all threads. Sample and EvaluateEscaped are called once a
@@ -52,17 +55,18 @@ class EnvStrategy {
   virtual LightPlan Plan(std::uint32_t requested) const { return {.drawn = requested}; }
 
   // Draws one light sample for each of surfaces [0, n), which take light samples: writes dir, r, g,
-  // b and pdf of `out` (see LightColumns). Densities count all samples of the plan.
+  // b and pdf of `out` (see LightColumns). Densities count all samples of the plan, the drawn ones
+  // as call.samples().
   virtual void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
                       LightCall call, const LightColumns& out) const = 0;
 
   // Writes radiance and light_pdf of rows [0, n): what a ray that leaves the scene sees, and the
   // density of light samples in its direction at surface `from` of `points`, all samples of the
-  // plan counted [1/sr]. Radiance that directional lights stand for is left out, except where pdf
-  // is 0: such a ray had no light sample for a partner, sees the whole map, and its light_pdf is
-  // unspecified. Rows with a density left surfaces that Sample has been called for (of which it may
-  // have kept light_norm).
-  virtual void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  // plan counted, `samples` drawn ones (LightCall::samples) [1/sr]. Radiance that directional
+  // lights stand for is left out, except where pdf is 0: such a ray had no light sample for a
+  // partner, sees the whole map, and its light_pdf is unspecified. Rows with a density left
+  // surfaces that Sample has been called for (of which it may have kept light_norm).
+  virtual void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                                const EscapeColumns& rows) const = 0;
 
   // False: the density misses light that is there (it is zero where radiance is not), so the

@@ -18,7 +18,7 @@ class UniformStrategy final : public EnvStrategy {
   std::size_t table_bytes() const override { return texels_.bytes(); }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:
@@ -32,7 +32,7 @@ class CosineStrategy final : public EnvStrategy {
   std::size_t table_bytes() const override { return texels_.bytes(); }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:
@@ -48,7 +48,7 @@ class BsdfStrategy final : public EnvStrategy {
   bool complete() const override { return false; }
   void Sample(const ShadePoints&, const UniformColumns&, std::uint32_t, LightCall,
               const LightColumns&) const override {}
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:

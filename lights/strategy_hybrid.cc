@@ -105,7 +105,7 @@ void HybridStrategy::SampleRest(const UniformColumns& uniforms, std::uint32_t n,
 
 void HybridStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                             LightCall call, const LightColumns& out) const {
-  const auto samples = float(call.requested);
+  const float samples = call.samples();
   if (options_.all && call.index < lights_->size()) {
     if (options_.inside) {
       SampleOneCell(texels_->view(), cells_->view(), call.index, cells_->Scale(call.index),
@@ -126,7 +126,7 @@ void HybridStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
   }
 }
 
-void HybridStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, std::uint32_t requested,
+void HybridStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                      const EscapeColumns& rows) const {
   const float share_of_rest = RestIsDark() ? 0 : options_.all ? 1 : 1 - share_;
   TexelDensity density = {.fixed = options_.inside ? cell_density_.data() : nullptr};
@@ -136,7 +136,7 @@ void HybridStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, std::u
     density.inversion = &inversion;
   }
   if (cell_density_.empty()) density.fixed = nullptr;
-  skywave::EvaluateEscaped(texels_->view(), density, n, float(requested) * share_of_rest, rows);
+  skywave::EvaluateEscaped(texels_->view(), density, n, samples * share_of_rest, rows);
 }
 
 std::span<const StrategyParameter> HybridParameters() {

@@ -48,13 +48,13 @@ ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, double compens
 
 void ImportanceStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                                 LightCall call, const LightColumns& out) const {
-  SampleTexels(texels_.view(), table_.view(), uniforms, n, float(call.requested), out);
+  SampleTexels(texels_.view(), table_.view(), uniforms, n, call.samples(), out);
 }
 
-void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n,
-                                         std::uint32_t requested, const EscapeColumns& rows) const {
+void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
+                                         const EscapeColumns& rows) const {
   const InversionView inversion = table_.view();
-  skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, float(requested), rows);
+  skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, samples, rows);
 }
 
 }  // namespace skywave

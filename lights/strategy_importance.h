@@ -30,7 +30,7 @@ class ImportanceStrategy final : public EnvStrategy {
   bool complete() const override { return compensated_ == 0; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:

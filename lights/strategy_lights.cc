@@ -31,11 +31,11 @@ void LightsStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
   if (all_) {
     FillDirectional(lights_[call.index], n, out);
   } else {
-    PickDirectional(lights_.records(), lights_.tree(), uniforms.u, n, float(call.requested), out);
+    PickDirectional(lights_.records(), lights_.tree(), uniforms.u, n, call.samples(), out);
   }
 }
 
-void LightsStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, std::uint32_t,
+void LightsStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float,
                                      const EscapeColumns& rows) const {
   skywave::EvaluateEscaped(texels_.view(), {}, n, 0, rows);
 }

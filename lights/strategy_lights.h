@@ -35,7 +35,7 @@ class LightsStrategy final : public EnvStrategy {
   LightPlan Plan(std::uint32_t requested) const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:

@@ -113,15 +113,15 @@ void ProductStrategy::Sample(const ShadePoints& points, const UniformColumns& un
       Bsdfs()[kind].weigh_cells(rows, points.materials, n, cells_.data(), count, sums,
                                 kProductStride);
       PickCells(sums, count, uniforms.u + begin, n, picks, rows.light_norm);
-      SamplePickedCells(texels_.view(), InCells(), picks, uniforms.v + begin, n,
-                        float(call.requested), Slice(out, begin));
+      SamplePickedCells(texels_.view(), InCells(), picks, uniforms.v + begin, n, call.samples(),
+                        Slice(out, begin));
     }
   }
 }
 
-void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n,
-                                      std::uint32_t requested, const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), {.table = density_.data()}, n, float(requested), rows);
+void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                                      const EscapeColumns& rows) const {
+  skywave::EvaluateEscaped(texels_.view(), {.table = density_.data()}, n, samples, rows);
   ForEachBsdfRun(
       points.ranges, rows, n, [&](std::uint32_t kind, std::uint32_t begin, std::uint32_t count) {
         Chunk<SurfaceColumns, kProductRows> surfaces;

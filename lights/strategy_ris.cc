@@ -100,14 +100,14 @@ void RisStrategy::Sample(const ShadePoints& points, const UniformColumns& unifor
       };
       offer(DrawFromMap, counts_.map);
       offer(DrawFromBsdf, counts_.bsdf);
-      TakeFromReservoirs(reservoirs, call.n, float(light.requested), Slice(out, begin));
+      TakeFromReservoirs(reservoirs, call.n, light.samples(), Slice(out, begin));
     }
   }
 }
 
-void RisStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n,
-                                  std::uint32_t requested, const EscapeColumns& rows) const {
-  map_.EvaluateEscaped(points, n, requested, rows);
+void RisStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                                  const EscapeColumns& rows) const {
+  map_.EvaluateEscaped(points, n, samples, rows);
   for (std::uint32_t i = 0; i < n; ++i) {
     if (rows.pdf[i] > 0) rows.radiance_r[i] = rows.radiance_g[i] = rows.radiance_b[i] = 0;
   }

@@ -27,7 +27,7 @@ class RisStrategy final : public EnvStrategy {
   bool shines_on_bsdf_samples() const override { return false; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:

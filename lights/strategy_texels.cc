@@ -113,13 +113,12 @@ std::size_t WarpStrategy::table_bytes() const {
 
 void WarpStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                           LightCall call, const LightColumns& out) const {
-  SampleTexelsByWarp(texels_.view(), view_, density_.data(), uniforms, n, float(call.requested),
-                     out);
+  SampleTexelsByWarp(texels_.view(), view_, density_.data(), uniforms, n, call.samples(), out);
 }
 
-void WarpStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, std::uint32_t requested,
+void WarpStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                    const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), {.table = density_.data()}, n, float(requested), rows);
+  skywave::EvaluateEscaped(texels_.view(), {.table = density_.data()}, n, samples, rows);
 }
 
 CellStrategy::CellStrategy(std::string_view name, const EnvironmentMap& map,
@@ -133,13 +132,12 @@ void CellStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, st
                           LightCall call, const LightColumns& out) const {
   const SearchTreeView tree = sampler_.tree();
   SampleCells(texels_.view(), sampler_.view(), sampler_.cells() > 1 ? &tree : nullptr, uniforms, n,
-              float(call.requested), out);
+              call.samples(), out);
 }
 
-void CellStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, std::uint32_t requested,
+void CellStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                    const EscapeColumns& rows) const {
-  skywave::EvaluateEscaped(texels_.view(), {.table = sampler_.density().data()}, n,
-                           float(requested), rows);
+  skywave::EvaluateEscaped(texels_.view(), {.table = sampler_.density().data()}, n, samples, rows);
 }
 
 }  // namespace skywave

@@ -24,7 +24,7 @@ class WarpStrategy final : public EnvStrategy {
   std::size_t table_bytes() const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:
@@ -43,7 +43,7 @@ class CellStrategy final : public EnvStrategy {
   std::size_t table_bytes() const override { return texels_.bytes() + sampler_.bytes(); }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
-  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, std::uint32_t requested,
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                        const EscapeColumns& rows) const override;
 
  private:

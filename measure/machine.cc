@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "kernels/targets.h"
+#include "measure/revision.h"
 #include "scene/geometry.h"
 #include "wavefront/render.h"
 
@@ -61,7 +62,9 @@ Machine DescribeMachine(const std::string& embree_config) {
           .compiler = "g++ " __VERSION__,
 #endif
           .build = BuildKind(),
+          .revision = GitRevision(),
           .instructions = KernelTarget(),
+          .lanes = int(KernelLanes()),
           .embree_config = embree_config.empty() ? DefaultEmbreeConfig() : embree_config,
           .libraries = {{"embree", RTC_VERSION_STRING},
                         {"highway", HighwayVersion()},

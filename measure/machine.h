@@ -13,7 +13,9 @@ struct Machine {
   double memory_bytes = 0;
   std::string system;           // operating system and its version
   std::string compiler, build;  // of this program
+  std::string revision;         // of its sources: of git, "-dirty" if changed; else "unknown"
   std::string instructions;     // that the kernels use
+  int lanes = 0;                // of their vectors of floats
   std::string embree_config;
   std::vector<std::pair<std::string, std::string>> libraries;  // name, version
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 #include "measure/statistics.h"
 
@@ -15,6 +16,18 @@ FrameResult RenderAgain(const RenderJob& job, int threads) {
   return RenderFrame(frame, film);
 }
 
+// Of entry `i` over the repetitions.
+template <std::size_t kSize>
+double MedianOf(const std::vector<std::array<double, kSize>>& repetitions, std::uint32_t i) {
+  std::vector<double> values;
+  for (const auto& repetition : repetitions) values.push_back(repetition[i]);
+  return Median(values);
+}
+
+double Mrays(const RenderStats& stats, RayKind kind, double seconds) {
+  return seconds > 0 ? double(stats.rays[std::uint32_t(kind)]) / seconds * 1e-6 : 0;
+}
+
 void ReplayAll(const RenderJob& job, const std::vector<RayRecorder> (&ordered)[kRayOrders],
                Speed& speed) {
   for (int order = 0; order < kRayOrders; ++order) {
@@ -22,8 +35,9 @@ void ReplayAll(const RenderJob& job, const std::vector<RayRecorder> (&ordered)[k
       if (!IsReplayed(kReplayOrders[order], kBackends[call])) continue;
       const ReplayTime time =
           Replay(job.geometry().scene(), kBackends[call], ordered[order], job.options().threads);
-      speed.replay[order][call].closest.push_back(time.closest);
-      speed.replay[order][call].occlusion.push_back(time.occlusion);
+      for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+        speed.replay[order][call][kind].push_back(time.seconds[kind]);
+      }
     }
   }
 }
@@ -32,20 +46,50 @@ void ReplayAll(const RenderJob& job, const std::vector<RayRecorder> (&ordered)[k
 
 double Speed::render_seconds() const { return Median(render); }
 
-double Speed::best_replay_seconds(RayOrder order) const {
-  std::vector<double> closest, occlusion;
-  for (const ReplaySeconds& call : replay[int(order)]) {
-    if (call.closest.empty()) continue;
-    closest.push_back(Median(call.closest));
-    occlusion.push_back(Median(call.occlusion));
+BestReplay Speed::best_replay(RayOrder order, RayKind kind) const {
+  BestReplay best = {.call = kBackends[0], .seconds = std::numeric_limits<double>::infinity()};
+  for (int call = 0; call < kReplayCalls; ++call) {
+    const std::vector<double>& seconds = replay[int(order)][call][std::uint32_t(kind)];
+    if (seconds.empty() || Median(seconds) >= best.seconds) continue;
+    best = {.call = kBackends[call], .seconds = Median(seconds)};
   }
-  if (closest.empty()) return 0;
-  return *std::min_element(closest.begin(), closest.end()) +
-         *std::min_element(occlusion.begin(), occlusion.end());
+  return best;
+}
+
+double Speed::best_replay_seconds(RayOrder order) const {
+  if (!replayed(order)) return 0;
+  double sum = 0;
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    sum += best_replay(order, RayKind(kind)).seconds;
+  }
+  return sum;
 }
 
 double Speed::embree_fraction() const {
   return best_replay_seconds(RayOrder::kTraced) / render_seconds();
+}
+
+double Speed::stage_seconds(Stage stage) const { return MedianOf(stages, std::uint32_t(stage)); }
+
+double Speed::busy_seconds() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < kStages; ++i) sum += stage_seconds(Stage(i));
+  return sum;
+}
+
+double Speed::trace_seconds(RayKind kind) const { return MedianOf(traces, std::uint32_t(kind)); }
+
+double Speed::mrays_per_second(RayKind kind) const {
+  return Mrays(first.stats, kind, render_seconds());
+}
+
+double Speed::traced_mrays_per_second(RayKind kind) const {
+  return Mrays(first.stats, kind, trace_seconds(kind) / first.threads);
+}
+
+double Speed::raw_mrays_per_second(RayKind kind) const {
+  if (!replayed(RayOrder::kTraced)) return 0;
+  return Mrays(first.stats, kind, best_replay(RayOrder::kTraced, kind).seconds);
 }
 
 double Speed::speed_up(int threads) const {
@@ -78,6 +122,7 @@ Speed MeasureSpeed(const RenderJob& job, const SpeedSettings& settings, Film& fi
     const FrameResult frame = RenderAgain(job, job.options().threads);
     speed.render.push_back(frame.seconds);
     speed.stages.push_back(frame.stats.stage_seconds);
+    speed.traces.push_back(frame.stats.trace_seconds);
     for (ThreadSeconds& count : speed.scaling) {
       count.render.push_back(count.threads == own ? frame.seconds
                                                   : RenderAgain(job, count.threads).seconds);

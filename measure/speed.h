@@ -19,9 +19,12 @@ struct SpeedSettings {
   bool replay = true;              // false: renders alone
 };
 
-// Wall clock of each repetition [s].
-struct ReplaySeconds {
-  std::vector<double> closest, occlusion;
+// Wall clock of each repetition, for each kind of rays [s].
+using ReplaySeconds = std::array<std::vector<double>, kRayKinds>;
+// A kind of rays by the call that is fastest for them.
+struct BestReplay {
+  Backend call;
+  double seconds;  // median
 };
 struct ThreadSeconds {
   int threads;
@@ -41,16 +44,30 @@ struct Speed {
   FrameResult first;           // the frame that recorded its rays: counters, not times
   std::vector<double> render;  // [s] wall clock
   std::vector<std::array<double, kStages>> stages;         // [s] summed over workers
+  std::vector<std::array<double, kRayKinds>> traces;       // [s] likewise, of the rays in them
   ReplaySeconds replay[kRayOrders][kReplayCalls];          // empty: not replayed
   std::vector<ThreadSeconds> scaling;                      // ascending; the job's own too
   double load_average_before = 0, load_average_after = 0;  // of the last minute
 
   double render_seconds() const;  // median
-  // The least time that Embree takes for the rays in this order: the medians of the best call for
-  // closest hits and of the best for occlusion [s]. 0: not replayed.
+  bool replayed(RayOrder order) const { return !replay[int(order)][0][0].empty(); }
+  // Of an order that was replayed.
+  BestReplay best_replay(RayOrder order, RayKind kind) const;
+  // The least time that Embree takes for the rays in this order: the sum over their kinds, each by
+  // its best call [s]. 0: not replayed.
   double best_replay_seconds(RayOrder order) const;
   // best_replay_seconds of the order of the frame over render_seconds; 0: not replayed.
   double embree_fraction() const;
+  // Medians over the repetitions [s], summed over workers: of a stage, of all stages, and of the
+  // tracing of one kind of rays in the render.
+  double stage_seconds(Stage stage) const;
+  double busy_seconds() const;
+  double trace_seconds(RayKind kind) const;
+  // Rays of a kind [Mrays/s]: over the whole render, so that the kinds add up; while they are
+  // traced in the render, on all threads; raw, in the traced order. 0: none, or not replayed.
+  double mrays_per_second(RayKind kind) const;
+  double traced_mrays_per_second(RayKind kind) const;
+  double raw_mrays_per_second(RayKind kind) const;
   // How many times as fast as one thread `threads` are; 0: not measured.
   double speed_up(int threads) const;
 };

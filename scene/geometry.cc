@@ -4,8 +4,11 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include "base/error.h"
 #include "kernels/conductor_tables.h"
@@ -13,6 +16,9 @@
 
 namespace skywave {
 namespace {
+
+constexpr std::size_t kMaxRecords = std::size_t{1} << 29;  // kernels index them by 31 bits of words
+constexpr std::size_t kMaxVariants = 128;                  // records a triangle, in the mean
 
 bool Finite(const glm::vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -51,13 +57,13 @@ std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z
 
 // Appends one triangle: positions already in the vertex table from `first_vertex` on. Returns its
 // corners in the order of the record.
-glm::uvec3 AppendTriangle(const Mesh& mesh, BsdfKind bsdf, glm::uvec3 corners,
-                          std::uint32_t first_vertex, std::vector<std::uint32_t>& indices,
+glm::uvec3 AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
+                          std::vector<std::uint32_t>& indices,
                           std::vector<TriangleRecord>& records) {
   const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
                   &c = mesh.positions[corners.z];
   const glm::vec3 face = glm::cross(b - a, c - a);
-  TriangleRecord record = {.normal = {}, .tag = mesh.material | std::uint32_t(bsdf) << kKindShift};
+  TriangleRecord record = {.normal = {}, .tag = mesh.material};
   bool smooth = !mesh.normals.empty();
   if (smooth) {
     glm::vec3 normals[3], sum(0);
@@ -101,39 +107,120 @@ std::vector<NormalMapRecord> PackNormalMaps(const Scene& scene, const TextureTab
   return records;
 }
 
-// Meshes in their order, those whose material is opaque first.
-std::vector<const Mesh*> OpaqueFirst(const Scene& scene) {
-  std::vector<const Mesh*> meshes;
-  for (const Mesh& mesh : scene.meshes) meshes.push_back(&mesh);
-  std::stable_partition(meshes.begin(), meshes.end(),
-                        [&](const Mesh* mesh) { return scene.materials[mesh->material].opaque(); });
+// Indices of meshes in their order, those whose material is opaque first.
+std::vector<std::uint32_t> OpaqueFirst(const Scene& scene) {
+  std::vector<std::uint32_t> meshes(scene.meshes.size());
+  std::iota(meshes.begin(), meshes.end(), 0u);
+  std::stable_partition(meshes.begin(), meshes.end(), [&](std::uint32_t mesh) {
+    return scene.materials[scene.meshes[mesh].material].opaque();
+  });
   return meshes;
 }
 
-MaterialRecord PackMaterial(const Material& material) {
+void Copy(const glm::vec3& from, float* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
+
+float Width(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
+
+MaterialRecord PackMaterial(const Material& material, const Scene& scene) {
   MaterialRecord record = {};
-  const float alpha = std::clamp(material.alpha, 1e-3f, 1.0f);
-  for (int c = 0; c < 3; ++c) {
-    record.color[c] = material.reflectance[c];
-    record.eta[c] = material.eta[c];
-    record.k[c] = material.k[c];
-    if (material.bsdf == BsdfKind::kConductor) {
-      record.multiscatter[c] =
-          ConductorMultiscatter(GgxTables(), alpha, material.eta[c], material.k[c]);
-    }
-  }
-  record.alpha = alpha;
+  Copy(material.reflectance, record.color);
+  record.alpha = Width(material.alpha);
+  Copy(material.eta, record.eta);
+  Copy(material.k, record.k);
   record.ior = material.ior;
-  if (material.bsdf == BsdfKind::kMetallicRoughness) record.eta[0] = material.metallic;
   if (material.color_texture) record.color_texture = *material.color_texture + 1;
   if (material.roughness_texture) record.roughness_texture = *material.roughness_texture + 1;
+  switch (material.bsdf) {
+    case BsdfKind::kCoatedConductor:
+      record.roughness_texture = std::bit_cast<std::uint32_t>(Width(material.coat_alpha));
+      [[fallthrough]];
+    case BsdfKind::kConductor:
+      for (int c = 0; c < 3; ++c) {
+        record.multiscatter[c] =
+            ConductorMultiscatter(GgxTables(), record.alpha, material.eta[c], material.k[c]);
+      }
+      break;
+    case BsdfKind::kCoatedMetallicRoughness:
+      Copy({material.coat, Width(material.coat_alpha), Width(material.sheen_alpha)}, record.k);
+      Copy(material.sheen, record.multiscatter);
+      [[fallthrough]];
+    case BsdfKind::kMetallicRoughness:
+      record.eta[0] = material.metallic;
+      break;
+    case BsdfKind::kDiffuseTransmission:
+    case BsdfKind::kPhong:
+      Copy(material.second_color, record.eta);
+      break;
+    case BsdfKind::kAnisotropicConductor:
+    case BsdfKind::kBeckmannConductor:
+    case BsdfKind::kWard:
+      record.ior = Width(material.alpha_across.value_or(material.alpha));
+      break;
+    case BsdfKind::kOrenNayar:
+      record.alpha = std::clamp(material.alpha, 0.0f, 1.0f);
+      break;
+    case BsdfKind::kMeasured: {
+      const MeasuredBrdf& brdf = scene.measured[material.measured];
+      record.alpha = Width(brdf.alpha);
+      record.ior = brdf.specular_share;
+      record.roughness_texture = material.measured * kMeasuredFloats;
+      break;
+    }
+    default:
+      break;
+  }
   return record;
+}
+
+// Which tables the kernels of a BSDF read beside the records.
+bool ReadsGgxTables(BsdfKind bsdf) {
+  return bsdf == BsdfKind::kConductor || bsdf == BsdfKind::kMetallicRoughness ||
+         bsdf == BsdfKind::kCoatedConductor || bsdf == BsdfKind::kCoatedMetallicRoughness;
+}
+
+void CheckMaterial(const Scene& scene, std::size_t index, const std::string& path) {
+  const Material& material = scene.materials[index];
+  const auto fail = [&](const std::string& reason) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("material '{}': {}", material.name, reason));
+  };
+  for (const auto& texture :
+       {material.color_texture, material.roughness_texture, material.opacity_texture,
+        material.normal_texture, material.emission_texture}) {
+    if (texture && (*texture >= scene.textures.size() ||
+                    scene.textures[*texture].image >= scene.images.size())) {
+      fail("its texture does not exist");
+    }
+  }
+  if (const auto& mixture = material.mixture) {
+    if (mixture->first >= index || mixture->second >= index) fail("it is mixed of later materials");
+  } else if (material.bsdf == BsdfKind::kMeasured &&
+             (material.measured >= scene.measured.size() ||
+              scene.measured[material.measured].rgb.size() != kMeasuredFloats)) {
+    fail("its measured BRDF does not exist");
+  }
+}
+
+// The direction in which u grows over a triangle; the world's +y where it has no uvs.
+std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
+  glm::dvec3 tangent(0, 1, 0);
+  if (!mesh.uvs.empty()) {
+    const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]),
+        c(mesh.positions[corners.z]);
+    const glm::dvec2 s(mesh.uvs[corners.x]), t(mesh.uvs[corners.y]), w(mesh.uvs[corners.z]);
+    const glm::dvec2 along = t - s, across = w - s;
+    const double area = along.x * across.y - along.y * across.x;
+    const glm::dvec3 u = (across.y * (b - a) - along.y * (c - a)) * (area < 0 ? -1.0 : 1.0);
+    const double length = glm::length(u);
+    if (std::isfinite(length) && length > 0) tangent = u / length;
+  }
+  return EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
 }
 
 }  // namespace
 
 Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
-                   const std::string& embree_config) {
+                   const std::string& embree_config, bool keep_uvs) {
   std::size_t vertex_count = 0, triangle_count = 0;
   for (const Mesh& mesh : scene.meshes) {
     CheckMesh(mesh, scene.materials.size(), path);
@@ -143,56 +230,62 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   if (triangle_count == 0) {
     throw InputError(InputPosition::File(path), "there is no triangle to render");
   }
-  if (scene.materials.size() > kMaterialMask || triangle_count >= (std::size_t{1} << 29)) {
+  if (scene.materials.size() > kMaterialMask || triangle_count >= kMaxRecords) {
     throw InputError(InputPosition::File(path),
                      fmt::format("{} materials and {} triangles are more than a scene can hold",
                                  scene.materials.size(), triangle_count));
   }
   bool textured = false;
-  for (const Material& material : scene.materials) {
-    for (const auto& texture : {material.color_texture, material.roughness_texture,
-                                material.opacity_texture, material.normal_texture}) {
-      if (!texture) continue;
-      textured = true;
-      if (*texture >= scene.textures.size()) {
-        throw InputError(InputPosition::File(path),
-                         fmt::format("material '{}': its texture does not exist", material.name));
-      }
-    }
+  bool tangents = false;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    CheckMaterial(scene, i, path);
+    const Material& material = scene.materials[i];
+    textured = textured || material.color_texture || material.roughness_texture ||
+               material.opacity_texture || material.normal_texture;
+    tangents = tangents || Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
   }
   if (textured) {
     textures_ = MakeTextureTables(scene, path);
-    textures_.uvs.reserve(triangle_count);
     normal_maps_ = PackNormalMaps(scene, textures_);
   }
+  keep_uvs = keep_uvs || textured;
+  if (keep_uvs) textures_.uvs.reserve(triangle_count);
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
   triangles_.reserve(triangle_count);
-  if (!normal_maps_.empty()) tangents_.reserve(triangle_count);
-  for (const Mesh* const from : OpaqueFirst(scene)) {
-    const Mesh& mesh = *from;
-    const Material& material = scene.materials[mesh.material];
+  for (const std::uint32_t index : OpaqueFirst(scene)) {
+    const Mesh& mesh = scene.meshes[index];
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
+    meshes_.push_back({index, std::uint32_t(triangles_.size()), first_vertex});
     for (const glm::uvec3& triangle : mesh.triangles) {
-      const glm::uvec3 corners =
-          AppendTriangle(mesh, material.bsdf, triangle, first_vertex, indices_, triangles_);
-      if (textured) textures_.uvs.push_back(MakeTriangleUvs(mesh, corners));
-      if (normal_maps_.empty()) continue;
-      tangents_.push_back(
-          material.normal_texture
-              ? MakeTriangleTangents(mesh, corners, scene.textures[*material.normal_texture])
-              : TriangleTangents{});
+      const glm::uvec3 corners = AppendTriangle(mesh, triangle, first_vertex, indices_, triangles_);
+      if (keep_uvs) textures_.uvs.push_back(MakeTriangleUvs(mesh, corners));
+      if (tangents) tangents_.push_back(PackTangent(mesh, corners));
     }
-    if (material.opaque()) first_with_holes_ = std::uint32_t(triangles_.size());
+    if (scene.materials[mesh.material].opaque()) {
+      first_with_holes_ = std::uint32_t(triangles_.size());
+    }
   }
+  // Variants come behind all triangles, variants of variants behind those.
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    AppendVariants(scene, i);
+    // Mixtures of mixtures double with every level.
+    if (triangles_.size() > kMaxVariants * triangle_count || triangles_.size() >= kMaxRecords) {
+      throw InputError(InputPosition::File(path),
+                       "the mixtures of materials have more variants than a scene can hold");
+    }
+  }
+  if (!normal_maps_.empty()) MakeMapAxes(scene);
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
-    materials_.push_back(PackMaterial(material));
+    materials_.push_back(PackMaterial(material, scene));
     // Tens of milliseconds, so only for those who need them.
-    if (material.bsdf == BsdfKind::kConductor || material.bsdf == BsdfKind::kMetallicRoughness) {
-      conductor_tables_ = &GgxTables();
-    }
+    if (ReadsGgxTables(material.bsdf)) conductor_tables_ = &GgxTables();
+    if (material.bsdf == BsdfKind::kCoatedMetallicRoughness) sheen_tables_ = &GetSheenTables();
+  }
+  for (const MeasuredBrdf& brdf : scene.measured) {
+    measured_.insert(measured_.end(), brdf.rgb.begin(), brdf.rgb.end());
   }
   if (has_holes()) {
     opacity_ = MakeOpacityRecords(scene.materials);
@@ -241,26 +334,88 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+// Gives triangle `i` the BSDF of its material, or two more records where that is a mixture.
+void Geometry::AppendVariants(const Scene& scene, std::size_t i) {
+  const std::uint32_t material = triangles_[i].tag & kMaterialMask;
+  const auto& mixture = scene.materials[material].mixture;
+  if (!mixture) {
+    const auto bsdf = std::uint32_t(scene.materials[material].bsdf);
+    triangles_[i].tag |= bsdf << kKindShift;
+    bsdfs_ |= BsdfSet{1} << bsdf;
+    return;
+  }
+  has_mixtures_ = true;
+  const auto first = std::uint32_t(triangles_.size());
+  for (const std::uint32_t variant : {mixture->first, mixture->second}) {
+    TriangleRecord record = triangles_[i];
+    record.tag = (record.tag & ~kMaterialMask) | variant;
+    triangles_.push_back(record);
+    mixed_.push_back(std::uint32_t(i));
+    if (!textures_.uvs.empty()) textures_.uvs.push_back(TriangleUvs(textures_.uvs[i]));
+    if (!tangents_.empty()) tangents_.push_back(std::uint32_t(tangents_[i]));
+  }
+  triangles_[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), material},
+                   .tag = kMixedTriangle};
+}
+
+// Variants of one triangle may have different maps.
+void Geometry::MakeMapAxes(const Scene& scene) {
+  map_axes_.resize(record_count());
+  for (std::uint32_t record = 0; record < record_count(); ++record) {
+    const std::uint32_t tag = triangles_[record].tag;
+    const auto& texture = scene.materials[tag & kMaterialMask].normal_texture;
+    if ((tag & kMixedTriangle) != 0 || !texture) continue;
+    const std::uint32_t triangle = TriangleOf(record);
+    const MeshPlace& place = PlaceOf(triangle);
+    const std::uint32_t* const corners = &indices_[3 * std::size_t{triangle}];
+    map_axes_[record] =
+        MakeTriangleTangents(scene.meshes[place.mesh],
+                             glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex,
+                             scene.textures[*texture]);
+  }
+}
+
 std::string DefaultEmbreeConfig() {
   return __builtin_cpu_supports("avx2") ? "isa=avx2" : "verbose=0";
 }
 
 MaterialView Geometry::materials() const {
-  return {.records = materials_.data(), .conductor = conductor_tables_};
+  return {.records = materials_.data(),
+          .conductor = conductor_tables_,
+          .sheen = sheen_tables_,
+          .measured = measured_.data()};
+}
+
+glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
+  const float* p = &vertices_[3 * std::size_t{indices_[3 * triangle + std::size_t(corner)]}];
+  return {p[0], p[1], p[2]};
 }
 
 TextureView Geometry::textures() const { return textures_.view(); }
 
 NormalMapView Geometry::normal_maps() const {
   if (normal_maps_.empty()) return {};
-  return {.records = normal_maps_.data(), .tangents = tangents_.data()};
+  return {.records = normal_maps_.data(), .tangents = map_axes_.data()};
+}
+
+std::uint32_t Geometry::TriangleOf(std::uint32_t record) const {
+  while (record >= triangle_count()) record = mixed_[record - triangle_count()];
+  return record;
+}
+
+const MeshPlace& Geometry::PlaceOf(std::uint32_t triangle) const {
+  const auto next = std::upper_bound(
+      meshes_.begin(), meshes_.end(), triangle,
+      [](std::uint32_t t, const MeshPlace& place) { return t < place.first_triangle; });
+  return *std::prev(next);
 }
 
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
          triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         textures_.bytes() + normal_maps_.size() * sizeof(NormalMapRecord) +
-         tangents_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
+         (tangents_.size() + mixed_.size() + measured_.size()) * sizeof(float) + textures_.bytes() +
+         normal_maps_.size() * sizeof(NormalMapRecord) +
+         map_axes_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
 }
 
 std::uint64_t SceneHash(const Scene& scene) {
@@ -277,15 +432,23 @@ std::uint64_t SceneHash(const Scene& scene) {
     if (!mesh.tangents.empty()) add_all(mesh.tangents);
   }
   for (const Material& m : scene.materials) {
-    add(m.bsdf), add(m.reflectance), add(m.eta), add(m.k), add(m.alpha), add(m.ior);
+    add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k),
+        add(m.alpha), add(m.ior);
     add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
+    add(m.alpha_across.value_or(-1)), add(m.second_color), add(m.coat), add(m.coat_alpha);
+    add(m.sheen), add(m.sheen_alpha), add(m.measured);
+    if (m.mixture) add(m.mixture->first), add(m.mixture->second), add(m.mixture->share);
     if (!m.opaque()) {
       add(m.opacity), add(m.opacity_cutoff.value_or(-1)), add(m.opacity_texture.value_or(~0u));
     }
     if (m.normal_texture) {
       add(*m.normal_texture), add(m.normal_scale), add(m.height_in_texels);
     }
+    if (m.emission != glm::vec3(0)) {
+      add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
+    }
   }
+  for (const MeasuredBrdf& brdf : scene.measured) add_all(brdf.rgb);
   for (const Texture& t : scene.textures) {
     add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
     if (t.use != TextureUse::kColor) add(t.use);
@@ -302,6 +465,10 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const EnvironmentLight& light : scene.environments) {
     if (light.map) add(light.map->width), add(light.map->height), add_all(light.map->rgb);
     add(light.scale), add(light.world_from_map);
+  }
+  for (const PunctualLight& l : scene.lights) {
+    add(l.kind), add(l.emission), add(l.position), add(l.direction), add(l.cos_full);
+    add(l.cos_dark);
   }
   const std::uint64_t hash = XXH64_digest(state);
   XXH64_freeState(state);

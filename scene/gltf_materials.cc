@@ -113,14 +113,101 @@ float Fraction(Context& context, const char* name, double value) {
   return value > 0 ? 1.0f : 0.0f;  // NaN is 0
 }
 
-void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
-  const auto& emission = from.emissiveFactor;
-  if (std::any_of(emission.begin(), emission.end(), [](double e) { return e > 0; })) {
-    Warn(context, "emission is not supported: left out");
+constexpr std::string_view kExtensions[] = {
+    "KHR_materials_ior",      "KHR_materials_transmission",     "KHR_materials_unlit",
+    "KHR_materials_volume",   "KHR_materials_clearcoat",        "KHR_materials_sheen",
+    "KHR_materials_specular", "KHR_materials_emissive_strength"};
+
+// The object of an extension; none: null.
+const tinygltf::Value* Extension(const tinygltf::Material& from, const char* name) {
+  const auto found = from.extensions.find(name);
+  return found == from.extensions.end() ? nullptr : &found->second;
+}
+
+glm::vec3 Color(const tinygltf::Value& object, const char* name, const glm::vec3& otherwise) {
+  if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsArray() ||
+      object.Get(name).ArrayLen() != 3) {
+    return otherwise;
   }
+  glm::vec3 color;
+  for (int c = 0; c < 3; ++c) {
+    const tinygltf::Value& channel = object.Get(name).Get(c);
+    color[c] = channel.IsNumber() ? float(channel.GetNumberAsDouble()) : otherwise[c];
+  }
+  return color;
+}
+
+// The index whose reflectance at normal incidence is that of `ior` times `factor`.
+float ScaledIndex(float ior, double factor) {
+  const double amplitude = std::sqrt(factor) * (ior - 1) / (ior + 1);
+  return float((1 + amplitude) / (1 - amplitude));
+}
+
+// A weaker specular lobe is that of a lower index.
+void SetSpecular(Context& context, const tinygltf::Material& from, Material& material) {
+  const tinygltf::Value* const found = Extension(from, "KHR_materials_specular");
+  if (found == nullptr) return;
+  const double factor = Fraction(context, "specularFactor", Number(*found, "specularFactor", 1));
+  const glm::vec3 color = Color(*found, "specularColorFactor", glm::vec3(1));
+  if (color.x != color.y || color.y != color.z) {
+    Warn(context, "specularColorFactor: its mean is used");
+  }
+  const double mean = std::clamp(double(color.x + color.y + color.z) / 3, 0.0, 1.0);
+  material.ior = ScaledIndex(material.ior, factor * mean);
+}
+
+void AddLayers(Context& context, const tinygltf::Material& from, Material& material) {
+  const tinygltf::Value* const coat = Extension(from, "KHR_materials_clearcoat");
+  const tinygltf::Value* const sheen = Extension(from, "KHR_materials_sheen");
+  if (coat != nullptr) {
+    material.coat = Fraction(context, "clearcoatFactor", Number(*coat, "clearcoatFactor", 0));
+    const float roughness =
+        Fraction(context, "clearcoatRoughnessFactor", Number(*coat, "clearcoatRoughnessFactor", 0));
+    material.coat_alpha = roughness * roughness;
+  } else {
+    material.coat = 0;
+  }
+  if (sheen != nullptr) {
+    const glm::vec3 color = Color(*sheen, "sheenColorFactor", glm::vec3(0));
+    for (int c = 0; c < 3; ++c) {
+      material.sheen[c] = Fraction(context, "sheenColorFactor", color[c]);
+    }
+    const float roughness =
+        Fraction(context, "sheenRoughnessFactor", Number(*sheen, "sheenRoughnessFactor", 0));
+    material.sheen_alpha = roughness * roughness;
+  }
+  if (material.coat > 0 || material.sheen != glm::vec3(0)) {
+    material.bsdf = BsdfKind::kCoatedMetallicRoughness;
+  }
+}
+
+// A pane where there is no volume, as the extension has it.
+Material Transmission(Context& context, const tinygltf::Material& from, const Material& opaque) {
+  const tinygltf::Value* const volume = Extension(from, "KHR_materials_volume");
+  const bool solid = volume != nullptr && Number(*volume, "thicknessFactor", 0) > 0;
+  Material glass = {.name = opaque.name,
+                    .bsdf = solid ? BsdfKind::kDielectric : BsdfKind::kThinDielectric,
+                    .reflectance = opaque.reflectance,
+                    .alpha = opaque.alpha,
+                    .ior = opaque.ior};
+  if (solid && glass.alpha >= 1e-3f && glass.ior > 1.001f) {
+    glass.bsdf = BsdfKind::kRoughDielectric;
+  } else if (glass.alpha > 0.01f) {
+    Warn(context, "rough transmission without a volume is rendered smooth");
+  }
+  if (volume != nullptr && volume->IsObject() && volume->Has("attenuationColor")) {
+    Warn(context, "KHR_materials_volume: absorption is not supported: left out");
+  }
+  return glass;
+}
+
+void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
   for (const auto& [name, value] : from.extensions) {
-    if (name == "KHR_materials_ior" || name == "KHR_materials_transmission" ||
-        name == "KHR_materials_unlit") {
+    if (std::find(std::begin(kExtensions), std::end(kExtensions), name) != std::end(kExtensions)) {
+      for (const std::string& key : value.IsObject() ? value.Keys() : std::vector<std::string>()) {
+        if (!key.ends_with("Texture")) continue;
+        Warn(context, fmt::format("{} of {} is not supported: its factor is used", key, name));
+      }
       continue;
     }
     Warn(context, fmt::format("the extension {} is not supported: left out", name));
@@ -153,6 +240,39 @@ void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Mate
   }
 }
 
+// What the material shines with; `uv_set`: of its other textures, or negative if it has none.
+void SetEmission(Context& context, const tinygltf::Material& from, int& uv_set,
+                 Material& material) {
+  double strength = 1;
+  if (const auto found = from.extensions.find("KHR_materials_emissive_strength");
+      found != from.extensions.end()) {
+    strength = Number(found->second, "emissiveStrength", 1);
+  }
+  glm::dvec3 emission(0);
+  for (std::size_t c = 0; c < 3 && c < from.emissiveFactor.size(); ++c) {
+    emission[int(c)] = from.emissiveFactor[c] * strength;
+    if (!(emission[int(c)] >= 0 && emission[int(c)] <= 1e18)) {
+      throw InputError(
+          InputPosition::File(context.path),
+          fmt::format("material '{}' has an emission of {}", from.name, emission[int(c)]));
+    }
+  }
+  if (emission == glm::dvec3(0)) return;
+  material.emission = glm::vec3(emission);
+  material.emits_on_both_sides = from.doubleSided;
+  int set = uv_set;
+  material.emission_texture =
+      AddTexture(context, from.emissiveTexture, Encoding::kSrgb, TextureUse::kColor, set);
+  if (!material.emission_texture) return;
+  if (uv_set >= 0 && set != uv_set) {
+    Warn(context,
+         "two sets of texture coordinates in a material are not supported: the first one is used "
+         "for the emission too");
+  } else {
+    uv_set = set;
+  }
+}
+
 Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_set) {
   const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
   Material material;
@@ -174,27 +294,24 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
       material.ior = 1.5f;
     }
   }
-  if (const auto found = from.extensions.find("KHR_materials_transmission");
-      found != from.extensions.end() && Number(found->second, "transmissionFactor", 0) >= 0.5) {
-    if (roughness > 0.1f || material.reflectance != glm::vec3(1)) {
-      Warn(context, "transmission is rendered as clear, smooth glass");
-    }
-    return {.name = from.name,
-            .bsdf = BsdfKind::kDielectric,
-            .reflectance = glm::vec3(1),
-            .ior = material.ior};
+  uv_set = -1;
+  int roughness_set = -1, normal_set = -1;
+  if (const auto* found = Extension(from, "KHR_materials_transmission");
+      found != nullptr && Number(*found, "transmissionFactor", 0) >= 0.5) {
+    material = Transmission(context, from, material);
+  } else {
+    SetSpecular(context, from, material);
+    AddLayers(context, from, material);
+    material.color_texture =
+        AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, TextureUse::kColor, uv_set);
+    material.roughness_texture = AddTexture(context, pbr.metallicRoughnessTexture,
+                                            Encoding::kLinear, TextureUse::kColor, roughness_set);
   }
-  int roughness_set = -1;
-  int normal_set = -1;
-  material.color_texture =
-      AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, TextureUse::kColor, uv_set);
-  material.roughness_texture = AddTexture(context, pbr.metallicRoughnessTexture, Encoding::kLinear,
-                                          TextureUse::kColor, roughness_set);
   material.normal_texture =
       AddTexture(context, from.normalTexture, Encoding::kLinear, TextureUse::kNormals, normal_set);
   material.normal_scale = float(from.normalTexture.scale);
   SetOpacity(context, from, uv_set, material);
-  if (!material.color_texture) uv_set = std::max({roughness_set, normal_set, 0});
+  if (uv_set < 0) uv_set = std::max(roughness_set, normal_set);
   if ((material.roughness_texture && roughness_set != uv_set) ||
       (material.normal_texture && normal_set != uv_set)) {
     Warn(context,
@@ -217,9 +334,11 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
   Context context{model, path, scene, warnings};
   GltfMaterials materials;
   for (const tinygltf::Material& from : model.materials) {
-    int set = 0;
-    scene.materials.push_back(MakeMaterial(context, from, set));
-    materials.uv_set.push_back(set);
+    int set = -1;
+    Material material = MakeMaterial(context, from, set);
+    SetEmission(context, from, set, material);
+    scene.materials.push_back(std::move(material));
+    materials.uv_set.push_back(std::max(set, 0));
     materials.uses_tangents.push_back(scene.materials.back().normal_texture.has_value());
   }
   // Of primitives without a material: all defaults of the schema.

@@ -2,16 +2,21 @@
 //
 //   pbrMetallicRoughness           metallic-roughness: factors and both textures
 //   KHR_materials_ior              its index
-//   KHR_materials_transmission     from a factor of 1/2: smooth dielectric, clear
+//   KHR_materials_transmission     from a factor of 1/2: a pane of the base colour, or with
+//   KHR_materials_volume           (thickness above 0) a dielectric, smooth or rough; no absorption
+//   KHR_materials_clearcoat, KHR_materials_sheen   layers (kernels/coat-inl.h), by their factors
+//   KHR_materials_specular         the index that reflects so much
 //   KHR_materials_unlit            Lambert, with a warning
 //   KHR_texture_transform          offset, rotation and scale
 //   alphaMode MASK, BLEND          holes by alphaCutoff, or in the share of rays that alpha leaves
 //   normalTexture                  with its scale, along TANGENT or else the axes of the uvs
+//   emissiveFactor, emissiveTexture, KHR_materials_emissive_strength
+//                                  radiance in nits, on both sides of doubleSided materials; of the
+//                                  texture each triangle takes the mean; holes do not shine
 //
 // Both sides of every surface are rendered, doubleSided or not: a side that cannot be seen would
 // still have to cast shadows, and path tracers show it (Cycles does).
 //
-// Left out with a warning: emission.
 // Occlusion is left out in silence: it is what rendering finds out. Filters of samplers are ours.
 #pragma once
 

@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/gltf_lights.h"
 #include "scene/gltf_materials.h"
 #include "scene/gltf_meshes.h"
 #include "scene/mesh.h"
@@ -76,8 +77,7 @@ bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, in
   return true;
 }
 
-tinygltf::Model Load(const std::string& path) {
-  const std::string bytes = ReadFile(path, std::size_t{2} << 30);
+tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   Folder folder{fs::path(path).parent_path(), ""};
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks({Exists, KeepPath, ReadWhole, nullptr, &folder});
@@ -182,7 +182,7 @@ Camera MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world, const s
 
 // Walks the trees below the roots; every node has one parent at most.
 void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, const std::string& path,
-              Scene& scene, Warnings& warnings) {
+              std::size_t max_triangles, Scene& scene, Warnings& warnings) {
   struct Visit {
     int node;
     glm::dmat4 parent;
@@ -210,13 +210,14 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
     if (node.mesh >= 0) {
       for (Mesh& mesh : MakeGltfMeshes(model, node.mesh, materials, path, warnings)) {
         triangles += mesh.triangles.size();
-        if (triangles > kMaxSceneTriangles) {
-          Fail(path, fmt::format("has more than {} triangles", kMaxSceneTriangles));
+        if (triangles > max_triangles) {
+          Fail(path, fmt::format("has more than {} triangles (--max-triangles)", max_triangles));
         }
         TransformMesh(world, mesh);
         scene.meshes.push_back(std::move(mesh));
       }
     }
+    AddGltfLight(model, node, world, path, scene, warnings);
     if (node.camera >= 0 && !scene.camera) {
       if (std::size_t(node.camera) >= model.cameras.size()) {
         Fail(path, fmt::format("there is no camera {}", node.camera));
@@ -231,17 +232,21 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
 
 }  // namespace
 
-Scene ReadGltf(const std::string& path) {
-  const tinygltf::Model model = Load(path);
+Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options) {
+  const tinygltf::Model model = Load(bytes, path);
   Scene scene;
-  Warnings warnings;
+  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
   const GltfMaterials materials = AddGltfMaterials(model, path, scene, warnings);
-  AddNodes(model, materials, path, scene, warnings);
+  AddNodes(model, materials, path, options.max_triangles, scene, warnings);
   if (!model.animations.empty()) {
     AddWarning(warnings, InputPosition::File(path), "animations are not supported: left at rest");
   }
   scene.warnings = WarningLines(warnings);
   return scene;
+}
+
+Scene ReadGltf(const std::string& path, const ReadOptions& options) {
+  return ParseGltf(ReadFile(path, std::size_t{2} << 30), path, options);
 }
 
 }  // namespace skywave

@@ -9,6 +9,7 @@
 
 #include <string>
 
+#include "scene/read_options.h"
 #include "scene/scene.h"
 
 namespace skywave {
@@ -16,6 +17,9 @@ namespace skywave {
 // Throws InputError on everything that contradicts itself: indices and ranges outside of what they
 // are of, nodes that are their own ancestors, required extensions that are not known. Warnings say
 // what is not rendered.
-Scene ReadGltf(const std::string& path);
+Scene ReadGltf(const std::string& path, const ReadOptions& options = {});
+
+// The same from memory; other files are looked up beside `path`.
+Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options = {});
 
 }  // namespace skywave

@@ -9,10 +9,6 @@
 
 namespace skywave {
 
-// A reader refuses files that grow beyond this many triangles by instances or subdivision, so that
-// a small hostile file cannot exhaust the memory. [triangles] about 5 GB of positions and indices.
-inline constexpr std::size_t kMaxSceneTriangles = std::size_t{1} << 27;
-
 // Moves the mesh by the affine `to`. Normals follow the inverse transpose; where `to` mirrors, the
 // winding is swapped, so that (p1 - p0) x (p2 - p0) stays on the side that the normals point to.
 void TransformMesh(const glm::dmat4& to, Mesh& mesh);

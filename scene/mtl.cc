@@ -10,6 +10,7 @@
 #include <map>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -51,7 +52,7 @@ bool IsMap(std::string_view word) {
 constexpr std::array<std::string_view, 4> kReliefMaps = {"norm", "bump", "map_bump", "map_Bump"};
 
 bool IsRenderedMap(std::string_view word) {
-  return word == "map_Kd" || word == "map_d" ||
+  return IsOneOf(word, {"map_Kd", "map_Ke", "map_d"}) ||
          std::find(kReliefMaps.begin(), kReliefMaps.end(), word) != kReliefMaps.end();
 }
 
@@ -65,8 +66,8 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
       throw InputError(PositionOf(lines),
                        fmt::format("'{}' takes one or three numbers that are not negative", word));
     }
-    if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 0) {
-      AddWarning(warnings, PositionOf(lines), "Ke: emission is not supported: left out");
+    if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 1e18) {
+      throw InputError(PositionOf(lines), "'Ke' is brighter than 1e18");
     }
   } else if (IsOneOf(word, {"Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm"})) {
     const bool halo = word == "d" && words.size() > 1 && words[1] == "-halo";
@@ -102,13 +103,17 @@ std::vector<Entry> CheckMtl(ObjLines& lines, Warnings& warnings) {
   return entries;
 }
 
-// A reflectance, clamped to [0, 1]. tinyobjloader leaves 0 in the channels that a grey given by one
-// number does not name.
-glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
-                   Warnings& warnings) {
+// tinyobjloader leaves 0 in the channels that a grey given by one number does not name.
+glm::vec3 Color(const float* values, const Entry& entry, std::string_view word) {
   const auto found = entry.statements.find(word);
   const bool grey = found != entry.statements.end() && found->second.single;
-  const glm::vec3 color = grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
+  return grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
+}
+
+// A reflectance, clamped to [0, 1].
+glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
+                   Warnings& warnings) {
+  const glm::vec3 color = Color(values, entry, word);
   const glm::vec3 clamped = glm::clamp(color, 0.0f, 1.0f);
   if (clamped != color) {
     AddWarning(warnings, At(entry, word), fmt::format("{} is clamped to [0, 1]", word));
@@ -168,12 +173,14 @@ std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture
   return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
 }
 
-std::optional<std::uint32_t> DiffuseMap(const tinyobj::material_t& mtl, const Entry& entry,
-                                        TextureFiles& textures, Warnings& warnings) {
-  const auto path = FindMap(mtl.diffuse_texname, entry, "map_Kd", warnings);
+// The texture of map_Kd or map_Ke, or nothing.
+std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
+                                      const Entry& entry, std::string_view word,
+                                      TextureFiles& textures, Warnings& warnings) {
+  const auto path = FindMap(std::move(name), entry, word, warnings);
   if (!path) return std::nullopt;
-  return AddMap(AddTextureImage(textures, *path, Encoding::kSrgb), TextureUse::kColor,
-                mtl.diffuse_texopt, textures);
+  return AddMap(AddTextureImage(textures, *path, Encoding::kSrgb), TextureUse::kColor, option,
+                textures);
 }
 
 // But for what JPEG does to grey pictures.
@@ -230,7 +237,8 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureF
   const glm::vec3 specular = Fraction(mtl.specular, entry, "Ks", warnings);
   if (IsGlass(mtl)) return Glass(mtl);
   if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
-  const auto map = DiffuseMap(mtl, entry, textures, warnings);
+  const auto map =
+      ColorMap(mtl.diffuse_texname, mtl.diffuse_texopt, entry, "map_Kd", textures, warnings);
   if (!map && IsBlack(diffuse) && !IsBlack(specular)) {
     if (mtl.illum == 3 || mtl.illum == 5) {
       return {.bsdf = BsdfKind::kMirror, .reflectance = specular};
@@ -251,6 +259,16 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureF
   // Exporters write black for "as the map has it".
   if (map && (!entry.Has("Kd") || IsBlack(diffuse))) material.reflectance = glm::vec3(1);
   return material;
+}
+
+void SetEmission(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                 Warnings& warnings, Material& material) {
+  material.emits_on_both_sides = true;
+  material.emission = Color(mtl.emission, entry, "Ke");
+  if (entry.Has("Ke") && IsBlack(material.emission)) return;
+  material.emission_texture =
+      ColorMap(mtl.emissive_texname, mtl.emissive_texopt, entry, "map_Ke", textures, warnings);
+  if (material.emission_texture && !entry.Has("Ke")) material.emission = glm::vec3(1);
 }
 
 }  // namespace
@@ -278,6 +296,7 @@ std::vector<Material> ParseMtl(std::string text, const std::string& path, Textur
       SetOpacity(read[i], entries[i], textures, warnings, materials.back());
       SetNormalMap(read[i], entries[i], textures, warnings, materials.back());
     }
+    SetEmission(read[i], entries[i], textures, warnings, materials.back());
     materials.back().name = entries[i].name;
   }
   return materials;

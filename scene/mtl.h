@@ -16,6 +16,9 @@
 // normals where they are coloured, and grey ones (but for norm) of heights: MTL does not say how
 // high white is, here it is bm hundredths of the width of the image.
 //
+// Ke is radiance, on both sides (the format does not say; windings of OBJ files are not reliable).
+// Of map_Ke, a factor of it (of 1 where there is no Ke), each triangle takes the mean.
+//
 // map_Kd is multiplied with Kd (1 where there is none, or 0) in the last two, its v upwards; its
 // options -s, -o and -clamp count. A map whose file is missing is left out, with a warning.
 //
@@ -33,7 +36,7 @@
 namespace skywave {
 
 // The materials in the order of the file, with their names. Throws InputError with the line on
-// numbers that are none. Warns, with the line, of maps, emission and whatever else is not rendered.
+// numbers that are none. Warns, with the line, of maps and whatever else is not rendered.
 std::vector<Material> ReadMtl(const std::string& path, TextureFiles& textures, Warnings& warnings);
 
 // The same from memory; `path` is for messages.

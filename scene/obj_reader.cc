@@ -99,9 +99,9 @@ UsedMaterials FindUsedMaterials(const ObjStatements& statements, const std::stri
 
 }  // namespace
 
-Scene ParseObj(std::string text, const std::string& path) {
+Scene ParseObj(std::string text, const std::string& path, const ReadOptions& options) {
   Scene scene;
-  Warnings warnings;
+  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
   scene.materials.push_back({.name = "default"});
   ObjLines lines = MakeObjLines(std::move(text), path);
   const ObjStatements statements = CheckObj(lines, warnings);
@@ -123,6 +123,8 @@ Scene ParseObj(std::string text, const std::string& path) {
   return scene;
 }
 
-Scene ReadObj(const std::string& path) { return ParseObj(ReadFile(path), path); }
+Scene ReadObj(const std::string& path, const ReadOptions& options) {
+  return ParseObj(ReadFile(path), path, options);
+}
 
 }  // namespace skywave

@@ -11,15 +11,16 @@
 
 #include <string>
 
+#include "scene/read_options.h"
 #include "scene/scene.h"
 
 namespace skywave {
 
 // Throws InputError with file and line: see obj_check.h, mtl.h; a library that is not there is one
 // too (kExitIo).
-Scene ReadObj(const std::string& path);
+Scene ReadObj(const std::string& path, const ReadOptions& options = {});
 
 // The same from memory; libraries are looked up beside `path`.
-Scene ParseObj(std::string text, const std::string& path);
+Scene ParseObj(std::string text, const std::string& path, const ReadOptions& options = {});
 
 }  // namespace skywave

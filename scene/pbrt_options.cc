@@ -29,6 +29,10 @@ void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::strin
   AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
 }
 
+void Note(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
+  AddNote(reader.warnings, parameters.position, parameters.directive + ": " + text);
+}
+
 int RequirePositive(const PbrtParameters& parameters, std::string_view name, int value) {
   if (value <= 0) {
     throw InputError(parameters.position,
@@ -120,6 +124,24 @@ void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 }
 
 void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
+  // pbrt-v4: [left right top bottom] in pixels. Fractions are rounded up to pixels again.
+  if (const PbrtParameter* given = Find(parameters, {"integer"}, "pixelbounds")) {
+    const std::vector<std::int32_t>& p = given->ints;
+    const int width = settings.width.value_or(1280), height = settings.height.value_or(720);
+    if (p.size() != 4 || !(0 <= p[0] && p[0] < p[1] && p[1] <= width) ||
+        !(0 <= p[2] && p[2] < p[3] && p[3] <= height)) {
+      throw InputError(given->position,
+                       fmt::format("{}: \"pixelbounds\" takes left < right and top < bottom on the "
+                                   "film of {} x {}",
+                                   parameters.directive, width, height));
+    }
+    const auto fraction = [](int pixel, int size) {
+      return std::max(0.0f, (float(pixel) - 0.25f) / float(size));
+    };
+    settings.width = width, settings.height = height;
+    settings.crop = CropFractions{fraction(p[0], width), fraction(p[1], width),
+                                  fraction(p[2], height), fraction(p[3], height)};
+  }
   if (const PbrtParameter* given = Find(parameters, {"float"}, "cropwindow")) {
     const std::vector<float>& c = given->floats;
     if (c.size() != 4 || !(0 <= c[0] && c[0] < c[1] && c[1] <= 1) ||
@@ -143,8 +165,16 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     }
   }
   ReadCrop(parameters, settings);
+  // The film's size in millimetres decides nothing for the cameras that are rendered, and 16-bit
+  // output nothing here.
+  FindFloat(parameters, "diagonal");
+  FindBool(parameters, "savefp16");
+  if (const auto sensor = FindString(parameters, "sensor"); sensor && *sensor != "cie1931") {
+    Warn(reader, parameters,
+         fmt::format("sensor \"{}\" is not supported: cie1931 is used", *sensor));
+  }
   if (FindString(parameters, "filename")) {
-    Warn(reader, parameters, "\"filename\" is ignored: the output is named on the command line");
+    Note(reader, parameters, "\"filename\" is ignored: the output is named on the command line");
   }
   if (type != "image" && type != "rgb") Warn(reader, parameters, "only an RGB picture is rendered");
   ReportUnused(parameters, reader.warnings);
@@ -162,8 +192,8 @@ void ReadSampler(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) 
                                  RequirePositive(parameters, "ysamples", *y);
     samples = static_cast<int>(std::min<std::int64_t>(product, 1 << 30));
   }
-  Warn(reader, parameters, "only the number of samples is taken; the sampler is Skywave's own");
-  ReportUnused(parameters, reader.warnings);
+  // Whatever else it says concerns the noise only.
+  Note(reader, parameters, "only the number of samples is taken; the sampler is Skywave's own");
 }
 
 void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -183,6 +213,10 @@ void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
                        fmt::format("{}: \"maxdepth\" is {}", parameters.directive, *depth));
     }
     settings.max_depth = *depth;
+  }
+  for (const char* name : {"lightsampler", "lightsamplestrategy", "strategy", "rrthreshold"}) {
+    if (!Find(parameters, {"string", "float"}, name)) continue;
+    Note(reader, parameters, fmt::format("\"{}\" is ignored: --strategy chooses lights", name));
   }
   ReportUnused(parameters, reader.warnings);
 }
@@ -217,11 +251,13 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
   ReportUnused(parameters, reader.warnings);
 }
 
-// Directives that change nothing in the picture, or nothing that is rendered here.
+// Changes nothing in the picture.
+void Accelerator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  Note(reader, ReadImplementation(reader, source, word).parameters, "is ignored");
+}
+
 void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const Implementation ignored = ReadImplementation(reader, source, word);
-  AddWarning(reader.warnings, ignored.parameters.position,
-             ignored.parameters.directive + " is ignored");
+  Warn(reader, ReadImplementation(reader, source, word).parameters, "is not supported: ignored");
 }
 
 // pbrt-v4: `Option "type name" value`.
@@ -252,7 +288,7 @@ constexpr Entry kDirectives[] = {
     {"Integrator", ReadIntegrator},
     {"SurfaceIntegrator", ReadIntegrator},  // pbrt-v2
     {"PixelFilter", ReadPixelFilter},
-    {"Accelerator", Ignore},
+    {"Accelerator", Accelerator},
     {"VolumeIntegrator", Ignore},  // pbrt-v2
     {"Renderer", Ignore},          // pbrt-v2
     {"Option", ReadOption},

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+
+#include "base/files.h"
+#include "scene/spectrum.h"
 
 namespace skywave {
 namespace {
-
-constexpr std::size_t kMaxParameters = 256;  // the search for repeated names is quadratic
 
 enum class ValueKind { kFloat, kInteger, kString, kBool, kFloatOrString };
 
@@ -102,6 +104,19 @@ PbrtParameter Declare(const PbrtSource& source, const PbrtToken& token) {
   return parameter;
 }
 
+// A spectrum given by a file becomes its pairs. Other names stay: they may be known ones.
+void LoadSpectrumFile(const PbrtSource& source, PbrtParameter& parameter) {
+  if (parameter.type != "spectrum" || parameter.strings.size() != 1) return;
+  const std::string path = FindPbrtFile(source, parameter.strings[0]);
+  std::error_code ignored;
+  if (path.empty() || !std::filesystem::is_regular_file(path, ignored)) return;
+  for (const glm::vec2& pair : ParseSpectrumFile(ReadFile(path), path)) {
+    parameter.floats.push_back(pair.x);
+    parameter.floats.push_back(pair.y);
+  }
+  parameter.strings.clear();
+}
+
 PbrtParameter ReadParameter(PbrtSource& source) {
   const PbrtToken declaration = NextToken(source);
   PbrtParameter parameter = Declare(source, declaration);
@@ -133,6 +148,7 @@ PbrtParameter ReadParameter(PbrtSource& source) {
   } else {
     AddValue(source, token, type->kind, parameter);
   }
+  LoadSpectrumFile(source, parameter);
   if (parameter.floats.size() % type->group != 0) {
     throw InputError(parameter.position,
                      fmt::format("\"{} {}\" has {} values: not a multiple of {}", parameter.type,
@@ -151,11 +167,32 @@ const Value& Single(const PbrtParameter& parameter, const std::vector<Value>& va
   return values[0];
 }
 
-// CIE XYZ to linear Rec. 709 (IEC 61966-2-1).
-glm::vec3 RgbFromXyz(const glm::vec3& c) {
-  return {3.2406f * c.x - 1.5372f * c.y - 0.4986f * c.z,
-          -0.9689f * c.x + 1.8758f * c.y + 0.0415f * c.z,
-          0.0557f * c.x - 0.2040f * c.y + 1.0570f * c.z};
+glm::vec3 ColorOfBlackbody(const PbrtParameter& parameter) {
+  // pbrt-v4: the temperature; pbrt-v3: temperature and scale.
+  const std::vector<float>& values = parameter.floats;
+  if (values.empty() || values.size() > 2 || !(values[0] > 0)) {
+    throw InputError(parameter.position,
+                     fmt::format("\"blackbody {}\" takes a temperature above 0 and maybe a scale",
+                                 parameter.name));
+  }
+  return values.size() == 1 ? RgbOfBlackbody(values[0]) : values[1] * RgbOfBlackbodyPeak(values[0]);
+}
+
+glm::vec3 ColorOfPairs(const PbrtParameter& parameter, SpectrumUse use) {
+  const std::vector<float>& values = parameter.floats;
+  std::vector<glm::vec2> pairs;
+  for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
+    pairs.emplace_back(values[i], values[i + 1]);
+  }
+  const auto descent =
+      std::adjacent_find(pairs.begin(), pairs.end(), [](auto& a, auto& b) { return !(a.x < b.x); });
+  if (values.empty() || values.size() % 2 != 0 || descent != pairs.end()) {
+    throw InputError(parameter.position,
+                     fmt::format("\"spectrum {}\" takes pairs of wavelength and value, wavelengths "
+                                 "ascending",
+                                 parameter.name));
+  }
+  return use == SpectrumUse::kEmission ? RgbOfEmission(pairs) : RgbOfReflectance(pairs);
 }
 
 }  // namespace
@@ -171,9 +208,9 @@ PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
                                                          parameter.type, parameter.name));
       }
     }
-    if (parameters.list.size() == kMaxParameters) {
-      throw InputError(parameter.position,
-                       fmt::format("{} has more than {} parameters", directive, kMaxParameters));
+    if (parameters.list.size() == kMaxPbrtParameters) {
+      throw InputError(parameter.position, fmt::format("{} has more than {} parameters", directive,
+                                                       kMaxPbrtParameters));
     }
     parameters.list.push_back(std::move(parameter));
   }
@@ -217,7 +254,8 @@ std::optional<std::string> FindString(PbrtParameters& parameters, std::string_vi
 }
 
 std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view name,
-                                   const PbrtTextures& textures, Warnings& warnings) {
+                                   const PbrtTextures& textures, Warnings& warnings,
+                                   SpectrumUse use) {
   const PbrtParameter* found =
       Find(parameters, {"rgb", "color", "xyz", "float", "texture", "spectrum", "blackbody"}, name);
   if (!found) return std::nullopt;
@@ -227,7 +265,7 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
                            found->type, found->name, reason));
     return std::nullopt;
   };
-  if (found->type == "blackbody") return not_simple("is not converted to RGB");
+  if (found->type == "blackbody") return ColorOfBlackbody(*found);
   if (found->type == "texture") {
     const auto texture = textures.find(Single(*found, found->strings));
     if (texture == textures.end()) {
@@ -241,25 +279,10 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
   }
   if (found->type == "float") return glm::vec3(Single(*found, found->floats));
   if (found->type == "spectrum") {
-    if (!found->strings.empty()) {
-      return not_simple(fmt::format("(\"{}\") is not known", found->strings[0]));
-    }
-    if (found->floats.empty() || found->floats.size() % 2 != 0) {
-      throw InputError(found->position,
-                       fmt::format("\"spectrum {}\" takes pairs of wavelength and value", name));
-    }
-    float sum = 0, low = found->floats[1], high = low;
-    for (std::size_t i = 1; i < found->floats.size(); i += 2) {
-      sum += found->floats[i];
-      low = std::min(low, found->floats[i]);
-      high = std::max(high, found->floats[i]);
-    }
-    if (low != high) {
-      AddWarning(warnings, found->position,
-                 fmt::format("{}: \"spectrum {}\" is not converted to RGB: its mean is used",
-                             parameters.directive, name));
-    }
-    return glm::vec3(sum / static_cast<float>(found->floats.size() / 2));
+    if (found->strings.empty()) return ColorOfPairs(*found, use);
+    const std::string& spectrum = Single(*found, found->strings);
+    if (const auto illuminant = RgbOfIlluminant(spectrum)) return illuminant;
+    return not_simple(fmt::format("(\"{}\") is neither a file nor a name that is known", spectrum));
   }
   if (found->floats.size() != 3) {
     throw InputError(found->position, fmt::format("\"{} {}\" takes three values, not {}",

@@ -41,6 +41,9 @@ struct PbrtTexture {
 // By name; those that are not understood are present without a value.
 using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
 
+// The search for repeated names is quadratic: no directive has more.
+inline constexpr std::size_t kMaxPbrtParameters = 256;
+
 // Reads parameters up to the next directive. Throws InputError on an unknown type, a value that
 // does not fit its type, a missing bracket or a name given twice.
 PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
@@ -56,11 +59,15 @@ std::optional<int> FindInt(PbrtParameters& parameters, std::string_view name);
 std::optional<bool> FindBool(PbrtParameters& parameters, std::string_view name);
 std::optional<std::string> FindString(PbrtParameters& parameters, std::string_view name);
 
-// A linear Rec. 709 colour: rgb or color, xyz, a float (grey), a constant texture, or a spectrum of
-// (wavelength, value) pairs, of which the mean is taken. What is not simple (blackbody, named
-// spectra, textures that vary) gives a warning and nothing.
+// What a spectrum is turned into a colour for (spectrum.h).
+enum class SpectrumUse { kReflectance, kEmission };
+
+// A linear Rec. 709 colour: rgb or color, xyz, a float (grey), a constant texture, a blackbody, or
+// a spectrum: pairs of wavelength and value, a file of them, or a standard illuminant by name. What
+// is not simple (other names, textures that vary) gives a warning and nothing.
 std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view name,
-                                   const PbrtTextures& textures, Warnings& warnings);
+                                   const PbrtTextures& textures, Warnings& warnings,
+                                   SpectrumUse use = SpectrumUse::kReflectance);
 
 // The texture with an image that the parameter names, or nothing if it names none.
 std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::string_view name,

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/gzip.h"
 #include "scene/pbrt_state.h"
 
 namespace skywave {
@@ -14,8 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::unique_ptr<PbrtSource> MakeSource(std::string path, std::string text) {
+std::unique_ptr<PbrtSource> MakeSource(const PbrtReader& reader, std::string path,
+                                       std::string text) {
   auto source = std::make_unique<PbrtSource>();
+  source->main_path = reader.sources.empty() ? path : reader.sources.front()->path;
   source->path = std::move(path);
   source->text = std::move(text);
   return source;
@@ -41,11 +45,11 @@ void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
   }
   std::string text;
   try {
-    text = ReadFile(path);
+    text = Gunzip(ReadFile(path), path);
   } catch (const InputError& error) {
     throw InputError(position, error.what(), error.exit_code());
   }
-  reader.sources.push_back(MakeSource(path, std::move(text)));
+  reader.sources.push_back(MakeSource(reader, path, std::move(text)));
 }
 
 PbrtHandler RequireHandler(const PbrtSource& source, const PbrtToken& word) {
@@ -86,20 +90,37 @@ void ReadDirectives(PbrtReader& reader) {
 
 std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
                             const InputPosition& position) {
-  std::error_code ignored;
-  for (const auto* source : {&reader.sources.back(), &reader.sources.front()}) {
-    const fs::path path = fs::path((*source)->path).parent_path() / name;
-    if (fs::exists(path, ignored)) return path.string();
-  }
+  const std::string path = FindPbrtFile(*reader.sources.back(), name);
+  if (!path.empty()) return path;
   throw InputError(position, fmt::format("there is no file \"{}\"", name), kExitIo);
 }
 
-Scene ParsePbrt(std::string text, const std::string& path) {
+PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
+                                           const InputPosition& position, std::string_view kind,
+                                           const std::string& directive) {
+  PbrtParameters parameters = ReadParameters(source, position, directive);
+  if (!reader.state.attributes) return parameters;
+  const auto given = reader.state.attributes->find(kind);
+  if (given == reader.state.attributes->end()) return parameters;
+  const std::size_t own = parameters.list.size();
+  for (const PbrtParameter& parameter : given->second) {
+    const auto end = parameters.list.begin() + std::ptrdiff_t(own);
+    if (std::none_of(parameters.list.begin(), end,
+                     [&](const PbrtParameter& other) { return other.name == parameter.name; })) {
+      parameters.list.push_back(parameter);
+    }
+  }
+  return parameters;
+}
+
+Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& options) {
   PbrtReader reader;
+  reader.options = options;
+  reader.warnings.strict = options.strict;
   reader.scene.left_handed = true;
   reader.scene.materials.push_back({.name = "default"});
   reader.state.material = 0;
-  reader.sources.push_back(MakeSource(path, std::move(text)));
+  reader.sources.push_back(MakeSource(reader, path, std::move(text)));
   ReadDirectives(reader);
   if (!reader.scopes.empty()) {
     const PbrtScope& open = reader.scopes.back();
@@ -109,6 +130,8 @@ Scene ParsePbrt(std::string text, const std::string& path) {
   return std::move(reader.scene);
 }
 
-Scene ReadPbrt(const std::string& path) { return ParsePbrt(ReadFile(path), path); }
+Scene ReadPbrt(const std::string& path, const ReadOptions& options) {
+  return ParsePbrt(Gunzip(ReadFile(path), path), path, options);
+}
 
 }  // namespace skywave

@@ -1,13 +1,13 @@
-// Scene files of pbrt (https://pbrt.org), a first subset of versions 3 and 4.
+// Scene files of pbrt (https://pbrt.org), versions 3 and 4, plain or gzip-compressed.
 //
-// Read are: comments, Include and Import; all transform directives; attribute and object scopes
-// (instances become copies); Camera "perspective", "orthographic", "spherical" and "environment";
-// the numbers of Film, Sampler, Integrator and PixelFilter that RenderSettings holds; materials
-// (pbrt_materials.h), textures (pbrt_textures.cc), shapes (pbrt_shapes.h), alpha, bumps and normal
-// maps (pbrt_surface_maps.h) and LightSource "infinite". Files that are only a piece of a scene,
-// without WorldBegin, are read too.
+// docs/pbrt.md says what of them is rendered. Every directive is parsed; materials are those of
+// pbrt_materials.h, shapes of pbrt_shapes.h, alpha, bumps and normal maps of pbrt_surface_maps.h,
+// lights of pbrt_lights.cc (a "power" is that of a whole shape, spots fall off as in pbrt-v4,
+// lights of objects shine in every instance), instances become copies. Files that are only a piece
+// of a scene, without WorldBegin, are read too.
 //
-// Whatever else is legal pbrt gives one line in Scene::warnings that says what is done instead.
+// Whatever is legal pbrt and not rendered gives one line in Scene::warnings that says what is done
+// instead, or is refused (ReadOptions).
 // Syntax errors, directives that pbrt does not have, wrong counts, missing files, singular
 // transforms and unbalanced scopes are InputErrors with file and line.
 //
@@ -19,6 +19,7 @@
 
 #include <string>
 
+#include "scene/read_options.h"
 #include "scene/scene.h"
 
 namespace skywave {
@@ -28,9 +29,9 @@ inline constexpr int kMaxPbrtIncludeDepth = 16;
 inline constexpr int kMaxPbrtIncludes = 10000;
 inline constexpr int kMaxPbrtScopes = 4096;
 
-Scene ReadPbrt(const std::string& path);
+Scene ReadPbrt(const std::string& path, const ReadOptions& options = {});
 
 // The same with the main file's text in memory; includes are looked up beside `path`.
-Scene ParsePbrt(std::string text, const std::string& path);
+Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& options = {});
 
 }  // namespace skywave

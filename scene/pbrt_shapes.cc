@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.h"
-#include "scene/loop_subdivision.h"
+#include "scene/patches.h"
 #include "scene/ply.h"
 #include "scene/shapes.h"
 
@@ -32,26 +34,40 @@ std::vector<glm::vec3> RequirePositions(PbrtParameters& parameters) {
   return positions;
 }
 
-std::vector<glm::uvec3> RequireTriangles(PbrtParameters& parameters, std::size_t vertices) {
+// "indices" in groups of `group`, all of them vertices. pbrt-v4: one group of vertices in their
+// order needs no indices.
+std::vector<std::uint32_t> RequireIndices(PbrtParameters& parameters, std::size_t group,
+                                          std::string_view groups, std::size_t vertices) {
   const PbrtParameter* found = Find(parameters, {"integer"}, "indices");
+  std::vector<std::uint32_t> indices;
   if (!found) {
-    // pbrt-v4: three vertices need no indices.
-    if (vertices == 3) return {glm::uvec3(0, 1, 2)};
-    throw InputError(parameters.position, parameters.directive + " needs \"integer indices\"");
+    if (vertices != group) {
+      throw InputError(parameters.position, parameters.directive + " needs \"integer indices\"");
+    }
+    for (std::uint32_t i = 0; i < group; ++i) indices.push_back(i);
+    return indices;
   }
-  const std::vector<std::int32_t>& indices = found->ints;
-  if (indices.empty() || indices.size() % 3 != 0) {
-    throw InputError(found->position, fmt::format("{}: {} indices are no triangles",
-                                                  parameters.directive, indices.size()));
+  if (found->ints.empty() || found->ints.size() % group != 0) {
+    throw InputError(found->position, fmt::format("{}: {} indices are no {}", parameters.directive,
+                                                  found->ints.size(), groups));
   }
-  std::vector<glm::uvec3> triangles(indices.size() / 3);
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    if (indices[i] < 0 || static_cast<std::size_t>(indices[i]) >= vertices) {
+  indices.reserve(found->ints.size());
+  for (const std::int32_t index : found->ints) {
+    if (index < 0 || static_cast<std::size_t>(index) >= vertices) {
       throw InputError(found->position,
                        fmt::format("{}: index {} (number {}) is not in 0..{}, the vertices given",
-                                   parameters.directive, indices[i], i, vertices - 1));
+                                   parameters.directive, index, indices.size(), vertices - 1));
     }
-    triangles[i / 3][static_cast<int>(i % 3)] = static_cast<std::uint32_t>(indices[i]);
+    indices.push_back(static_cast<std::uint32_t>(index));
+  }
+  return indices;
+}
+
+std::vector<glm::uvec3> RequireTriangles(PbrtParameters& parameters, std::size_t vertices) {
+  const std::vector<std::uint32_t> indices = RequireIndices(parameters, 3, "triangles", vertices);
+  std::vector<glm::uvec3> triangles(indices.size() / 3);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    triangles[i / 3][static_cast<int>(i % 3)] = indices[i];
   }
   return triangles;
 }
@@ -109,17 +125,17 @@ Mesh PlyMesh(PbrtParameters& parameters,
   }
 }
 
-Mesh LoopSubdivisionSurface(PbrtParameters& parameters, Warnings& warnings) {
+Mesh LoopSubdivisionSurface(PbrtParameters& parameters, std::size_t limit, Warnings& warnings) {
   const std::vector<glm::vec3> positions = RequirePositions(parameters);
   const std::vector<glm::uvec3> triangles = RequireTriangles(parameters, positions.size());
   const auto v4_levels = FindInt(parameters, "levels"), v3_levels = FindInt(parameters, "nlevels");
   const int levels = v4_levels.value_or(v3_levels.value_or(3));
   std::size_t count = triangles.size();
-  for (int level = 0; level < levels && count <= kMaxSubdividedTriangles; ++level) count *= 4;
-  if (levels < 0 || count > kMaxSubdividedTriangles) {
+  for (int level = 0; level < levels && count <= limit; ++level) count *= 4;
+  if (levels < 0 || count > limit) {
     throw InputError(parameters.position,
                      fmt::format("{}: {} levels are negative or make more than {} triangles",
-                                 parameters.directive, levels, kMaxSubdividedTriangles));
+                                 parameters.directive, levels, limit));
   }
   const std::string scheme = FindString(parameters, "scheme").value_or("loop");
   if (scheme != "loop") {
@@ -130,37 +146,105 @@ Mesh LoopSubdivisionSurface(PbrtParameters& parameters, Warnings& warnings) {
   return LoopSubdivide(positions, triangles, levels);
 }
 
-Mesh PbrtSphere(PbrtParameters& parameters, Warnings& warnings) {
-  const float radius = FindFloat(parameters, "radius").value_or(1);
-  if (!(radius > 0)) {
+// A number that has to be above zero.
+float FindPositive(PbrtParameters& parameters, std::string_view name, float otherwise) {
+  const float value = FindFloat(parameters, name).value_or(otherwise);
+  if (!(value > 0)) {
     throw InputError(parameters.position,
-                     fmt::format("{}: the radius is {}", parameters.directive, radius));
+                     fmt::format("{}: the {} is {}", parameters.directive, name, value));
   }
-  const float low = FindFloat(parameters, "zmin").value_or(-radius);
-  const float high = FindFloat(parameters, "zmax").value_or(radius);
-  const float phi = FindFloat(parameters, "phimax").value_or(360);
-  if (std::min(low, high) > -radius || std::max(low, high) < radius || phi < 360) {
-    AddWarning(
-        warnings, parameters.position,
-        parameters.directive + ": parts of spheres are not supported: the whole is rendered");
+  return value;
+}
+
+float FindPhi(PbrtParameters& parameters) {
+  return std::min(FindPositive(parameters, "phimax", 360), 360.0f);
+}
+
+// "zmin" and "zmax" in order. Throws InputError if they are one.
+struct Range {
+  float low, high;
+};
+Range FindRange(PbrtParameters& parameters, float low, float high) {
+  const float z0 = FindFloat(parameters, "zmin").value_or(low),
+              z1 = FindFloat(parameters, "zmax").value_or(high);
+  if (z0 == z1) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: zmin and zmax are both {}", parameters.directive, z0));
   }
-  return Sphere(radius);
+  return {std::min(z0, z1), std::max(z0, z1)};
+}
+
+// A whole sphere has no poles and no seam, unless texture coordinates need them.
+Mesh PbrtSphere(PbrtParameters& parameters, bool needs_uvs) {
+  const float radius = FindPositive(parameters, "radius", 1);
+  const float phi = FindPhi(parameters);
+  const auto [z0, z1] = FindRange(parameters, -radius, radius);
+  const float low = std::clamp(z0, -radius, radius), high = std::clamp(z1, -radius, radius);
+  const bool whole = low == -radius && high == radius && phi == 360;
+  return whole && !needs_uvs ? Sphere(radius) : SpherePatch(radius, low, high, phi);
+}
+
+Mesh PbrtDisk(PbrtParameters& parameters) {
+  const float radius = FindPositive(parameters, "radius", 1);
+  const float inner = FindFloat(parameters, "innerradius").value_or(0);
+  if (!(inner >= 0 && inner < radius)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: the innerradius {} is not between 0 and the radius",
+                                 parameters.directive, inner));
+  }
+  const float height = FindFloat(parameters, "height").value_or(0);
+  return DiskPatch(radius, inner, height, FindPhi(parameters));
+}
+
+Mesh PbrtCylinder(PbrtParameters& parameters) {
+  const float radius = FindPositive(parameters, "radius", 1);
+  const auto [low, high] = FindRange(parameters, -1, 1);
+  return CylinderPatch(radius, low, high, FindPhi(parameters));
+}
+
+Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit) {
+  const std::vector<glm::vec3> positions = RequirePositions(parameters);
+  const std::vector<glm::vec3> normals = FindVectors(parameters, {"normal", "normal3"}, "N");
+  const std::vector<glm::vec2> uvs = FindUvs(parameters);
+  CheckPerVertex(parameters, "N", normals.size(), positions.size());
+  CheckPerVertex(parameters, "uv", uvs.size(), positions.size());
+  const std::vector<std::uint32_t> indices =
+      RequireIndices(parameters, 4, "bilinear patches", positions.size());
+  if (indices.size() / 4 > limit / (2 * kBilinearSteps * kBilinearSteps)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: {} patches may become more than {} triangles",
+                                 parameters.directive, indices.size() / 4, limit));
+  }
+  Mesh mesh;
+  for (std::size_t i = 0; i + 3 < indices.size(); i += 4) {
+    AddBilinearPatch({positions, normals, uvs},
+                     {indices[i], indices[i + 1], indices[i + 2], indices[i + 3]}, mesh);
+  }
+  AlignWindingWithNormals(mesh);
+  return mesh;
 }
 
 }  // namespace
 
 std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
                                   const std::function<std::string(const std::string&)>& resolve,
-                                  Warnings& warnings) {
+                                  const PbrtShapeOptions& options, Warnings& warnings) {
+  const std::size_t limit = std::min(options.max_triangles, kMaxSubdividedTriangles);
   std::optional<Mesh> mesh;
   if (type == "trianglemesh") {
     mesh = TriangleMesh(parameters);
   } else if (type == "plymesh") {
     mesh = PlyMesh(parameters, resolve);
   } else if (type == "loopsubdiv") {
-    mesh = LoopSubdivisionSurface(parameters, warnings);
+    mesh = LoopSubdivisionSurface(parameters, limit, warnings);
   } else if (type == "sphere") {
-    mesh = PbrtSphere(parameters, warnings);
+    mesh = PbrtSphere(parameters, options.needs_uvs);
+  } else if (type == "disk") {
+    mesh = PbrtDisk(parameters);
+  } else if (type == "cylinder") {
+    mesh = PbrtCylinder(parameters);
+  } else if (type == "bilinearmesh") {
+    mesh = BilinearMesh(parameters, limit);
   } else {
     AddWarning(warnings, parameters.position, parameters.directive + " is not supported: left out");
     return std::nullopt;

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 
 namespace skywave {
@@ -113,6 +114,15 @@ double ParseNumber(const PbrtSource& source, const PbrtToken& token) {
                      "the number " + Excerpt(token.text) + " is not finite in single precision");
   }
   return value;
+}
+
+std::string FindPbrtFile(const PbrtSource& source, const std::string& name) {
+  std::error_code ignored;
+  for (const std::string* beside : {&source.path, &source.main_path}) {
+    const std::filesystem::path path = std::filesystem::path(*beside).parent_path() / name;
+    if (std::filesystem::exists(path, ignored)) return path.string();
+  }
+  return "";
 }
 
 void ExpectNumbers(PbrtSource& source, std::string_view what, std::size_t count, double* numbers) {

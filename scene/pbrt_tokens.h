@@ -19,6 +19,7 @@ struct PbrtToken {
 
 struct PbrtSource {
   std::string path;
+  std::string main_path;  // of the file that includes it, or includes what does; or `path`
   std::string text;
   std::size_t next = 0;  // first byte not yet read
   std::size_t line = 1;  // the line it is on
@@ -34,6 +35,10 @@ InputPosition PositionOf(const PbrtSource& source, const PbrtToken& token);
 // The next token, which has to be a quoted string: its text with \n, \t, \r, \b, \f, \\, \' and \"
 // resolved. `what` names it in the message.
 std::string ExpectString(PbrtSource& source, std::string_view what);
+
+// The path of a file that the scene names: absolute, or beside `source`, or (as pbrt has it) beside
+// the main file. Empty if there is none.
+std::string FindPbrtFile(const PbrtSource& source, const std::string& name);
 
 // The string a string token stands for. Throws InputError on an unknown escape.
 std::string Unescape(const PbrtSource& source, const PbrtToken& token);

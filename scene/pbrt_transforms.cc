@@ -26,7 +26,7 @@ void SetTransform(PbrtReader& reader, const InputPosition& position, std::string
   if (!usable) {
     throw InputError(position, fmt::format("{} makes the transform singular", directive));
   }
-  reader.state.to_world = matrix;
+  if (reader.state.transform_active) reader.state.to_world = matrix;
 }
 
 void Concatenate(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
@@ -35,7 +35,7 @@ void Concatenate(PbrtReader& reader, const PbrtSource& source, const PbrtToken& 
 }
 
 void Identity(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
-  reader.state.to_world = glm::dmat4(1);
+  if (reader.state.transform_active) reader.state.to_world = glm::dmat4(1);
 }
 
 void Translate(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -115,18 +115,17 @@ void ReverseOrientation(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
   reader.state.reverse_orientation = !reader.state.reverse_orientation;
 }
 
-// Motion is not rendered: matrices for the start and the end of the exposure are both taken.
+// Motion is not rendered: everything stands where it is at the start of the exposure.
 void ActiveTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const PbrtToken which = NextToken(source);
   if (which.text != "All" && which.text != "StartTime" && which.text != "EndTime") {
     throw InputError(PositionOf(source, which),
                      "ActiveTransform takes All, StartTime or EndTime, not " + Describe(which));
   }
+  reader.state.transform_active = which.text != "EndTime";
   if (which.text == "All") return;
   AddWarning(reader.warnings, PositionOf(source, word),
-             fmt::format("ActiveTransform {}: motion is not supported: the transforms that follow "
-                         "apply to the whole exposure",
-                         which.text));
+             "ActiveTransform: motion is not supported: rendered as at StartTime");
 }
 
 void TransformTimes(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {

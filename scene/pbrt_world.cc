@@ -47,6 +47,7 @@ void WorldBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   }
   reader.in_world = true;
   reader.state.to_world = glm::dmat4(1);
+  reader.state.transform_active = true;
   reader.coordinate_systems["world"] = glm::dmat4(1);
 }
 
@@ -65,7 +66,9 @@ void TransformBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   OpenScope(reader, source, word);
 }
 void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  reader.state.to_world = CloseScope(reader, source, word, "TransformBegin").to_world;
+  const PbrtGraphicsState saved = CloseScope(reader, source, word, "TransformBegin");
+  reader.state.to_world = saved.to_world;
+  reader.state.transform_active = saved.transform_active;
 }
 
 void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -89,9 +92,10 @@ void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh,
              std::vector<Mesh>& meshes) {
   reader.triangles += mesh.triangles.size();
-  if (reader.triangles > kMaxSceneTriangles) {
-    throw InputError(position, fmt::format("the scene has more than {} triangles from here on",
-                                           kMaxSceneTriangles));
+  if (reader.triangles > reader.options.max_triangles) {
+    throw InputError(position, fmt::format("the scene has more than {} triangles from here on; "
+                                           "instances count as copies (--max-triangles)",
+                                           reader.options.max_triangles));
   }
   const std::size_t bad = FirstNonFinite(mesh.positions);
   if (bad < mesh.positions.size()) {
@@ -117,26 +121,26 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Shape");
-  PbrtParameters parameters = ReadParameters(source, position, fmt::format("Shape \"{}\"", type));
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "shape",
+                                                          fmt::format("Shape \"{}\"", type));
   const auto resolve = [&](const std::string& name) {
     return ResolvePbrtPath(reader, name, position);
   };
   std::optional<std::uint32_t> material = reader.state.material;
   if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
-  std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve, reader.warnings);
+  std::optional<Mesh> mesh = MakePbrtShape(
+      type, parameters, resolve,
+      {.needs_uvs = !reader.scene.textures.empty(), .max_triangles = reader.options.max_triangles},
+      reader.warnings);
   if (!mesh) return;
   if (!material) {
     AddWarning(reader.warnings, position,
                "a shape that only bounds a medium is not supported: left out");
     return;
   }
-  if (reader.state.has_area_light) {
-    AddWarning(reader.warnings, position,
-               "a shape that is an area light does not emit: only its material is rendered");
-  }
   TransformMesh(reader.state.to_world, *mesh);
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
-  mesh->material = *material;
+  mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
   AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
 }
@@ -148,8 +152,8 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
     return std::nullopt;
   }
   Material relief;
-  ReadPbrtRelief(reader, parameters, relief);
-  Material material = MakePbrtMaterial(type, parameters, reader.textures, reader.warnings);
+  if (type != "mix") ReadPbrtRelief(reader, parameters, relief);
+  Material material = MakePbrtMaterial(type, parameters, reader);
   material.name = name;
   material.normal_texture = relief.normal_texture;
   material.normal_scale = relief.normal_scale;
@@ -160,16 +164,16 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
 void ReadMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Material");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("Material \"{}\"", type));
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "material",
+                                                          fmt::format("Material \"{}\"", type));
   reader.state.material = AddMaterial(reader, type, type, parameters);
 }
 
 void MakeNamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a material");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("MakeNamedMaterial \"{}\"", name));
+  PbrtParameters parameters = ReadParametersAndAttributes(
+      reader, source, position, "material", fmt::format("MakeNamedMaterial \"{}\"", name));
   const auto type = FindString(parameters, "type");
   if (!type) {
     throw InputError(position,
@@ -188,65 +192,30 @@ void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word
   reader.state.material = found->second;
 }
 
-// Columns right, forward, up of a lat-long map in the light's space (see pbrt_reader.h), in the
-// world. Frames are unit vectors: pbrt's directions do not change by a scale either.
-glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
-  const glm::dmat3 linear(reader.state.to_world);
-  glm::dmat3 frame(-linear[1], -linear[0], linear[2]);
-  for (int i = 0; i < 3; ++i) frame[i] = glm::normalize(frame[i]);
-  const double skew = std::abs(glm::dot(frame[0], frame[1])) +
-                      std::abs(glm::dot(frame[1], frame[2])) +
-                      std::abs(glm::dot(frame[2], frame[0]));
-  const double lengths[] = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
-  const bool even = std::max({lengths[0], lengths[1], lengths[2]}) <=
-                    1.001 * std::min({lengths[0], lengths[1], lengths[2]});
-  if (skew > 1e-4 || !even) {
-    AddWarning(
-        reader.warnings, parameters.position,
-        parameters.directive + ": its transform stretches the map: only the rotation is used");
-    const double side = glm::determinant(frame) < 0 ? -1 : 1;
-    frame[1] = glm::normalize(frame[1] - frame[2] * glm::dot(frame[1], frame[2]));
-    frame[0] = side * glm::cross(frame[1], frame[2]);
-  }
-  return frame;
-}
-
-void ReadLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+// pbrt-v4: parameters for all later directives of a kind, within the scope.
+void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
-  const std::string type = ExpectString(source, "the type of LightSource");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("LightSource \"{}\"", type));
-  if (type != "infinite" && type != "exinfinite") {
-    AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
+  const std::string kind = ExpectString(source, "the kind of Attribute");
+  const PbrtParameters given =
+      ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind));
+  if (kind == "light" || kind == "medium") {
+    AddWarning(reader.warnings, position, given.directive + " is not supported: ignored");
     return;
   }
-  EnvironmentLight light;
-  light.scale = FindColor(parameters, "L", reader.textures, reader.warnings).value_or(glm::vec3(1));
-  if (Find(parameters, {"float"}, "scale")) {
-    light.scale *= *FindFloat(parameters, "scale");
-  } else if (const auto scale = FindColor(parameters, "scale", reader.textures, reader.warnings)) {
-    light.scale *= *scale;  // a colour in pbrt-v3
+  if (kind != "shape" && kind != "material" && kind != "texture") {
+    throw InputError(
+        position, given.directive + ": the kinds are shape, light, material, medium and texture");
   }
-  if (!glm::all(glm::greaterThanEqual(light.scale, glm::vec3(0)))) {
-    throw InputError(position, parameters.directive + ": negative radiance");
+  auto all = reader.state.attributes ? *reader.state.attributes : PbrtAttributeMap();
+  for (const PbrtParameter& parameter : given.list) {
+    std::erase_if(all[kind], [&](auto& other) { return other.name == parameter.name; });
+    all[kind].push_back(parameter);
   }
-  for (const char* name : {"filename", "mapname"}) {
-    const auto file = FindString(parameters, name);
-    if (!file || file->empty()) continue;
-    light.map_path = ResolvePbrtPath(reader, *file, position);
-    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3 has lat-longs
+  if (all[kind].size() > kMaxPbrtParameters) {
+    throw InputError(position, fmt::format("{} has more than {} parameters", given.directive,
+                                           kMaxPbrtParameters));
   }
-  light.world_from_map = MapFrame(reader, parameters);
-  ReportUnused(parameters, reader.warnings);
-  reader.scene.environments.push_back(std::move(light));
-}
-
-void AreaLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const std::string type = ExpectString(source, "the type of AreaLightSource");
-  ReadParameters(source, PositionOf(source, word), "AreaLightSource");
-  AddWarning(reader.warnings, PositionOf(source, word),
-             fmt::format("AreaLightSource \"{}\" is not supported: left out", type));
-  reader.state.has_area_light = true;
+  reader.state.attributes = std::make_shared<const PbrtAttributeMap>(std::move(all));
 }
 
 // `Word "name" parameters`, of which nothing is rendered.
@@ -283,11 +252,11 @@ constexpr Entry kDirectives[] = {
     {"MakeNamedMaterial", MakeNamedMaterial},
     {"NamedMaterial", NamedMaterial},
     {"Texture", ReadPbrtTexture},
-    {"LightSource", ReadLightSource},
-    {"AreaLightSource", AreaLightSource},
+    {"LightSource", ReadPbrtLightSource},
+    {"AreaLightSource", ReadPbrtAreaLight},
     {"MakeNamedMedium", Ignore},
-    {"Attribute", Ignore},  // pbrt-v4: defaults of parameters
-    {"Volume", Ignore},     // pbrt-v2
+    {"Attribute", Attribute},
+    {"Volume", Ignore},  // pbrt-v2
     {"MediumInterface", MediumInterface},
 };
 

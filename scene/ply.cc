@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/gzip.h"
 #include "scene/mesh.h"
 #include "scene/ply_header.h"
 
@@ -254,6 +255,6 @@ Mesh ParsePly(std::string_view bytes, const std::string& path) {
   return mesh;
 }
 
-Mesh ReadPly(const std::string& path) { return ParsePly(ReadFile(path), path); }
+Mesh ReadPly(const std::string& path) { return ParsePly(Gunzip(ReadFile(path), path), path); }
 
 }  // namespace skywave

@@ -18,6 +18,7 @@ namespace skywave {
 // does not fit: counts that the file cannot hold, short or overlong data, indices out of range,
 // faces of fewer than three corners, positions or normals that are NaN or infinite. Never allocates
 // more than a small multiple of the file's size. Winding follows the normals where there are some.
+// The file may be gzip-compressed.
 Mesh ReadPly(const std::string& path);
 
 // The same from memory; `path` is for messages.

@@ -16,8 +16,9 @@
 namespace skywave {
 namespace {
 
-std::string LowerCaseEnding(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
+std::string LowerCaseEnding(std::filesystem::path path) {
+  if (path.extension() == ".gz") path.replace_extension();
+  std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return ending;
 }
@@ -32,14 +33,14 @@ Scene SceneOfOneMesh(Mesh mesh, const std::string& path) {
 
 }  // namespace
 
-Scene ReadScene(const std::string& path) {
+Scene ReadScene(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return BuiltinScene(path);
   const std::string ending = LowerCaseEnding(path);
-  if (ending == ".pbrt") return ReadPbrt(path);
+  if (ending == ".pbrt") return ReadPbrt(path, options);
   if (ending == ".ply") return SceneOfOneMesh(ReadPly(path), path);
-  if (ending == ".obj") return ReadObj(path);
-  if (ending == ".gltf" || ending == ".glb") return ReadGltf(path);
+  if (ending == ".obj") return ReadObj(path, options);
+  if (ending == ".gltf" || ending == ".glb") return ReadGltf(path, options);
   throw InputError(
       InputPosition::File(path),
       fmt::format("scenes end in .pbrt, .obj, .gltf, .glb or .ply, not in '{}'", ending));

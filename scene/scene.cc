@@ -71,6 +71,10 @@ Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, cha
   Camera other = camera;
   other.kind = kind;
   if (camera.kind != CameraKind::kPerspective) return other;
+  if (kind == CameraKind::kFisheye) {
+    other.fov_degrees = 180;
+    return other;
+  }
   const glm::vec3 eye(camera.world_from_camera[3]);
   const glm::vec3 forward = glm::normalize(glm::vec3(camera.world_from_camera[2]));
   if (kind == CameraKind::kOrthographic) {

@@ -11,8 +11,14 @@
 #include "image/image.h"
 #include "kernels/camera.h"
 #include "kernels/columns.h"
+#include "kernels/local_lights.h"
 
 namespace skywave {
+
+struct Mixture {
+  std::uint32_t first, second;  // indices into Scene::materials, of materials before this one
+  float share;                  // of the second one, in [0, 1]
+};
 
 struct Material {
   std::string name;
@@ -22,9 +28,20 @@ struct Material {
   glm::vec3 reflectance{0.5f};
   glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
   glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
-  float alpha = 0.1f;   // conductor, metallic-roughness: GGX width
-  float ior = 1.5f;     // dielectric: index inside (where the normal points away) / outside
-  float metallic = 0;   // metallic-roughness: share of metal
+  // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
+  // is 2 / alpha^2 - 2.
+  float alpha = 0.1f;
+  // Anisotropic conductors, Ward: the width across the tangent; not given: alpha.
+  std::optional<float> alpha_across;
+  float ior = 1.5f;    // dielectric: index inside (where the normal points away) / outside
+  float metallic = 0;  // metallic-roughness: share of metal
+  // Diffuse transmission: what passes through; Phong: the gloss.
+  glm::vec3 second_color{0.0f};
+  // Coated conductor (strength 1; `ior` is the coat's), coated metallic-roughness (index 1.5).
+  float coat = 1, coat_alpha = 1e-3f;
+  glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
+  float sheen_alpha = 0.1f;
+  std::uint32_t measured = 0;  // measured: index into Scene::measured
   // Indices into Scene::textures: factors of the reflectance; of the square root of alpha (green)
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
@@ -38,9 +55,23 @@ struct Material {
   std::optional<std::uint32_t> normal_texture;
   float normal_scale = 1;
   bool height_in_texels = false;
+  // Two other materials, one of which a hit has: nothing else but opacity and emission counts then.
+  std::optional<Mixture> mixture;
+  // Radiance of the surface itself, on the side of its normals or on both; the texture is a factor.
+  glm::vec3 emission{0.0f};
+  bool emits_on_both_sides = false;
+  std::optional<std::uint32_t> emission_texture;
 
   // False: rays may pass through.
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
+};
+
+// A BRDF as it was measured (scene/merl.h).
+struct MeasuredBrdf {
+  std::vector<float> rgb;  // kMeasuredFloats [1/sr], in the order that columns.h gives
+  // The lobe that sampling takes for it: GGX width and probability, the rest is drawn by the
+  // cosine.
+  float alpha = 1, specular_share = 0;
 };
 
 // What the texels of a texture stand for. Normals: x right in the image, y up and z off the
@@ -81,7 +112,7 @@ struct ScreenWindow {
 struct Camera {
   CameraKind kind = CameraKind::kPerspective;
   glm::mat4 world_from_camera{1.0f};
-  float fov_degrees = 45.0f;           // of a screen window's [-1, 1]
+  float fov_degrees = 45.0f;           // of a screen window's [-1, 1], of a fisheye's circle
   std::optional<ScreenWindow> window;  // unset: [-1, 1] on the shorter side of the film
   // Of perspective and orthographic cameras, in camera space. The plane at the focal distance is
   // sharp; radius 0: everything is.
@@ -102,6 +133,16 @@ struct EnvironmentLight {
   glm::mat3 world_from_map{1.0f};  // columns: right, forward, up
 };
 
+// A light without extent.
+struct PunctualLight {
+  LocalLightKind kind = LocalLightKind::kPoint;  // point, spot or distant
+  glm::vec3 emission{0.0f};                      // as in LocalLight: intensity or irradiance
+  glm::vec3 position{0.0f};                      // point, spot; world space
+  glm::vec3 direction{0, 0, 1};  // spot: where it points; distant: towards it; world space, unit
+  // Spot: cosines of the angles to `direction` up to which it is full and from which it is dark.
+  float cos_full = 1, cos_dark = 0;
+};
+
 // A part of the film, as fractions of its width from the left and its height from the top.
 struct CropFractions {
   float left = 0, right = 1, top = 0, bottom = 1;
@@ -119,10 +160,12 @@ struct RenderSettings {
 struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
+  std::vector<MeasuredBrdf> measured;
   std::vector<Texture> textures;
   std::vector<Image> images;  // of textures: linear RGB, or numbers as they are
   std::optional<Camera> camera;
   std::vector<EnvironmentLight> environments;
+  std::vector<PunctualLight> lights;
   RenderSettings settings;
   // True if the world's axes are left-handed (pbrt's are): decides which way round a map given on
   // the command line is laid, so that it is never seen mirrored.
@@ -148,7 +191,7 @@ Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float a
 
 // The camera of another kind at the same place. A perspective camera that becomes orthographic
 // shows as much as before of what is as far away as the middle of `bounds`; one that becomes
-// spherical stands upright.
+// spherical stands upright; one that becomes a fisheye looks where it looked and sees half of all.
 Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, char up_axis,
                 bool left_handed);
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <string>
+#include <vector>
 
 #include "scene/scene.h"
 
@@ -26,7 +27,11 @@ void AddProceduralSky(Scene& scene);
 // 640 x 480, path tracing.
 RenderSettings BuiltinSettings(int samples_per_pixel, int max_depth);
 
-// The scene of builtin.h that has a file of its own.
+// A material of each BSDF that is described by parameters alone.
+std::vector<Material> OneOfEachBsdf();
+
+// The scenes of builtin.h that have a file of their own.
 Scene GalleryScene();
+Scene MaterialsScene();
 
 }  // namespace skywave

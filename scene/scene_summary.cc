@@ -1,5 +1,7 @@
 #include "scene/scene_summary.h"
 
+#include "kernels/bsdf.h"
+
 namespace skywave {
 
 SceneSummary Summarize(const Scene& scene) {
@@ -20,20 +22,6 @@ SceneSummary Summarize(const Scene& scene) {
   return summary;
 }
 
-std::string_view ToString(BsdfKind kind) {
-  switch (kind) {
-    case BsdfKind::kLambert:
-      return "lambert";
-    case BsdfKind::kConductor:
-      return "conductor";
-    case BsdfKind::kMetallicRoughness:
-      return "metallic-roughness";
-    case BsdfKind::kMirror:
-      return "mirror";
-    case BsdfKind::kDielectric:
-      return "dielectric";
-  }
-  return "";
-}
+std::string_view ToString(BsdfKind kind) { return Bsdfs()[std::size_t(kind)].name; }
 
 }  // namespace skywave

@@ -140,7 +140,7 @@ Image HalfSize(const Image& image) {
 }
 
 TextureView TextureTables::view() const {
-  if (uvs.empty()) return {};
+  if (records.empty()) return {};
   return {records.data(), levels.data(), texels.data(), uvs.data()};
 }
 

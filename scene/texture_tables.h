@@ -17,7 +17,7 @@ struct TextureTables {
   std::vector<TextureRecord> records;
   std::vector<TextureLevel> levels;
   std::vector<std::uint32_t> texels;
-  std::vector<TriangleUvs> uvs;  // by triangle; empty if no material has a texture
+  std::vector<TriangleUvs> uvs;  // by triangle; empty if nobody asks for them
   // By texture: what the slopes in its texels are multiplied with; 1 but for heights.
   std::vector<float> slopes;
 

@@ -5,6 +5,11 @@
 namespace skywave {
 
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text) {
+  if (warnings.strict) throw InputError(position, text + " (refused by --strict)");
+  AddNote(warnings, position, text);
+}
+
+void AddNote(Warnings& warnings, const InputPosition& position, const std::string& text) {
   const auto [found, is_new] = warnings.by_text.try_emplace(text, warnings.entries.size());
   if (is_new) warnings.entries.push_back({position, text, 0});
   ++warnings.entries[found->second].count;

@@ -6,8 +6,15 @@
 
 Builds each revision in a worktree of its own, runs `skywave bench --renders-only` in the order
 A B B A A B B A ..., so that a drift of the machine meets both alike, and prints the median over
-pairs of time(NEW) / time(BASE) with a bootstrap confidence interval of 95 %. Fails (exit code 1) only
-when the whole interval lies beyond the threshold: noise may hide a slow-down, it never invents one.
+pairs of time(NEW) / time(BASE), of the render and of every stage, with bootstrap confidence intervals
+of 95 %. Fails (exit code 1) only when a whole interval lies beyond the threshold: noise may hide a
+slow-down, it never invents one.
+
+A stage is judged against the others: what slows all of them in one run is the machine, so the ratio of
+a stage is divided by the median ratio of all stages in the same pair. That takes most of the noise away,
+and 10 % of a small stage are seen that the time of the whole would never show. Where most stages have
+become faster the others look slower in this way; so a stage has to be beyond the threshold by its plain
+median as well.
 """
 
 import argparse
@@ -20,7 +27,8 @@ import subprocess
 import sys
 import tempfile
 
-BOOTSTRAPS = 10000
+BOOTSTRAPS = 2000
+WHOLE = "render"  # the wall clock of it; every other part is a stage, summed over threads
 
 
 def build(revision, folder, jobs):
@@ -33,7 +41,7 @@ def build(revision, folder, jobs):
 
 
 def run(program, arguments):
-    """Median render seconds of every scene, by name."""
+    """Median seconds of every scene, by its name: of the render (WHOLE) and of every stage."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "bench.json")
         result = subprocess.run([program, "bench", "--renders-only", *arguments, "--json", path],
@@ -42,12 +50,24 @@ def run(program, arguments):
             sys.exit(f"{program}: no score (exit code {result.returncode})\n{result.stderr}")
         with open(path, encoding="utf-8") as file:
             scenes = json.load(file)["scenes"]
-    return {scene["name"]: statistics.median(scene["repetitions"]["render"]) for scene in scenes}
+    return {scene["name"]: {part: statistics.median(seconds) for part, seconds in
+                            [(WHOLE, scene["repetitions"]["render"]),
+                             *scene["repetitions"]["stages"].items()]}
+            for scene in scenes}
 
 
-def pair_ratio(a, b):
-    """Geometric mean over scenes of b / a."""
-    return math.exp(statistics.fmean(math.log(b[name] / a[name]) for name in a))
+def pair_ratios(a, b):
+    """Geometric means over scenes of b / a, by part; without parts that take no time."""
+    return {part: math.exp(statistics.fmean(math.log(b[name][part] / a[name][part]) for name in a))
+            for part in next(iter(a.values()))
+            if all(times[name][part] > 0 for times in (a, b) for name in a)}
+
+
+def against_the_others(ratios):
+    """Ratios of stages over that of the stage in the middle: what is left is their own."""
+    stages = {part: ratio for part, ratio in ratios.items() if part != WHOLE}
+    middle = statistics.median(stages.values())
+    return {part: ratio / middle for part, ratio in stages.items()}
 
 
 def bootstrap_interval(ratios, seed=1):
@@ -71,21 +91,37 @@ def measure(programs, pairs, arguments):
         for which in order:
             times[which] = run(programs[which], arguments)
         results.append(tuple(times))
-        print(f"pair {index + 1}: {pair_ratio(*times):.4f}", file=sys.stderr)
+        print(f"pair {index + 1}: {pair_ratios(*times)[WHOLE]:.4f}", file=sys.stderr)
     return results
 
 
+def print_ratios(name, ratios, *more):
+    """Prints the median of ratios, its interval and the ratios in `more`; returns the interval."""
+    low, high = bootstrap_interval(ratios)
+    print(f"{name:<14} {statistics.median(ratios):.4f}  [{low:.4f}, {high:.4f}]",
+          *(f"  {ratio:.4f}" for ratio in more))
+    return low, high
+
+
 def report(results, threshold_percent):
-    ratios = [pair_ratio(a, b) for a, b in results]
-    interval = bootstrap_interval(ratios)
     for name in results[0][0]:
-        scene = [b[name] / a[name] for a, b in results]
-        low, high = bootstrap_interval(scene)
-        print(f"{name:<14} {statistics.median(scene):.4f}  [{low:.4f}, {high:.4f}]")
-    slower = is_slower(interval, threshold_percent)
-    print(f"COMPARE ratio={statistics.median(ratios):.4f} low={interval[0]:.4f} "
-          f"high={interval[1]:.4f} pairs={len(ratios)} threshold={threshold_percent:g}% "
-          f"result={'slower' if slower else 'passed'}")
+        print_ratios(name, [b[name][WHOLE] / a[name][WHOLE] for a, b in results])
+    pairs = [pair_ratios(a, b) for a, b in results]
+    relative = [against_the_others(ratios) for ratios in pairs]
+    slower = []
+    print(f"{'stage':<14} against the others        plain")
+    for stage in relative[0]:
+        interval = print_ratios(stage, [ratios[stage] for ratios in relative],
+                                plain := statistics.median(ratios[stage] for ratios in pairs))
+        if is_slower(interval, threshold_percent) and is_slower((plain, plain), threshold_percent):
+            slower.append(stage)
+    whole = [ratios[WHOLE] for ratios in pairs]
+    interval = bootstrap_interval(whole)
+    if is_slower(interval, threshold_percent):
+        slower.insert(0, WHOLE)
+    print(f"COMPARE ratio={statistics.median(whole):.4f} low={interval[0]:.4f} "
+          f"high={interval[1]:.4f} pairs={len(whole)} threshold={threshold_percent:g}% "
+          f"result={'slower: ' + ', '.join(slower) if slower else 'passed'}")
     return 1 if slower else 0
 
 
@@ -96,6 +132,8 @@ def main():
     parser.add_argument("new", nargs="?", default="HEAD")
     parser.add_argument("--programs", action="store_true", help="base and new are programs")
     parser.add_argument("--pairs", type=int, default=10, help="runs of each (default: 10)")
+    parser.add_argument("--repetitions", type=int, default=9,
+                        help="renders of a scene in a run, of which the median counts (default: 9)")
     parser.add_argument("--threshold", type=float, default=5,
                         help="percent that new may be slower (default: 5)")
     parser.add_argument("--jobs", type=int, default=2, help="of the builds (default: 2)")
@@ -103,16 +141,16 @@ def main():
     arguments = parser.parse_args()
     if arguments.pairs < 3:
         parser.error("an interval wants at least 3 pairs")
+    flags = ["--repetitions", str(arguments.repetitions), *arguments.bench]
     if arguments.programs:
         programs = [os.path.abspath(arguments.base), os.path.abspath(arguments.new)]
-        return report(measure(programs, arguments.pairs, arguments.bench), arguments.threshold)
+        return report(measure(programs, arguments.pairs, flags), arguments.threshold)
     with tempfile.TemporaryDirectory() as folder:
         trees = [os.path.join(folder, name) for name in ("base", "new")]
         try:
             programs = [build(revision, tree, arguments.jobs)
                         for revision, tree in zip((arguments.base, arguments.new), trees)]
-            return report(measure(programs, arguments.pairs, arguments.bench),
-                          arguments.threshold)
+            return report(measure(programs, arguments.pairs, flags), arguments.threshold)
         finally:
             for tree in trees:
                 subprocess.run(["git", "worktree", "remove", "--force", tree],

@@ -114,6 +114,9 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
 TEST_P(WaveAllocations, AreNone) { ExpectNoAllocations(BuiltinScene("spheres"), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithTextures) { ExpectNoAllocations(PaintedScene(), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithHoles) { ExpectNoAllocations(ScreensScene(), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithLocalLights) {
+  ExpectNoAllocations(BuiltinScene("lamps"), GetParam());
+}
 
 INSTANTIATE_TEST_SUITE_P(Backends, WaveAllocations, testing::ValuesIn(kBackends),
                          [](const auto& test) { return std::string(ToString(test.param)); });

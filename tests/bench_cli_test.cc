@@ -26,9 +26,9 @@ TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
   const Result result = Run("bench --repetitions 1 --threads 2 --json a.json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json json = Json::parse(Bytes("a.json"));
-  EXPECT_EQ(json.at("schema"), "skywave-bench-suite-1");
+  EXPECT_EQ(json.at("schema"), "skywave-bench-suite-2");
   EXPECT_EQ(json.at("suite"), "quick");
-  for (const char* const key : {"processor", "compiler", "instructions", "libraries"}) {
+  for (const char* const key : {"processor", "compiler", "revision", "instructions", "libraries"}) {
     EXPECT_TRUE(json.at("machine").contains(key)) << key;
   }
   ASSERT_EQ(json.at("scenes").size(), 3u);
@@ -49,8 +49,20 @@ TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
     for (const Json& stage : scene.at("stages")) share += stage.at("share").get<double>();
     EXPECT_NEAR(share, 1, 1e-9);
     for (const char* const call : {"stream", "packet", "array", "single"}) {
-      EXPECT_EQ(scene.at("replay").at("traced").at("seconds").at(call).at("closest").size(), 1u);
+      for (const char* const kind : {"camera", "bounce", "shadow"}) {
+        EXPECT_EQ(scene.at("replay").at("traced").at("seconds").at(call).at(kind).size(), 1u);
+      }
     }
+    double mrays = 0;
+    for (const Json& kind : scene.at("rays")) {
+      mrays += kind.at("mrays_per_s").get<double>();
+      EXPECT_GT(kind.at("traced_mrays_per_s").get<double>(), kind.at("mrays_per_s").get<double>());
+      EXPECT_GT(kind.at("raw_mrays_per_s").get<double>(), 0);
+    }
+    EXPECT_NEAR(mrays, scene.at("mrays_per_s").get<double>(), 1e-9);
+    EXPECT_EQ(scene.at("lanes").at("generate").at("active"), samples);
+    EXPECT_EQ(scene.at("lanes").at("shadow").at("active"),
+              scene.at("rays").at("shadow").at("count"));
     EXPECT_GT(scene.at("replay").at("frame").at("gain").get<double>(), 0);
     EXPECT_EQ(scene.at("scaling").size(), 2u);
     EXPECT_EQ(scene.at("bounces").at(0).at("rows"), samples);
@@ -67,7 +79,10 @@ TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
   const Result again =
       Run("bench --renders-only --repetitions 1 --report r.html --history a.json --json b.json");
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_TRUE(Contains(again.out, "embree_fraction=nan scaling_2=nan")) << again.out;
+  EXPECT_FALSE(Contains(again.out, "nan")) << again.out;
+  EXPECT_FALSE(Contains(again.out, "embree_fraction=")) << again.out;
+  EXPECT_TRUE(Contains(again.out, "not measured: embree_fraction, scaling_2 (--renders-only)"))
+      << again.out;
   EXPECT_TRUE(Json::parse(Bytes("b.json")).at("summary").at("embree_fraction").is_null());
   const std::string page = Bytes("r.html");
   for (const char* const part : {"<svg", "a.json", "this run", "light sample", "SUMMARY"}) {

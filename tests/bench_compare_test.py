@@ -16,7 +16,7 @@ sys.dont_write_bytecode = True
 SPEC.loader.exec_module(bench_compare)
 
 # Writes the times of two scenes, `factor` times those of the base, with some noise by run number,
-# and notes its name in a log.
+# and notes its name in a log. `stage`: how many times as long as in the base "light sample" takes.
 STUB = """#!{python}
 import json, os, sys
 folder = os.path.dirname(os.path.abspath(__file__))
@@ -27,7 +27,11 @@ noise = 1 + {noise} * ((count * 7) % 5 - 2) / 2
 if {fails}:
     sys.exit(1)
 seconds = [{factor} * noise * x for x in (1.0, 1.0, 50.0)]
-scenes = [{{"name": name, "repetitions": {{"render": seconds}}}} for name in ("one", "two")]
+stages = {{name: [0.1 * s for s in seconds] for name in ("generate", "shadow", "scatter", "film")}}
+stages["light sample"] = [0.01 * {stage} * s for s in seconds]
+stages["idle"] = [0, 0, 0]
+scenes = [{{"name": name, "repetitions": {{"render": seconds, "stages": stages}}}}
+          for name in ("one", "two")]
 json.dump({{"scenes": scenes}}, open(sys.argv[sys.argv.index("--json") + 1], "w"))
 """
 
@@ -37,11 +41,11 @@ class BenchCompare(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
-    def stub(self, name, factor, noise=0.0, fails=False):
+    def stub(self, name, factor, noise=0.0, stage=1.0, fails=False):
         path = os.path.join(self.folder.name, name)
         with open(path, "w", encoding="utf-8") as file:
             file.write(STUB.format(python=sys.executable, name=name, factor=factor, noise=noise,
-                                   fails=fails))
+                                   stage=stage, fails=fails))
         os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
         return path
 
@@ -57,7 +61,18 @@ class BenchCompare(unittest.TestCase):
     def test_slower_fails(self):
         result = self.compare(self.stub("a", 1), self.stub("b", 1.2, 0.02), "--pairs", "6")
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertIn("result=slower", result.stdout)
+        self.assertIn("result=slower: render\n", result.stdout)
+
+    def test_a_slower_stage_fails_though_noise_hides_it_in_the_whole(self):
+        result = self.compare(self.stub("a", 1, 0.2), self.stub("b", 1, 0.2, stage=1.1),
+                              "--pairs", "5")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("result=slower: light sample\n", result.stdout)
+
+    def test_a_stage_that_stays_while_all_others_gain_is_not_slower(self):
+        result = self.compare(self.stub("a", 1), self.stub("b", 0.8, stage=1.25), "--pairs", "4")
+        self.assertEqual(result.returncode, 0, result.stdout)
+        self.assertIn("light sample   1.2500  [1.2500, 1.2500]   1.0000", result.stdout)
 
     def test_faster_same_and_a_little_slower_pass(self):
         for factor in (0.5, 1, 1.04):

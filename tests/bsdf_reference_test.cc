@@ -7,8 +7,8 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "tests/support/bsdf_cases.h"
 #include "tests/support/oracle_bsdf.h"
-#include "tests/support/shading_rows.h"
 #include "tests/support/targets.h"
 
 namespace skywave {
@@ -64,6 +64,51 @@ TEST(BsdfReference, ValuesAndDensities) {
             << material.name << " " << i;
         ASSERT_NEAR(seen->b[i], value.value.z, tolerance * value.value.z)
             << material.name << " " << i;
+      }
+    });
+  }
+}
+
+// The other BSDFs against their formulae, along all pairs of directions and near the mirror's.
+TEST(BsdfReference, Formulae) {
+  const Vec normal = {0, 0, 1};  // whose frame is the world's
+  for (const MaterialCase& material : DenseCases()) {
+    if (!BsdfFormula(material, normal, normal).known && material.kind != BsdfKind::kMeasured) {
+      continue;
+    }
+    ShadingRows rows(material, kRows, normal, normal);
+    Random random(23);
+    std::vector<Vec> wos(kRows), wis(kRows);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      wos[i] = AtAngle(normal, random.Between(0.05, 1));
+      wis[i] = random.Direction();
+      const Vec mirror = {-wos[i].x, -wos[i].y, wos[i].z};
+      const double spread = LobeWidth(material) * random.Between(0, 3);
+      if (i % 2 == 0) wis[i] = Unit(mirror + spread * random.Direction());
+      rows.Set(i, normal, normal, wos[i]);
+    }
+    const double c = std::cos(material.turn), s = std::sin(material.turn);
+    const auto turned = [&](Vec w) { return Vec{c * w.x + s * w.y, c * w.y - s * w.x, w.z}; };
+    const bool transmits = material.kind == BsdfKind::kDiffuseTransmission ||
+                           material.kind == BsdfKind::kRoughDielectric;
+    ForEachTarget([&] {
+      const auto seen = rows.Evaluate(wis);
+      double largest = 0;
+      for (std::uint32_t i = 0; i < kRows; ++i) largest = std::max(largest, double(seen->g[i]));
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        if (std::fabs(wis[i].z) < 1e-2 || (wis[i].z < 0 && !transmits)) continue;
+        const FormulaValue exact = BsdfFormula(material, turned(wos[i]), turned(wis[i]));
+        if (!exact.known) continue;
+        // Floats know directions to 1e-7, and a narrow lobe's value changes by that over its width.
+        const double tolerance = 3e-4 + 1e-5 / LobeWidth(material);
+        const double floor = 1e-6 * largest;
+        const float rgb[3] = {seen->r[i], seen->g[i], seen->b[i]};
+        for (int channel = 0; channel < 3; ++channel) {
+          ASSERT_NEAR(rgb[channel], exact.rgb[channel], tolerance * exact.rgb[channel] + floor)
+              << material.name << ", row " << i << ", channel " << channel;
+        }
+        ASSERT_NEAR(seen->pdf[i], exact.pdf, tolerance * exact.pdf + floor)
+            << material.name << ", row " << i;
       }
     });
   }

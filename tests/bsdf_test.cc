@@ -6,36 +6,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <tuple>
 
-#include "tests/support/shading_rows.h"
+#include "tests/support/bsdf_cases.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
 
 namespace skywave {
 namespace {
 
-const std::vector<MaterialCase>& Materials() {
-  static const std::vector<MaterialCase> cases = [] {
-    std::vector<MaterialCase> list;
-    list.push_back({"LambertWhite", BsdfKind::kLambert, {.color = {1, 1, 1}}});
-    list.push_back({"LambertRed", BsdfKind::kLambert, {.color = {0.8f, 0.05f, 0}}});
-    for (const float alpha : {0.001f, 0.01f, 0.05f, 0.1f, 0.25f, 0.5f, 0.77f, 1.0f}) {
-      const std::string name = std::to_string(int(alpha * 1000));
-      list.push_back({"White" + name, BsdfKind::kConductor, WhiteConductor(alpha)});
-      list.push_back({"Gold" + name, BsdfKind::kConductor, GoldConductor(alpha)});
-    }
-    for (const float alpha : {0.001f, 0.05f, 0.25f, 1.0f}) {
-      const std::string name = std::to_string(int(alpha * 1000));
-      list.push_back({"Varnish" + name, BsdfKind::kMetallicRoughness, MetallicRoughness(alpha, 0)});
-      list.push_back(
-          {"Mixed" + name, BsdfKind::kMetallicRoughness, MetallicRoughness(alpha, 0.6f)});
-      list.push_back({"Copper" + name, BsdfKind::kMetallicRoughness, MetallicRoughness(alpha, 1)});
-    }
-    return list;
-  }();
-  return cases;
-}
+const std::vector<MaterialCase>& Materials() { return DenseCases(); }
 const double kCosines[] = {1.0, 0.9, 0.6, 0.3, 0.1, 0.02};
 
 // Two normals: one whose frame is the world's, one in the lower half.
@@ -44,17 +26,19 @@ const Vec kNormals[] = {{0, 0, 1}, Unit({0.5, -0.3, -0.7})};
 // The hemisphere of wi, cut into cells by the half vector h of wi and wo, about the normal: its
 // azimuth and q(r) = (r / (r + width) + r / (r + 1)) / 2, r = tangent of its angle. With width =
 // alpha the first summand resolves the GGX lobe, however narrow and however grazing wo; the second
-// one resolves what is diffuse.
+// one resolves what is diffuse. Where light passes through, the other hemisphere is cut likewise:
+// by the facet that refracts wo to wi (`ratio`: index near over far) or, with ratio 1, mirrored.
 class HalfVectorCells {
  public:
   static constexpr int kBins = 16;  // along each side
 
-  HalfVectorCells(Vec normal, Vec wo, double width, int finer)
+  HalfVectorCells(Vec normal, Vec wo, double width, int finer, std::optional<double> ratio = {})
       : n_(normal),
         s_(Unit(Cross(normal, {0.1, 0.7, -0.5}))),
         t_(Cross(n_, s_)),
         wo_(wo),
-        width_(width) {
+        width_(width),
+        ratio_(ratio.value_or(1)) {
     const int side = kBins * finer;
     for (int a = 0; a < side; ++a) {
       for (int b = 0; b < side; ++b) {
@@ -64,13 +48,16 @@ class HalfVectorCells {
         const Vec h = sine * std::cos(phi) * s_ + sine * std::sin(phi) * t_ + cosine * n_;
         const double toward = Dot(h, wo);
         const Vec wi = 2 * toward * h - wo;
+        const double dslope = tangent / Slope(tangent) * 2 * kPi / side / side;
+        const double dh = cosine * cosine * cosine * dslope;
+        const auto bin = std::size_t(a / finer * kBins + b / finer);
+        if (ratio) AddBelow(h, toward, dh, bin + kBins * kBins);
         if (toward <= 0 || Dot(wi, n_) <= 0) continue;
         // dh = cos^3 dslope, dslope = r dr dphi, and dwi = 4 (wo . h) dh (Walter et al. 2007,
         // eq. 14).
-        const double dslope = tangent / Slope(tangent) * 2 * kPi / side / side;
         directions_.push_back(wi);
-        solid_angles_.push_back(4 * toward * cosine * cosine * cosine * dslope);
-        bins_.push_back(std::size_t(a / finer * kBins + b / finer));
+        solid_angles_.push_back(4 * toward * dh);
+        bins_.push_back(bin);
       }
     }
   }
@@ -78,16 +65,34 @@ class HalfVectorCells {
   double solid_angle(std::size_t cell) const { return solid_angles_[cell]; }
   std::size_t bin(std::size_t cell) const { return bins_[cell]; }
   std::size_t BinOf(Vec wi) const {
-    const Vec h = wi + wo_;
+    const bool below = Dot(wi, n_) < 0;
+    Vec h = wi + wo_;
+    if (below) h = ratio_ == 1 ? Mirrored(wi) + wo_ : ratio_ * wo_ + wi;
+    if (Dot(h, n_) < 0) h = -h;
     const double x = Dot(h, s_), y = Dot(h, t_), z = Dot(h, n_);
     const double tangent = std::hypot(x, y) / z;
     const double q = (tangent / (tangent + width_) + tangent / (tangent + 1)) / 2;
     const double turn = std::atan2(y, x) / (2 * kPi);
     const auto bin = [](double at) { return std::clamp(int(at * kBins), 0, kBins - 1); };
-    return std::size_t(bin(q) * kBins + bin(turn < 0 ? turn + 1 : turn));
+    const int place = bin(q) * kBins + bin(turn < 0 ? turn + 1 : turn);
+    return std::size_t(below ? place + kBins * kBins : place);
   }
 
  private:
+  Vec Mirrored(Vec w) const { return w - 2 * Dot(w, n_) * n_; }
+  void AddBelow(Vec h, double toward, double dh, std::size_t bin) {
+    const double sine2 = ratio_ * ratio_ * (1 - toward * toward);
+    if (toward <= 0 || (ratio_ != 1 && sine2 >= 1)) return;
+    // Snell, and dwi = dh (ratio wo . h + wi . h)^2 / |wi . h| (Walter et al. 2007, eq. 17).
+    const double inside = -std::sqrt(1 - sine2);
+    Vec wi = (ratio_ * toward + inside) * h - ratio_ * wo_;
+    double dwi = dh * std::pow(ratio_ * toward + inside, 2) / -inside;
+    if (ratio_ == 1) wi = Mirrored(2 * toward * h - wo_), dwi = 4 * toward * dh;
+    if (Dot(wi, n_) >= 0) return;
+    directions_.push_back(wi);
+    solid_angles_.push_back(dwi);
+    bins_.push_back(bin);
+  }
   // The inverse of q(r), from a quadratic equation, and dq/dr.
   double Tangent(double q) const {
     const double b = (1 - 2 * q) * (1 + width_);
@@ -99,11 +104,18 @@ class HalfVectorCells {
   }
 
   Vec n_, s_, t_, wo_;
-  double width_;
+  double width_, ratio_;
   std::vector<Vec> directions_;
   std::vector<double> solid_angles_;
   std::vector<std::size_t> bins_;
 };
+
+// Index near over far, 1 where nothing is bent; none where light does not pass through.
+std::optional<double> TransmissionRatio(const MaterialCase& material) {
+  if (material.kind == BsdfKind::kDiffuseTransmission) return 1;
+  if (material.kind != BsdfKind::kRoughDielectric) return std::nullopt;
+  return material.back ? double(material.record.ior) : 1.0 / material.record.ior;
+}
 
 using Case = std::tuple<std::size_t, std::size_t>;
 
@@ -122,12 +134,15 @@ TEST_P(DenseBsdf, ScatterFollowsTheDensity) {
   constexpr std::uint32_t kSamples = 30000;
   for (const Vec normal : kNormals) {
     const Vec wo = AtAngle(normal, cosine_);
-    const double width = material_.kind == BsdfKind::kLambert ? 1 : material_.record.alpha;
-    const HalfVectorCells cells(normal, wo, width, 16);
+    // Phong's lobe is round about the mirror direction: at grazing angles a long one of half
+    // vectors.
+    const bool grazing = material_.kind == BsdfKind::kPhong && cosine_ < 0.1;
+    const HalfVectorCells cells(normal, wo, LobeWidth(material_), grazing ? 48 : 16,
+                                TransmissionRatio(material_));
     const auto count = std::uint32_t(cells.directions().size());
     const ShadingRows rows(material_, std::max(kSamples, count), normal, wo);
     const auto density = rows.Evaluate(cells.directions());
-    const std::size_t bins = HalfVectorCells::kBins * HalfVectorCells::kBins;
+    const std::size_t bins = 2 * HalfVectorCells::kBins * HalfVectorCells::kBins;
     std::vector<double> expected(bins + 1), observed(bins + 1);
     double integral = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -166,13 +181,19 @@ TEST_P(DenseBsdf, WeightIsValueOverDensity) {
     for (std::uint32_t i = 0; i < alive; ++i) directions[i] = RayDirection(rays, i);
     const auto seen = rows.Evaluate(directions);
     // An ulp of wi moves h by half of that over wo . h, and the density by that over alpha.
-    const double alpha = material_.kind == BsdfKind::kLambert ? 1 : material_.record.alpha;
-    const double tolerance = 1e-4 + 1e-6 / (alpha * cosine_);
+    const double alpha = LobeWidth(material_);
+    double tolerance = 1e-4 + 1e-6 / (alpha * cosine_);
+    // The n-th power multiplies relative errors by n, which is about 2 / alpha^2; refraction those
+    // of facets that are nearly past seeing.
+    const bool power = material_.kind == BsdfKind::kPhong || material_.kind == BsdfKind::kBlinn;
+    if (power) tolerance += (3e-6 + 3e-7 / (alpha * alpha)) / cosine_;
+    if (TransmissionRatio(material_)) tolerance += 2e-4;
     for (std::uint32_t i = 0; i < alive; ++i) {
       ASSERT_NEAR(Length(directions[i]), 1, 1e-5);
-      ASSERT_GT(Dot(directions[i], normal), 0);
+      const double height = Dot(directions[i], normal);
+      ASSERT_TRUE(height > 0 || TransmissionRatio(material_));
       // A direction at the very horizon keeps only an absolute precision.
-      if (Dot(directions[i], normal) < 1e-3) continue;
+      if (std::fabs(height) < 1e-3) continue;
       ASSERT_NEAR(rays->pdf[i] / seen->pdf[i], 1, tolerance) << "row " << i;
       const float weights[3] = {rays->throughput_r[i], rays->throughput_g[i],
                                 rays->throughput_b[i]};
@@ -214,9 +235,12 @@ std::array<double, 3> Albedo(const MaterialCase& material, double cosine) {
   const std::uint32_t alive =
       rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kSamples, {}, rays, 0);
   std::array<double, 3> sum = {};
+  const double ratio = TransmissionRatio(material).value_or(1);
   for (std::uint32_t i = 0; i < alive; ++i) {
-    sum[0] += rays->throughput_r[i], sum[1] += rays->throughput_g[i];
-    sum[2] += rays->throughput_b[i];
+    // Energy, not radiance: without the squared index ratio.
+    const double scale = rays->dir_z[i] < 0 ? 1 / (ratio * ratio) : 1;
+    sum[0] += scale * rays->throughput_r[i], sum[1] += scale * rays->throughput_g[i];
+    sum[2] += scale * rays->throughput_b[i];
   }
   for (double& value : sum) value /= kSamples;
   return sum;
@@ -271,6 +295,36 @@ TEST(BsdfEnergy, WhiteMetallicRoughnessLosesNothing) {
   EXPECT_LT(coat, 0.05);
 }
 
+// Rough white clay, and a sheet that absorbs nothing.
+TEST(BsdfEnergy, WhiteDiffuseSurfacesLoseNothing) {
+  for (const double cosine : kCosines) {
+    for (const float roughness : {0.0f, 0.3f, 1.0f}) {
+      const MaterialRecord clay = {.color = {1, 1, 1}, .alpha = roughness};
+      EXPECT_NEAR(Albedo({"", BsdfKind::kOrenNayar, clay}, cosine)[1], 1, 2e-3)
+          << "roughness " << roughness << ", cosine " << cosine;
+    }
+    const MaterialRecord sheet = {.color = {0.3f, 0.3f, 0.3f}, .eta = {0.7f, 0.7f, 0.7f}};
+    EXPECT_NEAR(Albedo({"", BsdfKind::kDiffuseTransmission, sheet}, cosine)[1], 1, 1e-4);
+  }
+}
+
+// What single scattering between facets keeps; narrow lobes keep nearly all.
+TEST(BsdfEnergy, NarrowLobesOfFacetsLoseLittle) {
+  for (const BsdfKind kind : {BsdfKind::kAnisotropicConductor, BsdfKind::kBeckmannConductor}) {
+    const MaterialRecord record = {.color = {1, 1, 1}, .alpha = 0.02f, .ior = 0.01f};
+    for (const double cosine : {1.0, 0.6, 0.3}) {
+      EXPECT_NEAR(Albedo({"", kind, record}, cosine)[1], 1, 1e-2) << cosine;
+    }
+  }
+  for (const bool back : {false, true}) {
+    const MaterialRecord glass = {.color = {1, 1, 1}, .alpha = 0.05f, .ior = 1.5f};
+    for (const double cosine : {1.0, 0.8, 0.5}) {
+      EXPECT_NEAR(Albedo({"", BsdfKind::kRoughDielectric, glass, back}, cosine)[1], 1, 2e-2)
+          << (back ? "inside, cosine " : "outside, cosine ") << cosine;
+    }
+  }
+}
+
 TEST(BsdfEnergy, NoMaterialReflectsMoreThanItGets) {
   for (const MaterialCase& material : Materials()) {
     for (const double cosine : kCosines) {
@@ -304,7 +358,7 @@ TEST(BsdfValue, IsReciprocal) {
       wo[i] = random.DirectionAbout(normal);
       // Half of the pairs near the mirror direction, where narrow lobes are.
       const Vec mirror = 2 * Dot(normal, wo[i]) * normal - wo[i];
-      const double spread = material.record.alpha * random.Between(0, 3);
+      const double spread = LobeWidth(material) * random.Between(0, 3);
       wi[i] =
           i % 2 == 0 ? random.DirectionAbout(normal) : Unit(mirror + spread * random.Direction());
       there.Set(i, normal, normal, wo[i]);
@@ -318,6 +372,39 @@ TEST(BsdfValue, IsReciprocal) {
       ASSERT_NEAR(f, reversed, (5e-4 + 1e-6 / (cos_i * cos_o)) * std::max(f, reversed))
           << material.name << ", pair " << i;
     }
+  }
+}
+
+// Transmission: f n_i^2 is symmetric when near and far change places (Veach 1997, eq. 5.14).
+TEST(BsdfValue, TransmissionIsReciprocal) {
+  constexpr std::uint32_t kPairs = 2000;
+  for (const MaterialCase& material : Materials()) {
+    const auto ratio = TransmissionRatio(material);
+    if (!ratio) continue;
+    const Vec normal = kNormals[1];
+    MaterialCase other = material;
+    other.back = !material.back;
+    Random random(39);
+    ShadingRows there(material, kPairs, normal, normal), back(other, kPairs, -normal, -normal);
+    std::vector<Vec> wi(kPairs), wo(kPairs);
+    for (std::uint32_t i = 0; i < kPairs; ++i) {
+      wo[i] = random.DirectionAbout(normal);
+      wi[i] = random.DirectionAbout(-normal);
+      there.Set(i, normal, normal, wo[i]);
+      back.Set(i, -normal, -normal, wi[i]);
+    }
+    const auto a = there.Evaluate(wi), b = back.Evaluate(wo);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < kPairs; ++i) {
+      const double cos_i = std::fabs(Dot(wi[i], normal)), cos_o = Dot(wo[i], normal);
+      if (cos_i < 1e-2 || cos_o < 1e-2) continue;
+      const double f = a->r[i] / cos_i / (*ratio * *ratio), reversed = b->r[i] / cos_o;
+      sum += f;
+      // Next to total reflection little passes, and floats keep few digits of what Fresnel leaves.
+      ASSERT_NEAR(f, reversed, 2e-3 * std::max(f, reversed) + 5e-5)
+          << material.name << ", pair " << i;
+    }
+    EXPECT_GT(sum, 0) << material.name;
   }
 }
 
@@ -406,25 +493,74 @@ TEST_P(DenseBsdfRows, NothingIsReflectedThroughTheSurface) {
   const auto values = rows_.Evaluate(wi_);
   const SurfaceColumns& s = rows_.surfaces;
   std::uint32_t below = 0;
+  // Powers and exponentials end in zeros of float, facets that refract in those that cannot.
+  const bool ends = material_.kind >= BsdfKind::kDiffuseTransmission;
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
     const double g = Dot(Get(i, s.ng_x, s.ng_y, s.ng_z), wi_[i]);
     const double h = Dot(Get(i, s.ns_x, s.ns_y, s.ns_z), wi_[i]);
-    if (g < -1e-6 || h < -1e-6) {
+    const bool through = g < -1e-6 && h < -1e-6 && TransmissionRatio(material_);
+    if (!through && (g < -1e-6 || h < -1e-6)) {
       ++below;
       ASSERT_EQ(values->pdf[i], 0);
       ASSERT_EQ(values->r[i] + values->g[i] + values->b[i], 0);
-    } else if (g > 1e-6 && h > 1e-6) {
+    } else if (g > 1e-6 && h > 1e-6 && !ends) {
       ASSERT_GT(values->pdf[i], 0);
     }
   }
-  EXPECT_GT(below, kFullWave / 3);
+  // Where light passes through, only the two normals' wedge is left.
+  EXPECT_GT(below, TransmissionRatio(material_) ? kFullWave / 64 : kFullWave / 3);
   soa::Table<RayColumns> rays(kFullWave);
   const ScatterRows uniforms(kFullWave, 43);
   const std::uint32_t alive = rows_.kernels.scatter(rows_.surfaces, rows_.materials(),
                                                     uniforms.view(), kFullWave, {}, rays, 0);
   EXPECT_GT(alive, kFullWave / 2);
   for (std::uint32_t i = 0; i < alive; ++i) {
-    ASSERT_GT(Dot(Get(rays->from[i], s.ng_x, s.ng_y, s.ng_z), RayDirection(rays, i)), -1e-6);
+    const std::uint32_t from = rays->from[i];
+    const Vec wi = RayDirection(rays, i);
+    const double g = Dot(Get(from, s.ng_x, s.ng_y, s.ng_z), wi);
+    const double h = Dot(Get(from, s.ns_x, s.ns_y, s.ns_z), wi);
+    ASSERT_GT(g * h, -1e-6);
+    ASSERT_TRUE(g > -1e-6 || TransmissionRatio(material_));
+    // It leaves from the side that it goes to.
+    const Vec front = {double(from), 2, 3};
+    const Vec ng = Get(from, s.ng_x, s.ng_y, s.ng_z);
+    const Vec origin = Get(i, rays->org_x, rays->org_y, rays->org_z);
+    const Vec expected = g > 0 ? front : front - 2 * 0x1p-10 * ng;
+    ASSERT_LT(Length(origin - expected), 1e-6 * (1 + Length(front)));
+  }
+}
+
+// Shadow rays start on the side of their light, however often they change it, and scattering knows.
+TEST_P(DenseBsdfRows, OriginsFollowTheLight) {
+  const SurfaceColumns& s = rows_.surfaces;
+  for (int sample = 0; sample < 3; ++sample) {
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      if (sample == 1) Put(-wi_[i], i, lights_->dir_x, lights_->dir_y, lights_->dir_z);
+      if (sample == 2) Put(wi_[i], i, lights_->dir_x, lights_->dir_y, lights_->dir_z);
+    }
+    const auto lights = CopyOfLights();
+    rows_.kernels.evaluate_lights(rows_.surfaces, rows_.materials(), kFullWave, {}, lights);
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      if (lights->t_far[i] < 0) continue;
+      const Vec ng = Get(i, s.ng_x, s.ng_y, s.ng_z);
+      const bool behind = Dot(ng, sample == 1 ? -wi_[i] : wi_[i]) < 0;
+      ASSERT_FALSE(behind && !TransmissionRatio(material_));
+      const Vec front = {double(i), 2, 3};
+      const Vec expected = behind ? front - 2 * 0x1p-10 * ng : front;
+      const Vec origin = Get(i, s.org_x, s.org_y, s.org_z);
+      ASSERT_LT(Length(origin - expected), 1e-6 * (1 + Length(front))) << "row " << i;
+    }
+  }
+  soa::Table<RayColumns> rays(kFullWave);
+  const ScatterRows uniforms(kFullWave, 47);
+  const std::uint32_t alive = rows_.kernels.scatter(rows_.surfaces, rows_.materials(),
+                                                    uniforms.view(), kFullWave, {}, rays, 0);
+  for (std::uint32_t i = 0; i < alive; ++i) {
+    const std::uint32_t from = rays->from[i];
+    const Vec ng = Get(from, s.ng_x, s.ng_y, s.ng_z), front = {double(from), 2, 3};
+    const Vec expected = Dot(ng, RayDirection(rays, i)) > 0 ? front : front - 2 * 0x1p-10 * ng;
+    ASSERT_LT(Length(Get(i, rays->org_x, rays->org_y, rays->org_z) - expected),
+              1e-6 * (1 + Length(front)));
   }
 }
 
@@ -461,7 +597,7 @@ TEST_P(DenseBsdfRows, LightSamplesAreWeighted) {
         // The ray itself stays.
         ASSERT_EQ(lights->dir_x[i], lights_->dir_x[i]);
       }
-      EXPECT_GT(open, 100u);
+      EXPECT_GT(open, LobeWidth(material_) > 0.05 ? 100u : 10u);
     }
   }
 }
@@ -508,7 +644,7 @@ TEST_P(DenseBsdfRows, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DenseBsdfRows, testing::Values(1, 2, 5, 9, 11, 17, 21, 25, 29),
+INSTANTIATE_TEST_SUITE_P(All, DenseBsdfRows, testing::Range(std::size_t{0}, DenseCases().size()),
                          [](const testing::TestParamInfo<std::size_t>& row) {
                            return Materials()[row.param].name;
                          });

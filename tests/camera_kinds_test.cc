@@ -7,16 +7,16 @@
 #include <cmath>
 
 #include "kernels/camera.h"
+#include "scene/builtin.h"
 #include "tests/support/random_rows.h"
+#include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
 #include "wavefront/frame.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 namespace {
-
-constexpr CameraKind kKinds[] = {CameraKind::kPerspective, CameraKind::kOrthographic,
-                                 CameraKind::kLatLong, CameraKind::kEqualArea};
 
 Vec ToVec(const glm::vec4& v) { return {v.x, v.y, v.z}; }
 
@@ -130,7 +130,7 @@ TEST(Lens, PointsAreEvenOnTheDisc) {
 
 TEST(Lens, WithoutRadiusTheLensUniformsAreNotRead) {
   const auto box = FilterOffsets(PixelFilter::kBox, 0.5f);
-  for (const CameraKind kind : kKinds) {
+  for (const CameraKind kind : kCameraKinds) {
     const CameraView view = MakeCameraView(ObliqueCamera(kind, 1), 64, 48, box.data());
     CameraRays r(view, 0.5f, kFullWave, 101);
     soa::Table<RayColumns> again(kFullWave);
@@ -247,6 +247,76 @@ TEST(EqualArea, EveryPixelHasTheSameSolidAngle) {
   EXPECT_TRUE(MatchesExpected(observed, expected, SidakLevel(1)));
 }
 
+TEST(Fisheye, AngleGrowsWithTheDistanceFromTheMiddle) {
+  // A filter of two pixels draws positions on both sides of the rim.
+  const auto wide = FilterOffsets(PixelFilter::kBox, 2.0f);
+  for (const float fov : {20.0f, 180.0f, 360.0f}) {
+    for (const auto& [width, height] : {std::pair{64, 48}, {48, 64}, {7, 7}}) {
+      Camera camera = ObliqueCamera(CameraKind::kFisheye, 2.5f);
+      camera.fov_degrees = fov;
+      const Axes c = AxesOf(camera);
+      const CameraRays r(MakeCameraView(camera, width, height, wide.data()), 2, kFullWave, 191);
+      int seen = 0;
+      for (std::uint32_t i = 0; i < kFullWave; ++i) {
+        const double dx = r.x[i] - width / 2.0, dy = r.y[i] - height / 2.0;
+        const double radius = std::hypot(dx, dy), rim = std::min(width, height) / 2.0;
+        ASSERT_NEAR(Length(r.Direction(i)), 1, 1e-6);
+        ASSERT_LT(Length(r.Origin(i) - c.origin), 1e-9);
+        if (std::fabs(radius - rim) < 1e-4) continue;
+        const bool inside = radius < rim;
+        ASSERT_EQ(r.rays->throughput_g[i], inside ? 1 : 0) << "row " << i;
+        ASSERT_EQ(r.rays->t_far[i] >= 0, inside) << "row " << i;
+        if (!inside) continue;
+        const double theta = radius / rim * fov * kPi / 360;
+        const Vec exact = std::cos(theta) * Unit(c.z) + std::sin(theta) * dx / radius * Unit(c.x) -
+                          std::sin(theta) * dy / radius * Unit(c.y);
+        ASSERT_LT(Angle(r.Direction(i), exact), 3e-6) << "row " << i;
+        ++seen;
+      }
+      EXPECT_GT(seen, int(kFullWave) / 3);
+      EXPECT_LT(seen, int(kFullWave));
+    }
+  }
+}
+
+TEST(Fisheye, TheMiddleOfTheFilmLooksAhead) {
+  std::vector<float> none(kFilterCells + 1);  // a filter without width
+  const Camera camera = ObliqueCamera(CameraKind::kFisheye, 1);
+  const CameraRays r(MakeCameraView(camera, 1, 1, none.data()), 0, 1, 193);
+  EXPECT_LT(Angle(r.Direction(0), AxesOf(camera).z), 1e-6);
+}
+
+// Rays outside of the circle are closed: no backend finds a surface with them, and no sky.
+TEST(Fisheye, SeesNothingOutsideOfItsCircle) {
+  for (const char* const name : {"furnace", "gallery"}) {
+    JobRequest request = SmallRequest(24, 16, 4);
+    request.camera.kind = CameraKind::kFisheye;
+    request.camera.fov_degrees = 360;
+    request.filter = PixelFilter::kBox;
+    for (const std::uint32_t max_depth : {0u, 3u}) {
+      request.max_depth = max_depth;
+      const RenderJob job(BuiltinScene(name), request);
+      std::vector<float> first;
+      for (const Backend backend : kBackends) {
+        FrameView frame = job.frame();
+        frame.tracer.closest = frame.tracer.occlusion = backend;
+        Film film = job.MakeFilm();
+        RenderFrame(frame, film);
+        const Image image = film.Resolve(4);
+        for (int y = 0; y < 16; ++y) {
+          for (int x = 0; x < 24; ++x) {
+            const double radius = std::hypot(x + 0.5 - 12, y + 0.5 - 8);
+            if (radius > 8.8) ASSERT_EQ(image.Pixel(x, y)[0], 0) << x << ", " << y;
+            if (radius < 7.2 && max_depth > 0) ASSERT_GT(image.Pixel(x, y)[0], 0) << x << ", " << y;
+          }
+        }
+        if (first.empty()) first = image.rgb;
+        EXPECT_EQ(image.rgb, first) << ToString(backend);
+      }
+    }
+  }
+}
+
 TEST(ScreenWindow, IsWhatTheFilmShows) {
   const auto box = FilterOffsets(PixelFilter::kBox, 0.5f);
   for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic}) {
@@ -279,7 +349,7 @@ TEST(Crop, RaysAreThoseOfTheWholeFilm) {
   const auto offsets = FilterOffsets(PixelFilter::kGaussian, 1.5f);
   constexpr CropWindow kPart = {7, 5, 20, 9};
   constexpr std::uint32_t kPixels = kPart.width * kPart.height;
-  for (const CameraKind kind : kKinds) {
+  for (const CameraKind kind : kCameraKinds) {
     const Camera camera = ObliqueCamera(kind, 1);
     const CameraView whole = MakeCameraView(camera, 64, 48, offsets.data());
     const CameraView part = MakeCameraView(camera, 64, 48, offsets.data(), kPart);
@@ -298,7 +368,7 @@ TEST(Crop, RaysAreThoseOfTheWholeFilm) {
 
 TEST(CameraKinds, BitsDoNotDependOnTargetOrNumberOfRows) {
   const auto offsets = FilterOffsets(PixelFilter::kBlackmanHarris, 1.5f);
-  for (const CameraKind kind : kKinds) {
+  for (const CameraKind kind : kCameraKinds) {
     Camera camera = ObliqueCamera(kind, 1);
     camera.lens_radius = 0.1f, camera.focal_distance = 4;
     const CameraView view = MakeCameraView(camera, 31, 33, offsets.data());

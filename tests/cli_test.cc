@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "base/error.h"
+#include "image/exr_header.h"
 #include "image/image.h"
 #include "tests/support/program.h"
+#include "wavefront/aovs.h"
 
 namespace skywave {
 namespace {
@@ -188,11 +190,21 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --env-rotate inf", kExitUsage, {"--env-rotate", "inf"}},
       {"render scene.pbrt --env-intensity nan", kExitUsage, {"--env-intensity", "nan"}},
       {"render scene.pbrt --env-projection flat", kExitUsage, {"--env-projection", "latlong"}},
-      {"render scene.pbrt --camera fisheye", kExitUsage, {"--camera", "fisheye", "orthographic"}},
+      {"render scene.pbrt --camera pinhole", kExitUsage, {"--camera", "pinhole", "orthographic"}},
       {"render scene.pbrt --eye 1,2", kExitUsage, {"--eye", "1,2", "X,Y,Z"}},
       {"render scene.pbrt --eye 1,2,nan", kExitUsage, {"--eye", "X,Y,Z"}},
       {"render scene.pbrt --eye 1,2,3 --target 1,2,3", kExitUsage, {"--target", "look"}},
-      {"render scene.pbrt --fov 180", kExitUsage, {"--fov", "180"}},
+      {"render scene.pbrt --fov 180", kExitUsage, {"--fov", "180", "perspective", "fisheye"}},
+      {"render scene.pbrt --camera fisheye --fov 361", kExitUsage, {"--fov", "361"}},
+      {"render scene.pbrt --aovs albedo,colour", kExitUsage, {"colour", "albedo", "position"}},
+      {"render scene.pbrt --aovs depth -o a.png", kExitUsage, {"a.png", "--aovs", "EXR"}},
+      {"render scene.pbrt --aovs depth --max-depth 0", kExitUsage, {"--aovs", "--max-depth"}},
+      {"render scene.pbrt --shutter 1/60", kExitUsage, {"--shutter", "--f-number"}},
+      {"render scene.pbrt --f-number 8", kExitUsage, {"--f-number", "--shutter"}},
+      {"render scene.pbrt --iso 100", kExitUsage, {"--iso", "--shutter"}},
+      {"render scene.pbrt --f-number 8 --shutter 1/0", kExitUsage, {"--shutter", "1/0", "1/125"}},
+      {"render scene.pbrt --f-number 8 --shutter 1/60s", kExitUsage, {"--shutter", "1/60s"}},
+      {"render scene.pbrt --f-number 0 --shutter 1", kExitUsage, {"--f-number"}},
       {"render scene.pbrt --lens-radius -1", kExitUsage, {"--lens-radius"}},
       {"render scene.pbrt --focal-distance 0", kExitUsage, {"--focal-distance"}},
       {"render scene.pbrt --crop 2x2", kExitUsage, {"--crop", "WxH+X+Y"}},
@@ -224,6 +236,41 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
     EXPECT_EQ(result.out, "");
     EXPECT_EQ(Files(), before);
   }
+}
+
+TEST_F(Cli, LayersStandBesideThePicture) {
+  const std::string picture = "render scene.pbrt --size 6x4 --spp 3 -q";
+  ASSERT_EQ(Run(picture + " -o plain.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --aovs uv,depth -o layers.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("plain.exr")).rgb, ReadImage(Path("layers.exr")).rgb);
+  EXPECT_EQ(Bytes("plain.png"), Bytes("layers.png"));
+  const ExrHeader header = ParseExrHeader("layers.exr", Bytes("layers.exr"), {});
+  std::vector<std::string> names;
+  for (const ExrChannel& channel : header.channels) names.push_back(channel.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "depth.Z", "uv.A", "uv.U", "uv.V"}));
+  // The command of the header repeats the file, layers included.
+  std::string command;
+  for (const auto& [name, text] : header.strings) command += name == "command" ? text : "";
+  ASSERT_EQ(command.find("skywave "), 0u);
+  ASSERT_EQ(Run(command.substr(8) + " -q -o again.exr").exit_code, 0);
+  EXPECT_TRUE(Bytes("layers.exr") == Bytes("again.exr"));
+  for (const Aov& aov : Aovs()) {
+    EXPECT_TRUE(Contains(Run("render --help").out, std::string(aov.name)));
+  }
+}
+
+TEST_F(Cli, ACameraExposesThePng) {
+  const std::string picture = "render scene.pbrt --size 6x4 --spp 2 -q";
+  // 1.2 * 2^0 is white, and two stops less than that.
+  ASSERT_EQ(Run(picture + " --shutter 1 --f-number 1 -o camera.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --exposure=-0.263034 -o stops.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("camera.png"), Bytes("stops.png"));
+  ASSERT_EQ(
+      Run(picture + " --shutter 1/4 --f-number 2 --iso 400 --exposure=-2 -o sum.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --exposure=-4.263034 -o less.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("sum.png"), Bytes("less.png"));
+  EXPECT_NE(Bytes("sum.png"), Bytes("stops.png"));
+  EXPECT_EQ(Bytes("sum.exr"), Bytes("stops.exr"));
 }
 
 // What was there before a failure is there after it.

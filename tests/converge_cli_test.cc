@@ -175,10 +175,15 @@ TEST_F(Converge, ASavedReferenceGivesTheSameErrors) {
 
 TEST_F(Converge, WarnsOfAReferenceThatIsTooNoisyOrUnknown) {
   const std::string rest = "--strategies importance --budgets 4 --repeats 2 -q ";
-  const Result noisy = Run(kSmall + rest + "--reference-spp 8");
+  const Result noisy = Run(kSmall + rest + "--reference-spp 8 --json n.json --report n.html");
   EXPECT_EQ(noisy.exit_code, 0);
-  EXPECT_TRUE(Contains(noisy.err, "more than a tenth")) << noisy.err;
-  EXPECT_EQ(Run(kSmall + rest + "--reference-spp 4096").err, "");
+  const std::size_t hint = noisy.err.find("take more --reference-spp, about ");
+  ASSERT_NE(hint, std::string::npos) << noisy.err;
+  EXPECT_EQ(ReadJson("n.json").at("warnings").size(), 1u);
+  EXPECT_TRUE(Contains(Bytes("n.html"), "take more --reference-spp"));
+  // What the warning advises is enough.
+  const std::string advised = noisy.err.substr(noisy.err.find_last_of(' ') + 1);
+  EXPECT_EQ(Run(kSmall + rest + "--reference-spp " + advised).err, "");
   ASSERT_EQ(
       Run("render spheres --env sky.pfm --size 32x24 --spp 64 --integrator direct -q -o plain.exr")
           .exit_code,

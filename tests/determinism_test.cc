@@ -183,7 +183,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"gallery", Integrator::kPath}, Case{"gallery", Integrator::kDirect},
                     Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect},
                     Case{"painted", Integrator::kPath}, Case{"painted", Integrator::kDirect},
-                    Case{"screens", Integrator::kPath}, Case{"screens", Integrator::kDirect}),
+                    Case{"screens", Integrator::kPath}, Case{"screens", Integrator::kDirect},
+                    Case{"lamps", Integrator::kPath}, Case{"lamps", Integrator::kDirect}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });

@@ -39,9 +39,10 @@ class Furnace : public testing::TestWithParam<FurnaceCase> {};
 // A ball that fills most of the film.
 Scene FurnaceOf(const FurnaceCase& test) {
   Scene scene;
-  scene.materials.push_back(test.material);
+  // The first two are what mixtures are made of.
+  scene.materials = {White(BsdfKind::kLambert), White(BsdfKind::kMirror), test.material};
   const Mesh ball = Sphere(1, 12);
-  Place(scene, test.smooth ? ball : Facetted(ball), 0, glm::vec3(0));
+  Place(scene, test.smooth ? ball : Facetted(ball), 2, glm::vec3(0));
   SetConstantLight(scene, kRadiance);
   scene.camera = LookAtCamera({0, 0, 4}, glm::vec3(0), {0, 1, 0}, 32, false);
   return scene;
@@ -89,6 +90,14 @@ std::vector<FurnaceCase> Cases() {
     cases.push_back({"Lambert" + shading, White(BsdfKind::kLambert), smooth, mean, block});
     cases.push_back({"Mirror" + shading, White(BsdfKind::kMirror), smooth, 0, 0});
     cases.push_back({"Glass" + shading, White(BsdfKind::kDielectric), smooth, 0, 0});
+    cases.push_back({"Clay" + shading, White(BsdfKind::kOrenNayar, 1), smooth, mean, block});
+    Material sheet = White(BsdfKind::kDiffuseTransmission);
+    sheet.reflectance = glm::vec3(0.4f), sheet.second_color = glm::vec3(0.6f);
+    cases.push_back({"Sheet" + shading, sheet, smooth, mean, block});
+    Material mixed;
+    mixed.mixture = Mixture{0, 1, 0.4f};
+    cases.push_back({"Mixture" + shading, mixed, smooth, mean, block});
+    cases.push_back({"Pane" + shading, White(BsdfKind::kThinDielectric), smooth, 0, 0});
     for (const int percent : {1, 5, 10, 20, 40, 70, 100}) {
       const bool narrow = percent <= 10;
       cases.push_back({"Conductor" + std::to_string(percent) + shading,

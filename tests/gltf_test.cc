@@ -255,20 +255,53 @@ TEST_F(Gltf, GlassAndIndices) {
   document["materials"][0]["extensions"] = {
       {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
       {"KHR_materials_ior", {{"ior", 1.33}}}};
-  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kDielectric);
+  json& extensions = document["materials"][0]["extensions"];
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kThinDielectric);
   EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+  extensions["KHR_materials_volume"] = {{"thicknessFactor", 0.5}};
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0;
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kDielectric);
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kRoughDielectric);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].alpha, 0.25f);
   document["materials"][0]["extensions"].erase("KHR_materials_transmission");
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
 }
 
+TEST_F(Gltf, LayersAndSpecular) {
+  json document = Document();
+  json& extensions = document["materials"][0]["extensions"];
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5},
+                                           {"clearcoatRoughnessFactor", 0.3}};
+  const Material coated = Read(document).materials[0];
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_FLOAT_EQ(coated.coat, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.09f);
+  EXPECT_EQ(coated.sheen, glm::vec3(0));
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
+                                       {"sheenRoughnessFactor", 0.5}};
+  const Material velvet = Read(document).materials[0];
+  EXPECT_EQ(velvet.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_EQ(velvet.coat, 0);
+  EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
+  // A quarter of the reflectance at normal incidence: half of the amplitude.
+  extensions["KHR_materials_specular"] = {{"specularFactor", 0.25}};
+  const float ior = Read(document).materials[0].ior;
+  EXPECT_NEAR((ior - 1) / (ior + 1), 0.5 * 0.2, 1e-6);
+  EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+}
+
 TEST_F(Gltf, WhatIsNotRenderedIsNamed) {
   json document = Document();
-  document["materials"][0]["emissiveFactor"] = {1, 1, 1};
-  document["materials"][0]["extensions"] = {{"KHR_materials_sheen", json::object()}};
+  document["materials"][0]["extensions"] = {{"KHR_materials_iridescence", json::object()},
+                                            {"KHR_materials_variants", json::object()}};
   const std::vector<std::string> warnings = Read(document).warnings;
   ASSERT_EQ(warnings.size(), 2u);
-  for (const char* const word : {"emission", "KHR_materials_sheen"}) {
+  for (const char* const word : {"KHR_materials_variants", "KHR_materials_iridescence"}) {
     EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [&](const std::string& text) {
       return text.find(word) != std::string::npos;
     })) << word;

@@ -171,6 +171,72 @@ TEST(Holes, AnswersDependOnKeyAndTriangleAlone) {
   EXPECT_NEAR(both / n, 0.09, Tolerance(0.09, n));
 }
 
+// A floor of constant light under a sheet that shines, seen from beside it: the sheet gives what
+// its opacity leaves of it, whether its light is found by light samples or by chance.
+TEST(Holes, LightsShineWhereTheyAre) {
+  const auto floor = [](float opacity, bool squares, bool mis, Integrator integrator) {
+    Scene scene;
+    const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
+    scene.materials[lamp].emission = glm::vec3(8);
+    scene.materials[lamp].emits_on_both_sides = true;
+    scene.materials[lamp].opacity = opacity;
+    if (squares) {
+      scene.images = {Checkers(8, 1, 0)};
+      scene.textures = {{.image = 0, .use = TextureUse::kOpacity}};
+      scene.materials[lamp].opacity_texture = 0;
+      scene.materials[lamp].opacity_cutoff = 0.5f;
+    }
+    // Before the lamp, so that the order of the meshes is not that of the triangles.
+    Place(scene, Quad(0.5f), lamp, {0, 1, 0});
+    Place(scene, Quad(1), AddLambert(scene, "white", glm::vec3(0.8f)), {0, 0, 0});
+    scene.camera = LookAtCamera({0, 0.9f, 0}, {0, 0, 0}, {0, 0, -1}, 60, false);
+    JobRequest request = SmallRequest(16, 16, 256);
+    request.integrator = integrator;
+    request.max_depth = 1;
+    request.options.mis = mis;
+    const RenderJob job(scene, request);
+    Film film = job.MakeFilm();
+    RenderFrame(job.frame(), film);
+    return MeanOf(film.Resolve(256));
+  };
+  const double whole = floor(1, false, true, Integrator::kPath);
+  ASSERT_GT(whole, 0.5);
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    for (const bool mis : {false, true}) {
+      // The relative error of a sample is below 1.5, that of the mean of 65536 below 0.6 percent.
+      EXPECT_NEAR(floor(0.4f, false, mis, integrator) / whole, 0.4, 0.4 * 5 * 0.006) << mis;
+      EXPECT_NEAR(floor(1, true, mis, integrator) / whole, 0.5, 0.5 * 5 * 0.006) << mis;
+    }
+  }
+}
+
+// Of the mixture the opacity counts, of the parts the rest; tables have a row for every variant.
+TEST(Holes, MixturesHaveThem) {
+  Scene scene;
+  const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
+  scene.images = {Plain(NormalColor({0.3f, 0, 1}))};
+  scene.textures = {{.image = 0, .use = TextureUse::kNormals}};
+  scene.materials[black].normal_texture = 0;
+  AddLambert(scene, "also black", glm::vec3(0));
+  scene.materials.push_back({.name = "mixture", .opacity = 0.5f, .mixture = Mixture{0, 1, 0.4f}});
+  Place(scene, Quad(9), 2, {0, 0, 0});
+  Place(scene, Quad(0.01f), black, {0, -5, 0});
+  scene.camera = LookAtCamera({0, 2, 0}, {0, 0, 0}, {0, 0, -1}, 60, false);
+  SetConstantLight(scene, 1);
+  EXPECT_NEAR(MeanOf(Picture(scene, 32, 64)), 0.5, Tolerance(0.5, 32 * 32 * 64));
+
+  const Geometry geometry(scene, "test");
+  ASSERT_EQ(geometry.triangle_count(), 4u);
+  ASSERT_EQ(geometry.record_count(), 8u);
+  EXPECT_EQ(geometry.first_with_holes(), 2u);
+  for (std::uint32_t record = 0; record < 8; ++record) {
+    EXPECT_EQ(geometry.MeshOf(record), record < 2 ? 1u : 0u) << record;
+    const std::uint32_t tag = geometry.triangles()[record].tag;
+    const bool mapped = (tag & kMixedTriangle) == 0 && (tag & kMaterialMask) == black;
+    EXPECT_EQ(geometry.normal_maps().tangents[record].side != 0, mapped) << record;
+  }
+}
+
 TEST(Holes, OpaqueScenesHaveOneGeometryAndNoKeys) {
   Scene scene = Sheets(2, 1);
   const Geometry opaque(scene, "test");
@@ -185,6 +251,7 @@ TEST(Holes, OpaqueScenesHaveOneGeometryAndNoKeys) {
   ASSERT_EQ(mixed.first_with_holes(), 4u);
   for (std::uint32_t t = 0; t < 6; ++t) {
     EXPECT_EQ(mixed.triangles()[t].tag & kMaterialMask, t < 4 ? 0u : 1u);
+    EXPECT_EQ(mixed.MeshOf(t), t < 2 ? 1u : t < 4 ? 2u : 0u);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "image/image.h"
 
+#include <ImfInputFile.h>
 #include <ImfThreading.h>
 #include <gtest/gtest.h>
 
@@ -37,6 +38,26 @@ TEST_F(ImageFiles, ExrBytesOnlyDependOnTheInput) {
   WriteExr(Path("b.exr"), Numbered(40, 20), metadata);
   EXPECT_EQ(ReadFile(Path("a.exr")), ReadFile(Path("b.exr")));
   EXPECT_EQ(Imf::globalThreadCount(), 0);
+}
+
+TEST_F(ImageFiles, ExrLayersComeBack) {
+  const Image image = Numbered(5, 3);
+  const std::vector<float> depth = {1e10f, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, -1, 0.5f};
+  const std::vector<float> red(15, 0.25f);
+  WriteExr(Path("a.exr"), image, {}, {{"depth.Z", depth}, {"albedo.R", red}});
+  ExpectSame(ReadImage(Path("a.exr")), image);
+  Imf::InputFile file(Path("a.exr").c_str());
+  std::vector<float> back(15), red_back(15);
+  Imf::FrameBuffer frame;
+  const auto slice = [&](std::vector<float>& to) {
+    return Imf::Slice::Make(Imf::FLOAT, to.data(), file.header().dataWindow());
+  };
+  frame.insert("depth.Z", slice(back));
+  frame.insert("albedo.R", slice(red_back));
+  file.setFrameBuffer(frame);
+  file.readPixels(0, 2);
+  EXPECT_EQ(back, depth);
+  EXPECT_EQ(red_back, red);
 }
 
 TEST_F(ImageFiles, ExrMetadataComesBack) {

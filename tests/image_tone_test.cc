@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"
@@ -57,6 +58,20 @@ TEST(ToneMap, ExposureIsInStops) {
   for (float& value : doubled) value *= 2;
   EXPECT_EQ(MapGrey(values, {.exposure_stops = 1}), MapGrey(doubled, {}));
   EXPECT_EQ(MapGrey({8}, {.exposure_stops = -4}), MapGrey({0.5f}, {}));
+}
+
+TEST(PhotographicExposure, FollowsTheFormula) {
+  // Sunny sixteen: f/16 at 1/100 s and ISO 100 is EV 14.64 and saturates at 1.2 * 16^2 * 100.
+  const PhotographicExposure sunny = {.iso = 100, .shutter_seconds = 0.01f, .f_number = 16};
+  EXPECT_NEAR(ExposureValue100(sunny), 14.6439, 1e-4);
+  EXPECT_NEAR(std::exp2(-ExposureStops(sunny)), 30720, 1);
+  // A stop more: twice the time, twice the speed, or the f-number over the square root of two.
+  for (const PhotographicExposure& brighter :
+       {PhotographicExposure{.iso = 100, .shutter_seconds = 0.02f, .f_number = 16},
+        PhotographicExposure{.iso = 200, .shutter_seconds = 0.01f, .f_number = 16},
+        PhotographicExposure{.iso = 100, .shutter_seconds = 0.01f, .f_number = 11.3137085f}}) {
+    EXPECT_NEAR(ExposureStops(brighter) - ExposureStops(sunny), 1, 1e-5);
+  }
 }
 
 TEST(ToneMap, FilmicValuesFollowTheFit) {

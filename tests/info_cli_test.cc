@@ -1,6 +1,7 @@
 // skywave info: what it counts, in the table and in the JSON, and how it refuses.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -26,7 +27,9 @@ class Info : public Program {
         "s 1\nusemtl glass\nf 1 3 4\n");
     Put("light.pbrt",
         "Camera \"orthographic\"\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 2 3]\n"
-        "LightSource \"point\"\nShape \"sphere\"\n");
+        "LightSource \"goniometric\"\nLightSource \"point\" \"rgb I\" [2 2 2]\n"
+        "Shape \"sphere\"\nAreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point P\" [0 0 0 "
+        "1 0 0 0 1 0]\n");
     Put("empty.obj", "v 0 0 0\n");
     Put("bad.obj", "v 0 0 0\nf 1 2 3\n");
   }
@@ -71,12 +74,18 @@ TEST_F(Info, CountsAnObjFile) {
 TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
   const Result pbrt = Run("info light.pbrt --json i.json");
   EXPECT_EQ(pbrt.exit_code, 0) << pbrt.err;
-  for (const char* const part : {"left-handed", "orthographic", "1 lights", "1 2 3",
-                                 "light.pbrt:4: LightSource \"point\""}) {
+  for (const char* const part :
+       {"left-handed", "orthographic", "3 lights", "1 2 3", "triangle", "shines with 1 1 1",
+        "light.pbrt:4: LightSource \"goniometric\""}) {
     EXPECT_TRUE(Contains(pbrt.out, part)) << part << " in\n" << pbrt.out;
   }
   const auto json = nlohmann::json::parse(Bytes("i.json"));
   EXPECT_EQ(json.at("lights").at(0).at("scale"), nlohmann::json({1, 2, 3}));
+  EXPECT_EQ(json.at("lights").at(1).at("kind"), "triangle");
+  EXPECT_EQ(json.at("lights").at(1).at("count"), 1);
+  EXPECT_NEAR(json.at("lights").at(1).at("power").get<double>(), 0.5 * M_PI, 1e-5);
+  EXPECT_EQ(json.at("lights").at(2).at("kind"), "point");
+  EXPECT_NEAR(json.at("lights").at(2).at("power").get<double>(), 8 * M_PI, 1e-4);
   EXPECT_EQ(json.at("camera").at("kind"), "orthographic");
   const Result gallery = Run("info gallery");
   EXPECT_EQ(gallery.exit_code, 0) << gallery.err;

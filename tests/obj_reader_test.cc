@@ -251,8 +251,9 @@ TEST(Mtl, SaysOnceWhatIsNotRendered) {
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Kd none.jpg\n"),
             std::vector<std::string>{
                 "t.mtl:3: map_Kd: there is no file \"none.jpg\": the plain value is used"});
-  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\n\nKe 4 4 4\n"),
-            std::vector<std::string>{"t.mtl:4: Ke: emission is not supported: left out"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\n\nmap_Ke none.jpg\n"),
+            std::vector<std::string>{
+                "t.mtl:4: map_Ke: there is no file \"none.jpg\": the plain value is used"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 2\n"),
             std::vector<std::string>{"t.mtl:2: Kd is clamped to [0, 1]"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nd .8\n").size(), 0u);

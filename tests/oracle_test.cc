@@ -355,6 +355,21 @@ TEST(OraclePictures, HolesAndReliefAgree) {
   }
 }
 
+// Every screen shines where it is, the sky as well.
+TEST(OraclePictures, HolesInLightsAgree) {
+  Scene scene = ScreensScene();
+  for (Material& material : scene.materials) {
+    if (material.opaque()) continue;
+    material.emission = {0.9f, 1.5f, 2};
+    material.emits_on_both_sides = true;
+  }
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = Request(integrator, 3);
+    request.options.light_samples = 2;
+    ExpectSame(scene, request);
+  }
+}
+
 TEST(OraclePictures, CameraOfALeftHandedWorldAgrees) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, SkyWithSun(64, 32, 20, 0.3));

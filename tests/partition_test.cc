@@ -6,12 +6,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "tests/support/random_rows.h"
 #include "tests/support/targets.h"
 
 namespace skywave {
 namespace {
+
+constexpr BsdfSet kAll = (BsdfSet{1} << kBsdfKinds) - 1;
 
 class Partition : public testing::Test {
  protected:
@@ -73,9 +76,10 @@ TEST_F(Partition, ClassifiesAndCounts) {
       for (const bool only_sparse : {false, true}) {
         std::fill(queue_.begin(), queue_.end(), 0xDEADBEEFu);
         // Counts are added to what is there.
-        std::array<std::uint32_t, kBsdfKinds + 1> count = {10, 20, 30, 40, 50, 60};
-        ClassifyHits(hits_, triangles_.data(), only_sparse ? rays_->pdf : nullptr, n, queue_.data(),
-                     count.data());
+        std::array<std::uint32_t, kBsdfKinds + 1> count;
+        for (std::uint32_t k = 0; k <= kMissQueue; ++k) count[k] = 10 * (k + 1);
+        ClassifyHits(hits_, triangles_.data(), kAll, only_sparse ? rays_->pdf : nullptr, n,
+                     queue_.data(), count.data());
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
           const auto rows = RowsOf(k, n, only_sparse);
           EXPECT_EQ(count[k], 10 * (k + 1) + rows.size())
@@ -91,6 +95,50 @@ TEST_F(Partition, ClassifiesAndCounts) {
         for (std::uint32_t i = n; i < (n + kPadRows - 1) / kPadRows * kPadRows; ++i) {
           ASSERT_GT(queue_[i], kMissQueue) << "padding row " << i;
         }
+      }
+    }
+  });
+}
+
+// Queues of BSDFs that are not announced are not counted: that is what it is for.
+TEST_F(Partition, CountsThoseThatArePresent) {
+  std::array<std::uint32_t, kBsdfKinds + 1> all = {}, some = {};
+  ClassifyHits(hits_, triangles_.data(), kAll, nullptr, kFullWave, queue_.data(), all.data());
+  const BsdfSet present = 0b1010;
+  ClassifyHits(hits_, triangles_.data(), present, nullptr, kFullWave, queue_.data(), some.data());
+  for (std::uint32_t k = 0; k < kBsdfKinds; ++k) {
+    EXPECT_EQ(some[k], (present >> k & 1) != 0 ? all[k] : 0) << k;
+  }
+  EXPECT_EQ(some[kMissQueue], all[kMissQueue]);
+}
+
+// A mixture of which the second material is a mixture: three shares.
+TEST(Mixtures, AreChosenByTheirShares) {
+  constexpr std::uint32_t kFar = 0x3FFFFFFFu;
+  std::vector<TriangleRecord> triangles(7);
+  const auto mixed = [](std::uint32_t first, float share) {
+    return TriangleRecord{.normal = {first, std::bit_cast<std::uint32_t>(share), 0},
+                          .tag = kMixedTriangle};
+  };
+  triangles[2] = mixed(3, 0.75f);
+  triangles[4] = mixed(5, 0.25f);
+  soa::Table<HitColumns> hits(kFullWave);
+  std::vector<float> u(PaddedRows(kFullWave));
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      for (std::uint32_t i = 0; i < kFullWave; ++i) {
+        u[i] = (float(i) + 0.5f) / kFullWave;
+        hits->geom[i] = i % 8 == 0 ? kNoHit : 0;
+        hits->triangle[i] = i % 8 == 0 ? kFar : i % 8 == 1 ? 1 : 2;
+      }
+      ChooseMaterials(triangles.data(), u.data(), n, hits);
+      for (std::uint32_t i = 0; i < kFullWave; ++i) {
+        const double x = u[i];
+        std::uint32_t expected = x >= 0.75 ? 3 : x >= 0.75 * 0.25 ? 5 : 6;
+        if (i % 8 == 0) expected = kFar;
+        if (i % 8 == 1) expected = 1;
+        if (i >= n && i % 8 > 1) expected = 2;
+        ASSERT_EQ(hits->triangle[i], expected) << "row " << i << " of " << n;
       }
     }
   });
@@ -113,7 +161,7 @@ TEST_F(Partition, MovesEscapedRays) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       std::array<std::uint32_t, kBsdfKinds + 1> count = {};
-      ClassifyHits(hits_, triangles_.data(), nullptr, n, queue_.data(), count.data());
+      ClassifyHits(hits_, triangles_.data(), kAll, nullptr, n, queue_.data(), count.data());
       soa::Table<EscapeColumns> to(kFullWave);
       FillWithGarbage(to.columns(), kFullWave);
       MoveEscaped(rays_, queue_.data(), n, to);
@@ -135,7 +183,7 @@ TEST_F(Partition, MovesHits) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       std::array<std::uint32_t, kBsdfKinds + 1> count = {};
-      ClassifyHits(hits_, triangles_.data(), nullptr, n, queue_.data(), count.data());
+      ClassifyHits(hits_, triangles_.data(), kAll, nullptr, n, queue_.data(), count.data());
       for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
         soa::Table<SurfaceColumns> to(kFullWave);
         FillWithGarbage(to.columns(), kFullWave);

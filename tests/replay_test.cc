@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "scene/builtin.h"
@@ -21,12 +22,11 @@ namespace {
 constexpr RayOrder kOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
 
 struct RecordedFrame {
-  explicit RecordedFrame(bool holes = false) {
-    JobRequest request = {.scene = "spheres"};
+  explicit RecordedFrame(Scene scene = BuiltinScene("spheres")) {
+    JobRequest request;
     request.width = 48, request.height = 32, request.samples_per_pixel = 4;
     request.options.threads = 2;
-    job =
-        std::make_unique<RenderJob>(holes ? ScreensScene() : BuiltinScene(request.scene), request);
+    job = std::make_unique<RenderJob>(std::move(scene), request);
     Film film = job->MakeFilm();
     result = RenderFrame(job->frame(), film, nullptr, &recorders);
   }
@@ -37,11 +37,13 @@ struct RecordedFrame {
 
 using Ray = std::array<float, 6>;
 
-std::vector<Ray> Rays(const std::vector<RayRecorder>& recorders, bool occlusion) {
+constexpr RayKind kKinds[] = {RayKind::kCamera, RayKind::kBounce, RayKind::kShadow};
+
+std::vector<Ray> Rays(const std::vector<RayRecorder>& recorders, RayKind kind) {
   std::vector<Ray> rays;
   for (const RayRecorder& recorder : recorders) {
     for (const RayBatch& batch : recorder.batches()) {
-      if (batch.occlusion != occlusion) continue;
+      if (batch.kind != kind) continue;
       for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
         rays.push_back({recorder.org(0)[i], recorder.org(1)[i], recorder.org(2)[i],
                         recorder.dir(0)[i], recorder.dir(1)[i], recorder.dir(2)[i]});
@@ -55,29 +57,48 @@ int Octant(const Ray& ray) { return (ray[3] < 0) | (ray[4] < 0) << 1 | (ray[5] <
 
 TEST(Replay, TracesEveryRayOfTheFrame) {
   const RecordedFrame frame;
-  const std::size_t rays = Rays(frame.recorders, false).size() + Rays(frame.recorders, true).size();
-  EXPECT_EQ(rays, frame.result.stats.total_rays());
+  for (const RayKind kind : kKinds) {
+    EXPECT_EQ(Rays(frame.recorders, kind).size(), frame.result.stats.rays[std::uint32_t(kind)]);
+  }
+  for (const RayRecorder& recorder : frame.recorders) {
+    for (const RayBatch& batch : recorder.batches()) {
+      if (batch.kind == RayKind::kCamera) EXPECT_FALSE(batch.occlusion);
+      if (batch.kind == RayKind::kShadow) EXPECT_TRUE(batch.occlusion);
+    }
+  }
+}
+
+// A room without sun or sky: every shadow ray ends at a lamp, and in a replay too.
+TEST(Replay, ShadowRaysEndAtTheirLights) {
+  const RecordedFrame frame(BuiltinScene("lamps"));
+  for (const RayOrder order : kOrders) {
+    for (const RayRecorder& recorder : OrderRays(frame.recorders, order)) {
+      for (const RayBatch& batch : recorder.batches()) {
+        for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
+          ASSERT_EQ(std::isfinite(recorder.t_far()[i]), batch.occlusion);
+        }
+      }
+    }
+  }
 }
 
 class ReplayOf : public testing::TestWithParam<bool> {};
 
 TEST_P(ReplayOf, HitsAreTheSameForEveryCallAndOrder) {
-  const RecordedFrame frame(GetParam());
+  const RecordedFrame frame(GetParam() ? ScreensScene() : BuiltinScene("spheres"));
   const RTCScene scene = frame.job->geometry().scene();
   const ReplayTime first = Replay(scene, Backend::kSingle, frame.recorders, 1);
-  EXPECT_GT(first.closest_hits, 0u);
-  EXPECT_LT(first.closest_hits, Rays(frame.recorders, false).size());
-  EXPECT_GT(first.occlusion_hits, 0u);
-  EXPECT_LT(first.occlusion_hits, Rays(frame.recorders, true).size());
+  for (const RayKind kind : kKinds) {
+    EXPECT_GT(first.hits[std::uint32_t(kind)], 0u);
+    EXPECT_LT(first.hits[std::uint32_t(kind)], Rays(frame.recorders, kind).size());
+  }
   for (const RayOrder order : kOrders) {
     const std::vector<RayRecorder> ordered = OrderRays(frame.recorders, order);
     for (const Backend backend : kBackends) {
       SCOPED_TRACE(ToString(backend));
       const ReplayTime time = Replay(scene, backend, ordered, 3);
-      EXPECT_EQ(time.closest_hits, first.closest_hits);
-      EXPECT_EQ(time.occlusion_hits, first.occlusion_hits);
-      EXPECT_GT(time.closest, 0);
-      EXPECT_GT(time.occlusion, 0);
+      EXPECT_EQ(time.hits, first.hits);
+      for (const double seconds : time.seconds) EXPECT_GT(seconds, 0);
     }
   }
 }
@@ -88,11 +109,11 @@ INSTANTIATE_TEST_SUITE_P(Replay, ReplayOf, testing::Bool(), [](const auto& test)
 
 TEST(OrderRays, KeepsEveryRay) {
   const RecordedFrame frame;
-  for (const bool occlusion : {false, true}) {
-    std::vector<Ray> before = Rays(frame.recorders, occlusion);
+  for (const RayKind kind : kKinds) {
+    std::vector<Ray> before = Rays(frame.recorders, kind);
     std::sort(before.begin(), before.end());
     for (const RayOrder order : kOrders) {
-      std::vector<Ray> after = Rays(OrderRays(frame.recorders, order), occlusion);
+      std::vector<Ray> after = Rays(OrderRays(frame.recorders, order), kind);
       std::sort(after.begin(), after.end());
       EXPECT_EQ(after, before);
     }
@@ -101,9 +122,10 @@ TEST(OrderRays, KeepsEveryRay) {
 
 TEST(OrderRays, SortsTheFrameByOctantThenAlongACurve) {
   const RecordedFrame frame;
-  std::vector<Ray> shuffled = Rays(frame.recorders, true);
+  std::vector<Ray> shuffled = Rays(frame.recorders, RayKind::kShadow);
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(1));
-  const std::vector<Ray> sorted = Rays(OrderRays(frame.recorders, RayOrder::kFrame), true);
+  const std::vector<Ray> sorted =
+      Rays(OrderRays(frame.recorders, RayOrder::kFrame), RayKind::kShadow);
   const auto path = [](const std::vector<Ray>& rays) {
     double length = 0;
     for (std::size_t i = 1; i < rays.size(); ++i) {
@@ -123,8 +145,8 @@ TEST(OrderRays, KeepsTheBatchesOfWaves) {
   const float* const dir[3] = {up, up, up};
   const float* const turned[3] = {down, down, down};
   std::vector<RayRecorder> recorders(1);
-  recorders[0].Record(false, org, dir, far, 3);
-  recorders[0].Record(false, org, turned, far, 2);
+  recorders[0].Record(RayKind::kBounce, false, org, dir, far, 3);
+  recorders[0].Record(RayKind::kBounce, false, org, turned, far, 2);
   const std::vector<RayRecorder> waves = OrderRays(recorders, RayOrder::kWave);
   ASSERT_EQ(waves[0].batches().size(), 2u);
   EXPECT_EQ(waves[0].batches()[0].count, 3u);

@@ -89,6 +89,22 @@ TEST(PbrtFilm, CropWindow) {
   EXPECT_FALSE(Parse("Film \"rgb\"").settings.crop);
 }
 
+TEST(PbrtFilm, PixelBoundsAreKeptExactly) {
+  // Crops are rounded up to pixels (wavefront/job.cc).
+  for (int right = 2; right <= 700; ++right) {
+    const auto crop = Parse(
+                          "Film \"rgb\" \"integer xresolution\" 700 \"integer yresolution\" 33 "
+                          "\"integer pixelbounds\" [" +
+                          std::to_string(right - 1) + " " + std::to_string(right) + " 0 33]")
+                          .settings.crop;
+    ASSERT_TRUE(crop);
+    EXPECT_EQ(std::ceil(double(crop->left) * 700), right - 1);
+    EXPECT_EQ(std::ceil(double(crop->right) * 700), right);
+    EXPECT_EQ(std::ceil(double(crop->top) * 33), 0);
+    EXPECT_EQ(std::ceil(double(crop->bottom) * 33), 33);
+  }
+}
+
 TEST(PbrtCamera, BadOnesAreRefused) {
   const std::pair<const char*, const char*> cases[] = {
       {"\nCamera \"perspective\" \"float lensradius\" -1", "t.pbrt:2: "},

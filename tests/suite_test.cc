@@ -85,9 +85,12 @@ SuiteResult Result(double render) {
   result.speed.first.stats.rays = {2000000, 3000000, 1000000};
   result.speed.render = {render, render * 10, render / 10};
   result.speed.scaling = {{1, {render * 3, render * 2, render}}, {2, {render}}};
-  result.speed.replay[0][0] = {.closest = {0.3, 0.3, 9}, .occlusion = {0.2}};
-  result.speed.replay[0][1] = {.closest = {0.4}, .occlusion = {0.1, 0.1, 0.9}};
-  result.speed.replay[2][0] = {.closest = {0.1}, .occlusion = {0.1}};
+  // Calls 0 and 1: camera, bounce, shadow.
+  result.speed.replay[0][0] = {{{0.1, 0.1, 9}, {0.2}, {0.2}}};
+  result.speed.replay[0][1] = {{{0.2}, {0.3}, {0.1, 0.1, 0.9}}};
+  result.speed.replay[2][0] = {{{0.05}, {0.05}, {0.1}}};
+  result.speed.first.threads = 2;
+  result.speed.traces = {{0.5, 1, 0.25}, {4, 3, 2}, {0.4, 0.2, 0.1}};
   return result;
 }
 
@@ -101,6 +104,21 @@ TEST(Speed, CeilingIsTheBestCallForEachKindOfRay) {
   EXPECT_EQ(result.speed.speed_up(4), 0);
   EXPECT_DOUBLE_EQ(result.msamples_per_second(), 4);
   EXPECT_DOUBLE_EQ(result.mrays_per_second(), 12);
+}
+
+TEST(Speed, RaysOfAKindAreThoseOfTheRenderWhileTracingAndRaw) {
+  const Speed speed = Result(0.5).speed;
+  EXPECT_DOUBLE_EQ(speed.mrays_per_second(RayKind::kCamera), 4);
+  EXPECT_DOUBLE_EQ(speed.mrays_per_second(RayKind::kShadow), 2);
+  // Half a second of each of two threads.
+  EXPECT_DOUBLE_EQ(speed.traced_mrays_per_second(RayKind::kCamera), 8);
+  EXPECT_DOUBLE_EQ(speed.traced_mrays_per_second(RayKind::kBounce), 6);
+  EXPECT_DOUBLE_EQ(speed.raw_mrays_per_second(RayKind::kCamera), 20);
+  EXPECT_DOUBLE_EQ(speed.raw_mrays_per_second(RayKind::kBounce), 15);
+  EXPECT_DOUBLE_EQ(speed.raw_mrays_per_second(RayKind::kShadow), 10);
+  EXPECT_EQ(speed.best_replay(RayOrder::kTraced, RayKind::kBounce).call, kBackends[0]);
+  EXPECT_EQ(speed.best_replay(RayOrder::kTraced, RayKind::kShadow).call, kBackends[1]);
+  EXPECT_EQ(Speed().raw_mrays_per_second(RayKind::kCamera), 0);
 }
 
 TEST(Summarize, TakesGeometricMeansOfWhatEverySceneHas) {
@@ -118,6 +136,13 @@ TEST(MeasureSpeed, KeepsEveryRepetition) {
   const Speed speed = MeasureSpeed(job, {.repetitions = 3, .thread_counts = {1, 3}}, film);
   EXPECT_EQ(speed.render.size(), 3u);
   EXPECT_EQ(speed.stages.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    // All tracing is that of rays of some kind.
+    const double stages = speed.stages.at(i)[std::uint32_t(Stage::kIntersect)] +
+                          speed.stages.at(i)[std::uint32_t(Stage::kShadow)];
+    EXPECT_NEAR(speed.traces.at(i)[0] + speed.traces.at(i)[1] + speed.traces.at(i)[2], stages,
+                1e-9);
+  }
   ASSERT_EQ(speed.scaling.size(), 3u);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(speed.scaling[i].threads, i + 1);
@@ -127,8 +152,7 @@ TEST(MeasureSpeed, KeepsEveryRepetition) {
   for (int order = 0; order < kRayOrders; ++order) {
     for (int call = 0; call < kReplayCalls; ++call) {
       const std::size_t count = IsReplayed(kReplayOrders[order], kBackends[call]) ? 3 : 0;
-      EXPECT_EQ(speed.replay[order][call].closest.size(), count);
-      EXPECT_EQ(speed.replay[order][call].occlusion.size(), count);
+      for (const auto& seconds : speed.replay[order][call]) EXPECT_EQ(seconds.size(), count);
     }
   }
   EXPECT_EQ(FingerprintOf(film, 2).hash, Render(kTiny, OnThreads(0)).hash);

@@ -228,5 +228,48 @@ TEST(PrepareSurfaces, OppositeNormalsFallBack) {
   EXPECT_EQ(s.ns_z[0], 1);
 }
 
+// The part of the triangle's tangent that lies in the surface, by its angle in the kernels' frame,
+// whose first axis a tangent along it tells.
+TEST(Tangents, LieInTheSurface) {
+  constexpr std::uint32_t kRows = 1000;
+  soa::Table<SurfaceColumns> surfaces(kRows);
+  const SurfaceColumns& s = surfaces;
+  Random random(117);
+  std::vector<std::uint32_t> tangents(kRows);
+  std::vector<Vec> normals(kRows);
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    normals[i] = random.Direction();
+    Put(normals[i], i, s.ns_x, s.ns_y, s.ns_z);
+    s.triangle[i] = kRows - 1 - i;
+    tangents[s.triangle[i]] = Encode(random.Direction());
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : {0u, 1u, 17u, kRows}) {
+      std::fill_n(s.varying_0, kRows, 9.0f), std::fill_n(s.varying_1, kRows, 9.0f);
+      PrepareTangents(tangents.data(), n, surfaces);
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        if (i >= n) {
+          ASSERT_EQ(s.varying_0[i] + s.varying_1[i], 18) << "row " << i << " of " << n;
+          continue;
+        }
+        // Duff et al. 2017.
+        const Vec m = normals[i];
+        const double sign = std::copysign(1.0, m.z), a = -1 / (sign + m.z);
+        const Vec x = {1 + sign * m.x * m.x * a, sign * m.x * m.y * a, -sign * m.x};
+        const Vec tangent = Decode(tangents[s.triangle[i]]);
+        const Vec flat = Unit(tangent - Dot(tangent, m) * m);
+        ASSERT_NEAR(s.varying_0[i], Dot(flat, x), 1e-4) << "row " << i;
+        ASSERT_NEAR(s.varying_1[i], Dot(flat, Cross(m, x)), 1e-4) << "row " << i;
+      }
+    }
+  });
+  // Along the normal there is none.
+  tangents[s.triangle[0]] = Encode(normals[0]);
+  Put(Decode(tangents[s.triangle[0]]), 0, s.ns_x, s.ns_y, s.ns_z);
+  PrepareTangents(tangents.data(), 1, surfaces);
+  EXPECT_EQ(s.varying_0[0], 1);
+  EXPECT_EQ(s.varying_1[0], 0);
+}
+
 }  // namespace
 }  // namespace skywave

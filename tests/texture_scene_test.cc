@@ -2,6 +2,8 @@
 // said of those that are not understood.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "base/error.h"
 #include "image/image.h"
 #include "scene/mtl.h"
@@ -69,7 +71,7 @@ TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
   const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
   for (const std::string& texture :
        {image + " \"string mapping\" \"planar\"", image + " \"string wrap\" \"black\"",
-        image + " \"bool invert\" true", std::string("\"fbm\"")}) {
+        std::string("\"checkerboard\" \"integer dimension\" 3"), std::string("\"fbm\"")}) {
     const Scene scene =
         Read("Texture \"t\" \"spectrum\" " + texture, "Material \"matte\" \"texture Kd\" \"t\"");
     EXPECT_FALSE(scene.warnings.empty()) << texture;
@@ -165,6 +167,92 @@ TEST(MtlTextures, HolesAndReliefAreOfEveryMaterialButGlass) {
     EXPECT_EQ(material(scene).normal_scale, 1) << words;
   }
   EXPECT_TRUE(material(read("illum 7\nmap_d grey.png")).opaque());
+}
+
+}
+
+// What is seen of the texture "x".
+class ComputedTextures : public PbrtTextureFiles {
+ protected:
+  void Expect(const std::string& textures, glm::dvec2 uv, glm::dvec3 color,
+              double tolerance = 4e-3) {
+    SCOPED_TRACE(textures);
+    const Scene scene = Read(textures, "Material \"matte\" \"texture Kd\" \"x\"");
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    glm::dvec3 seen = material.reflectance;
+    if (material.color_texture) seen *= LookUpTexture(scene, *material.color_texture, uv);
+    EXPECT_LT(glm::length(seen - color), tolerance) << seen.x << " " << seen.y << " " << seen.z;
+  }
+};
+
+const std::string kImage = "\"imagemap\" \"string filename\" \"t.png\" ";
+
+TEST_F(ComputedTextures, CheckersAreWhereTheirCoordinatesAreOdd) {
+  const std::string board =
+      "Texture \"x\" \"color\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1] "
+      "\"float uscale\" 3 \"float vscale\" 5 \"float udelta\" .5";
+  for (int i = 0; i < 12; ++i) {
+    for (int j = 0; j < 10; ++j) {
+      // Middles of halves of checks, on both sides of the unit square.
+      const double u = (i + 0.5) / 6 - 0.5, v = (j + 0.5) / 10 - 0.3;
+      const bool odd = std::abs(std::fmod(std::floor(3 * u + 0.5) + std::floor(5 * v), 2)) == 1;
+      Expect(board, {u, v}, odd ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0));
+    }
+  }
+  Expect("Texture \"x\" \"float\" \"checkerboard\"", {0.5, 0.5}, {1, 1, 1});
+  Expect("Texture \"x\" \"float\" \"checkerboard\"", {1.5, 0.5}, {0, 0, 0});
+}
+
+TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
+  const std::string t = "Texture \"t\" \"color\" " + kImage;
+  Expect(t + "Texture \"x\" \"color\" \"mix\" \"texture tex1\" \"t\" \"rgb tex2\" [0 1 0] "
+             "\"float amount\" .25",
+         {0.25, 0.75}, {0.75, 0.25, 0});
+  Expect("Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0]", {0, 0},
+         {0.5, 0.5, 0}, 1e-6);
+  // The image's green picks between red and blue.
+  Expect(t + "Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [.5 .5 .5] \"rgb tex2\" [1 1 1] "
+             "\"texture amount\" \"t\"",
+         {0.75, 0.75}, {0.5, 1, 0.5});
+  for (const std::string names : {"\"texture tex1\" \"t\" \"texture tex2\" \"u\"",
+                                  "\"texture tex\" \"t\" \"texture scale\" \"u\""}) {
+    const std::string product = "Texture \"x\" \"color\" \"scale\" " + names;
+    // White times white, halved; red times green.
+    Expect(t + "Texture \"u\" \"color\" " + kImage + "\"float scale\" .5 " + product, {0.75, 0.25},
+           glm::dvec3(0.5));
+    Expect(t + "Texture \"u\" \"color\" " + kImage + "\"float udelta\" .5 " + product, {0.25, 0.75},
+           glm::dvec3(0));
+  }
+  // Of different scales: over the unit square. (0.125, 0.875) is red in one, red in the other.
+  const std::string finer = t + "Texture \"u\" \"color\" " + kImage +
+                            "\"float uscale\" 2 \"float vscale\" 2 Texture \"x\" \"color\" "
+                            "\"mix\" \"texture tex1\" \"t\" \"texture tex2\" \"u\"";
+  const Scene scene = Read(finer, "Material \"matte\" \"texture Kd\" \"x\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Image& baked = scene.images.back();
+  EXPECT_EQ(baked.width, 4);
+  EXPECT_EQ(baked.height, 4);
+}
+
+TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
+  Expect("Texture \"x\" \"color\" " + kImage + "\"bool invert\" true \"float scale\" .5",
+         {0.25, 0.75}, {0.5, 1, 1});
+  WritePng(folder_.Path("t.png"), 1, 1, {51, 102, 255});
+  Expect("Texture \"x\" \"color\" " + kImage + "\"string encoding\" \"gamma 2\"", {0.5, 0.5},
+         {0.04, 0.16, 1});
+  Expect("Texture \"x\" \"color\" " + kImage + "\"bool gamma\" \"false\"", {0.5, 0.5},
+         {0.2, 0.4, 1});
+}
+
+TEST_F(ComputedTextures, WhatDoesNotFitTogetherIsNamed) {
+  const std::string text = "Texture \"t\" \"color\" " + kImage + "Texture \"u\" \"color\" " +
+                           kImage +
+                           "\"float uscale\" 1.5\nTexture \"x\" \"color\" \"scale\" "
+                           "\"texture tex\" \"t\" \"texture scale\" \"u\"";
+  const Scene scene = Read(text, "Material \"matte\" \"texture Kd\" \"x\"");
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_NE(scene.warnings[0].find("s.pbrt:3: "), std::string::npos) << scene.warnings[0];
 }
 
 TEST(MtlTextures, HaveTheirFirstRowOnTopAndTheirOptions) {

@@ -136,7 +136,7 @@ TEST_P(Trace, ClosestHitsAreTheSameBitsByAllBackends) {
     for (const Backend backend : kBackends) {
       SCOPED_TRACE(ToString(backend));
       Wave wave(rays);
-      TraceClosest(TracerOf(backend), wave.rays, n, wave.hits);
+      TraceClosest(TracerOf(backend), RayKind::kCamera, wave.rays, n, wave.hits);
       if (first.empty()) first = wave.Bits();
       EXPECT_EQ(wave.Bits(), first);
       if (n == 20000) {
@@ -153,7 +153,8 @@ TEST_P(Trace, ClosestHitsAreTheSameBitsByAllBackends) {
 TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
   const std::vector<TestRay> rays = Rays(scene, GetParam(), 20000);
   Wave closest(rays);
-  TraceClosest(TracerOf(Backend::kSingle), closest.rays, closest.rays.rows(), closest.hits);
+  TraceClosest(TracerOf(Backend::kSingle), RayKind::kCamera, closest.rays, closest.rays.rows(),
+               closest.hits);
   for (const Backend backend : kBackends) {
     SCOPED_TRACE(ToString(backend));
     Wave wave(rays);
@@ -165,7 +166,8 @@ TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
       }
     }
     Wave escapes(rays);
-    TraceEscapes(TracerOf(backend), escapes.rays, escapes.rays.rows(), escapes.hits);
+    TraceEscapes(TracerOf(backend), RayKind::kCamera, escapes.rays, escapes.rays.rows(),
+                 escapes.hits);
     for (std::uint32_t i = 0; i < wave.rays.rows(); ++i) {
       ASSERT_EQ(escapes.hits->geom[i], closest.hits->geom[i]) << i;
     }
@@ -179,7 +181,7 @@ TEST_P(Trace, CountsAreKept) {
     for (const Backend backend : kBackends) {
       SCOPED_TRACE(ToString(backend));
       Wave wave(rays);
-      TraceClosest(TracerOf(backend), wave.rays, n, wave.hits);
+      TraceClosest(TracerOf(backend), RayKind::kCamera, wave.rays, n, wave.hits);
       for (std::uint32_t i = n; i < wave.rays.rows(); ++i) {
         ASSERT_EQ(wave.rays->t_far[i], rays[i].t_far) << i;
         ASSERT_EQ(wave.hits->geom[i], 0x7FC5A5A5u) << i;
@@ -195,7 +197,7 @@ TEST_P(Trace, CountsAreKept) {
 TEST_P(Trace, StreamColumnsThatAreNullHaveTheirDefaults) {
   const std::vector<TestRay> rays = Rays(scene, GetParam(), kFullWave);
   Wave wave(rays), full(rays);
-  TraceClosest(TracerOf(Backend::kStream), wave.rays, kFullWave, wave.hits);
+  TraceClosest(TracerOf(Backend::kStream), RayKind::kCamera, wave.rays, kFullWave, wave.hits);
 
   const RayColumns r = full.rays;
   const HitColumns h = full.hits;
@@ -265,9 +267,10 @@ TEST_P(Trace, RecorderKeepsOpenRaysInOrder) {
   Tracer tracer = TracerOf(Backend::kStream);
   tracer.recorder = &recorder;
   Wave wave(rays);
-  TraceOcclusion(tracer, wave.rays, 20);
-  TraceOcclusion(tracer, wave.rays, 0);
-  ASSERT_GE(recorder.batches().size(), 1u);
+  TraceEscapes(tracer, RayKind::kBounce, wave.rays, 20, wave.hits);
+  TraceEscapes(tracer, RayKind::kBounce, wave.rays, 0, wave.hits);
+  ASSERT_EQ(recorder.batches().size(), 1u);
+  EXPECT_EQ(recorder.batches()[0].kind, RayKind::kBounce);
   EXPECT_TRUE(recorder.batches()[0].occlusion);
   EXPECT_EQ(recorder.batches()[0].begin, 0u);
   EXPECT_EQ(recorder.batches()[0].count, 15u);

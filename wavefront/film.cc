@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 #include "kernels/accumulate.h"
 
@@ -15,28 +14,43 @@ constexpr double kHeadroom = 64;         // of a sample over the brightest texel
 
 }  // namespace
 
-Film::Film(int width, int height, float brightest_radiance)
+Film::Film(int width, int height, float brightest_radiance, AovSet aovs, float world_extent)
     : width_(width), height_(height), sums_(std::size_t(width) * height * 3) {
   int exponent = 0;
   if (brightest_radiance > 0) std::frexp(brightest_radiance * kHeadroom, &exponent);
   unit_ = std::ldexp(1 / kSampleUnits, std::max(exponent, 20));
+  if (aovs != 0) aovs_.emplace(aovs, std::size_t(width) * height, world_extent);
 }
 
+FilmScale Film::scale() const { return {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)}; }
+
 void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
-  const FilmScale scale = {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)};
-  const FilmCounts counts = AddToFilm(paths, n, scale, sums_.data());
+  const FilmCounts counts = AddToFilm(paths, n, scale(), sums_.data());
+  if (aovs_) aovs_->AddRadiance(paths, n, scale());
   stats.clamped_samples += counts.clamped;
   stats.invalid_samples += counts.invalid;
   stats.samples += n;
 }
 
+void Film::AddFirstHits(const FirstHits& hits) {
+  if (aovs_) aovs_->AddFirstHits(hits);
+}
+
+void Film::AddDirect(const PathColumns& paths, std::uint32_t n) {
+  if (aovs_) aovs_->AddDirect(paths, n, scale());
+}
+
 void Film::Merge(const Film& other) {
   assert(sums_.size() == other.sums_.size() && unit_ == other.unit_);
+  assert(has_aovs() == other.has_aovs());
   std::transform(sums_.begin(), sums_.end(), other.sums_.begin(), sums_.begin(),
-                 [](std::uint64_t a, std::uint64_t b) {
-                   const std::uint64_t sum = a + b;
-                   return sum < a ? std::numeric_limits<std::uint64_t>::max() : sum;
-                 });
+                 SaturatingSum<std::uint64_t>);
+  if (aovs_) aovs_->Merge(*other.aovs_);
+}
+
+std::vector<NamedChannel> Film::ResolveAovs(std::uint64_t samples) const {
+  if (!aovs_) return {};
+  return aovs_->Resolve(sums_, scale(), samples);
 }
 
 Image Film::Resolve(std::uint64_t samples) const {

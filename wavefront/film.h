@@ -8,18 +8,22 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "image/image.h"
+#include "kernels/accumulate.h"
 #include "kernels/columns.h"
+#include "wavefront/aov_film.h"
 #include "wavefront/stats.h"
 
 namespace skywave {
 
 class Film {
  public:
-  Film(int width, int height, float brightest_radiance);
+  // `aovs`: what it keeps beside radiance; `world_extent`: see AovFilm.
+  Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -29,21 +33,32 @@ class Film {
   // counted in `stats`, a sample once.
   void Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats);
 
+  // Whether there is anything beside radiance to add; if not, these need not be called.
+  bool has_aovs() const { return aovs_.has_value(); }
+  void AddFirstHits(const FirstHits& hits);
+  // The radiance of paths [0, n) when all their direct light is in it.
+  void AddDirect(const PathColumns& paths, std::uint32_t n);
+
   // Adds the sums of `other`, a film of the same size for the same brightest radiance that holds
   // other samples: afterwards it is as if all had been added to this one.
   void Merge(const Film& other);
 
   // The mean of `samples` samples in every pixel.
   Image Resolve(std::uint64_t samples) const;
+  // The channels of the layers that were asked for.
+  std::vector<NamedChannel> ResolveAovs(std::uint64_t samples) const;
 
   // The sums as they are kept, three a pixel [units].
   std::span<const std::uint64_t> sums() const { return sums_; }
   double unit() const { return unit_; }  // [scene radiance], a power of two
 
  private:
+  FilmScale scale() const;
+
   int width_, height_;
   double unit_;                      // [scene radiance]
   std::vector<std::uint64_t> sums_;  // [units], three a pixel
+  std::optional<AovFilm> aovs_;
 };
 
 }  // namespace skywave

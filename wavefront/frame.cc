@@ -35,6 +35,20 @@ void Copy(const glm::vec3& from, float* to) {
 
 }  // namespace
 
+LightShares FrameView::light_shares() const {
+  LightShares shares;
+  shares.plan = has_sky() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};
+  if (local_lights.count == 0) return shares;
+  if (shares.plan.drawn > 0) {
+    shares.local = local_lights.shared;
+    shares.of_strategy = 1 - shares.local.share;
+  } else {
+    shares.local = local_lights.alone;
+    shares.plan.drawn = light_samples();
+  }
+  return shares;
+}
+
 float DefaultFilterRadius(PixelFilter filter) {
   switch (filter) {
     case PixelFilter::kBox:
@@ -80,7 +94,10 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
   view.whole_width = std::uint32_t(width), view.whole_height = std::uint32_t(height);
   view.filter_offset = filter_offset;
   Copy(glm::vec3(world[3]), view.origin);
-  if (camera.kind == CameraKind::kLatLong || camera.kind == CameraKind::kEqualArea) {
+  if (!HasPlaneFilm(camera.kind)) {
+    const double rim = double(camera.fov_degrees) / 720;
+    view.turns_per_pixel = float(2 * rim / std::min(width, height));
+    view.rim_turns = float(rim);
     Copy(glm::vec3(glm::normalize(x)), view.right);
     Copy(glm::vec3(-glm::normalize(y)), view.down);
     Copy(glm::vec3(glm::normalize(z)), view.forward);

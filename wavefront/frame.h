@@ -7,9 +7,11 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/camera.h"
+#include "kernels/local_lights.h"
 #include "lights/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
+#include "wavefront/aovs.h"
 #include "wavefront/trace.h"
 
 namespace skywave {
@@ -32,6 +34,17 @@ struct RenderOptions {
   int threads = 0;            // 0: as many as the process may use
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kStream;
+  AovSet aovs = 0;  // layers beside the picture
+};
+
+// The light samples of a surface: what the strategy plans. Each drawn one goes to a local light or
+// to the strategy, by `local`; where the strategy draws none, there are drawn ones for local lights
+// alone.
+struct LightShares {
+  LightPlan plan;
+  LightChoice local;      // share 0: there are no local lights
+  float of_strategy = 1;  // share of the drawn samples
+  float strategy_samples(std::uint32_t requested) const { return float(requested) * of_strategy; }
 };
 
 // The const view that stages take. Lives as long as the objects it points into.
@@ -39,19 +52,25 @@ struct FrameView {
   RenderOptions options;
   const Geometry* geometry;
   const EnvStrategy* strategy;
+  LocalLightView local_lights;
   CameraView camera;
   Tracer tracer;
 
   MisPolicy mis() const { return {.enabled = options.mis}; }
+  // Whether light comes from beyond the scene; where it does not, the strategy is not asked.
+  bool has_sky() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
+  bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }
   // The BSDFs whose rays can still bring light where no further surface is shaded: all of them
   // under multiple importance sampling, else mirrors and glass.
   std::uint32_t first_bsdf_that_sees_light() const {
-    return options.mis && strategy->shines_on_bsdf_samples() ? 0 : kFirstDeltaBsdf;
+    const bool shines = has_emitters() || (has_sky() && strategy->shines_on_bsdf_samples());
+    return options.mis && shines ? 0 : kFirstDeltaBsdf;
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
     return options.integrator == Integrator::kDirect ? options.light_samples : 1;
   }
+  LightShares light_shares() const;
 };
 
 // Radius of a filter that the user did not give one [pixels].

@@ -12,17 +12,22 @@
 namespace skywave {
 namespace {
 
+// Light samples of this bounce are the first that meet two surfaces on their way to the camera.
+constexpr std::uint32_t kFirstIndirectBounce = 1;
+RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
+
 void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
-  stats.rays[std::uint32_t(bounce == 0 ? RayKind::kCamera : RayKind::kBounce)] += n;
+  stats.rays[std::uint32_t(KindOf(bounce))] += n;
   BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
   occupancy.rows += n;
   occupancy.capacity += wave;
 }
 
-void CountShadowRays(RenderStats& stats, const LightColumns& lights, std::uint32_t n) {
-  std::uint64_t open = 0;
+// Shadow rays that are there to be traced or, once traced, that met nothing.
+std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
+  std::uint32_t open = 0;
   for (std::uint32_t i = 0; i < n; ++i) open += lights.t_far[i] >= 0;
-  stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  return open;
 }
 
 // The surfaces of the bounce at hand, as strategies see them.
@@ -41,21 +46,28 @@ const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
 }
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
-void MeetSurfaces(const FrameView& frame, std::uint32_t bounce, const RayColumns& rays,
-                  std::uint32_t n, bool only_delta, Worker& w, StageClock& clock) {
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
-  TraceClosest(frame.tracer, rays, n, w.hits, PathRayKeys(frame, bounce, rays, n, w));
-  clock.Lap(Stage::kIntersect);
+  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
+               PathRayKeys(frame, bounce, rays, n, w));
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
+  if (frame.geometry->has_mixtures()) {
+    DrawUniforms(w.paths, rays.path, n, MixturePair(bounce), {}, w.uniforms);
+    ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
+  }
   const std::uint32_t escaped =
       SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
   AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
+  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
+  CountMeeting(n, escaped, ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   PrepareSurfaces(frame.geometry->triangles(), materials.records, ranges.total(), w.surfaces);
   TextureSurfaces(frame, ranges, w.surfaces);
@@ -63,15 +75,22 @@ void MeetSurfaces(const FrameView& frame, std::uint32_t bounce, const RayColumns
   clock.Lap(Stage::kSurface);
 }
 
-// The end of a path: only what lies beyond the scene can still be seen.
-void MeetSky(const FrameView& frame, std::uint32_t bounce, const RayColumns& rays, std::uint32_t n,
-             Worker& w, StageClock& clock) {
-  TraceEscapes(frame.tracer, rays, n, w.hits, PathRayKeys(frame, bounce, rays, n, w));
-  clock.Lap(Stage::kIntersect);
+// The end of a path: only what shines by itself can still be seen.
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, Worker& w, StageClock& clock) {
+  const std::uint32_t* const keys = PathRayKeys(frame, bounce, rays, n, w);
+  if (frame.has_emitters()) {
+    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
+  } else {
+    TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
+  }
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
+  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
   clock.Lap(Stage::kEscape);
 }
 
@@ -81,26 +100,53 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const ShadePoints points = Points(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
-  const LightPlan plan = frame.strategy->Plan(frame.light_samples());
-  for (std::uint32_t index = 0; index < plan.total(); ++index) {
-    SampleLights(frame, points, plan, bounce, index, w.uniforms, w.lights);
+  const LightShares shares = frame.light_shares();
+  for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
+    const float* reach =
+        SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights, w.hits);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
-    EvaluateLights(frame, w.surfaces, w.ranges, w.lights);
-    CountShadowRays(w.stats, w.lights, n);
-    clock.Lap(Stage::kEvaluate);
+    EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
     // The first light sample has one of the bounce's numbers, later ones are numbered behind.
     const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
-    TraceShadows(frame.tracer, w.surfaces, n, w.lights,
-                 RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue));
-    clock.Lap(Stage::kShadow);
+    const std::uint32_t* const keys =
+        RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
+    if (reach != nullptr && frame.local_lights.holes) CloseHoles(frame, w.hits, keys, n, w.lights);
+    const std::uint32_t open = CountOpen(w.lights, n);
+    w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+    clock.Lap(Stage::kEvaluate);
+    TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
+    clock.Lap(Stage::kShadow, RayKind::kShadow);
+    CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     clock.Lap(Stage::kAccumulate);
   }
 }
 
-void FinishWave(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+// What the film keeps of a bounce beside radiance, where it is asked to.
+void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
+              Film& film, StageClock& clock) {
+  if (!film.has_aovs()) return;
+  if (bounce == 0) {
+    film.AddFirstHits({.first = {.frame = frame, .surfaces = w.surfaces, .count = w.ranges.total()},
+                       .paths = w.paths,
+                       .hits = w.hits,
+                       .film = w.uniforms,
+                       .rays = paths});
+  }
+  // The rays that left the first surfaces have met the sky; the second ones are not lit yet.
+  if (bounce == kFirstIndirectBounce) film.AddDirect(w.paths, paths);
+  clock.Lap(Stage::kFilm);
+}
+
+// `bounce`: at which the last path ended.
+void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
   film.Add(w.paths, n, w.stats);
+  if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
+  // Of the two kernels that every path of the wave passes.
+  for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
+    w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
+  }
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
 }
@@ -113,23 +159,26 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
-  std::uint32_t n = range.count;
-  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+  std::uint32_t n = range.count, bounce = 0;
+  for (; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetSky(frame, bounce, *rays, n, w, clock);
+      MeetLight(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, bounce, *rays, n, /*only_delta=*/false, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, last ? frame.first_bsdf_that_sees_light() : 0,
-                bounce, w.uniforms, w.lobe, *next);
+    const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
+    n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
+                *next);
+    CountScattering(w.ranges, first_kind, w.stats.lanes);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
-  FinishWave(range.count, w, film, clock);
+  FinishWave(range.count, bounce, w, film, clock);
 }
 
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
@@ -138,24 +187,26 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
-  std::uint32_t n = range.count;
+  std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
-  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+  for (; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetSky(frame, bounce, *rays, n, w, clock);
+      MeetLight(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, bounce, *rays, n, /*only_delta=*/true, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);
+    CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
-  FinishWave(range.count, w, film, clock);
+  FinishWave(range.count, bounce, w, film, clock);
 }
 
 }  // namespace skywave

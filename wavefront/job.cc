@@ -7,6 +7,7 @@
 #include <cassert>
 #include <chrono>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
 #include "lights/projections.h"
@@ -26,7 +27,7 @@ double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// The light of the frame, as the request or else the scene has it, its pixels in memory.
+// The map of the frame, as the request or else the scene has it; black where only local lights are.
 EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
                              std::vector<std::string>& notes) {
   const EnvironmentRequest& wish = request.environment;
@@ -37,13 +38,16 @@ EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
         EnvironmentFrame(scene.up_axis, scene.left_handed, wish.rotation_degrees);
     return light;
   }
+  if (scene.environments.empty() && HasLocalLights(scene)) return {.scale = glm::vec3(0)};
   if (scene.environments.empty()) {
     throw InputError(InputPosition::File(request.scene),
                      "has no light; give an illumination map with --env MAP");
   }
   if (scene.environments.size() > 1) {
-    notes.push_back(fmt::format("{}: of {} infinite lights only the first is used", request.scene,
-                                scene.environments.size()));
+    const std::string text =
+        fmt::format("of {} infinite lights only the first is used", scene.environments.size());
+    if (request.read.strict) throw InputError(InputPosition::File(request.scene), text);
+    notes.push_back(request.scene + ": " + text);
   }
   EnvironmentLight light = scene.environments.front();
   light.world_from_map = EnvironmentTurn(scene.up_axis, scene.left_handed, wish.rotation_degrees) *
@@ -82,6 +86,15 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
         fmt::format("{}: {} pixels exceed all bounds at this intensity and are set to 0",
                     light.map_path, bad.total()));
   }
+}
+
+// Luminance of what a map sends through the disk of a sphere around the scene.
+double SkyPower(const Image& map, float radius) {
+  const std::array<double, 3> mean = SphereMean(map);
+  double luminance = 0;
+  for (std::size_t c = 0; c < 3; ++c) luminance += double(kLuminance[c]) * mean[c];
+  constexpr double kPi = glm::pi<double>();
+  return 4 * kPi * luminance * kPi * double(radius) * radius;
 }
 
 // Runs `work` with as many threads as the user allows.
@@ -124,6 +137,14 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   }
   if (wish.kind) {
     camera = WithKind(camera, *wish.kind, bounds, scene.up_axis, scene.left_handed);
+    if (wish.fov_degrees) camera.fov_degrees = *wish.fov_degrees;
+  }
+  constexpr float kWidestPlane = 179;
+  if (wish.fov_degrees > kWidestPlane && camera.kind != CameraKind::kFisheye) {
+    throw InputError(InputPosition::File(fmt::format("--fov {}", *wish.fov_degrees)),
+                     fmt::format("a {} camera sees at most {} degrees; --camera fisheye sees more",
+                                 ToString(camera.kind), kWidestPlane),
+                     kExitUsage);
   }
   const glm::mat3 axes(camera.world_from_camera);
   const float depth = glm::length(axes[2]);
@@ -162,6 +183,11 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
   return crop;
 }
 
+float WorldExtent(const Bounds& bounds, const Camera& camera) {
+  const glm::vec3 farthest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
+  return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
+}
+
 std::array<float, 9> Rows(const glm::mat3& columns) {
   std::array<float, 9> rows;
   for (int i = 0; i < 9; ++i) rows[std::size_t(i)] = columns[i / 3][i % 3];
@@ -172,7 +198,7 @@ std::array<float, 9> Rows(const glm::mat3& columns) {
 
 RenderJob::RenderJob(const JobRequest& request) {
   const auto start = Clock::now();
-  Scene scene = ReadScene(request.scene);
+  Scene scene = ReadScene(request.scene, request.read);
   times_.load = SecondsSince(start);
   BuildOnThreads(std::move(scene), request);
 }
@@ -233,6 +259,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      kExitUsage);
   }
 
+  if (options_.max_depth == 0 && ReadsHits(options_.aovs)) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
+                     "at --max-depth 0 no surface is looked at", kExitUsage);
+  }
+
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
   LoadMap(light, request.environment, notes_);
@@ -247,11 +278,20 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   scene.camera =
       ChooseCamera(scene, bounds, request.camera, float(film_width) / float(film_height));
   if (request.ground) AddGround(scene, bounds);
-  geometry_ =
-      std::make_unique<Geometry>(scene, request.scene, options_.threads, request.embree_config);
+  if (options_.aovs != 0) {
+    world_extent_ = WorldExtent(SceneBounds(scene, request.scene), *scene.camera);
+  }
+  geometry_ = std::make_unique<Geometry>(scene, request.scene, options_.threads,
+                                         request.embree_config, NeedsUvs(options_.aovs));
   times_.build = geometry_->build_seconds();
 
   brightest_ = *std::max_element(light.map->rgb.begin(), light.map->rgb.end());
+  if (HasLocalLights(scene)) {
+    const float radius = BoundingRadius(bounds);
+    local_lights_ =
+        LocalLights(scene, *geometry_, request.scene, radius, SkyPower(*light.map, radius));
+    brightest_ = std::max(brightest_, local_lights_.brightest());
+  }
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
@@ -268,6 +308,7 @@ FrameView RenderJob::frame() const {
   return {.options = options_,
           .geometry = geometry_.get(),
           .strategy = strategy_.get(),
+          .local_lights = local_lights_.view(),
           .camera = camera_,
           .tracer = {.scene = geometry_->scene(),
                      .closest = options_.backend,
@@ -285,11 +326,12 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   return strategy;
 }
 
-Film RenderJob::MakeFilm() const { return Film(options_.width, options_.height, brightest_); }
+Film RenderJob::MakeFilm() const {
+  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_);
+}
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
-  for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic,
-                                CameraKind::kLatLong, CameraKind::kEqualArea}) {
+  for (const CameraKind kind : kCameraKinds) {
     if (name == ToString(kind)) return kind;
   }
   return std::nullopt;
@@ -305,6 +347,8 @@ std::string_view ToString(CameraKind kind) {
       return "latlong";
     case CameraKind::kEqualArea:
       return "equal-area";
+    case CameraKind::kFisheye:
+      return "fisheye";
   }
   return "";
 }

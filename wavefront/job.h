@@ -9,6 +9,8 @@
 
 #include "lights/strategy.h"
 #include "scene/geometry.h"
+#include "scene/local_lights.h"
+#include "scene/read_options.h"
 #include "scene/scene.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
@@ -41,6 +43,7 @@ struct CameraRequest {
 struct JobRequest {
   std::string scene;    // file or built-in scene
   bool ground = false;  // a plane under the scene
+  ReadOptions read;
   EnvironmentRequest environment;
   CameraRequest camera;
   std::string strategy = "importance";
@@ -72,6 +75,7 @@ class RenderJob {
   const RenderOptions& options() const { return options_; }
   const Geometry& geometry() const { return *geometry_; }
   const EnvStrategy& strategy() const { return *strategy_; }
+  const LocalLights& local_lights() const { return local_lights_; }
   const JobTimes& times() const { return times_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
   // What was not understood, repaired or assumed; one line each, for the user.
@@ -84,10 +88,12 @@ class RenderJob {
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
+  LocalLights local_lights_;
   std::unique_ptr<EnvStrategy> strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;
-  float brightest_ = 0;  // channel of the map [scene radiance]
+  float brightest_ = 0;     // channel of map and local lights [scene radiance]
+  float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0;
   JobTimes times_;
   std::vector<std::string> notes_;

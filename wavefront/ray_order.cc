@@ -62,10 +62,9 @@ void Sort(std::vector<KeyedRay>& rays) {
                    [](const KeyedRay& a, const KeyedRay& b) { return a.key < b.key; });
 }
 
-void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) {
-  std::array<std::vector<float>, 6> columns;
+void Append(RayKind kind, bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) {
+  std::array<std::vector<float>, 7> columns;
   for (auto& column : columns) column.resize(kSortedBatch);
-  const std::vector<float> t_far(kSortedBatch, std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> keys(kSortedBatch);
   const bool keyed = !rays.empty() && rays.front().recorder->keys() != nullptr;
   for (std::size_t first = 0; first < rays.size(); first += kSortedBatch) {
@@ -76,12 +75,34 @@ void Append(bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) 
         columns[axis][i] = ray.recorder->org(axis)[ray.row];
         columns[3 + axis][i] = ray.recorder->dir(axis)[ray.row];
       }
+      columns[6][i] = ray.recorder->t_far()[ray.row];
       if (keyed) keys[i] = ray.recorder->keys()[ray.row];
     }
     const float* const org[3] = {columns[0].data(), columns[1].data(), columns[2].data()};
     const float* const dir[3] = {columns[3].data(), columns[4].data(), columns[5].data()};
-    to.Record(occlusion, org, dir, t_far.data(), n, keyed ? keys.data() : nullptr);
+    to.Record(kind, occlusion, org, dir, columns[6].data(), n, keyed ? keys.data() : nullptr);
   }
+}
+
+// The rays that are traced alike, within each batch or over all of them.
+void OrderAlike(const std::vector<RayRecorder>& recorders, RayKind kind, bool occlusion,
+                RayOrder order, const Box& box, RayRecorder& to) {
+  std::vector<KeyedRay> rays;
+  const auto flush = [&] {
+    Sort(rays);
+    Append(kind, occlusion, rays, to);
+    rays.clear();
+  };
+  for (const RayRecorder& recorder : recorders) {
+    for (const RayBatch& batch : recorder.batches()) {
+      if (batch.kind != kind || batch.occlusion != occlusion) continue;
+      for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
+        rays.push_back({SortKey(recorder, i, box), &recorder, i});
+      }
+      if (order == RayOrder::kWave) flush();
+    }
+  }
+  flush();
 }
 
 }  // namespace
@@ -90,23 +111,10 @@ std::vector<RayRecorder> OrderRays(const std::vector<RayRecorder>& recorders, Ra
   if (order == RayOrder::kTraced) return recorders;
   const Box box = BoundOrigins(recorders);
   std::vector<RayRecorder> ordered(1);
-  for (const bool occlusion : {false, true}) {
-    std::vector<KeyedRay> rays;
-    const auto flush = [&] {
-      Sort(rays);
-      Append(occlusion, rays, ordered.front());
-      rays.clear();
-    };
-    for (const RayRecorder& recorder : recorders) {
-      for (const RayBatch& batch : recorder.batches()) {
-        if (batch.occlusion != occlusion) continue;
-        for (std::size_t i = batch.begin; i < batch.begin + batch.count; ++i) {
-          rays.push_back({SortKey(recorder, i, box), &recorder, i});
-        }
-        if (order == RayOrder::kWave) flush();
-      }
+  for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
+    for (const bool occlusion : {false, true}) {
+      OrderAlike(recorders, RayKind(kind), occlusion, order, box, ordered.front());
     }
-    flush();
   }
   return ordered;
 }

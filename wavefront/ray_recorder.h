@@ -2,16 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 namespace skywave {
 
 enum class RayKind : std::uint32_t { kCamera, kBounce, kShadow };
 inline constexpr std::uint32_t kRayKinds = 3;
+inline constexpr std::string_view kRayKindNames[kRayKinds] = {"camera", "bounce", "shadow"};
 
 // One call of a trace function: rows [begin, begin + count) of the recorder's columns.
 struct RayBatch {
-  bool occlusion;
+  RayKind kind;
+  bool occlusion;  // any hit was enough: shadow rays, and others that can only see the map
   std::size_t begin;
   std::uint32_t count;
 };
@@ -20,19 +23,20 @@ class RayRecorder {
  public:
   // Appends rows [0, n) whose t_far is not negative. `keys`: of rays in scenes with holes, else
   // null, for all rays of a recorder alike.
-  void Record(bool occlusion, const float* const org[3], const float* const dir[3],
+  void Record(RayKind kind, bool occlusion, const float* const org[3], const float* const dir[3],
               const float* t_far, std::uint32_t n, const std::uint32_t* keys = nullptr);
 
   std::size_t size() const { return org_[0].size(); }  // rays
   const std::vector<RayBatch>& batches() const { return batches_; }
   const float* org(int axis) const { return org_[axis].data(); }
   const float* dir(int axis) const { return dir_[axis].data(); }
+  const float* t_far() const { return t_far_.data(); }
   // Null in scenes without holes.
   const std::uint32_t* keys() const { return keys_.empty() ? nullptr : keys_.data(); }
 
  private:
   std::vector<RayBatch> batches_;
-  std::vector<float> org_[3], dir_[3];
+  std::vector<float> org_[3], dir_[3], t_far_;
   std::vector<std::uint32_t> keys_;
 };
 

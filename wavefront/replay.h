@@ -2,6 +2,7 @@
 // nothing else. What a frame takes longer is the renderer's own.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -11,13 +12,13 @@
 namespace skywave {
 
 struct ReplayTime {
-  double closest = 0, occlusion = 0;  // [s] wall clock on all threads
+  std::array<double, kRayKinds> seconds = {};  // in Embree, the mean over the threads
   // Rays that hit something: the same for every backend, order and number of threads.
-  std::uint64_t closest_hits = 0, occlusion_hits = 0;
+  std::array<std::uint64_t, kRayKinds> hits = {};
 };
 
-// Traces all recorded rays once with `backend` on `threads` threads, first the closest-hit batches,
-// then the occlusion batches. Hits are written to scratch memory, counted and dropped. Backends
+// Traces all recorded rays once with `backend` on `threads` threads, one kind after the other, so
+// that each has its own time. Hits are written to scratch memory, counted and dropped. Backends
 // that do not read columns are charged for loading and storing them, as a render over columns is.
 ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder>& recorders,
                   int threads);
@@ -29,8 +30,9 @@ enum class RayOrder {
   kFrame    // sorted over the frame, in batches of 2048: what ordering could gain at most
 };
 
-// The recorded rays by octant of the direction, then along a Morton curve through the bounding box
-// of all origins. Sorting is not timed: what a replay gains is an upper bound.
+// The recorded rays, those of each kind by octant of the direction, then along a Morton curve
+// through the bounding box of all origins. Sorting is not timed: what a replay gains is an upper
+// bound.
 std::vector<RayRecorder> OrderRays(const std::vector<RayRecorder>& recorders, RayOrder order);
 
 }  // namespace skywave

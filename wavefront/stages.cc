@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernels/accumulate.h"
+#include "kernels/directional.h"
 #include "kernels/environment.h"
 #include "kernels/partition.h"
 #include "kernels/sampler.h"
@@ -22,6 +23,8 @@ constexpr std::uint32_t kFirstRouletteBounce = 3;
 
 // The angle that a pixel in the middle of the film takes up; 0 where it has none.
 float PixelAngle(const CameraView& camera) {
+  constexpr float kTurn = 6.28318531f;
+  if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
   if (camera.kind != CameraKind::kPerspective) return 0;
   const auto length = [](const float* v) {
     return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -76,7 +79,8 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
                        std::uint32_t n, bool only_delta, std::uint32_t* queue,
                        SurfaceRanges& ranges) {
   std::uint32_t count[kBsdfKinds + 1] = {};
-  ClassifyHits(hits, geometry.triangles(), only_delta ? rays.pdf : nullptr, n, queue, count);
+  ClassifyHits(hits, geometry.triangles(), geometry.bsdfs(), only_delta ? rays.pdf : nullptr, n,
+               queue, count);
   for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
     ranges.begin[kind + 1] = ranges.begin[kind] + count[kind];
   }
@@ -104,26 +108,50 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
   if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
     BendNormals(textures, maps, angle, ranges.total(), surfaces);
   }
-  constexpr auto kKind = std::uint32_t(BsdfKind::kMetallicRoughness);
-  if (ranges.count(kKind) == 0) return;
-  PrepareMetallicRoughness(textures, materials, angle, ranges.count(kKind),
-                           Slice(surfaces, ranges.begin[kKind]));
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    const std::uint32_t n = ranges.count(kind);
+    if (n == 0) continue;
+    const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
+    switch (Bsdfs()[kind].varying) {
+      case Varying::kNothing:
+        break;
+      case Varying::kRoughness:
+        PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        break;
+      case Varying::kTangent:
+        PrepareTangents(frame.geometry->tangents(), n, rows);
+        break;
+    }
+  }
 }
 
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths) {
-  if (n == 0) return;
-  frame.strategy->EvaluateEscaped(from, n, frame.light_samples(), escaped);
+  if (n == 0 || !frame.has_sky()) return;
+  const float samples = frame.light_shares().strategy_samples(frame.light_samples());
+  frame.strategy->EvaluateEscaped(from, n, samples, escaped);
   AddEscapedRadiance(escaped, n, frame.mis(), paths);
 }
 
-void SampleLights(const FrameView& frame, const ShadePoints& points, const LightPlan& plan,
-                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
-                  const LightColumns& lights) {
+void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
+                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths) {
+  if (!frame.has_emitters()) return;
+  const LightShares shares = frame.light_shares();
+  const std::uint32_t count =
+      MeetEmitters(frame.local_lights, shares.local, rays, hits, n, float(shares.plan.drawn), met);
+  AddEscapedRadiance(met, count, frame.mis(), paths);
+}
+
+const float* SampleLights(const FrameView& frame, const ShadePoints& points,
+                          const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                          const UniformColumns& uniforms, const UniformColumns& rest,
+                          const LightColumns& lights, const HitColumns& places) {
   const std::uint32_t n = points.ranges.light_sampled();
+  const LightPlan& plan = shares.plan;
   LightCall call = {.index = index,
                     .requested = frame.light_samples(),
-                    .pair = SamplePair(bounce, SampleUse::kLight)};
+                    .pair = SamplePair(bounce, SampleUse::kLight),
+                    .share = shares.of_strategy};
   if (index >= plan.fixed) {
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
                  {.stride = plan.drawn, .offset = index - plan.fixed}, uniforms);
@@ -132,20 +160,49 @@ void SampleLights(const FrameView& frame, const ShadePoints& points, const Light
     call.pair += kPairBlock * (index + 1);
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
-  frame.strategy->Sample(points, uniforms, n, call, lights);
+  const bool local = index >= plan.fixed && shares.local.share > 0;
+  UniformColumns of_strategy = uniforms;
+  if (local && shares.local.share < 1) {
+    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
+    // more than that wastes.
+    SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
+    of_strategy.u = rest.u;
+  }
+  if (!local || shares.local.share < 1) {
+    frame.strategy->Sample(points, of_strategy, n, call, lights);
+  }
+  if (local) {
+    SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
+                      float(plan.drawn), lights, rest.v,
+                      frame.local_lights.holes ? &places : nullptr);
+  }
 #ifdef SKYWAVE_SLOWDOWN
   SlowDown(n);
 #endif
+  return local ? rest.v : nullptr;
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, const LightColumns& lights) {
+                    const SurfaceRanges& ranges, const float* reach, const LightColumns& lights) {
   const MaterialView materials = frame.geometry->materials();
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     if (ranges.count(kind) == 0) continue;
     const std::uint32_t begin = ranges.begin[kind];
     Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
                                   frame.mis(), Slice(lights, begin));
+  }
+  if (reach != nullptr) LimitShadows(reach, ranges.light_sampled(), lights);
+}
+
+void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
+                std::uint32_t n, const LightColumns& lights) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (lights.t_far[i] < 0 || places.geom[i] == kNoHit) continue;
+    const std::uint32_t triangle = places.triangle[i];
+    if (triangle < frame.geometry->first_with_holes()) continue;
+    if (!IsMet(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
+      lights.t_far[i] = -1;
+    }
   }
 }
 

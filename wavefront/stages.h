@@ -52,15 +52,28 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths);
 
-// Draws light sample `index` of the strategy's plan for every surface that takes light samples, of
-// which there is at least one.
-void SampleLights(const FrameView& frame, const ShadePoints& points, const LightPlan& plan,
-                  std::uint32_t bounce, std::uint32_t index, const UniformColumns& uniforms,
-                  const LightColumns& lights);
+// Adds the radiance of rays that hit what shines to their paths. `met`: room for them.
+void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
+                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths);
 
-// Turns light samples into contributions and opens or closes their shadow rays.
+// Draws light sample `index` of the plan for every surface that takes light samples, of which there
+// is at least one. Returns how far the light of every row is, null: infinitely. `rest`: room for
+// that and for what local lights leave of the uniforms. `places`: room for where on triangles
+// samples are, which is written if some that shine have holes.
+const float* SampleLights(const FrameView& frame, const ShadePoints& points,
+                          const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                          const UniformColumns& uniforms, const UniformColumns& rest,
+                          const LightColumns& lights, const HitColumns& places);
+
+// Turns light samples into contributions and opens or closes their shadow rays. `reach`: as
+// SampleLights returns it.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, const LightColumns& lights);
+                    const SurfaceRanges& ranges, const float* reach, const LightColumns& lights);
+
+// Closes the light samples that are at a hole of their own triangle, which their shadow rays do not
+// reach. `places`: as SampleLights writes them; `keys`: of the shadow rays.
+void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
+                std::uint32_t n, const LightColumns& lights);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
 // their number.

@@ -11,7 +11,11 @@ std::string_view ToString(Stage stage) {
 
 RenderStats& RenderStats::operator+=(const RenderStats& other) {
   for (std::uint32_t i = 0; i < kStages; ++i) stage_seconds[i] += other.stage_seconds[i];
-  for (std::uint32_t i = 0; i < kRayKinds; ++i) rays[i] += other.rays[i];
+  for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+    rays[i] += other.rays[i];
+    trace_seconds[i] += other.trace_seconds[i];
+  }
+  for (std::uint32_t i = 0; i < kKernels; ++i) lanes[i] += other.lanes[i];
   for (std::uint32_t i = 0; i < kCountedBounces; ++i) {
     bounces[i].rows += other.bounces[i].rows;
     bounces[i].capacity += other.bounces[i].capacity;

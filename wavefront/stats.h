@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "wavefront/lanes.h"
 #include "wavefront/ray_recorder.h"
 
 namespace skywave {
@@ -37,8 +38,11 @@ inline constexpr std::uint32_t kCountedBounces = 64;  // deeper ones count as th
 
 struct RenderStats {
   std::array<double, kStages> stage_seconds = {};  // summed over workers
+  // Of the stages intersect and shadow, by the rays that they traced.
+  std::array<double, kRayKinds> trace_seconds = {};
   std::array<std::uint64_t, kRayKinds> rays = {};
   std::array<BounceOccupancy, kCountedBounces> bounces = {};
+  std::array<LaneCount, kKernels> lanes = {};
   std::uint64_t waves = 0, samples = 0;
   std::uint64_t clamped_samples = 0, invalid_samples = 0;  // see Film::Add
 
@@ -51,15 +55,22 @@ struct RenderStats {
 class StageClock {
  public:
   explicit StageClock(RenderStats& stats) : stats_(stats), last_(Now()) {}
-  void Lap(Stage stage) {
-    const auto now = Now();
-    stats_.stage_seconds[static_cast<std::uint32_t>(stage)] +=
-        std::chrono::duration<double>(now - last_).count();
-    last_ = now;
+  void Lap(Stage stage) { stats_.stage_seconds[static_cast<std::uint32_t>(stage)] += Lap(); }
+  // A stage that traced rays of one kind.
+  void Lap(Stage stage, RayKind kind) {
+    const double seconds = Lap();
+    stats_.stage_seconds[static_cast<std::uint32_t>(stage)] += seconds;
+    stats_.trace_seconds[static_cast<std::uint32_t>(kind)] += seconds;
   }
 
  private:
   static std::chrono::steady_clock::time_point Now() { return std::chrono::steady_clock::now(); }
+  double Lap() {
+    const auto now = Now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
   RenderStats& stats_;
   std::chrono::steady_clock::time_point last_;
 };

@@ -119,11 +119,12 @@ void StoreHit(const RTCRayHit& hit, std::uint32_t i, const RayColumns& rays,
   hits.triangle[i] = hit.hit.primID, hits.geom[i] = hit.hit.geomID;
 }
 
-void Record(RayRecorder* recorder, bool occlusion, const RayView& rays, std::uint32_t n) {
+void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayView& rays,
+            std::uint32_t n) {
   if (recorder == nullptr) return;
   const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
   const float* const dir[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
-  recorder->Record(occlusion, org, dir, rays.t_far, n, rays.keys);
+  recorder->Record(kind, occlusion, org, dir, rays.t_far, n, rays.keys);
 }
 
 // Makes one numbering of the triangles of both geometries.
@@ -158,10 +159,10 @@ std::string_view ToString(Backend backend) {
   return "";
 }
 
-void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
   const RayView view = View(rays, keys);
-  Record(tracer.recorder, false, view, n);
+  Record(tracer.recorder, kind, false, view, n);
   RTCIntersectContext context = IncoherentContext();
   switch (tracer.closest) {
     case Backend::kStream: {
@@ -218,19 +219,18 @@ void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uin
                   const LightColumns& lights, const std::uint32_t* keys) {
   const RayView view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
                         lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
-  Record(tracer.recorder, true, view, n);
+  Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
 }
 
 void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
                     const std::uint32_t* keys) {
-  const RayView view = View(rays, keys);
-  Record(tracer.recorder, true, view, n);
-  Occlude(tracer.scene, tracer.occlusion, view, n);
+  Occlude(tracer.scene, tracer.occlusion, View(rays, keys), n);
 }
 
-void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
+  Record(tracer.recorder, kind, true, View(rays, keys), n);
   TraceOcclusion(tracer, rays, n, keys);
   for (std::uint32_t i = 0; i < n; ++i) hits.geom[i] = rays.t_far[i] < 0 ? 0 : kNoHit;
 }

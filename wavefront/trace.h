@@ -25,6 +25,7 @@ std::optional<Backend> ParseBackend(std::string_view name);
 std::string_view ToString(Backend backend);
 
 class RayRecorder;
+enum class RayKind : std::uint32_t;
 
 // What tracing needs: const, a copy a worker. The recorder is null but when a benchmark keeps the
 // rays of a frame for a replay.
@@ -40,8 +41,9 @@ struct Tracer {
 
 // In scenes with holes `keys` decides, ray by ray, which holes are met (DrawRayKeys); else null.
 
-// Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`.
-void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+// Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`. `kind` is for the
+// recorder.
+void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys = nullptr);
 
 // Shadow rays: origins are those of `surfaces`, the rest in `lights`, rows [0, n). Sets t_far of
@@ -49,13 +51,13 @@ void TraceClosest(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights, const std::uint32_t* keys = nullptr);
 
-// Rays [0, n) for which any hit is enough: sets t_far of occluded ones negative.
+// Rays [0, n) for which any hit is enough: sets t_far of occluded ones negative. Not recorded.
 void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
                     const std::uint32_t* keys = nullptr);
 
 // For rays that only matter if they leave the scene: writes geom of `hits` (0 or kNoHit), nothing
 // else of it, and t_far of `rays`. Cheaper than TraceClosest.
-void TraceEscapes(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys = nullptr);
 
 }  // namespace skywave

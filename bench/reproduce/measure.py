@@ -135,13 +135,3 @@ class Session:
         if light_reference:
             result["light_error"] = 3 * self.errors(picture, light_reference)["mse"]
         return result
-
-
-def processor():
-    try:
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    except OSError:
-        pass
-    return "unknown processor"

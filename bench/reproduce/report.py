@@ -1,13 +1,11 @@
 """A summary of figures.py as Markdown, and into its place in a document."""
 
 import re
+import sys
+from pathlib import Path
 
-
-def number(value, digits=3):
-    if value is None:
-        return ""
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e+" in text else text
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from reporting import lines_of_table, number
 
 
 def ratio(ratios, key):
@@ -15,11 +13,6 @@ def ratio(ratios, key):
         return ""
     sign, value = ratios[key] if isinstance(ratios[key], (tuple, list)) else ("=", ratios[key])
     return ("" if sign == "=" else sign + " ") + f"{value:.2f}"
-
-
-def lines_of_table(header, rows, right_from):
-    marks = ["---" if i < right_from else "---:" for i in range(len(header))]
-    return ["| " + " | ".join(cells) + " |" for cells in [header, marks, *rows]]
 
 
 def split(summary):

@@ -4,6 +4,9 @@
     bench/reproduce/reproduce.py 8.2 --data DATA -o OUT
     bench/reproduce/reproduce.py all --data DATA --quick
     bench/reproduce/reproduce.py 8.5 --data DATA --document docs/reproduction.md
+    bench/reproduce/reproduce.py all --data DATA -o OUT --references   # these need no quiet machine
+    bench/reproduce/reproduce.py 8.2 --data DATA -o OUT --repeats 1    # a first part
+    bench/reproduce/reproduce.py 8.2 --data DATA -o OUT --repeats 3 --resume
 
 DATA holds models/killeroo.pbrt, models/buddha.obj, probes/latlong/{galileo,grace,rnl}_latlong.exr.
 OUT gets table_8.2.md, table_8.2.json, the reference and a picture of every row. Tables whose data
@@ -19,7 +22,8 @@ from pathlib import Path
 
 import figures
 import measure
-import report
+import report  # finds bench/reporting.py
+from reporting import processor
 from tables import TABLES
 
 
@@ -41,6 +45,10 @@ def parse(arguments):
     parser.add_argument("-o", "--output", type=Path, default=Path("reproduction"), metavar="OUT")
     parser.add_argument("--document", type=Path, metavar="FILE",
                         help="also put each table between its markers in this file")
+    parser.add_argument("--references", action="store_true",
+                        help="make the references only, whose time does not matter")
+    parser.add_argument("--resume", action="store_true",
+                        help="keep the runs that OUT's JSON already holds, measure what is missing")
     parser.add_argument("--unmeasured", action="store_true",
                         help="render nothing: the thesis's figures with ours left open")
     options = parser.parse_args(arguments)
@@ -108,18 +116,37 @@ def warnings_of(summary):
     return warnings
 
 
+def earlier_runs(table, facts, options):
+    """Runs by row that OUT holds of this table, if they were measured in the same way."""
+    file = options.output / f"table_{table.name}.json"
+    if not (options.resume and file.is_file()):
+        return {}
+    summary = json.loads(file.read_text())
+    settings = summary["settings"]
+    now = {"size": options.size, "threads": options.threads or "all", "version": facts["version"],
+           "processor": processor()}
+    if any(settings[key] != now[key] for key in now) or summary["reference"] != facts:
+        raise measure.Failed(f"{file} was measured otherwise: remove it, or do not --resume")
+    return {row["row"]: row["ours"]["runs"] for row in summary["rows"] if row["ours"]}
+
+
+def make_session(table, options):
+    reference = options.reference or (table.quick_reference if options.quick else table.reference)
+    return measure.Session(options.program, table, options.data.resolve(),
+                           options.output.resolve(), options.size, options.threads, reference)
+
+
 def measure_table(table, options):
     """(summary, whether any row was rendered, whether all were). Writes after every repeat."""
-    rows, runs, failed = chosen_rows(table, options), {}, {}
+    rows, failed = chosen_rows(table, options), {}
     if not rows:
         raise measure.Failed(f"no row of {options.rows} can be rendered")
-    reference = options.reference or (table.quick_reference if options.quick else table.reference)
-    session = measure.Session(options.program, table, options.data.resolve(),
-                              options.output.resolve(), options.size, options.threads, reference)
+    session = make_session(table, options)
     picture, facts = session.reference(say)
     light_picture = session.light_reference(1, say)
+    runs = earlier_runs(table, facts, options)
     settings = {"command": command_of(table, options), "date": date.today().isoformat(),
-                "processor": measure.processor(), "threads": options.threads or "all",
+                "processor": processor(), "threads": options.threads or "all",
                 "size": options.size, "version": facts["version"]}
     summary = None
     for repeat in range(options.repeats):
@@ -128,7 +155,7 @@ def measure_table(table, options):
         # minute of the machine does not fall on one row.
         first = repeat * len(rows) // options.repeats
         for row in rows[first:] + rows[:first]:
-            if row.name in failed:
+            if row.name in failed or len(runs.get(row.name, [])) > repeat:
                 continue
             try:
                 runs.setdefault(row.name, []).append(
@@ -158,6 +185,11 @@ def main(arguments):
         else:
             try:
                 options.output.mkdir(parents=True, exist_ok=True)
+                if options.references:
+                    session, measured = make_session(table, options), True
+                    session.reference(say)
+                    session.light_reference(1, say)
+                    continue
                 summary, any_row, all_rows = measure_table(table, options)
             except measure.Absent as path:
                 say(f"table {name} is left out: {path} does not exist")

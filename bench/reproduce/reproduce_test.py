@@ -5,6 +5,7 @@
 """
 
 import io
+import json
 import math
 import subprocess
 import sys
@@ -14,6 +15,7 @@ from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
 import figures
+import measure
 import report
 import reproduce
 from tables import TABLES, angle_for_area
@@ -96,6 +98,31 @@ class Report(unittest.TestCase):
         self.assertIn("table 8.2 is left out", said.getvalue())
         self.assertIn("galileo_latlong.exr does not exist", said.getvalue())
         self.assertIn("nothing was measured", said.getvalue())
+
+
+class Resume(unittest.TestCase):
+    def test_runs_measured_alike_are_kept(self):
+        facts = {"version": "1", "mse": 0.5}
+        with tempfile.TemporaryDirectory() as folder:
+            options = reproduce.parse(["8.2", "--data", folder, "--program", sys.executable, "-o",
+                                       folder, "--size", "80x60", "--resume"])
+            run = {"seconds": 1, "table_seconds": 0, "mse": 1, "relative_mse": 1,
+                   "thesis_euclidean": 1, "thesis_luminance": 1}
+            summary = figures.summarize(TABLES["8.2"], {"5": [run, run]})
+            summary.update(reference=facts, settings={
+                "size": "80x60", "threads": "all", "version": "1",
+                "processor": reproduce.processor()})
+            file = Path(folder) / "table_8.2.json"
+            file.write_text(json.dumps(summary))
+            self.assertEqual(reproduce.earlier_runs(TABLES["8.2"], facts, options),
+                             {"5": [run, run]})
+            with self.assertRaises(measure.Failed):
+                reproduce.earlier_runs(TABLES["8.2"], {**facts, "mse": 0.4}, options)
+            options.size = "40x30"
+            with self.assertRaises(measure.Failed):
+                reproduce.earlier_runs(TABLES["8.2"], facts, options)
+            options.resume = False
+            self.assertEqual(reproduce.earlier_runs(TABLES["8.2"], facts, options), {})
 
 
 class Program(unittest.TestCase):

@@ -37,7 +37,10 @@ double FilterOffset(const std::vector<float>& offsets, double uniform) {
 }  // namespace
 
 Oracle::Oracle(const Scene& scene, OracleLights lights)
-    : camera_(scene.camera.value()), environment_(scene.environments.at(0), lights) {
+    : camera_(scene.camera.value()),
+      has_sky_(!scene.environments.empty()),
+      environment_(has_sky_ ? scene.environments[0] : EnvironmentLight{.scale = glm::vec3(0)},
+                   lights) {
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
     has_holes_ = has_holes_ || !material.opaque();
@@ -46,6 +49,17 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
   scene_textures_.textures = scene.textures;
   scene_textures_.images = scene.images;
   for (const Mesh& mesh : scene.meshes) AddMesh(mesh);
+  std::vector<OracleLocalLights::Triangle> emitters;
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+    Triangle& t = triangles_[i];
+    const Material& material = scene.materials[t.material];
+    t.light = {.corner = {t.corner[0], t.corner[1], t.corner[2]},
+               .radiance = material.emission,
+               .two_sided = material.emits_on_both_sides,
+               .index = i};
+    if (material.emission != glm::vec3(0)) emitters.push_back(t.light);
+  }
+  local_lights_ = OracleLocalLights(emitters, scene.lights);
   BuildEmbreeScene();
 }
 
@@ -56,7 +70,12 @@ Oracle::~Oracle() {
 
 void Oracle::AddMesh(const Mesh& mesh) {
   for (const glm::uvec3& corners : mesh.triangles) {
-    Triangle t = {.corner = {}, .normal = {}, .uv = {}, .material = mesh.material, .smooth = false};
+    Triangle t = {.corner = {},
+                  .normal = {},
+                  .uv = {},
+                  .material = mesh.material,
+                  .smooth = false,
+                  .light = {}};
     for (int i = 0; i < 3; ++i) {
       t.corner[i] = mesh.positions[corners[i]];
       if (!mesh.normals.empty()) t.normal[i] = mesh.normals[corners[i]];
@@ -94,30 +113,37 @@ void Oracle::BuildEmbreeScene() {
   rtcCommitScene(scene_);
 }
 
-// The nearest triangle that stops the ray, which tries them one after the other.
-bool Oracle::FindHit(const Ray& ray, OracleRandom& random, RTCRayHit& query) const {
+// Whether the triangle stops a ray there.
+bool Oracle::IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const {
+  const Triangle& t = triangles_[triangle];
+  const Material& material = scene_textures_.materials[t.material];
+  if (material.opaque()) return true;
+  const glm::dvec2 uv =
+      (1 - u - v) * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
+  return random() < OracleOpacity(scene_textures_, material, uv);
+}
+
+// The nearest triangle up to `reach` that stops the ray, which tries them one after the other.
+bool Oracle::FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   query.ray = EmbreeRay(ray.origin, ray.direction);
+  query.ray.tfar = float(reach);
   while (true) {
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene_, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-    const Triangle& t = triangles_[query.hit.primID];
-    const Material& material = scene_textures_.materials[t.material];
-    const double u = query.hit.u, v = query.hit.v;
-    const glm::dvec2 uv =
-        (1 - u - v) * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
-    if (material.opaque() || random() < OracleOpacity(scene_textures_, material, uv)) return true;
+    if (IsThere(query.hit.primID, query.hit.u, query.hit.v, random)) return true;
     // Beyond the rounding of distances: else Embree finds the same hit for ever.
     query.ray.tnear = query.ray.tfar * (1 + 0x1p-20f) + 1e-20f;
-    query.ray.tfar = std::numeric_limits<float>::infinity();
+    query.ray.tfar = float(reach);
+    if (!(query.ray.tnear < query.ray.tfar)) return false;
   }
 }
 
 bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
   RTCRayHit query = {};
-  if (!FindHit(ray, random, query)) return false;
+  if (!FindHit(ray, std::numeric_limits<double>::infinity(), random, query)) return false;
 
   const Triangle& t = triangles_[query.hit.primID];
   const double u = query.hit.u, v = query.hit.v, w = 1 - u - v;
@@ -140,6 +166,10 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
     // Normals that look away are turned to the eye, along the plane of both.
     ns = glm::normalize(ns + wo * std::max(0.0, 1.0 / 128 - glm::dot(ns, wo)));
   }
+  hit.distance = query.ray.tfar;
+  hit.light = t.light.radiance == dvec3(0) ? nullptr : &t.light;
+  hit.light_cosine = glm::dot(ng, wo);
+  if (t.light.two_sided) hit.light_cosine = std::abs(hit.light_cosine);
   hit.surface = {&materials_[t.material], wo, ng, ns, back};
   ApplyTextures(t, {w, u, v}, hit);
   hit.point = w * a + u * b + v * c;
@@ -166,14 +196,16 @@ void Oracle::ApplyTextures(const Triangle& triangle, const dvec3& weights, Hit& 
   }
 }
 
-bool Oracle::Occluded(const Ray& ray, OracleRandom& random) const {
+bool Oracle::Occluded(const Ray& ray, double distance, OracleRandom& random) const {
+  const double reach = distance * (1 - 1e-4);
   if (has_holes_) {
     RTCRayHit hit = {};
-    return FindHit(ray, random, hit);
+    return FindHit(ray, reach, random, hit);
   }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query = EmbreeRay(ray.origin, ray.direction);
+  query.tfar = float(reach);
   rtcOccluded1(scene_, &context, &query);
   return query.tfar < 0;
 }
@@ -191,17 +223,45 @@ dvec3 Oracle::LightFromSky(const dvec3& direction, double pdf, const RenderOptio
   if (!options.mis) return dvec3(0);
   const OracleEnvironment::Lit lit = environment_.AsLight(direction);
   const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
-  const double light_pdf = samples * lit.pdf;
+  const double light_pdf = samples * lit.pdf * (1 - LocalShare());
   return lit.radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
+}
+
+// Light samples are shared out evenly between the map and local lights.
+double Oracle::LocalShare() const { return local_lights_.empty() ? 0 : has_sky_ ? 0.5 : 1; }
+
+// What a ray that ends in a shining triangle sees of it; `pdf` as above.
+dvec3 Oracle::LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const {
+  if (!hit.light || !(hit.light_cosine > 0)) return dvec3(0);
+  if (pdf == 0) return hit.light->radiance;
+  if (!options.mis) return dvec3(0);
+  const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
+  const double light_pdf =
+      samples * LocalShare() * local_lights_.Pdf(*hit.light, hit.distance, hit.light_cosine);
+  return hit.light->radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
 }
 
 // One light sample, not yet divided by their number.
 dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
                               OracleRandom& random) const {
-  const OracleEnvironment::LightSample light = environment_.Sample(random);
+  OracleLocalLights::LightSample light;
+  if (!local_lights_.empty() && random() < LocalShare()) {
+    const auto local = local_lights_.Sample(LeaveFrom(hit, hit.surface.ng).origin, random);
+    if (!local) return dvec3(0);
+    light = *local;
+    light.pdf *= LocalShare();
+    if (light.pdf == 0) light.radiance /= LocalShare();
+  } else {
+    const OracleEnvironment::LightSample far = environment_.Sample(random);
+    light = {far.direction, far.radiance, far.pdf * (1 - LocalShare()),
+             std::numeric_limits<double>::infinity()};
+  }
   const OracleValue bsdf = EvaluateBsdf(hit.surface, light.direction);
   if (!(MaxComponent(bsdf.value * light.radiance) > 0)) return dvec3(0);
-  if (Occluded(LeaveFrom(hit, light.direction), random)) return dvec3(0);
+  // Shadow rays stop short of the light: whether it is there is asked here.
+  if (light.triangle && !IsThere(*light.triangle, light.u, light.v, random)) return dvec3(0);
+  if (Occluded(LeaveFrom(hit, light.direction), light.distance, random)) return dvec3(0);
+  if (light.pdf == 0) return bsdf.value * light.radiance;
   double weight = 1;
   if (options.mis) {
     const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
@@ -217,11 +277,12 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
   double pdf = 0;
   for (std::uint32_t bounce = 0;; ++bounce) {
     Hit hit;
-    // Behind the last surface, and behind the BSDF sample of `direct`, only the sky counts.
+    // Behind the last surface, and behind the BSDF sample of `direct`, only what shines counts.
     const bool last = bounce == options.max_depth || (direct && pdf > 0);
-    if (last ? !Occluded(ray, random) : !Intersect(ray, random, hit)) {
+    if (!Intersect(ray, random, hit)) {
       return radiance + throughput * LightFromSky(ray.direction, pdf, options);
     }
+    radiance += throughput * LightFromHit(hit, pdf, options);
     if (last) return radiance;
 
     if (!hit.surface.material->delta()) {

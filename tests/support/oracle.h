@@ -8,11 +8,13 @@
 #include <embree3/rtcore.h>
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "image/image.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/oracle_environment.h"
+#include "tests/support/oracle_lights.h"
 #include "tests/support/oracle_relief.h"
 #include "tests/support/oracle_texture.h"
 #include "wavefront/frame.h"
@@ -27,7 +29,7 @@ struct OraclePicture {
 
 class Oracle {
  public:
-  // The scene needs a camera and a light with its map in memory (or none).
+  // The scene needs a camera; its maps are in memory, those of its first light count.
   explicit Oracle(const Scene& scene, OracleLights lights = OracleLights::kImportance);
   ~Oracle();
   Oracle(const Oracle&) = delete;
@@ -43,6 +45,7 @@ class Oracle {
     glm::vec2 uv[3];
     std::uint32_t material;
     bool smooth;
+    OracleLocalLights::Triangle light;  // radiance 0: none
   };
   struct Ray {
     glm::dvec3 origin, direction;
@@ -52,25 +55,33 @@ class Oracle {
     OracleMaterial textured;  // surface.material, where textures change it
     glm::dvec3 point;
     double lift;  // distance between the point and origins of rays that leave it
+    double distance;
+    const OracleLocalLights::Triangle* light;
+    double light_cosine;  // <= 0: not on its shining side
   };
 
   void AddMesh(const Mesh& mesh);
   void BuildEmbreeScene();
-  bool FindHit(const Ray& ray, OracleRandom& random, RTCRayHit& query) const;
+  bool FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const;
   bool Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const;
   void ApplyTextures(const Triangle& triangle, const glm::dvec3& weights, Hit& hit) const;
-  bool Occluded(const Ray& ray, OracleRandom& random) const;
+  bool Occluded(const Ray& ray, double distance, OracleRandom& random) const;
+  bool IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const;
   Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
   glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
                           const RenderOptions& options) const;
+  glm::dvec3 LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const;
   glm::dvec3 LightFromSample(const Hit& hit, const RenderOptions& options,
                              OracleRandom& random) const;
+  double LocalShare() const;
   glm::dvec3 Radiance(Ray ray, const RenderOptions& options, OracleRandom& random) const;
   void RenderRow(int y, const RenderOptions& options, const std::vector<float>& filter,
                  OraclePicture& picture) const;
 
   Camera camera_;
+  bool has_sky_;
   OracleEnvironment environment_;
+  OracleLocalLights local_lights_;
   std::vector<OracleMaterial> materials_;
   bool has_holes_ = false;
   Scene scene_textures_;  // materials, textures and images only

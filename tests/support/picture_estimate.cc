@@ -109,7 +109,11 @@ PictureEstimate EstimateFrom(const OraclePicture& picture, std::uint32_t samples
 }
 
 PictureEstimate EstimateFromEngine(const RenderJob& job, int runs, std::uint32_t seed) {
-  FrameView frame = job.frame();
+  return EstimateFromEngine(job, job.frame(), runs, seed);
+}
+
+PictureEstimate EstimateFromEngine(const RenderJob& job, FrameView frame, int runs,
+                                   std::uint32_t seed) {
   std::vector<Moments> moments;
   for (int run = 0; run < runs; ++run) {
     frame.options.seed = seed + std::uint32_t(run);

@@ -25,6 +25,9 @@ PictureEstimate EstimateFrom(const OraclePicture& picture, std::uint32_t samples
 // The engine's picture of a job from `runs` renders whose seeds are seed, seed + 1, ...: samples of
 // one render are stratified, so only independent renders tell the noise.
 PictureEstimate EstimateFromEngine(const RenderJob& job, int runs, std::uint32_t seed);
+// The same of a frame that is the job's but for what a test has changed.
+PictureEstimate EstimateFromEngine(const RenderJob& job, FrameView frame, int runs,
+                                   std::uint32_t seed);
 
 // Means over blocks of side x side pixels (smaller at the right and lower borders).
 PictureEstimate MeanOfBlocks(const PictureEstimate& picture, int side);

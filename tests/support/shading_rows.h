@@ -15,6 +15,8 @@ struct MaterialCase {
   std::string name;
   BsdfKind kind;
   MaterialRecord record;
+  bool back = false;  // seen from where the normals of the mesh do not point
+  double turn = 0;    // from the frame's first axis to the tangent [rad]
 };
 
 inline MaterialRecord Conductor(float alpha, const float (&eta)[3], const float (&k)[3]) {
@@ -35,12 +37,17 @@ inline MaterialRecord MetallicRoughness(float alpha, float metallic) {
   return {.color = {0.95f, 0.64f, 0.54f}, .alpha = alpha, .eta = {metallic, 0, 0}, .ior = 1.5f};
 }
 
+const float* MeasuredForTests();  // SyntheticMeasuredTable, once
+
 // One surface in all rows: its material is record 1, so that an index that is dropped is seen.
 struct ShadingRows {
   ShadingRows(const MaterialCase& material, std::uint32_t rows, Vec normal, Vec wo)
       : kernels(Bsdfs()[std::size_t(material.kind)]),
         records{MaterialRecord{}, material.record},
-        surfaces(rows) {
+        surfaces(rows),
+        back(material.back),
+        turn(material.turn) {
+    if (material.kind == BsdfKind::kMeasured) measured = MeasuredForTests();
     for (std::uint32_t i = 0; i < rows; ++i) Set(i, normal, normal, wo);
   }
   void Set(std::uint32_t i, Vec shading, Vec geometric, Vec wo) {
@@ -54,10 +61,14 @@ struct ShadingRows {
     s.org_x[i] = float(i), s.org_y[i] = 2, s.org_z[i] = 3;
     s.lift[i] = 0x1p-10f;
     s.path[i] = 7 * i + 1;
-    s.material[i] = 1;
-    s.alpha[i] = records[1].alpha, s.metallic[i] = records[1].eta[0];
+    s.material[i] = back ? 1 | kBackFace : 1;
+    const bool tangent = kernels.varying == Varying::kTangent;
+    s.varying_0[i] = tangent ? float(std::cos(turn)) : records[1].alpha;
+    s.varying_1[i] = tangent ? float(std::sin(turn)) : records[1].eta[0];
   }
-  MaterialView materials() const { return {records.data(), &GgxTables()}; }
+  MaterialView materials() const {
+    return {records.data(), &GgxTables(), &GetSheenTables(), measured};
+  }
 
   // Value and density of directions, one a row.
   soa::Table<BsdfValueColumns> Evaluate(const std::vector<Vec>& wi) const {
@@ -73,6 +84,9 @@ struct ShadingRows {
   BsdfKernels kernels;
   std::vector<MaterialRecord> records;
   soa::Table<SurfaceColumns> surfaces;
+  bool back;
+  double turn;
+  const float* measured = nullptr;
 };
 
 // Uniforms of n scattering events.

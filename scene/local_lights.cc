@@ -1,0 +1,230 @@
+#include "scene/local_lights.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "base/error.h"
+#include "image/image.h"
+
+namespace skywave {
+namespace {
+
+// Of light samples, what the map and local lights get at least where there are both: their power
+// does not say who is in the shade of what.
+constexpr double kLeastShare = 1.0 / 16;
+
+constexpr double kPi = glm::pi<double>();
+
+void Copy(const glm::vec3& from, float* to) {
+  for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+// LightChoice::first of lights with that power, `units` for all of them: in proportion, but one for
+// each at least.
+std::vector<std::uint32_t> MakeChoice(const std::vector<double>& power, std::uint32_t units) {
+  double total = 0;
+  for (const double p : power) total += p;
+  const double free = double(units) - double(power.size());
+  std::vector<std::uint32_t> first = {0};
+  first.reserve(power.size() + 1);
+  double sum = 0;
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    sum += power[i];
+    const bool last = i + 1 == power.size();
+    const double share = last ? free : std::min(std::floor(free * (sum / total) + 0.5), free);
+    first.push_back(std::uint32_t(share) + std::uint32_t(i) + 1);
+  }
+  return first;
+}
+
+// The texel that (u, v) lies in.
+const float* Nearest(const Image& image, const Texture& texture, const glm::vec2& uv) {
+  const auto wrap = [](TextureWrap how, float x, int size) {
+    switch (how) {
+      case TextureWrap::kRepeat:
+        x -= std::floor(x);
+        break;
+      case TextureWrap::kMirror:
+        x = std::abs(x - 2 * std::floor(0.5f * x + 0.5f));
+        break;
+      case TextureWrap::kClamp:
+        break;
+    }
+    // min and max turn NaN into a number.
+    return int(std::min(std::max(0.0f, x * float(size)), float(size - 1)));
+  };
+  const glm::vec2 at = texture.transform * glm::vec3(uv, 1);
+  return image.Pixel(wrap(texture.wrap_u, at.x, image.width),
+                     wrap(texture.wrap_v, at.y, image.height));
+}
+
+// The mean of a texture over a triangle with those coordinates: at points that cover it evenly, as
+// many as it has texels, within reason.
+glm::vec3 MeanOver(const Image& image, const Texture& texture, const glm::vec2 (&uv)[3]) {
+  constexpr double kFewest = 16, kMost = 1024;
+  // The additive recurrence of the plastic number (Roberts 2018).
+  constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532;
+  const glm::mat3x2& t = texture.transform;
+  const glm::dvec2 a(uv[1] - uv[0]), b(uv[2] - uv[0]);
+  const double texels = 0.5 * std::abs(a.x * b.y - a.y * b.x) *
+                        std::abs(double(t[0][0]) * t[1][1] - double(t[0][1]) * t[1][0]) *
+                        image.width * image.height;
+  const int points = texels < kMost ? int(std::max(texels, kFewest)) : int(kMost);
+  glm::dvec3 sum(0);
+  for (int i = 0; i < points; ++i) {
+    const double x = std::fmod(0.5 + i * kStepX, 1.0), y = std::fmod(0.5 + i * kStepY, 1.0);
+    const double root = std::sqrt(x);
+    const float* texel =
+        Nearest(image, texture, glm::vec2(glm::dvec2(uv[0]) + (1 - root) * a + y * root * b));
+    for (int c = 0; c < 3; ++c) sum[c] += texel[c];
+  }
+  return glm::vec3(sum / double(points));
+}
+
+}  // namespace
+
+bool HasLocalLights(const Scene& scene) {
+  const auto shines = [&](const Mesh& mesh) {
+    return mesh.material < scene.materials.size() && !mesh.triangles.empty() &&
+           scene.materials[mesh.material].emission != glm::vec3(0);
+  };
+  return std::any_of(scene.meshes.begin(), scene.meshes.end(), shines) ||
+         std::any_of(scene.lights.begin(), scene.lights.end(),
+                     [](const PunctualLight& light) { return light.emission != glm::vec3(0); });
+}
+
+float BoundingRadius(const Bounds& bounds) { return 0.5f * glm::length(bounds.high - bounds.low); }
+
+double SpotSolidAngle(float cos_full, float cos_dark) {
+  // The falloff is symmetric in the cosine: its mean between the cones is a half.
+  return 2 * kPi * (1 - 0.5 * (double(cos_full) + cos_dark));
+}
+
+void LocalLights::Add(const LocalLight& light, double power_a_unit) {
+  const double power = Luminance(light.emission) * power_a_unit;
+  if (!(power > 0)) return;
+  const float channel = std::max({light.emission[0], light.emission[1], light.emission[2]});
+  channel_power_ += channel * power_a_unit;
+  if (light.kind == LocalLightKind::kTriangle) brightest_ = std::max(brightest_, channel);
+  lights_.push_back(light);
+  power_.push_back(power);
+  LocalLightTotal& total = totals_[std::size_t(light.kind)];
+  ++total.count;
+  total.power += power;
+}
+
+void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
+                               const std::string& path) {
+  for (const MeshPlace& place : geometry.meshes()) {
+    const Mesh& mesh = scene.meshes[place.mesh];
+    const Material& material = scene.materials[mesh.material];
+    const bool shines = material.emission != glm::vec3(0);
+    for (std::size_t i = 0; shines && i < mesh.triangles.size(); ++i) {
+      const std::size_t triangle = place.first_triangle + i;
+      const glm::vec3 corner = geometry.Corner(triangle, 0);
+      const glm::vec3 axis = geometry.Corner(triangle, 1) - corner;
+      const glm::vec3 edge = geometry.Corner(triangle, 2) - corner;
+      glm::vec3 emission = material.emission;
+      if (material.emission_texture && !mesh.uvs.empty()) {
+        const Texture& texture = scene.textures.at(*material.emission_texture);
+        const glm::uvec3& t = mesh.triangles[i];
+        const glm::vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};
+        emission *= MeanOver(scene.images.at(texture.image), texture, uv);
+      }
+      LocalLight light = {.kind = LocalLightKind::kTriangle};
+      light.area = float(0.5 * glm::length(glm::cross(glm::dvec3(axis), glm::dvec3(edge))));
+      light.two_sided = material.emits_on_both_sides;
+      light.triangle = std::uint32_t(triangle);
+      Copy(emission, light.emission);
+      Copy(corner, light.position), Copy(axis, light.axis), Copy(edge, light.edge);
+      const std::size_t before = lights_.size();
+      // The kernel takes the normal from the edges, in floats.
+      if (light.area > 0 && glm::dot(glm::cross(axis, edge), glm::cross(axis, edge)) > 0) {
+        Add(light, kPi * light.area * (light.two_sided ? 2 : 1));
+      }
+      if (lights_.size() == before) continue;
+      if (lights_.size() > kMaxLocalLights) {
+        throw InputError(InputPosition::File(path),
+                         fmt::format("more than {} triangles and lights shine", kMaxLocalLights));
+      }
+      light_of_triangle_.resize(geometry.record_count(), kNoLight);
+      light_of_triangle_[triangle] = std::uint32_t(before);
+      holes_ = holes_ || triangle >= geometry.first_with_holes();
+    }
+  }
+  for (std::size_t i = geometry.triangle_count(); i < light_of_triangle_.size(); ++i) {
+    light_of_triangle_[i] = light_of_triangle_[geometry.TriangleOf(std::uint32_t(i))];
+  }
+}
+
+LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path,
+                         float radius, double sky_power) {
+  const double disk = kPi * double(radius) * radius;
+  for (const PunctualLight& from : scene.lights) {
+    LocalLight light = {.kind = from.kind};
+    Copy(from.emission, light.emission);
+    Copy(from.position, light.position);
+    Copy(from.direction, light.axis);
+    double power_a_unit = 4 * kPi;
+    if (from.kind == LocalLightKind::kSpot) {
+      light.edge[0] = from.cos_dark;
+      light.edge[1] = 1 / std::max(from.cos_full - from.cos_dark, 1e-6f);
+      power_a_unit = SpotSolidAngle(from.cos_full, from.cos_dark);
+    } else if (from.kind == LocalLightKind::kDistant) {
+      power_a_unit = disk;
+    }
+    Add(light, power_a_unit);
+  }
+  AddTriangles(scene, geometry, path);
+  if (lights_.empty()) return;
+
+  double power = 0;
+  for (const LocalLightTotal& total : totals_) power += total.power;
+  const double share =
+      sky_power > 0 ? std::clamp(power / (power + sky_power), kLeastShare, 1 - kLeastShare) : 1;
+  alone_ = MakeChoice(power_, kChoiceUnits);
+  const auto units = std::uint32_t(std::lround(share * kChoiceUnits));
+  shared_ = MakeChoice(power_, std::max(units, std::uint32_t(2 * lights_.size())));
+  power_ = {};
+
+  const double near = 0.01 * radius;
+  const double lit = channel_power_ / (4 * kPi * near * near) / kPi;
+  if (std::isfinite(lit)) brightest_ = std::max(brightest_, float(std::min(lit, 1e30)));
+}
+
+LocalLightView LocalLights::view() const {
+  if (lights_.empty()) return {};
+  const auto choice = [](const std::vector<std::uint32_t>& first) {
+    return LightChoice{first.data(), float(first.back()) / float(kChoiceUnits)};
+  };
+  return {.lights = lights_.data(),
+          .count = std::uint32_t(lights_.size()),
+          .light_of_triangle = light_of_triangle_.empty() ? nullptr : light_of_triangle_.data(),
+          .alone = choice(alone_),
+          .shared = choice(shared_),
+          .holes = holes_};
+}
+
+std::size_t LocalLights::bytes() const {
+  return lights_.size() * sizeof(LocalLight) +
+         (light_of_triangle_.size() + alone_.size() + shared_.size()) * sizeof(std::uint32_t);
+}
+
+std::string_view ToString(LocalLightKind kind) {
+  switch (kind) {
+    case LocalLightKind::kTriangle:
+      return "triangle";
+    case LocalLightKind::kPoint:
+      return "point";
+    case LocalLightKind::kSpot:
+      return "spot";
+    case LocalLightKind::kDistant:
+      return "distant";
+  }
+  return "";
+}
+
+}  // namespace skywave

@@ -1,0 +1,67 @@
+// The lights of a scene that are somewhere in it, as kernels read them: one record a light, and how
+// often each is picked (kernels/local_lights.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kernels/local_lights.h"
+#include "scene/geometry.h"
+#include "scene/scene.h"
+
+namespace skywave {
+
+inline constexpr std::size_t kMaxLocalLights = std::size_t{1} << 22;
+
+// All lights of one kind.
+struct LocalLightTotal {
+  std::size_t count = 0;
+  double power = 0;  // luminance [radiance * sr * area]
+};
+
+// Immutable once built. Triangles without area or emission are no lights. Where an emission has a
+// texture, each triangle shines with the mean of the texture over it. Holes do not count for power.
+class LocalLights {
+ public:
+  LocalLights() = default;
+  // `radius`: of a sphere around the scene, on whose disk distant lights and the map shine, the map
+  // with `sky_power` (luminance). Throws InputError(path) for more lights than kMaxLocalLights.
+  LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path, float radius,
+              double sky_power);
+
+  LocalLightView view() const;
+  std::size_t bytes() const;
+  const std::array<LocalLightTotal, kLocalLightKinds>& totals() const { return totals_; }
+  // The brightest that eye or film may see of them: their own radiance, or that of a white surface
+  // which all their power lights from a hundredth of `radius` away.
+  float brightest() const { return brightest_; }
+
+ private:
+  void AddTriangles(const Scene& scene, const Geometry& geometry, const std::string& path);
+  void Add(const LocalLight& light, double power_a_unit);
+
+  std::vector<LocalLight> lights_;
+  std::vector<std::uint32_t> light_of_triangle_;
+  bool holes_ = false;
+  std::vector<std::uint32_t> alone_, shared_;  // LightChoice::first
+  std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};
+  std::vector<double> power_;  // of each light, luminance
+  double channel_power_ = 0;   // the brightest channel of all
+  float brightest_ = 0;
+};
+
+// Whether anything in the scene shines.
+bool HasLocalLights(const Scene& scene);
+
+// Radius of the sphere around the bounds [world space].
+float BoundingRadius(const Bounds& bounds);
+
+// Solid angle of a spot's light as if it were all of full intensity [sr].
+double SpotSolidAngle(float cos_full, float cos_dark);
+
+std::string_view ToString(LocalLightKind kind);
+
+}  // namespace skywave

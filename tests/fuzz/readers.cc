@@ -1,0 +1,63 @@
+#include "tests/fuzz/readers.h"
+
+#include <string>
+
+#include "base/error.h"
+#include "base/gzip.h"
+#include "image/image.h"
+#include "scene/gltf_reader.h"
+#include "scene/mtl.h"
+#include "scene/obj_reader.h"
+#include "scene/pbrt_reader.h"
+#include "scene/ply.h"
+#include "scene/spectrum.h"
+
+namespace skywave {
+namespace {
+
+// Small, so that a run finds more than slow inputs. The folder is not there: nothing is included.
+constexpr ReadOptions kOptions = {.strict = false, .max_triangles = std::size_t{1} << 15};
+constexpr ReadLimits kLimits = {
+    .max_width = 1024, .max_height = 1024, .max_pixels = std::size_t{1} << 18};
+constexpr std::string_view kPath = "/nowhere/fuzzed";
+
+std::string Path(std::string_view ending) { return std::string(kPath) + std::string(ending); }
+
+void Pbrt(std::string_view bytes) { ParsePbrt(std::string(bytes), Path(".pbrt"), kOptions); }
+void Spd(std::string_view bytes) {
+  const auto pairs = ParseSpectrumFile(std::string(bytes), Path(".spd"));
+  RgbOfReflectance(pairs);
+  RgbOfEmission(pairs);
+}
+void Ply(std::string_view bytes) { ParsePly(bytes, Path(".ply")); }
+void Gzip(std::string_view bytes) { Gunzip(std::string(bytes), Path(".gz"), 1 << 20); }
+void Obj(std::string_view bytes) { ParseObj(std::string(bytes), Path(".obj"), kOptions); }
+void Mtl(std::string_view bytes) {
+  Scene scene;
+  TextureFiles textures{&scene};
+  Warnings warnings;
+  ParseMtl(std::string(bytes), Path(".mtl"), textures, warnings);
+}
+void Gltf(std::string_view bytes) { ParseGltf(std::string(bytes), Path(".gltf"), kOptions); }
+void Picture(std::string_view bytes) {
+  DecodeTexture(std::string(kPath), bytes, Encoding::kSrgb, kLimits);
+}
+
+constexpr FuzzedReader kReaders[] = {
+    {"pbrt", Pbrt},   {"spd", Spd},     {"ply", Ply},     {"gzip", Gzip},
+    {"obj", Obj},     {"mtl", Mtl},     {"gltf", Gltf},   {"hdr", Picture},
+    {"pfm", Picture}, {"exr", Picture}, {"png", Picture}, {"jpeg", Picture},
+};
+
+}  // namespace
+
+std::span<const FuzzedReader> FuzzedReaders() { return kReaders; }
+
+void FuzzOnce(const FuzzedReader& reader, std::string_view bytes) {
+  try {
+    reader.read(bytes);
+  } catch (const InputError&) {
+  }
+}
+
+}  // namespace skywave
