@@ -169,8 +169,6 @@ TEST(MtlTextures, HolesAndReliefAreOfEveryMaterialButGlass) {
   EXPECT_TRUE(material(read("illum 7\nmap_d grey.png")).opaque());
 }
 
-}
-
 // What is seen of the texture "x".
 class ComputedTextures : public PbrtTextureFiles {
  protected:
