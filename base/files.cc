@@ -61,6 +61,9 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes) {
   const FileHandle file(std::fopen(path.c_str(), "rb"));
   if (!file) ThrowIo(path, std::string("cannot be opened: ") + std::strerror(errno));
   std::string bytes;
+  // At once, where the size is known: growing would hold large files twice.
+  const auto size = std::filesystem::file_size(path, ignored);
+  if (!ignored && size <= max_bytes) bytes.reserve(size);
   char chunk[1 << 16];
   while (const std::size_t got = std::fread(chunk, 1, sizeof chunk, file.get())) {
     if (bytes.size() + got > max_bytes) {

@@ -116,14 +116,14 @@ void SampleLightsStage(benchmark::State& state, const std::string& strategy, boo
   if ((fixed ? plan.fixed : plan.drawn) == 0) return state.SkipWithError("not in its plan");
   Run(state, f.ranges.light_sampled(), [&] {
     SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lobe,
-                 w.lights);
+                 w.lights, w.hits);
   });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
   const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
   Run(state, f.ranges.light_sampled(),
       [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights); });
 }
@@ -132,7 +132,7 @@ void TraceShadowsStage(benchmark::State& state, Backend backend) {
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
   const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
   EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
@@ -147,7 +147,7 @@ void AddUnoccludedKernel(benchmark::State& state) {
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
   const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights);
+      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
   EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });

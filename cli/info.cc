@@ -29,7 +29,7 @@ struct SceneFile {
   SceneSummary summary;
   std::array<LocalLightTotal, kLocalLightKinds> local_lights = {};  // by kind
   double load_seconds = 0, build_seconds = 0;
-  std::size_t geometry_bytes = 0;  // what rendering keeps, without the BVH
+  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // what rendering keeps
 };
 
 SceneFile Load(const std::string& path, const ReadOptions& options) {
@@ -42,6 +42,7 @@ SceneFile Load(const std::string& path, const ReadOptions& options) {
   if (file.summary.triangles > 0) {
     const Geometry geometry(file.scene, path);
     file.build_seconds = geometry.build_seconds();
+    file.bvh_bytes = geometry.bvh_bytes();
     const LocalLights lights(file.scene, geometry, path, BoundingRadius(*file.summary.bounds), 0);
     file.local_lights = lights.totals();
     file.geometry_bytes = geometry.bytes() + lights.bytes();
@@ -125,6 +126,12 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
   }
   if (material.color_texture) json["color_texture"] = *material.color_texture;
   if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
+  if (!material.opaque()) {
+    json["opacity"] = material.opacity;
+    if (material.opacity_cutoff) json["opacity_cutoff"] = *material.opacity_cutoff;
+    if (material.opacity_texture) json["opacity_texture"] = *material.opacity_texture;
+  }
+  if (material.normal_texture) json["normal_texture"] = *material.normal_texture;
   if (material.emission != glm::vec3(0)) json["emission"] = List(material.emission);
   return json;
 }
@@ -180,10 +187,22 @@ nlohmann::ordered_json Json(const SceneFile& file) {
     json["lights"].push_back(
         {{"kind", ToString(LocalLightKind(kind))}, {"count", total.count}, {"power", total.power}});
   }
-  json["bytes"] = {{"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}};
+  json["bytes"] = {
+      {"meshes", summary.mesh_bytes}, {"geometry", file.geometry_bytes}, {"bvh", file.bvh_bytes}};
   json["seconds"] = {{"load", file.load_seconds}, {"build", file.build_seconds}};
   json["not_supported"] = scene.warnings;
   return json;
+}
+
+// What any material may have besides.
+std::string SurfaceMaps(const Material& material) {
+  std::string text;
+  if (!material.opaque()) {
+    text += fmt::format(", {}opacity {:.4g}{}", material.opacity_cutoff ? "masked, " : "",
+                        material.opacity, material.opacity_texture ? " * texture" : "");
+  }
+  if (material.normal_texture) text += ", normal map";
+  return text;
 }
 
 std::string Parameters(const Material& material) {
@@ -242,14 +261,16 @@ void Print(const std::string& path, const SceneFile& file) {
       fmt::format("{}-handed, {} up", scene.left_handed ? "left" : "right", scene.up_axis));
   row("camera", scene.camera ? Describe(*scene.camera) : "none: one that sees everything is used");
   constexpr double kMib = 1024 * 1024;
-  row("memory", fmt::format("{:.2f} MiB as read, {:.2f} MiB to render, without the BVH",
-                            double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib));
+  row("memory", fmt::format("{:.2f} MiB as read, {:.2f} MiB to render and {:.2f} MiB of BVH",
+                            double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib,
+                            double(file.bvh_bytes) / kMib));
   row("time", fmt::format("load {:.3f} s, build {:.3f} s", file.load_seconds, file.build_seconds));
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    fmt::print("  {:<24}{:<12}{:>10}  {}{}\n", material.name, KindOf(material),
-               summary.triangles_of_material[i], Parameters(material), Emission(material));
+    fmt::print("  {:<24}{:<12}{:>10}  {}{}{}\n", material.name, KindOf(material),
+               summary.triangles_of_material[i], Parameters(material), SurfaceMaps(material),
+               Emission(material));
   }
   std::size_t lights = scene.environments.size();
   for (const LocalLightTotal& total : file.local_lights) lights += total.count;

@@ -76,6 +76,11 @@ Image ReadImage(const std::string& path, const ReadLimits& limits) {
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
                     const ReadLimits& limits) {
   if (StartsWith(bytes, "\x89PNG")) return DecodePng(name, bytes, encoding, limits);
+  if (encoding == Encoding::kAlpha) {
+    Image opaque(1, 1);
+    opaque.rgb = {1, 1, 1};
+    return opaque;
+  }
   if (StartsWith(bytes, "\xff\xd8")) return DecodeJpeg(name, bytes, encoding, limits);
   return DecodeImage(name, bytes, limits);
 }

@@ -40,11 +40,12 @@ struct ReadLimits {
 // is cut short or contradicts itself never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
 
-// What the numbers of a PNG or JPEG stand for: sRGB colours, or numbers in [0, 1] as they are.
-enum class Encoding { kSrgb, kLinear };
+// What the numbers of a PNG or JPEG stand for: sRGB colours, or numbers in [0, 1] as they are. Or,
+// of a PNG, its alpha channel alone in place of all three: 1 if it has none.
+enum class Encoding { kSrgb, kLinear, kAlpha };
 // Reads a picture that is used as a texture: PNG (8 bits a channel, deeper ones are rounded), JPEG
-// (baseline and progressive), or one of the formats of ReadImage. An alpha channel is left out.
-// Errors as for ReadImage.
+// (baseline and progressive), or one of the formats of ReadImage. An alpha channel is left out,
+// but for kAlpha; alpha of other files than PNG counts as 1. Errors as for ReadImage.
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits = {});
 // The same from memory; `name` is for messages.
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,

@@ -37,7 +37,8 @@ void WritePng(const std::string& path, int width, int height,
   WriteFileAtomically(path, EncodePng(width, height, rgb));
 }
 
-// The simplified interface again. It removes alpha by blending, so alpha is read and left out.
+// The simplified interface again. It removes alpha by blending, so alpha is read and left out, or
+// is all that is kept.
 Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits) {
   png_image png = {};
@@ -55,7 +56,11 @@ Image DecodePng(const std::string& path, std::string_view bytes, Encoding encodi
   std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(png));
   if (!png_image_finish_read(&png, nullptr, rgba.data(), 0, nullptr)) fail();
   for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
-    std::copy_n(&rgba[4 * i], 3, &rgba[3 * i]);
+    if (encoding == Encoding::kAlpha) {
+      std::fill_n(&rgba[3 * i], 3, rgba[4 * i + 3]);
+    } else {
+      std::copy_n(&rgba[4 * i], 3, &rgba[3 * i]);
+    }
   }
   return FromBytes(int(png.width), int(png.height), rgba.data(), encoding);
 }

@@ -217,7 +217,7 @@ inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
 inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal
 // Of a mixture of two materials: the record is not shaded. normal[0] is the row of a record of the
 // same triangle with the first material, the next row has the second one; normal[1] is the share of
-// the second one, a float's bits.
+// the second one, a float's bits; normal[2] is the mixture itself, a material.
 inline constexpr std::uint32_t kMixedTriangle = 1u << 21;
 inline constexpr std::uint32_t kKindShift = 24;
 inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material

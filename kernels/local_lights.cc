@@ -33,6 +33,7 @@ struct LightLanes {
   HWY_INLINE V3 axis() const { return Vector(8); }
   HWY_INLINE MF two_sided() const { return hn::RebindMask(F(), hn::Ne(Word(11), SetU(0))); }
   HWY_INLINE V3 edge() const { return Vector(12); }
+  HWY_INLINE VU triangle() const { return Word(15); }
 
   const std::uint32_t* words;
   VU at;
@@ -84,6 +85,7 @@ HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
 struct DrawnLights {
   V3 dir, radiance;
   VF pdf, reach;
+  VF u, v;  // where on a triangle
 };
 HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x, VF y,
                                   const V3& org) {
@@ -127,12 +129,13 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     worth = IfThen(distant, hn::Div(one, probability), worth);
     reach = IfThen(distant, infinity, reach);
   }
-  return {dir, Scale(light.emission(), worth), pdf, reach};
+  return {dir, Scale(light.emission(), worth), pdf, reach, along_axis, along_edge};
 }
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out, float* reach) {
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
+                       const HitColumns* places) {
   const VU end = SetU(choice.first[view.count]);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
@@ -140,6 +143,7 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     const MU picks = hn::And(RowsBelow(i, n), hn::Gt(end, target));
     if (hn::AllFalse(U(), picks)) {
       Store(infinity, reach + i);
+      if (places != nullptr) Store(SetU(kNoHit), places->geom + i);
       continue;
     }
     target = hn::IfThenElseZero(picks, target);
@@ -149,8 +153,9 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     const VF left = hn::Add(ToFloat(hn::Sub(target, Gather(choice.first, index))), Set(0.5f));
     const VF x = hn::Div(left, hn::Mul(probability, Set(float(kChoiceUnits))));
     const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
-    const DrawnLights drawn = DrawLights(
-        LightLanes(view, index), hn::Mul(probability, Set(samples)), x, Load(uniforms.v + i), org);
+    const LightLanes light(view, index);
+    const DrawnLights drawn =
+        DrawLights(light, hn::Mul(probability, Set(samples)), x, Load(uniforms.v + i), org);
     const MF picked = hn::RebindMask(F(), picks);
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);
@@ -158,6 +163,12 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
            out.g + i, out.b + i);
     Store(IfThen(picked, drawn.pdf, Load(out.pdf + i)), out.pdf + i);
     Store(IfThen(picked, drawn.reach, infinity), reach + i);
+    if (places == nullptr) continue;
+    const MF inside = hn::And(picked, light.Is(LocalLightKind::kTriangle));
+    Store(IfThen(hn::RebindMask(U(), inside), SetU(0), SetU(kNoHit)), places->geom + i);
+    Store(light.triangle(), places->triangle + i);
+    Store(drawn.u, places->u + i);
+    Store(drawn.v, places->v + i);
   }
 }
 
@@ -228,9 +239,10 @@ HWY_EXPORT(MeetEmitters);
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out, float* reach) {
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
+                       const HitColumns* places) {
   HWY_DYNAMIC_DISPATCH(SampleLocalLights)
-  (view, choice, surfaces, uniforms, n, samples, out, reach);
+  (view, choice, surfaces, uniforms, n, samples, out, reach, places);
 }
 void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(LimitShadows)(reach, n, lights);

@@ -26,7 +26,7 @@ struct LocalLight {
   // Triangle: corner 2 - corner 0. Spot: cosine of the angle at which it is dark; 1 / (cosine of
   // the angle up to which it is full - that).
   float edge[3];
-  std::uint32_t unused;
+  std::uint32_t triangle;  // of the scene, if it is one
 };
 static_assert(sizeof(LocalLight) == 16 * sizeof(float));
 
@@ -42,10 +42,11 @@ inline constexpr std::uint32_t kChoiceUnits = 1u << 24;  // in u
 struct LocalLightView {
   const LocalLight* lights = nullptr;
   std::uint32_t count = 0;
-  // The light of every triangle of the scene, or kNoLight; null: no triangle shines.
+  // The light of every triangle record of the scene, or kNoLight; null: no triangle shines.
   const std::uint32_t* light_of_triangle = nullptr;
   LightChoice alone;   // share 1: for light samples that nobody else wants
   LightChoice shared;  // with the strategy of the map, by power; share 1: there is no map
+  bool holes = false;  // whether rays may pass through some of the triangles
 };
 inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 
@@ -53,9 +54,11 @@ inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 // of `out`, and in `reach` its distance, less what keeps its own triangle from being hit. The
 // others keep what is there, a sample of something else, with an infinite reach. Points of
 // triangles are uniform in area. `samples`: picks that a surface makes, which densities count.
+// `places`, where it is not null, gets the points: triangle, u and v; geom kNoHit of rows without.
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
-                       std::uint32_t n, float samples, const LightColumns& out, float* reach);
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
+                       const HitColumns* places = nullptr);
 
 // Ends the shadow rays [0, n) that are open after `reach`.
 void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights);

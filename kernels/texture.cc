@@ -1,128 +1,28 @@
 #include "kernels/texture.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/texture.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/texels-inl.h"
+#include "kernels/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
-
-// A coordinate brought into [0, 1].
-HWY_INLINE VF WrapCoordinate(VF u, VU wrap) {
-  const VF one = Set(1.0f);
-  const VF repeated = hn::Sub(u, hn::Floor(u));
-  const VF half = hn::Mul(u, Set(0.5f));
-  const VF pair = hn::Mul(Set(2.0f), hn::Sub(half, hn::Floor(half)));
-  const VF mirrored = hn::Sub(one, hn::Abs(hn::Sub(one, pair)));
-  const MF clamps = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kClamp))));
-  const MF mirrors = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kMirror))));
-  return IfThen(clamps, Clamp(u, 0.0f, 1.0f), IfThen(mirrors, mirrored, repeated));
-}
-
-// The two texels of a line of `count` between whose centres `at` in [0, 1] lies, and the share of
-// the second one.
-struct Neighbours {
-  HWY_INLINE Neighbours(VF at, VU count, VU wrap) {
-    const VF size = ToFloat(count), last = hn::Sub(size, Set(1.0f));
-    // Texel i has its centre at (i + 1/2) / count.
-    const VF x = hn::Sub(hn::Mul(at, size), Set(0.5f));
-    const VF low = hn::Floor(x), high = hn::Add(low, Set(1.0f));
-    share = hn::Sub(x, low);
-    const MF repeats = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kRepeat))));
-    const VF zero = hn::Zero(F());
-    first = ToUnsigned(IfThen(hn::Lt(low, zero), IfThen(repeats, last, zero), low));
-    second = ToUnsigned(IfThen(hn::Gt(high, last), IfThen(repeats, zero, last), high));
-  }
-  VU first, second;
-  VF share;
-};
-
-HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return Add(a, Scale(Sub(b, a), share)); }
-
-// Looks up one texture a lane; `texture` and `triangle` must be inside their tables.
-HWY_INLINE V3 LookUp(const TextureView& view, VU texture, VU triangle, float pixel_angle,
-                     const SurfaceColumns& s, std::uint32_t i) {
-  const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at = hn::ShiftLeft<3>(triangle);
-  const auto corner = [&](std::uint32_t f)
-                          HWY_ATTR { return Gather(corners, hn::Add(at, SetU(f))); };
-  const VF b1 = Load(s.u + i), b2 = Load(s.v + i);
-  const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
-  const auto interpolate = [&](std::uint32_t f) HWY_ATTR {
-    return hn::Add(hn::Add(hn::Mul(corner(f), b0), hn::Mul(corner(f + 2), b1)),
-                   hn::Mul(corner(f + 4), b2));
-  };
-  const VF u = interpolate(0), v = interpolate(1);
-
-  const auto* words = reinterpret_cast<const std::uint32_t*>(view.records);
-  const VU record = hn::ShiftLeft<4>(texture);
-  const auto word = [&](std::uint32_t f)
-                        HWY_ATTR { return Gather(words, hn::Add(record, SetU(f))); };
-  const auto number = [&](std::uint32_t f) HWY_ATTR { return AsFloat(word(f)); };
-  const VF tu = hn::Add(hn::Add(hn::Mul(number(4), u), hn::Mul(number(5), v)), number(6));
-  const VF tv = hn::Add(hn::Add(hn::Mul(number(7), u), hn::Mul(number(8), v)), number(9));
-
-  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
-  const VF cosine = hn::Max(
-      Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
-      Set(0.01f));
-  const VF width =
-      hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)), hn::Mul(corner(6), number(10)));
-  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
-  const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
-  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
-  const VU level = hn::Add(word(0), hn::Min(wanted, hn::Sub(word(1), SetU(1))));
-
-  const auto* levels = reinterpret_cast<const std::uint32_t*>(view.levels);
-  const VU entry = hn::ShiftLeft<2>(level);
-  const VU first = Gather(levels, entry), columns = Gather(levels, hn::Add(entry, SetU(1))),
-           rows = Gather(levels, hn::Add(entry, SetU(2)));
-  const VU wrap_u = word(2), wrap_v = word(3);
-  const Neighbours x(WrapCoordinate(tu, wrap_u), columns, wrap_u);
-  const Neighbours y(WrapCoordinate(tv, wrap_v), rows, wrap_v);
-  const auto texel = [&](VU column, VU row) HWY_ATTR {
-    const VU place = hn::Add(first, hn::Add(hn::Mul(row, columns), column));
-    return UnpackRadiance(Gather(view.texels, place), 1.0f);
-  };
-  return Mix(Mix(texel(x.first, y.first), texel(x.second, y.first), x.share),
-             Mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
-}
-
-// The lanes of rows below n whose material has a texture in `field`, and what they look up; the
-// others look up texture 0 at triangle 0.
-struct TexturedLanes {
-  HWY_INLINE TexturedLanes(const MaterialRecord* materials, std::uint32_t field,
-                           const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
-    const auto* words = reinterpret_cast<const std::uint32_t*>(materials);
-    const MU inside = RowsBelow(i, n);
-    const VU material =
-        hn::IfThenElseZero(inside, hn::And(Load(s.material + i), SetU(kMaterialMask)));
-    const VU named = Gather(words, hn::Add(hn::ShiftLeft<4>(material), SetU(field)));
-    const MU has = hn::And(inside, hn::Ne(named, hn::Zero(U())));
-    any = !hn::AllFalse(U(), has);
-    lanes = hn::RebindMask(F(), has);
-    texture = hn::IfThenElseZero(has, hn::Sub(named, SetU(1)));
-    triangle = hn::IfThenElseZero(has, Load(s.triangle + i));
-  }
-  bool any;
-  MF lanes;
-  VU texture, triangle;
-};
 
 inline constexpr std::uint32_t kColorField = 11, kRoughnessField = 15;
 
 void TextureColors(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& s) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const TexturedLanes textured(materials, kColorField, s, i, n);
+    const TexturedLanes<4> textured(materials, kColorField, s, i, n);
     if (!textured.any) continue;
-    const V3 seen = LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i);
+    const V3 seen =
+        LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i, UnpackColor);
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
     Store3(IfThen(textured.lanes, Mul(color, seen), color), s.color_r + i, s.color_g + i,
            s.color_b + i);
@@ -139,9 +39,10 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
     VF alpha = Gather(fields, hn::Add(field, SetU(3)));
     VF metallic = Gather(fields, hn::Add(field, SetU(4)));
     if (view.records != nullptr) {
-      const TexturedLanes textured(materials, kRoughnessField, s, i, n);
+      const TexturedLanes<4> textured(materials, kRoughnessField, s, i, n);
       if (textured.any) {
-        const V3 seen = LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i);
+        const V3 seen =
+            LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i, UnpackColor);
         const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
         alpha = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), alpha);
         metallic = IfThen(textured.lanes, Clamp(hn::Mul(metallic, seen.z), 0.0f, 1.0f), metallic);
@@ -158,6 +59,34 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace skywave {
+namespace {
+
+// std::floor without a call, for values below 2^63.
+float Floor(float x) {
+  const float whole = float(std::int64_t(x));
+  return whole > x ? whole - 1 : whole;
+}
+
+// Neighbours of texture-inl.h, with the wrapping before it.
+struct ScalarNeighbours {
+  ScalarNeighbours(float at, std::uint32_t count, TextureWrap wrap) {
+    const float half = at * 0.5f;
+    const float pair = 2.0f * (half - Floor(half));
+    const float inside = wrap == TextureWrap::kClamp    ? std::min(std::max(at, 0.0f), 1.0f)
+                         : wrap == TextureWrap::kMirror ? 1.0f - std::fabs(1.0f - pair)
+                                                        : at - Floor(at);
+    const float last = float(count) - 1.0f, x = inside * float(count) - 0.5f;
+    const float low = Floor(x), high = low + 1.0f;
+    const bool repeats = wrap == TextureWrap::kRepeat;
+    first = std::uint32_t(low < 0 ? (repeats ? last : 0.0f) : low);
+    second = std::uint32_t(high > last ? (repeats ? 0.0f : last) : high);
+    share = x - low;
+  }
+  std::uint32_t first, second;
+  float share;
+};
+
+}  // namespace
 
 HWY_EXPORT(TextureColors);
 HWY_EXPORT(PrepareMetallicRoughness);
@@ -169,6 +98,27 @@ void TextureColors(const TextureView& textures, const MaterialRecord* materials,
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareMetallicRoughness)(textures, materials, pixel_angle, n, surfaces);
+}
+
+float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,
+                   float u, float v) {
+  const TextureRecord& record = textures.records[texture];
+  const float(&uv)[3][2] = textures.uvs[triangle].uv;
+  const float w = 1.0f - u - v;
+  const float s = uv[0][0] * w + uv[1][0] * u + uv[2][0] * v;
+  const float t = uv[0][1] * w + uv[1][1] * u + uv[2][1] * v;
+  const float* m = record.transform;
+  const TextureLevel& level = textures.levels[record.first_level];
+  const ScalarNeighbours x(m[0] * s + m[1] * t + m[2], level.width, record.wrap_u);
+  const ScalarNeighbours y(m[3] * s + m[4] * t + m[5], level.height, record.wrap_v);
+  const auto texel = [&](std::uint32_t column, std::uint32_t row) {
+    const std::uint32_t packed = textures.texels[level.first_texel + row * level.width + column];
+    const std::uint32_t exponent = (packed >> 3 * kMantissaBits) + 127 - kMaxExponent;
+    return float(packed & ((1u << kMantissaBits) - 1)) * std::bit_cast<float>(exponent << 23);
+  };
+  const auto mix = [](float a, float b, float share) { return a + (b - a) * share; };
+  return mix(mix(texel(x.first, y.first), texel(x.second, y.first), x.share),
+             mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
 }
 
 std::uint32_t PackTexel(const float* rgb) {

@@ -32,6 +32,11 @@ void TextureColors(const TextureView& textures, const MaterialRecord* materials,
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
 
+// The first channel of a texture at barycentric (u, v) of a triangle, at level 0: the bits that
+// lookups by vectors give there.
+float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,
+                   float u, float v);
+
 // Three channels of nine bits and an exponent in common: off by at most 2^-9 of the brightest
 // channel. Negative values and NaN become 0, what exceeds 511 is 511.
 std::uint32_t PackTexel(const float* rgb);

@@ -7,6 +7,8 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
 #include "base/error.h"
 #include "kernels/conductor_tables.h"
@@ -53,10 +55,11 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
 
 std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z); }
 
-// Appends one triangle: positions already in the vertex table from `first_vertex` on.
-void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
-                    std::vector<std::uint32_t>& indices, std::vector<TriangleRecord>& records,
-                    std::vector<TriangleUvs>* uvs) {
+// Appends one triangle: positions already in the vertex table from `first_vertex` on. Returns its
+// corners in the order of the record.
+glm::uvec3 AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
+                          std::vector<std::uint32_t>& indices,
+                          std::vector<TriangleRecord>& records) {
   const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
                   &c = mesh.positions[corners.z];
   const glm::vec3 face = glm::cross(b - a, c - a);
@@ -79,7 +82,39 @@ void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_ve
   if (!smooth) record.tag |= kFlatTriangle;
   for (int i = 0; i < 3; ++i) indices.push_back(first_vertex + corners[i]);
   records.push_back(record);
-  if (uvs != nullptr) uvs->push_back(MakeTriangleUvs(mesh, corners));
+  return corners;
+}
+
+constexpr float kSteepest = 1e6f;  // what is more is a wall all the same
+
+// Nothing where no material has a normal map.
+std::vector<NormalMapRecord> PackNormalMaps(const Scene& scene, const TextureTables& textures) {
+  std::vector<NormalMapRecord> records;
+  bool any = false;
+  for (const Material& material : scene.materials) {
+    NormalMapRecord record = {};
+    if (material.normal_texture) {
+      any = true;
+      const bool heights = scene.textures[*material.normal_texture].use == TextureUse::kHeights;
+      record.texture = *material.normal_texture + 1;
+      const float scale = material.normal_scale * textures.slopes[*material.normal_texture];
+      record.scale = std::isnan(scale) ? 0 : std::clamp(scale, -kSteepest, kSteepest);
+      record.per_texel = heights && !material.height_in_texels;
+    }
+    records.push_back(record);
+  }
+  if (!any) records.clear();
+  return records;
+}
+
+// Indices of meshes in their order, those whose material is opaque first.
+std::vector<std::uint32_t> OpaqueFirst(const Scene& scene) {
+  std::vector<std::uint32_t> meshes(scene.meshes.size());
+  std::iota(meshes.begin(), meshes.end(), 0u);
+  std::stable_partition(meshes.begin(), meshes.end(), [&](std::uint32_t mesh) {
+    return scene.materials[scene.meshes[mesh].material].opaque();
+  });
+  return meshes;
 }
 
 void Copy(const glm::vec3& from, float* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
@@ -150,7 +185,8 @@ void CheckMaterial(const Scene& scene, std::size_t index, const std::string& pat
                      fmt::format("material '{}': {}", material.name, reason));
   };
   for (const auto& texture :
-       {material.color_texture, material.roughness_texture, material.emission_texture}) {
+       {material.color_texture, material.roughness_texture, material.opacity_texture,
+        material.normal_texture, material.emission_texture}) {
     if (texture && (*texture >= scene.textures.size() ||
                     scene.textures[*texture].image >= scene.images.size())) {
       fail("its texture does not exist");
@@ -204,23 +240,31 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     CheckMaterial(scene, i, path);
     const Material& material = scene.materials[i];
-    textured = textured || material.color_texture || material.roughness_texture;
+    textured = textured || material.color_texture || material.roughness_texture ||
+               material.opacity_texture || material.normal_texture;
     tangents = tangents || Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
   }
-  if (textured) textures_ = MakeTextureTables(scene, path);
+  if (textured) {
+    textures_ = MakeTextureTables(scene, path);
+    normal_maps_ = PackNormalMaps(scene, textures_);
+  }
   keep_uvs = keep_uvs || textured;
   if (keep_uvs) textures_.uvs.reserve(triangle_count);
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
   triangles_.reserve(triangle_count);
-  for (const Mesh& mesh : scene.meshes) {
+  for (const std::uint32_t index : OpaqueFirst(scene)) {
+    const Mesh& mesh = scene.meshes[index];
     const auto first_vertex = std::uint32_t(vertices_.size() / 3);
     for (const glm::vec3& p : mesh.positions) vertices_.insert(vertices_.end(), {p.x, p.y, p.z});
-    first_triangle_.push_back(std::uint32_t(triangles_.size()));
-    for (const glm::uvec3& corners : mesh.triangles) {
-      AppendTriangle(mesh, corners, first_vertex, indices_, triangles_,
-                     keep_uvs ? &textures_.uvs : nullptr);
+    meshes_.push_back({index, std::uint32_t(triangles_.size()), first_vertex});
+    for (const glm::uvec3& triangle : mesh.triangles) {
+      const glm::uvec3 corners = AppendTriangle(mesh, triangle, first_vertex, indices_, triangles_);
+      if (keep_uvs) textures_.uvs.push_back(MakeTriangleUvs(mesh, corners));
       if (tangents) tangents_.push_back(PackTangent(mesh, corners));
+    }
+    if (scene.materials[mesh.material].opaque()) {
+      first_with_holes_ = std::uint32_t(triangles_.size());
     }
   }
   // Variants come behind all triangles, variants of variants behind those.
@@ -232,6 +276,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                        "the mixtures of materials have more variants than a scene can hold");
     }
   }
+  if (!normal_maps_.empty()) MakeMapAxes(scene);
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
     materials_.push_back(PackMaterial(material, scene));
@@ -242,6 +287,13 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   for (const MeasuredBrdf& brdf : scene.measured) {
     measured_.insert(measured_.end(), brdf.rgb.begin(), brdf.rgb.end());
   }
+  if (has_holes()) {
+    opacity_ = MakeOpacityRecords(scene.materials);
+    hole_filter_ = {.opacity = {.triangles = triangles_.data(),
+                                .records = opacity_.data(),
+                                .textures = textures_.view()},
+                    .first = first_with_holes_};
+  }
 
   const auto start = std::chrono::steady_clock::now();
   const std::string config =
@@ -251,16 +303,29 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   if (!device_) {
     throw InputError(InputPosition::File(path), "Embree does not start with: " + config);
   }
+  rtcSetDeviceMemoryMonitorFunction(
+      device_.get(),
+      [](void* sum, ssize_t bytes, bool) {
+        *static_cast<std::atomic<std::int64_t>*>(sum) += bytes;
+        return true;
+      },
+      &embree_bytes_);
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneBuildQuality(scene_.get(), RTC_BUILD_QUALITY_HIGH);
-  RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                             vertices_.data(), 0, 3 * sizeof(float), vertex_count);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(),
-                             0, 3 * sizeof(std::uint32_t), triangle_count);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene_.get(), geometry);
-  rtcReleaseGeometry(geometry);
+  const auto attach = [&](unsigned id, std::size_t first, std::size_t count, bool holes) {
+    if (count == 0) return;
+    RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               vertices_.data(), 0, 3 * sizeof(float), vertex_count);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               &indices_[3 * first], 0, 3 * sizeof(std::uint32_t), count);
+    if (holes) SetHoleFilter(geometry, hole_filter_);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene_.get(), geometry, id);
+    rtcReleaseGeometry(geometry);
+  };
+  attach(0, 0, first_with_holes_, false);
+  attach(1, first_with_holes_, triangle_count - first_with_holes_, true);
   rtcCommitScene(scene_.get());
   if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
     throw InputError(InputPosition::File(path),
@@ -289,8 +354,25 @@ void Geometry::AppendVariants(const Scene& scene, std::size_t i) {
     if (!textures_.uvs.empty()) textures_.uvs.push_back(TriangleUvs(textures_.uvs[i]));
     if (!tangents_.empty()) tangents_.push_back(std::uint32_t(tangents_[i]));
   }
-  triangles_[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), 0},
+  triangles_[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), material},
                    .tag = kMixedTriangle};
+}
+
+// Variants of one triangle may have different maps.
+void Geometry::MakeMapAxes(const Scene& scene) {
+  map_axes_.resize(record_count());
+  for (std::uint32_t record = 0; record < record_count(); ++record) {
+    const std::uint32_t tag = triangles_[record].tag;
+    const auto& texture = scene.materials[tag & kMaterialMask].normal_texture;
+    if ((tag & kMixedTriangle) != 0 || !texture) continue;
+    const std::uint32_t triangle = TriangleOf(record);
+    const MeshPlace& place = PlaceOf(triangle);
+    const std::uint32_t* const corners = &indices_[3 * std::size_t{triangle}];
+    map_axes_[record] =
+        MakeTriangleTangents(scene.meshes[place.mesh],
+                             glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex,
+                             scene.textures[*texture]);
+  }
 }
 
 std::string DefaultEmbreeConfig() {
@@ -311,16 +393,29 @@ glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
 
 TextureView Geometry::textures() const { return textures_.view(); }
 
-std::uint32_t Geometry::MeshOf(std::uint32_t triangle) const {
-  while (triangle >= triangle_count()) triangle = mixed_[triangle - triangle_count()];
-  const auto next = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), triangle);
-  return std::uint32_t(next - first_triangle_.begin()) - 1;
+NormalMapView Geometry::normal_maps() const {
+  if (normal_maps_.empty()) return {};
+  return {.records = normal_maps_.data(), .tangents = map_axes_.data()};
+}
+
+std::uint32_t Geometry::TriangleOf(std::uint32_t record) const {
+  while (record >= triangle_count()) record = mixed_[record - triangle_count()];
+  return record;
+}
+
+const MeshPlace& Geometry::PlaceOf(std::uint32_t triangle) const {
+  const auto next = std::upper_bound(
+      meshes_.begin(), meshes_.end(), triangle,
+      [](std::uint32_t t, const MeshPlace& place) { return t < place.first_triangle; });
+  return *std::prev(next);
 }
 
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
          triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         (tangents_.size() + mixed_.size() + measured_.size()) * sizeof(float) + textures_.bytes();
+         (tangents_.size() + mixed_.size() + measured_.size()) * sizeof(float) + textures_.bytes() +
+         normal_maps_.size() * sizeof(NormalMapRecord) +
+         map_axes_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
 }
 
 std::uint64_t SceneHash(const Scene& scene) {
@@ -334,6 +429,7 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     add_all(mesh.positions), add_all(mesh.normals), add_all(mesh.uvs), add_all(mesh.triangles);
     add(mesh.material);
+    if (!mesh.tangents.empty()) add_all(mesh.tangents);
   }
   for (const Material& m : scene.materials) {
     add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k),
@@ -342,6 +438,12 @@ std::uint64_t SceneHash(const Scene& scene) {
     add(m.alpha_across.value_or(-1)), add(m.second_color), add(m.coat), add(m.coat_alpha);
     add(m.sheen), add(m.sheen_alpha), add(m.measured);
     if (m.mixture) add(m.mixture->first), add(m.mixture->second), add(m.mixture->share);
+    if (!m.opaque()) {
+      add(m.opacity), add(m.opacity_cutoff.value_or(-1)), add(m.opacity_texture.value_or(~0u));
+    }
+    if (m.normal_texture) {
+      add(*m.normal_texture), add(m.normal_scale), add(m.height_in_texels);
+    }
     if (m.emission != glm::vec3(0)) {
       add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
     }
@@ -349,6 +451,7 @@ std::uint64_t SceneHash(const Scene& scene) {
   for (const MeasuredBrdf& brdf : scene.measured) add_all(brdf.rgb);
   for (const Texture& t : scene.textures) {
     add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
+    if (t.use != TextureUse::kColor) add(t.use);
   }
   for (const Image& image : scene.images) {
     add(image.width), add(image.height), add_all(image.rgb);

@@ -77,8 +77,9 @@ glm::mat3x2 Transform(const tinygltf::Value& extension) {
 }
 
 // Nothing where the material has no such texture. `set` becomes the uv set that it uses.
-std::optional<std::uint32_t> AddTexture(Context& context, const tinygltf::TextureInfo& info,
-                                        Encoding encoding, int& set) {
+template <class Info>
+std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Encoding encoding,
+                                        TextureUse use, int& set) {
   if (info.index < 0) return std::nullopt;
   if (std::size_t(info.index) >= context.model.textures.size()) {
     throw InputError(InputPosition::File(context.path),
@@ -90,6 +91,7 @@ std::optional<std::uint32_t> AddTexture(Context& context, const tinygltf::Textur
     return std::nullopt;
   }
   Texture texture;
+  texture.use = use;
   set = info.texCoord;
   texture.image = AddImage(context, from.source, encoding);
   if (from.sampler >= 0 && std::size_t(from.sampler) < context.model.samplers.size()) {
@@ -141,6 +143,19 @@ float ScaledIndex(float ior, double factor) {
   return float((1 + amplitude) / (1 - amplitude));
 }
 
+// A weaker specular lobe is that of a lower index.
+void SetSpecular(Context& context, const tinygltf::Material& from, Material& material) {
+  const tinygltf::Value* const found = Extension(from, "KHR_materials_specular");
+  if (found == nullptr) return;
+  const double factor = Fraction(context, "specularFactor", Number(*found, "specularFactor", 1));
+  const glm::vec3 color = Color(*found, "specularColorFactor", glm::vec3(1));
+  if (color.x != color.y || color.y != color.z) {
+    Warn(context, "specularColorFactor: its mean is used");
+  }
+  const double mean = std::clamp(double(color.x + color.y + color.z) / 3, 0.0, 1.0);
+  material.ior = ScaledIndex(material.ior, factor * mean);
+}
+
 void AddLayers(Context& context, const tinygltf::Material& from, Material& material) {
   const tinygltf::Value* const coat = Extension(from, "KHR_materials_clearcoat");
   const tinygltf::Value* const sheen = Extension(from, "KHR_materials_sheen");
@@ -187,10 +202,6 @@ Material Transmission(Context& context, const tinygltf::Material& from, const Ma
 }
 
 void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
-  if (from.alphaMode == "MASK" || from.alphaMode == "BLEND") {
-    Warn(context, fmt::format("alphaMode {} is not supported: rendered opaque", from.alphaMode));
-  }
-  if (from.normalTexture.index >= 0) Warn(context, "normal maps are not supported: left out");
   for (const auto& [name, value] : from.extensions) {
     if (std::find(std::begin(kExtensions), std::end(kExtensions), name) != std::end(kExtensions)) {
       for (const std::string& key : value.IsObject() ? value.Keys() : std::vector<std::string>()) {
@@ -200,6 +211,32 @@ void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
       continue;
     }
     Warn(context, fmt::format("the extension {} is not supported: left out", name));
+  }
+}
+
+// The alpha of factor and base colour texture. `set` becomes the uv set of the texture.
+void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Material& material) {
+  const bool masked = from.alphaMode == "MASK";
+  if (!masked && from.alphaMode != "BLEND") return;
+  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
+  const double factor = pbr.baseColorFactor.size() > 3 ? pbr.baseColorFactor[3] : 1;
+  material.opacity = Fraction(context, "alpha of baseColorFactor", factor);
+  if (masked) {
+    // NaN is 0. More than 1 hides everything, which is valid.
+    material.opacity_cutoff = float(from.alphaCutoff > 0 ? from.alphaCutoff : 0);
+  }
+  material.opacity_texture =
+      AddTexture(context, pbr.baseColorTexture, Encoding::kAlpha, TextureUse::kOpacity, set);
+  if (material.opacity_texture) {
+    const Texture& texture = context.scene.textures[*material.opacity_texture];
+    if (IsWhite(context.scene.images[texture.image])) {
+      material.opacity_texture.reset();
+      context.scene.textures.pop_back();
+    }
+  }
+  if (masked && !material.opacity_texture) {
+    material.opacity = material.opacity >= *material.opacity_cutoff ? 1.0f : 0.0f;
+    material.opacity_cutoff.reset();
   }
 }
 
@@ -224,7 +261,8 @@ void SetEmission(Context& context, const tinygltf::Material& from, int& uv_set,
   material.emission = glm::vec3(emission);
   material.emits_on_both_sides = from.doubleSided;
   int set = uv_set;
-  material.emission_texture = AddTexture(context, from.emissiveTexture, Encoding::kSrgb, set);
+  material.emission_texture =
+      AddTexture(context, from.emissiveTexture, Encoding::kSrgb, TextureUse::kColor, set);
   if (!material.emission_texture) return;
   if (uv_set >= 0 && set != uv_set) {
     Warn(context,
@@ -256,27 +294,26 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
       material.ior = 1.5f;
     }
   }
+  uv_set = -1;
+  int roughness_set = -1, normal_set = -1;
   if (const auto* found = Extension(from, "KHR_materials_transmission");
       found != nullptr && Number(*found, "transmissionFactor", 0) >= 0.5) {
-    return Transmission(context, from, material);
+    material = Transmission(context, from, material);
+  } else {
+    SetSpecular(context, from, material);
+    AddLayers(context, from, material);
+    material.color_texture =
+        AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, TextureUse::kColor, uv_set);
+    material.roughness_texture = AddTexture(context, pbr.metallicRoughnessTexture,
+                                            Encoding::kLinear, TextureUse::kColor, roughness_set);
   }
-  uv_set = -1;
-  if (const auto* found = Extension(from, "KHR_materials_specular")) {
-    const double factor = Fraction(context, "specularFactor", Number(*found, "specularFactor", 1));
-    const glm::vec3 color = Color(*found, "specularColorFactor", glm::vec3(1));
-    if (color.x != color.y || color.y != color.z) {
-      Warn(context, "specularColorFactor: its mean is used");
-    }
-    const double mean = std::clamp(double(color.x + color.y + color.z) / 3, 0.0, 1.0);
-    material.ior = ScaledIndex(material.ior, factor * mean);
-  }
-  AddLayers(context, from, material);
-  int roughness_set = -1;
-  material.color_texture = AddTexture(context, pbr.baseColorTexture, Encoding::kSrgb, uv_set);
-  material.roughness_texture =
-      AddTexture(context, pbr.metallicRoughnessTexture, Encoding::kLinear, roughness_set);
-  if (!material.color_texture) uv_set = roughness_set;
-  if (material.roughness_texture && roughness_set != uv_set) {
+  material.normal_texture =
+      AddTexture(context, from.normalTexture, Encoding::kLinear, TextureUse::kNormals, normal_set);
+  material.normal_scale = float(from.normalTexture.scale);
+  SetOpacity(context, from, uv_set, material);
+  if (uv_set < 0) uv_set = std::max(roughness_set, normal_set);
+  if ((material.roughness_texture && roughness_set != uv_set) ||
+      (material.normal_texture && normal_set != uv_set)) {
     Warn(context,
          "two sets of texture coordinates in a material are not supported: the set of "
          "the base colour is used");
@@ -285,6 +322,7 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
     Warn(context, "unlit materials are rendered as Lambert");
     material.bsdf = BsdfKind::kLambert;
     material.roughness_texture.reset();
+    material.normal_texture.reset();
   }
   return material;
 }
@@ -301,6 +339,7 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
     SetEmission(context, from, set, material);
     scene.materials.push_back(std::move(material));
     materials.uv_set.push_back(std::max(set, 0));
+    materials.uses_tangents.push_back(scene.materials.back().normal_texture.has_value());
   }
   // Of primitives without a material: all defaults of the schema.
   scene.materials.push_back({.name = "default",
@@ -309,6 +348,7 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
                              .alpha = 1,
                              .metallic = 1});
   materials.uv_set.push_back(0);
+  materials.uses_tangents.push_back(false);
   return materials;
 }
 

@@ -73,6 +73,12 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
   const std::string set = fmt::format("TEXCOORD_{}", materials.uv_set[mesh.material]);
   const std::vector<float> uvs = Attribute(model, primitive, set, 2, vertices, path);
   for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.emplace_back(uvs[i], uvs[i + 1]);
+  if (materials.uses_tangents[mesh.material]) {
+    const std::vector<float> t = Attribute(model, primitive, "TANGENT", 4, vertices, path);
+    for (std::size_t i = 0; i + 3 < t.size(); i += 4) {
+      mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
+    }
+  }
   if (primitive.attributes.contains("COLOR_0")) {
     AddWarning(warnings, InputPosition::File(path), "colours of vertices are not supported");
   }

@@ -118,12 +118,12 @@ void LocalLights::Add(const LocalLight& light, double power_a_unit) {
 
 void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
                                const std::string& path) {
-  std::size_t first = 0;
-  for (const Mesh& mesh : scene.meshes) {
+  for (const MeshPlace& place : geometry.meshes()) {
+    const Mesh& mesh = scene.meshes[place.mesh];
     const Material& material = scene.materials[mesh.material];
     const bool shines = material.emission != glm::vec3(0);
     for (std::size_t i = 0; shines && i < mesh.triangles.size(); ++i) {
-      const std::size_t triangle = first + i;
+      const std::size_t triangle = place.first_triangle + i;
       const glm::vec3 corner = geometry.Corner(triangle, 0);
       const glm::vec3 axis = geometry.Corner(triangle, 1) - corner;
       const glm::vec3 edge = geometry.Corner(triangle, 2) - corner;
@@ -137,6 +137,7 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
       LocalLight light = {.kind = LocalLightKind::kTriangle};
       light.area = float(0.5 * glm::length(glm::cross(glm::dvec3(axis), glm::dvec3(edge))));
       light.two_sided = material.emits_on_both_sides;
+      light.triangle = std::uint32_t(triangle);
       Copy(emission, light.emission);
       Copy(corner, light.position), Copy(axis, light.axis), Copy(edge, light.edge);
       const std::size_t before = lights_.size();
@@ -149,10 +150,13 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
         throw InputError(InputPosition::File(path),
                          fmt::format("more than {} triangles and lights shine", kMaxLocalLights));
       }
-      light_of_triangle_.resize(geometry.triangle_count(), kNoLight);
+      light_of_triangle_.resize(geometry.record_count(), kNoLight);
       light_of_triangle_[triangle] = std::uint32_t(before);
+      holes_ = holes_ || triangle >= geometry.first_with_holes();
     }
-    first += mesh.triangles.size();
+  }
+  for (std::size_t i = geometry.triangle_count(); i < light_of_triangle_.size(); ++i) {
+    light_of_triangle_[i] = light_of_triangle_[geometry.TriangleOf(std::uint32_t(i))];
   }
 }
 
@@ -200,7 +204,8 @@ LocalLightView LocalLights::view() const {
           .count = std::uint32_t(lights_.size()),
           .light_of_triangle = light_of_triangle_.empty() ? nullptr : light_of_triangle_.data(),
           .alone = choice(alone_),
-          .shared = choice(shared_)};
+          .shared = choice(shared_),
+          .holes = holes_};
 }
 
 std::size_t LocalLights::bytes() const {

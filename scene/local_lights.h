@@ -23,7 +23,7 @@ struct LocalLightTotal {
 };
 
 // Immutable once built. Triangles without area or emission are no lights. Where an emission has a
-// texture, each triangle shines with the mean of the texture over it.
+// texture, each triangle shines with the mean of the texture over it. Holes do not count for power.
 class LocalLights {
  public:
   LocalLights() = default;
@@ -45,6 +45,7 @@ class LocalLights {
 
   std::vector<LocalLight> lights_;
   std::vector<std::uint32_t> light_of_triangle_;
+  bool holes_ = false;
   std::vector<std::uint32_t> alone_, shared_;  // LightChoice::first
   std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};
   std::vector<double> power_;  // of each light, luminance

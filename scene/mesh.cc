@@ -21,7 +21,11 @@ void TransformMesh(const glm::dmat4& to, Mesh& mesh) {
     const glm::dmat3 normal_matrix = glm::transpose(glm::inverse(linear));
     for (glm::vec3& n : mesh.normals) n = glm::normalize(normal_matrix * glm::dvec3(n));
   }
-  if (glm::determinant(linear) < 0) {
+  const bool mirrors = glm::determinant(linear) < 0;
+  for (glm::vec4& t : mesh.tangents) {
+    t = glm::vec4(glm::dvec4(linear * glm::dvec3(t), mirrors ? -t.w : t.w));
+  }
+  if (mirrors) {
     for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   }
 }
@@ -29,6 +33,7 @@ void TransformMesh(const glm::dmat4& to, Mesh& mesh) {
 void FlipOrientation(Mesh& mesh) {
   for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   for (glm::vec3& n : mesh.normals) n = -n;
+  for (glm::vec4& t : mesh.tangents) t.w = -t.w;
 }
 
 void AlignWindingWithNormals(Mesh& mesh) {

@@ -4,11 +4,13 @@
 #include <tiny_obj_loader.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -46,6 +48,14 @@ bool IsMap(std::string_view word) {
   return word.starts_with("map_") || IsOneOf(word, {"bump", "disp", "decal", "refl", "norm"});
 }
 
+// The statements for the one map of normals or heights.
+constexpr std::array<std::string_view, 4> kReliefMaps = {"norm", "bump", "map_bump", "map_Bump"};
+
+bool IsRenderedMap(std::string_view word) {
+  return IsOneOf(word, {"map_Kd", "map_Ke", "map_d"}) ||
+         std::find(kReliefMaps.begin(), kReliefMaps.end(), word) != kReliefMaps.end();
+}
+
 // A colour is one number (grey) or three. Spectra are refused by their first word.
 void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& words,
                     Warnings& warnings) {
@@ -65,11 +75,10 @@ void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& 
       throw InputError(PositionOf(lines), "'d -halo' is not supported: give a plain number");
     }
     ParseObjNumbers(lines, words, 1, 1);
-  } else if (IsMap(word) && word != "map_Kd" && word != "map_Ke") {
+  } else if (IsMap(word) && !IsRenderedMap(word)) {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("{}: textures are not supported: the plain value is used", word));
-  } else if (!IsOneOf(word,
-                      {"map_Kd", "map_Ke", "sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
+  } else if (!IsMap(word) && !IsOneOf(word, {"sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
     AddWarning(warnings, PositionOf(lines),
                fmt::format("'{}' is no statement of MTL: ignored", word.substr(0, 40)));
   }
@@ -139,21 +148,24 @@ Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
           .alpha = std::max(alpha, 1e-3f)};
 }
 
-// The texture of map_Kd or map_Ke, or nothing.
-std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
-                                      const Entry& entry, std::string_view word,
-                                      TextureFiles& textures, Warnings& warnings) {
+// The path of the file that the statement `word` names, or nothing.
+std::optional<std::string> FindMap(std::string name, const Entry& entry, std::string_view word,
+                                   Warnings& warnings) {
   if (name.empty()) return std::nullopt;
   std::replace(name.begin(), name.end(), '\\', '/');
   const auto path = std::filesystem::path(entry.position.path).parent_path() / name;
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) {
-    AddWarning(warnings, At(entry, word),
-               fmt::format("{}: there is no file \"{}\": the plain value is used", word, name));
-    return std::nullopt;
-  }
+  if (std::filesystem::is_regular_file(path, ignored)) return path.string();
+  AddWarning(warnings, At(entry, word),
+             fmt::format("{}: there is no file \"{}\": the plain value is used", word, name));
+  return std::nullopt;
+}
+
+std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture_option_t& option,
+                     TextureFiles& textures) {
   Texture texture;
-  texture.image = AddTextureImage(textures, path.string(), Encoding::kSrgb);
+  texture.use = use;
+  texture.image = image;
   texture.wrap_u = texture.wrap_v = option.clamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
   texture.transform = UpwardTextureTransform({option.scale[0], option.scale[1]},
                                              {option.origin_offset[0], option.origin_offset[1]});
@@ -161,15 +173,69 @@ std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_o
   return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
 }
 
+// The texture of map_Kd or map_Ke, or nothing.
+std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
+                                      const Entry& entry, std::string_view word,
+                                      TextureFiles& textures, Warnings& warnings) {
+  const auto path = FindMap(std::move(name), entry, word, warnings);
+  if (!path) return std::nullopt;
+  return AddMap(AddTextureImage(textures, *path, Encoding::kSrgb), TextureUse::kColor, option,
+                textures);
+}
+
+// But for what JPEG does to grey pictures.
+bool IsGrey(const Image& image) {
+  constexpr float kNoise = 0.05f;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    const auto [low, high] = std::minmax({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+    if (high - low > kNoise) return false;
+  }
+  return true;
+}
+
+// d times map_d.
+void SetOpacity(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                Warnings& warnings, Material& material) {
+  material.opacity = std::clamp(mtl.dissolve, 0.0f, 1.0f);
+  const auto path = FindMap(mtl.alpha_texname, entry, "map_d", warnings);
+  if (!path) return;
+  // Many exporters name a picture with an alpha channel and mean that.
+  std::uint32_t image = AddTextureImage(textures, *path, Encoding::kAlpha);
+  if (IsWhite(textures.scene->images[image])) {
+    image = AddTextureImage(textures, *path, Encoding::kLinear);
+  }
+  if (IsWhite(textures.scene->images[image])) return;
+  material.opacity_texture = AddMap(image, TextureUse::kOpacity, mtl.alpha_texopt, textures);
+}
+
+// A map of normals if it is coloured, as many exporters have it under all names, else of heights.
+void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                  Warnings& warnings, Material& material) {
+  const bool bumped = mtl.normal_texname.empty();
+  const auto word = std::find_if(kReliefMaps.begin(), kReliefMaps.end(),
+                                 [&](std::string_view w) { return entry.Has(w); });
+  const auto path = FindMap(bumped ? mtl.bump_texname : mtl.normal_texname, entry,
+                            word == kReliefMaps.end() ? "bump" : *word, warnings);
+  if (!path) return;
+  const tinyobj::texture_option_t& option = bumped ? mtl.bump_texopt : mtl.normal_texopt;
+  const std::uint32_t index = AddTextureImage(textures, *path, Encoding::kLinear);
+  const Image& image = textures.scene->images[index];
+  const bool heights = bumped && IsGrey(image);
+  material.normal_texture =
+      AddMap(index, heights ? TextureUse::kHeights : TextureUse::kNormals, option, textures);
+  material.normal_scale = option.bump_multiplier;
+  if (heights) {
+    constexpr float kHeightOfWhite = 0.01f;  // widths of the image
+    material.height_in_texels = true;
+    material.normal_scale *= kHeightOfWhite * float(image.width);
+  }
+}
+
 Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
                     Warnings& warnings) {
   const glm::vec3 diffuse = Fraction(mtl.diffuse, entry, "Kd", warnings);
   const glm::vec3 specular = Fraction(mtl.specular, entry, "Ks", warnings);
   if (IsGlass(mtl)) return Glass(mtl);
-  if (mtl.dissolve < 1) {
-    AddWarning(warnings, At(entry, entry.Has("d") ? "d" : "Tr"),
-               "partly transparent surfaces are not supported: rendered opaque");
-  }
   if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
   const auto map =
       ColorMap(mtl.diffuse_texname, mtl.diffuse_texopt, entry, "map_Kd", textures, warnings);
@@ -226,6 +292,10 @@ std::vector<Material> ParseMtl(std::string text, const std::string& path, Textur
   }
   for (std::size_t i = 0; i < read.size(); ++i) {
     materials.push_back(ToMaterial(read[i], entries[i], textures, warnings));
+    if (!IsGlass(read[i])) {
+      SetOpacity(read[i], entries[i], textures, warnings, materials.back());
+      SetNormalMap(read[i], entries[i], textures, warnings, materials.back());
+    }
     SetEmission(read[i], entries[i], textures, warnings, materials.back());
     materials.back().name = entries[i].name;
   }

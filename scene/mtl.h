@@ -11,6 +11,11 @@
 //                                                        much Ks is does not count
 //   everything else                                      Lambert of Kd
 //
+// d (1 - Tr) is the share of rays that a surface which is no glass stops, and map_d a factor of it:
+// the alpha channel of its file, or else its grey. norm, bump, map_bump and map_Bump are maps of
+// normals where they are coloured, and grey ones (but for norm) of heights: MTL does not say how
+// high white is, here it is bm hundredths of the width of the image.
+//
 // Ke is radiance, on both sides (the format does not say; windings of OBJ files are not reliable).
 // Of map_Ke, a factor of it (of 1 where there is no Ke), each triangle takes the mean.
 //

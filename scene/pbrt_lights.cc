@@ -197,15 +197,18 @@ void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
   reader.state.area_light = light;
 }
 
-std::uint32_t MaterialOfPbrtShape(PbrtReader& reader, const Mesh& mesh,
+std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const Mesh& mesh,
                                   const InputPosition& position) {
-  const std::uint32_t plain = *reader.state.material;
   if (!reader.state.area_light) return plain;
   const PbrtAreaLight& light = *reader.state.area_light;
   const auto key = std::pair(plain, light.number);
   const auto known = reader.shining_materials.find(key);
   if (known != reader.shining_materials.end()) return known->second;
   Material material = reader.scene.materials[plain];
+  if (material.opacity == 0) {
+    // pbrt-v4 makes an exception for these.
+    AddWarning(reader.warnings, position, "a shape of alpha 0 gives no light");
+  }
   material.emission = light.radiance;
   material.emits_on_both_sides = light.two_sided;
   if (light.power) {

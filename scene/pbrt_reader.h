@@ -1,9 +1,10 @@
 // Scene files of pbrt (https://pbrt.org), versions 3 and 4, plain or gzip-compressed.
 //
 // docs/pbrt.md says what of them is rendered. Every directive is parsed; materials are those of
-// pbrt_materials.h, shapes of pbrt_shapes.h, lights of pbrt_lights.cc (a "power" is that of a whole
-// shape, spots fall off as in pbrt-v4, lights of objects shine in every instance), instances become
-// copies. Files that are only a piece of a scene, without WorldBegin, are read too.
+// pbrt_materials.h, shapes of pbrt_shapes.h, alpha, bumps and normal maps of pbrt_surface_maps.h,
+// lights of pbrt_lights.cc (a "power" is that of a whole shape, spots fall off as in pbrt-v4,
+// lights of objects shine in every instance), instances become copies. Files that are only a piece
+// of a scene, without WorldBegin, are read too.
 //
 // Whatever is legal pbrt and not rendered gives one line in Scene::warnings that says what is done
 // instead, or is refused (ReadOptions).

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "scene/pbrt_parameters.h"
@@ -57,6 +58,8 @@ struct PbrtReader {
   std::map<std::string, std::optional<std::uint32_t>> named_materials;
   PbrtTextures textures;
   TextureFiles texture_files{&scene};
+  // By material, opacity and its texture: the copy of the material for shapes with such an alpha.
+  std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;
   std::uint32_t area_lights = 0;
   // By material and area light: the material that shines.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
@@ -87,11 +90,11 @@ using PbrtHandler = void (*)(PbrtReader& reader, PbrtSource& source, const PbrtT
 // The directive Texture (pbrt_textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 
-// The directives LightSource and AreaLightSource, and the material of a shape in the world: the
-// current one, shining if there is an area light (pbrt_lights.cc).
+// The directives LightSource and AreaLightSource, and the material of a shape in the world: the one
+// it has otherwise, shining if there is an area light (pbrt_lights.cc).
 void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
-std::uint32_t MaterialOfPbrtShape(PbrtReader& reader, const Mesh& mesh,
+std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const Mesh& mesh,
                                   const InputPosition& position);
 
 // The handler of a directive, by file: null for words that are not its.

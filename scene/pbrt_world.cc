@@ -9,6 +9,7 @@
 #include "scene/pbrt_reader.h"
 #include "scene/pbrt_shapes.h"
 #include "scene/pbrt_state.h"
+#include "scene/pbrt_surface_maps.h"
 
 namespace skywave {
 namespace {
@@ -125,19 +126,21 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const auto resolve = [&](const std::string& name) {
     return ResolvePbrtPath(reader, name, position);
   };
+  std::optional<std::uint32_t> material = reader.state.material;
+  if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
   std::optional<Mesh> mesh = MakePbrtShape(
       type, parameters, resolve,
       {.needs_uvs = !reader.scene.textures.empty(), .max_triangles = reader.options.max_triangles},
       reader.warnings);
   if (!mesh) return;
-  if (!reader.state.material) {
+  if (!material) {
     AddWarning(reader.warnings, position,
                "a shape that only bounds a medium is not supported: left out");
     return;
   }
   TransformMesh(reader.state.to_world, *mesh);
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
-  mesh->material = MaterialOfPbrtShape(reader, *mesh, position);
+  mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
   AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
 }
@@ -148,8 +151,12 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
     ReportUnused(parameters, reader.warnings);
     return std::nullopt;
   }
+  Material relief;
+  if (type != "mix") ReadPbrtRelief(reader, parameters, relief);
   Material material = MakePbrtMaterial(type, parameters, reader);
   material.name = name;
+  material.normal_texture = relief.normal_texture;
+  material.normal_scale = relief.normal_scale;
   reader.scene.materials.push_back(std::move(material));
   return static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
 }

@@ -45,12 +45,25 @@ struct Material {
   // Indices into Scene::textures: factors of the reflectance; of the square root of alpha (green)
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
-  // Two other materials, one of which a hit has: nothing but the emission counts then.
+  // Share of the surface that is there: this times the texture. With a cutoff the surface is there
+  // where that reaches it, and not at all elsewhere.
+  float opacity = 1;
+  std::optional<float> opacity_cutoff;
+  std::optional<std::uint32_t> opacity_texture;
+  // Bends the shading normal. The scale is that of the tilt; of heights, what 1 is in the world
+  // or, for a height in texels, on the image.
+  std::optional<std::uint32_t> normal_texture;
+  float normal_scale = 1;
+  bool height_in_texels = false;
+  // Two other materials, one of which a hit has: nothing else but opacity and emission counts then.
   std::optional<Mixture> mixture;
   // Radiance of the surface itself, on the side of its normals or on both; the texture is a factor.
   glm::vec3 emission{0.0f};
   bool emits_on_both_sides = false;
   std::optional<std::uint32_t> emission_texture;
+
+  // False: rays may pass through.
+  bool opaque() const { return opacity >= 1 && !opacity_texture; }
 };
 
 // A BRDF as it was measured (scene/merl.h).
@@ -61,21 +74,29 @@ struct MeasuredBrdf {
   float alpha = 1, specular_share = 0;
 };
 
+// What the texels of a texture stand for. Normals: x right in the image, y up and z off the
+// surface, [0, 1] stands for [-1, 1]. Opacity and heights: the mean of the channels.
+enum class TextureUse : std::uint32_t { kColor, kOpacity, kNormals, kHeights };
+
 // An image as a material uses it. uv (0, 0) is the top left corner of the image, (1, 1) the bottom
 // right one, after `transform` (columns: what u, v and 1 are multiplied with).
 struct Texture {
   std::uint32_t image = 0;  // index into Scene::images
   TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
   glm::mat3x2 transform{1, 0, 0, 1, 0, 0};
+  TextureUse use = TextureUse::kColor;
 };
 
 // Triangles. (p1 - p0) x (p2 - p0) is on the side that the normals point to, in left-handed worlds
 // too: counter-clockwise seen from there, once the axes are drawn right-handed.
 struct Mesh {
   std::string name;
-  std::vector<glm::vec3> positions;   // world space
-  std::vector<glm::vec3> normals;     // empty (flat shading) or one a position, unit length
-  std::vector<glm::vec2> uvs;         // empty or one a position
+  std::vector<glm::vec3> positions;  // world space
+  std::vector<glm::vec3> normals;    // empty (flat shading) or one a position, unit length
+  std::vector<glm::vec2> uvs;        // empty or one a position
+  // Empty or one a position: where u grows, and the side on which v does (+-1, of normal x
+  // tangent), as glTF has it. Unset: triangle by triangle from uvs.
+  std::vector<glm::vec4> tangents;
   std::vector<glm::uvec3> triangles;  // indices into positions
   std::uint32_t material = 0;         // index into Scene::materials
 };

@@ -1,5 +1,7 @@
 #include "scene/texture_files.h"
 
+#include <algorithm>
+
 namespace skywave {
 
 std::uint32_t AddTextureImage(Scene& scene, Image image) {
@@ -15,6 +17,10 @@ std::uint32_t AddTextureImage(TextureFiles& files, const std::string& path, Enco
       AddTextureImage(*files.scene, ReadTexture(path, encoding, kTextureLimits));
   files.images.emplace(key, image);
   return image;
+}
+
+bool IsWhite(const Image& image) {
+  return std::all_of(image.rgb.begin(), image.rgb.end(), [](float value) { return value == 1; });
 }
 
 glm::mat3x2 UpwardTextureTransform(const glm::vec2& scale, const glm::vec2& offset) {

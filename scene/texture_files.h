@@ -24,6 +24,9 @@ struct TextureFiles {
 // Throws InputError as ReadTexture does.
 std::uint32_t AddTextureImage(TextureFiles& files, const std::string& path, Encoding encoding);
 
+// True if every channel of the image is 1.
+bool IsWhite(const Image& image);
+
 // Adds a picture from memory.
 std::uint32_t AddTextureImage(Scene& scene, Image image);
 

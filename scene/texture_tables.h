@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "image/image.h"
+#include "kernels/normal_map.h"
 #include "kernels/texture.h"
 #include "scene/scene.h"
 
@@ -17,6 +18,8 @@ struct TextureTables {
   std::vector<TextureLevel> levels;
   std::vector<std::uint32_t> texels;
   std::vector<TriangleUvs> uvs;  // by triangle; empty if nobody asks for them
+  // By texture: what the slopes in its texels are multiplied with; 1 but for heights.
+  std::vector<float> slopes;
 
   TextureView view() const;  // of tables that stay where they are
   std::size_t bytes() const;
@@ -28,6 +31,10 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path);
 
 // The uvs and their density of one triangle; `corners` in the order of its record.
 TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners);
+
+// The axes of `texture` on one triangle: the mesh's tangents, or else by its uvs.
+TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corners,
+                                      const Texture& texture);
 
 // Half of `image` in both directions, at least one texel: each texel is the mean over its area.
 Image HalfSize(const Image& image);

@@ -10,6 +10,7 @@
 #include "lights/strategy.h"
 #include "scene/builtin.h"
 #include "tests/support/painted_scene.h"
+#include "tests/support/screens_scene.h"
 #include "wavefront/integrator.h"
 #include "wavefront/render.h"
 
@@ -112,6 +113,7 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
 
 TEST_P(WaveAllocations, AreNone) { ExpectNoAllocations(BuiltinScene("spheres"), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithTextures) { ExpectNoAllocations(PaintedScene(), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithHoles) { ExpectNoAllocations(ScreensScene(), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithLocalLights) {
   ExpectNoAllocations(BuiltinScene("lamps"), GetParam());
 }

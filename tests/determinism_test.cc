@@ -13,6 +13,7 @@
 #include "tests/support/painted_scene.h"
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/screens_scene.h"
 #include "tests/support/targets.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
@@ -30,6 +31,7 @@ void PrintTo(const Case& test, std::ostream* out) {
 }
 
 Scene SceneOf(const Case& test) {
+  if (test.scene == "screens") return ScreensScene();
   return test.scene == "painted" ? PaintedScene() : BuiltinScene(test.scene);
 }
 
@@ -181,6 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"gallery", Integrator::kPath}, Case{"gallery", Integrator::kDirect},
                     Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect},
                     Case{"painted", Integrator::kPath}, Case{"painted", Integrator::kDirect},
+                    Case{"screens", Integrator::kPath}, Case{"screens", Integrator::kDirect},
                     Case{"lamps", Integrator::kPath}, Case{"lamps", Integrator::kDirect}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));

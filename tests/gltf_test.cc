@@ -166,6 +166,90 @@ TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   EXPECT_EQ(scene.images.size(), 2u) << "once as colours, once as numbers";
 }
 
+// The extension's own example: the lower left quadrant of the image.
+TEST_F(Gltf, TransformsTurnAsTheExtensionSays) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {255, 0, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {
+      {"index", 0},
+      {"extensions",
+       {{"KHR_texture_transform",
+         {{"offset", {0, 1}}, {"scale", {0.5, 0.5}}, {"rotation", 1.57079632679}}}}}};
+  const Scene scene = Read(document);
+  const Texture& texture = scene.textures[*scene.materials[0].color_texture];
+  for (const glm::vec2& uv : {glm::vec2(0.1f, 0.1f), {0.9f, 0.1f}, {0.1f, 0.9f}, {0.9f, 0.9f}}) {
+    const glm::vec2 at = texture.transform * glm::vec3(uv, 1);
+    EXPECT_TRUE(at.x > 0 && at.x < 0.5f && at.y > 0.5f && at.y < 1) << at.x << " " << at.y;
+  }
+  // Counter-clockwise on an image whose v goes down: what is right comes to lie above.
+  EXPECT_LT((texture.transform * glm::vec3(0.9f, 0, 1)).y,
+            (texture.transform * glm::vec3(0.1f, 0, 1)).y);
+}
+
+// A PNG of 2 x 1 pixels with alpha 255 and 51.
+std::string TransparentPng() {
+  static const unsigned char kBytes[] = {
+      0x89, 'P',  'N',  'G',  0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+      0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0xf4,
+      0x22, 0x7f, 0x8a, 0x00, 0x00, 0x00, 0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8,
+      0xcf, 0xc0, 0xf0, 0x1f, 0x08, 0x8d, 0x01, 0x10, 0x2c, 0x03, 0x31, 0x07, 0x28, 0xa2, 0x63,
+      0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  return {reinterpret_cast<const char*>(kBytes), sizeof kBytes};
+}
+
+TEST_F(Gltf, AlphaIsThatOfFactorAndTexture) {
+  folder_.Write("a.png", TransparentPng());
+  json document = Document();
+  json& material = document["materials"][0];
+  json& pbr = material["pbrMetallicRoughness"];
+  pbr["baseColorFactor"] = {1, 1, 1, 0.5};
+  EXPECT_TRUE(Read(document).materials[0].opaque()) << "alphaMode OPAQUE";
+  material["alphaMode"] = "BLEND";
+  EXPECT_EQ(Read(document).materials[0].opacity, 0.5f);
+  EXPECT_FALSE(Read(document).materials[0].opacity_texture);
+  material["alphaMode"] = "MASK";
+  EXPECT_EQ(Read(document).materials[0].opacity, 1) << "the cutoff is 1/2";
+  material["alphaCutoff"] = 0.6;
+  EXPECT_EQ(Read(document).materials[0].opacity, 0);
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  pbr["baseColorTexture"] = {{"index", 0}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  EXPECT_EQ(paint.opacity, 0.5f);
+  EXPECT_EQ(paint.opacity_cutoff, 0.6f);
+  ASSERT_TRUE(paint.opacity_texture);
+  const Texture& texture = scene.textures[*paint.opacity_texture];
+  EXPECT_EQ(texture.use, TextureUse::kOpacity);
+  EXPECT_EQ(scene.images[texture.image].rgb, (std::vector<float>{1, 1, 1, 0.2f, 0.2f, 0.2f}));
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {128, 128, 255});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  // Four floats a vertex from the numbers that are there: (0 0 0 2), (0 0 0 2), (0 0 0 1).
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+  document["bufferViews"].push_back(View(0, 48));
+  document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = 4;
+  EXPECT_TRUE(Read(document).meshes[0].tangents.empty()) << "nothing to use them";
+  document["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.25}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  ASSERT_TRUE(paint.normal_texture);
+  EXPECT_EQ(scene.textures[*paint.normal_texture].use, TextureUse::kNormals);
+  EXPECT_EQ(paint.normal_scale, 0.25f);
+  ASSERT_EQ(scene.meshes[0].tangents.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].tangents[0].w, 2);
+  document["bufferViews"][4]["byteLength"] = 40;
+  EXPECT_NE(ErrorOf(document), "");
+}
+
 TEST_F(Gltf, GlassAndIndices) {
   json document = Document();
   document["materials"][0]["extensions"] = {
@@ -213,11 +297,11 @@ TEST_F(Gltf, LayersAndSpecular) {
 
 TEST_F(Gltf, WhatIsNotRenderedIsNamed) {
   json document = Document();
-  document["materials"][0]["alphaMode"] = "MASK";
-  document["materials"][0]["extensions"] = {{"KHR_materials_iridescence", json::object()}};
+  document["materials"][0]["extensions"] = {{"KHR_materials_iridescence", json::object()},
+                                            {"KHR_materials_variants", json::object()}};
   const std::vector<std::string> warnings = Read(document).warnings;
   ASSERT_EQ(warnings.size(), 2u);
-  for (const char* const word : {"alphaMode MASK", "KHR_materials_iridescence"}) {
+  for (const char* const word : {"KHR_materials_variants", "KHR_materials_iridescence"}) {
     EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [&](const std::string& text) {
       return text.find(word) != std::string::npos;
     })) << word;

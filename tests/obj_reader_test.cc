@@ -256,7 +256,11 @@ TEST(Mtl, SaysOnceWhatIsNotRendered) {
                 "t.mtl:4: map_Ke: there is no file \"none.jpg\": the plain value is used"});
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 2\n"),
             std::vector<std::string>{"t.mtl:2: Kd is clamped to [0, 1]"});
-  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nd .8\n").size(), 1u);
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nd .8\n").size(), 0u);
+  EXPECT_EQ(MtlWarnings("newmtl a\nmap_d none.png\nbump no.png\n"),
+            (std::vector<std::string>{
+                "t.mtl:2: map_d: there is no file \"none.png\": the plain value is used",
+                "t.mtl:3: bump: there is no file \"no.png\": the plain value is used"}));
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nKs .5 .5 .5\n").size(), 1u);
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nfrob 3\n"),
             std::vector<std::string>{"t.mtl:3: 'frob' is no statement of MTL: ignored"});

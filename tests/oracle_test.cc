@@ -14,6 +14,7 @@
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/screens_scene.h"
 #include "tests/support/statistics.h"
 
 namespace skywave {
@@ -342,6 +343,29 @@ TEST(OraclePictures, EveryFilterAgrees) {
     SCOPED_TRACE(ToString(filter));
     JobRequest request = Request(Integrator::kDirect, 1);
     request.filter = filter;
+    ExpectSame(scene, request);
+  }
+}
+
+TEST(OraclePictures, HolesAndReliefAgree) {
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = Request(integrator, 4);
+    request.options.light_samples = 2;
+    ExpectSame(ScreensScene(), request);
+  }
+}
+
+// Every screen shines where it is, the sky as well.
+TEST(OraclePictures, HolesInLightsAgree) {
+  Scene scene = ScreensScene();
+  for (Material& material : scene.materials) {
+    if (material.opaque()) continue;
+    material.emission = {0.9f, 1.5f, 2};
+    material.emits_on_both_sides = true;
+  }
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = Request(integrator, 3);
+    request.options.light_samples = 2;
     ExpectSame(scene, request);
   }
 }

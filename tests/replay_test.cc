@@ -8,8 +8,11 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "scene/builtin.h"
+#include "tests/support/screens_scene.h"
 #include "wavefront/job.h"
 #include "wavefront/render.h"
 
@@ -19,11 +22,11 @@ namespace {
 constexpr RayOrder kOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
 
 struct RecordedFrame {
-  explicit RecordedFrame(const char* scene = "spheres") {
-    JobRequest request = {.scene = scene};
+  explicit RecordedFrame(Scene scene = BuiltinScene("spheres")) {
+    JobRequest request;
     request.width = 48, request.height = 32, request.samples_per_pixel = 4;
     request.options.threads = 2;
-    job = std::make_unique<RenderJob>(request);
+    job = std::make_unique<RenderJob>(std::move(scene), request);
     Film film = job->MakeFilm();
     result = RenderFrame(job->frame(), film, nullptr, &recorders);
   }
@@ -67,7 +70,7 @@ TEST(Replay, TracesEveryRayOfTheFrame) {
 
 // A room without sun or sky: every shadow ray ends at a lamp, and in a replay too.
 TEST(Replay, ShadowRaysEndAtTheirLights) {
-  const RecordedFrame frame("lamps");
+  const RecordedFrame frame(BuiltinScene("lamps"));
   for (const RayOrder order : kOrders) {
     for (const RayRecorder& recorder : OrderRays(frame.recorders, order)) {
       for (const RayBatch& batch : recorder.batches()) {
@@ -79,8 +82,10 @@ TEST(Replay, ShadowRaysEndAtTheirLights) {
   }
 }
 
-TEST(Replay, HitsAreTheSameForEveryCallAndOrder) {
-  const RecordedFrame frame;
+class ReplayOf : public testing::TestWithParam<bool> {};
+
+TEST_P(ReplayOf, HitsAreTheSameForEveryCallAndOrder) {
+  const RecordedFrame frame(GetParam() ? ScreensScene() : BuiltinScene("spheres"));
   const RTCScene scene = frame.job->geometry().scene();
   const ReplayTime first = Replay(scene, Backend::kSingle, frame.recorders, 1);
   for (const RayKind kind : kKinds) {
@@ -97,6 +102,10 @@ TEST(Replay, HitsAreTheSameForEveryCallAndOrder) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Replay, ReplayOf, testing::Bool(), [](const auto& test) {
+  return test.param ? "SceneWithHoles" : "OpaqueScene";
+});
 
 TEST(OrderRays, KeepsEveryRay) {
   const RecordedFrame frame;

@@ -566,7 +566,6 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
                            "Material \"glass\" \"rgb Kt\" [0 0 0]",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
-                           "Material \"diffuse\" \"string normalmap\" \"n.png\"",
                            "Shape \"curve\"",
                            "Shape \"sphere\" \"integer radius\" 2",
                            "Material \"none\" Shape \"sphere\"",

@@ -93,6 +93,82 @@ TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
   EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
+TEST_F(PbrtTextureFiles, AlphaOfShapesMakesMaterialsOfTheirOwn) {
+  const std::string sphere = "Shape \"sphere\" ";
+  const Scene scene = ReadScene(folder_.Write(
+      "s.pbrt",
+      "WorldBegin\nTexture \"t\" \"float\" \"imagemap\" \"string filename\" \"t.png\" "
+      "\"float scale\" 0.5\nMaterial \"diffuse\" \"rgb reflectance\" [.1 .2 .3]\n" +
+          sphere + "\n" + sphere + "\"float alpha\" 0.25\n" + sphere + "\"texture alpha\" \"t\"\n" +
+          sphere + "\"float alpha\" 0.25\n" + sphere + "\"float alpha\" 1\n"));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ASSERT_EQ(scene.meshes.size(), 5u);
+  const auto material = [&](std::size_t mesh) {
+    return scene.materials[scene.meshes[mesh].material];
+  };
+  EXPECT_TRUE(material(0).opaque() && material(4).opaque());
+  EXPECT_EQ(material(1).opacity, 0.25f);
+  EXPECT_EQ(material(1).reflectance, material(0).reflectance);
+  EXPECT_EQ(scene.meshes[3].material, scene.meshes[1].material);
+  EXPECT_EQ(material(2).opacity, 0.5f);
+  ASSERT_TRUE(material(2).opacity_texture);
+  EXPECT_EQ(scene.textures[*material(2).opacity_texture].use, TextureUse::kOpacity);
+}
+
+TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
+  const std::string heights =
+      "Texture \"h\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" 0.1\n";
+  for (const char* const name : {"displacement", "bumpmap"}) {
+    const Scene scene =
+        Read(heights, "Material \"matte\" \"texture " + std::string(name) + "\" \"h\"");
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    ASSERT_TRUE(material.normal_texture) << name;
+    EXPECT_EQ(material.normal_scale, 0.1f);
+    EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kHeights);
+  }
+  const Scene scene = Read("", "Material \"diffuse\" \"string normalmap\" \"t.png\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  ASSERT_TRUE(material.normal_texture);
+  EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kNormals);
+  EXPECT_THROW(Read("", "Material \"diffuse\" \"string normalmap\" \"no.png\""), InputError);
+}
+
+TEST(MtlTextures, HolesAndReliefAreOfEveryMaterialButGlass) {
+  const TemporaryFolder folder;
+  WriteFourColors(folder, "colors.png");
+  WritePng(folder.Path("grey.png"), 2, 1, {51, 51, 51, 255, 255, 255});
+  const auto read = [&](const std::string& statements) {
+    folder.Write("a.mtl", "newmtl m\n" + statements + "\n");
+    return ReadScene(
+        folder.Write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"));
+  };
+  const auto material = [](const Scene& scene) {
+    return scene.materials.at(scene.meshes.at(0).material);
+  };
+  const Scene holes = read("Kd 1 1 1\nd 0.75\nmap_d grey.png");
+  EXPECT_EQ(holes.warnings, std::vector<std::string>{});
+  EXPECT_EQ(material(holes).opacity, 0.75f);
+  ASSERT_TRUE(material(holes).opacity_texture);
+  const Texture& texture = holes.textures[*material(holes).opacity_texture];
+  EXPECT_FLOAT_EQ(holes.images[texture.image].rgb[0], 0.2f) << "numbers, no sRGB";
+  EXPECT_TRUE(material(read("Kd 1 1 1\nd 1")).opaque());
+
+  const Scene bumps = read("Kd 1 1 1\nbump -bm 3 grey.png");
+  ASSERT_TRUE(material(bumps).normal_texture);
+  EXPECT_EQ(bumps.textures[*material(bumps).normal_texture].use, TextureUse::kHeights);
+  EXPECT_TRUE(material(bumps).height_in_texels);
+  EXPECT_FLOAT_EQ(material(bumps).normal_scale, 0.06f);
+  for (const char* const words : {"map_Bump colors.png", "bump colors.png", "norm grey.png"}) {
+    const Scene scene = read(std::string("Kd 1 1 1\n") + words);
+    ASSERT_TRUE(material(scene).normal_texture) << words;
+    EXPECT_EQ(scene.textures[*material(scene).normal_texture].use, TextureUse::kNormals) << words;
+    EXPECT_EQ(material(scene).normal_scale, 1) << words;
+  }
+  EXPECT_TRUE(material(read("illum 7\nmap_d grey.png")).opaque());
+}
+
 // What is seen of the texture "x".
 class ComputedTextures : public PbrtTextureFiles {
  protected:

@@ -38,12 +38,20 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
           .paths = w.paths};
 }
 
+// The keys of the rays that arrive at a bounce.
+const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
+                                 const RayColumns& rays, std::uint32_t n, const Worker& w) {
+  return RayKeys(frame, w.paths, rays.path, n, SamplePair(bounce, SampleUse::kScatter),
+                 w.queue->queue);
+}
+
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
-  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits);
+  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
+               PathRayKeys(frame, bounce, rays, n, w));
   clock.Lap(Stage::kIntersect, KindOf(bounce));
   if (frame.geometry->has_mixtures()) {
     DrawUniforms(w.paths, rays.path, n, MixturePair(bounce), {}, w.uniforms);
@@ -70,10 +78,11 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 // The end of a path: only what shines by itself can still be seen.
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, Worker& w, StageClock& clock) {
+  const std::uint32_t* const keys = PathRayKeys(frame, bounce, rays, n, w);
   if (frame.has_emitters()) {
-    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits);
+    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
   } else {
-    TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits);
+    TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
   }
   clock.Lap(Stage::kIntersect, KindOf(bounce));
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
@@ -94,14 +103,19 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const LightShares shares = frame.light_shares();
   for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
     const float* reach =
-        SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights);
+        SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights, w.hits);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
+    // The first light sample has one of the bounce's numbers, later ones are numbered behind.
+    const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
+    const std::uint32_t* const keys =
+        RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
+    if (reach != nullptr && frame.local_lights.holes) CloseHoles(frame, w.hits, keys, n, w.lights);
     const std::uint32_t open = CountOpen(w.lights, n);
     w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
     clock.Lap(Stage::kEvaluate);
-    TraceShadows(frame.tracer, w.surfaces, n, w.lights);
+    TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
     clock.Lap(Stage::kShadow, RayKind::kShadow);
     CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);

@@ -313,7 +313,10 @@ FrameView RenderJob::frame() const {
           .tracer = {.scene = geometry_->scene(),
                      .closest = options_.backend,
                      .occlusion = options_.backend,
-                     .recorder = nullptr}};
+                     .recorder = nullptr,
+                     .first_with_holes = geometry_->has_holes()
+                                             ? std::optional(geometry_->first_with_holes())
+                                             : std::nullopt}};
 }
 
 std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification) const {

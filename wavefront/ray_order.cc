@@ -65,6 +65,8 @@ void Sort(std::vector<KeyedRay>& rays) {
 void Append(RayKind kind, bool occlusion, const std::vector<KeyedRay>& rays, RayRecorder& to) {
   std::array<std::vector<float>, 7> columns;
   for (auto& column : columns) column.resize(kSortedBatch);
+  std::vector<std::uint32_t> keys(kSortedBatch);
+  const bool keyed = !rays.empty() && rays.front().recorder->keys() != nullptr;
   for (std::size_t first = 0; first < rays.size(); first += kSortedBatch) {
     const auto n = std::uint32_t(std::min<std::size_t>(kSortedBatch, rays.size() - first));
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -74,10 +76,11 @@ void Append(RayKind kind, bool occlusion, const std::vector<KeyedRay>& rays, Ray
         columns[3 + axis][i] = ray.recorder->dir(axis)[ray.row];
       }
       columns[6][i] = ray.recorder->t_far()[ray.row];
+      if (keyed) keys[i] = ray.recorder->keys()[ray.row];
     }
     const float* const org[3] = {columns[0].data(), columns[1].data(), columns[2].data()};
     const float* const dir[3] = {columns[3].data(), columns[4].data(), columns[5].data()};
-    to.Record(kind, occlusion, org, dir, columns[6].data(), n);
+    to.Record(kind, occlusion, org, dir, columns[6].data(), n, keyed ? keys.data() : nullptr);
   }
 }
 

@@ -3,7 +3,8 @@
 namespace skywave {
 
 void RayRecorder::Record(RayKind kind, bool occlusion, const float* const org[3],
-                         const float* const dir[3], const float* t_far, std::uint32_t n) {
+                         const float* const dir[3], const float* t_far, std::uint32_t n,
+                         const std::uint32_t* keys) {
   const std::size_t begin = org_[0].size();
   for (std::uint32_t i = 0; i < n; ++i) {
     if (t_far[i] < 0) continue;
@@ -12,6 +13,7 @@ void RayRecorder::Record(RayKind kind, bool occlusion, const float* const org[3]
       dir_[axis].push_back(dir[axis][i]);
     }
     t_far_.push_back(t_far[i]);
+    if (keys != nullptr) keys_.push_back(keys[i]);
   }
   const auto count = std::uint32_t(org_[0].size() - begin);
   if (count == 0) return;

@@ -21,19 +21,23 @@ struct RayBatch {
 
 class RayRecorder {
  public:
-  // Appends rows [0, n) whose t_far is not negative.
+  // Appends rows [0, n) whose t_far is not negative. `keys`: of rays in scenes with holes, else
+  // null, for all rays of a recorder alike.
   void Record(RayKind kind, bool occlusion, const float* const org[3], const float* const dir[3],
-              const float* t_far, std::uint32_t n);
+              const float* t_far, std::uint32_t n, const std::uint32_t* keys = nullptr);
 
   std::size_t size() const { return org_[0].size(); }  // rays
   const std::vector<RayBatch>& batches() const { return batches_; }
   const float* org(int axis) const { return org_[axis].data(); }
   const float* dir(int axis) const { return dir_[axis].data(); }
   const float* t_far() const { return t_far_.data(); }
+  // Null in scenes without holes.
+  const std::uint32_t* keys() const { return keys_.empty() ? nullptr : keys_.data(); }
 
  private:
   std::vector<RayBatch> batches_;
   std::vector<float> org_[3], dir_[3], t_far_;
+  std::vector<std::uint32_t> keys_;
 };
 
 }  // namespace skywave

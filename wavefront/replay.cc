@@ -73,12 +73,14 @@ double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bo
       Scratch& mine = *scratch[std::size_t(tbb::this_task_arena::current_thread_index())];
       const FlushDenormals flush;
       const std::uint32_t n = batches[i].batch.count;
+      const std::uint32_t* keys = batches[i].recorder->keys();
+      if (keys != nullptr) keys += batches[i].batch.begin;
       LoadRays(batches[i], mine.rays);
       const auto start = Clock::now();
       if (occlusion) {
-        TraceOcclusion(tracer, mine.rays, n);
+        TraceOcclusion(tracer, mine.rays, n, keys);
       } else {
-        TraceClosest(tracer, batches[i].batch.kind, mine.rays, n, mine.hits);
+        TraceClosest(tracer, batches[i].batch.kind, mine.rays, n, mine.hits, keys);
       }
       mine.seconds += std::chrono::duration<double>(Clock::now() - start).count();
       mine.hit += occlusion ? CountOccluded(mine.rays, n) : CountHits(mine.hits, n);

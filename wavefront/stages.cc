@@ -67,6 +67,14 @@ void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformC
   GenerateCameraRays(frame.camera, paths, film, lens, range.count, rays);
 }
 
+const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
+                             const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
+                             std::uint32_t* keys) {
+  if (!frame.geometry->has_holes()) return nullptr;
+  DrawRayKeys(paths, rows, n, event, keys);
+  return keys;
+}
+
 std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
                        std::uint32_t n, bool only_delta, std::uint32_t* queue,
                        SurfaceRanges& ranges) {
@@ -96,6 +104,9 @@ void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
   const float angle = PixelAngle(frame.camera);
   if (!textures.empty()) {
     TextureColors(textures, materials, angle, ranges.total(), surfaces);
+  }
+  if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
+    BendNormals(textures, maps, angle, ranges.total(), surfaces);
   }
   for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
     const std::uint32_t n = ranges.count(kind);
@@ -134,7 +145,7 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
 const float* SampleLights(const FrameView& frame, const ShadePoints& points,
                           const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
                           const UniformColumns& uniforms, const UniformColumns& rest,
-                          const LightColumns& lights) {
+                          const LightColumns& lights, const HitColumns& places) {
   const std::uint32_t n = points.ranges.light_sampled();
   const LightPlan& plan = shares.plan;
   LightCall call = {.index = index,
@@ -162,7 +173,8 @@ const float* SampleLights(const FrameView& frame, const ShadePoints& points,
   }
   if (local) {
     SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
-                      float(plan.drawn), lights, rest.v);
+                      float(plan.drawn), lights, rest.v,
+                      frame.local_lights.holes ? &places : nullptr);
   }
 #ifdef SKYWAVE_SLOWDOWN
   SlowDown(n);
@@ -180,6 +192,18 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                                   frame.mis(), Slice(lights, begin));
   }
   if (reach != nullptr) LimitShadows(reach, ranges.light_sampled(), lights);
+}
+
+void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
+                std::uint32_t n, const LightColumns& lights) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (lights.t_far[i] < 0 || places.geom[i] == kNoHit) continue;
+    const std::uint32_t triangle = places.triangle[i];
+    if (triangle < frame.geometry->first_with_holes()) continue;
+    if (!IsMet(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
+      lights.t_far[i] = -1;
+    }
+  }
 }
 
 std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,

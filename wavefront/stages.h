@@ -26,6 +26,12 @@ struct WaveRange {
 void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& film,
                   const UniformColumns& lens, const PathColumns& paths, const RayColumns& rays);
 
+// The keys that decide which holes rays [0, n) meet, in `keys`; null in scenes without holes. The
+// rays are those of the paths in `rows`, traced for what `event` numbers (SamplePair).
+const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
+                             const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
+                             std::uint32_t* keys);
+
 // Writes the queue of every ray (kernels/partition.h) and the ranges that the queues of the BSDFs
 // will take in the surface table; returns the number of rays that hit nothing. With `only_delta`,
 // hits of rays that were drawn from a density are dropped: `direct` wants no second bounce of them.
@@ -52,16 +58,22 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
 
 // Draws light sample `index` of the plan for every surface that takes light samples, of which there
 // is at least one. Returns how far the light of every row is, null: infinitely. `rest`: room for
-// that and for what local lights leave of the uniforms.
+// that and for what local lights leave of the uniforms. `places`: room for where on triangles
+// samples are, which is written if some that shine have holes.
 const float* SampleLights(const FrameView& frame, const ShadePoints& points,
                           const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
                           const UniformColumns& uniforms, const UniformColumns& rest,
-                          const LightColumns& lights);
+                          const LightColumns& lights, const HitColumns& places);
 
 // Turns light samples into contributions and opens or closes their shadow rays. `reach`: as
 // SampleLights returns it.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const float* reach, const LightColumns& lights);
+
+// Closes the light samples that are at a hole of their own triangle, which their shadow rays do not
+// reach. `places`: as SampleLights writes them; `keys`: of the shadow rays.
+void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
+                std::uint32_t n, const LightColumns& lights);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
 // their number.

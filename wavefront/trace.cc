@@ -15,10 +15,11 @@ constexpr std::uint32_t kArray = 128;  // rays of a call, on the stack: 10 KiB
 // The columns of a batch of rays, whatever table they come from.
 struct RayView {
   float *org_x, *org_y, *org_z, *dir_x, *dir_y, *dir_z, *t_far;
+  const std::uint32_t* keys;  // null: no holes
 };
 
-RayView View(const RayColumns& r) {
-  return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far};
+RayView View(const RayColumns& r, const std::uint32_t* keys) {
+  return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far, keys};
 }
 
 RTCIntersectContext IncoherentContext() {
@@ -30,10 +31,11 @@ RTCIntersectContext IncoherentContext() {
 }
 
 RTCRayNp StreamOf(const RayView& rays) {
-  RTCRayNp ray = {};  // tnear, time, mask, id and flags null: 0, no motion, all, unused
+  RTCRayNp ray = {};  // tnear, time, mask and flags null: 0, no motion, all, unused
   ray.org_x = rays.org_x, ray.org_y = rays.org_y, ray.org_z = rays.org_z;
   ray.dir_x = rays.dir_x, ray.dir_y = rays.dir_y, ray.dir_z = rays.dir_z;
   ray.tfar = rays.t_far;
+  ray.id = const_cast<std::uint32_t*>(rays.keys);  // only read; null: 0
   return ray;
 }
 
@@ -43,6 +45,7 @@ RTCRay SingleRay(const RayView& rays, std::uint32_t i) {
   ray.dir_x = rays.dir_x[i], ray.dir_y = rays.dir_y[i], ray.dir_z = rays.dir_z[i];
   ray.tfar = rays.t_far[i];
   ray.mask = ~0u;
+  if (rays.keys != nullptr) ray.id = rays.keys[i];
   return ray;
 }
 
@@ -55,6 +58,7 @@ void LoadPacket(const RayView& rays, std::uint32_t i, std::uint32_t count, RTCRa
   load(packet.org_x, rays.org_x), load(packet.org_y, rays.org_y), load(packet.org_z, rays.org_z);
   load(packet.dir_x, rays.dir_x), load(packet.dir_y, rays.dir_y), load(packet.dir_z, rays.dir_z);
   load(packet.tfar, rays.t_far);
+  if (rays.keys != nullptr) std::memcpy(packet.id, rays.keys + i, count * sizeof(std::uint32_t));
   for (std::uint32_t lane = 0; lane < kPacket; ++lane) {
     packet.tnear[lane] = 0, packet.time[lane] = 0;
     packet.mask[lane] = ~0u, packet.flags[lane] = 0;
@@ -120,7 +124,16 @@ void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayView& 
   if (recorder == nullptr) return;
   const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
   const float* const dir[3] = {rays.dir_x, rays.dir_y, rays.dir_z};
-  recorder->Record(kind, occlusion, org, dir, rays.t_far, n);
+  recorder->Record(kind, occlusion, org, dir, rays.t_far, n, rays.keys);
+}
+
+// Makes one numbering of the triangles of both geometries.
+void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_holes, std::uint32_t n) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (hits.geom[i] != 1) continue;
+    hits.triangle[i] += first_with_holes;
+    hits.geom[i] = 0;
+  }
 }
 
 }  // namespace
@@ -147,8 +160,8 @@ std::string_view ToString(Backend backend) {
 }
 
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
-                  const HitColumns& hits) {
-  const RayView view = View(rays);
+                  const HitColumns& hits, const std::uint32_t* keys) {
+  const RayView view = View(rays, keys);
   Record(tracer.recorder, kind, false, view, n);
   RTCIntersectContext context = IncoherentContext();
   switch (tracer.closest) {
@@ -199,24 +212,26 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
       }
       break;
   }
+  if (tracer.first_with_holes) NumberTriangles(hits, *tracer.first_with_holes, n);
 }
 
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
-                  const LightColumns& lights) {
+                  const LightColumns& lights, const std::uint32_t* keys) {
   const RayView view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
-                        lights.dir_y,   lights.dir_z,   lights.t_far};
+                        lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
 }
 
-void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n) {
-  Occlude(tracer.scene, tracer.occlusion, View(rays), n);
+void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                    const std::uint32_t* keys) {
+  Occlude(tracer.scene, tracer.occlusion, View(rays, keys), n);
 }
 
 void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
-                  const HitColumns& hits) {
-  Record(tracer.recorder, kind, true, View(rays), n);
-  TraceOcclusion(tracer, rays, n);
+                  const HitColumns& hits, const std::uint32_t* keys) {
+  Record(tracer.recorder, kind, true, View(rays, keys), n);
+  TraceOcclusion(tracer, rays, n, keys);
   for (std::uint32_t i = 0; i < n; ++i) hits.geom[i] = rays.t_far[i] < 0 ? 0 : kNoHit;
 }
 

@@ -34,24 +34,30 @@ struct Tracer {
   Backend closest = Backend::kStream;
   Backend occlusion = Backend::kStream;
   RayRecorder* recorder = nullptr;
+  // Triangles from here on are in the geometry with holes (scene/geometry.h). Unset: there is none,
+  // and rays need no keys.
+  std::optional<std::uint32_t> first_with_holes = std::nullopt;
 };
+
+// In scenes with holes `keys` decides, ray by ray, which holes are met (DrawRayKeys); else null.
 
 // Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`. `kind` is for the
 // recorder.
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
-                  const HitColumns& hits);
+                  const HitColumns& hits, const std::uint32_t* keys = nullptr);
 
 // Shadow rays: origins are those of `surfaces`, the rest in `lights`, rows [0, n). Sets t_far of
 // occluded rays negative; rows whose t_far is negative already are not traced.
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
-                  const LightColumns& lights);
+                  const LightColumns& lights, const std::uint32_t* keys = nullptr);
 
 // Rays [0, n) for which any hit is enough: sets t_far of occluded ones negative. Not recorded.
-void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n);
+void TraceOcclusion(const Tracer& tracer, const RayColumns& rays, std::uint32_t n,
+                    const std::uint32_t* keys = nullptr);
 
 // For rays that only matter if they leave the scene: writes geom of `hits` (0 or kNoHit), nothing
 // else of it, and t_far of `rays`. Cheaper than TraceClosest.
 void TraceEscapes(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
-                  const HitColumns& hits);
+                  const HitColumns& hits, const std::uint32_t* keys = nullptr);
 
 }  // namespace skywave

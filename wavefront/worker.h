@@ -10,8 +10,9 @@
 
 namespace skywave {
 
-// Queue of each ray after partition, see kernels/partition.h.
 struct QueueColumns {
+  // Of each ray after partition, see kernels/partition.h. While rays are traced in scenes with
+  // holes, the queue being of no use then: their keys.
   std::uint32_t* queue;
 
   template <class Self, class F>

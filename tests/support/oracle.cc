@@ -43,17 +43,20 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
                    lights) {
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
+    has_holes_ = has_holes_ || !material.opaque();
   }
   scene_textures_.materials = scene.materials;
   scene_textures_.textures = scene.textures;
   scene_textures_.images = scene.images;
   for (const Mesh& mesh : scene.meshes) AddMesh(mesh);
   std::vector<OracleLocalLights::Triangle> emitters;
-  for (Triangle& t : triangles_) {
+  for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+    Triangle& t = triangles_[i];
     const Material& material = scene.materials[t.material];
     t.light = {.corner = {t.corner[0], t.corner[1], t.corner[2]},
                .radiance = material.emission,
-               .two_sided = material.emits_on_both_sides};
+               .two_sided = material.emits_on_both_sides,
+               .index = i};
     if (material.emission != glm::vec3(0)) emitters.push_back(t.light);
   }
   local_lights_ = OracleLocalLights(emitters, scene.lights);
@@ -110,14 +113,37 @@ void Oracle::BuildEmbreeScene() {
   rtcCommitScene(scene_);
 }
 
-bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
+// Whether the triangle stops a ray there.
+bool Oracle::IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const {
+  const Triangle& t = triangles_[triangle];
+  const Material& material = scene_textures_.materials[t.material];
+  if (material.opaque()) return true;
+  const glm::dvec2 uv =
+      (1 - u - v) * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
+  return random() < OracleOpacity(scene_textures_, material, uv);
+}
+
+// The nearest triangle up to `reach` that stops the ray, which tries them one after the other.
+bool Oracle::FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRayHit query = {};
   query.ray = EmbreeRay(ray.origin, ray.direction);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_, &context, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  query.ray.tfar = float(reach);
+  while (true) {
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    if (IsThere(query.hit.primID, query.hit.u, query.hit.v, random)) return true;
+    // Beyond the rounding of distances: else Embree finds the same hit for ever.
+    query.ray.tnear = query.ray.tfar * (1 + 0x1p-20f) + 1e-20f;
+    query.ray.tfar = float(reach);
+    if (!(query.ray.tnear < query.ray.tfar)) return false;
+  }
+}
+
+bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
+  RTCRayHit query = {};
+  if (!FindHit(ray, std::numeric_limits<double>::infinity(), random, query)) return false;
 
   const Triangle& t = triangles_[query.hit.primID];
   const double u = query.hit.u, v = query.hit.v, w = 1 - u - v;
@@ -131,6 +157,15 @@ bool Oracle::Intersect(const Ray& ray, Hit& hit) const {
   if (back) ng = -ng, ns = -ns;
   // Smooth normals that look away from the eye cannot shade.
   if (!(glm::dot(ns, wo) > 1e-4)) ns = ng;
+  const Material& material = scene_textures_.materials[t.material];
+  if (material.normal_texture) {
+    const glm::dvec2 uv =
+        w * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
+    const double side = back ? -1 : 1;
+    ns = side * OracleBend(scene_textures_, material, t.corner, t.uv, uv, side * ns);
+    // Normals that look away are turned to the eye, along the plane of both.
+    ns = glm::normalize(ns + wo * std::max(0.0, 1.0 / 128 - glm::dot(ns, wo)));
+  }
   hit.distance = query.ray.tfar;
   hit.light = t.light.radiance == dvec3(0) ? nullptr : &t.light;
   hit.light_cosine = glm::dot(ng, wo);
@@ -161,11 +196,16 @@ void Oracle::ApplyTextures(const Triangle& triangle, const dvec3& weights, Hit& 
   }
 }
 
-bool Oracle::Occluded(const Ray& ray, double distance) const {
+bool Oracle::Occluded(const Ray& ray, double distance, OracleRandom& random) const {
+  const double reach = distance * (1 - 1e-4);
+  if (has_holes_) {
+    RTCRayHit hit = {};
+    return FindHit(ray, reach, random, hit);
+  }
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRay query = EmbreeRay(ray.origin, ray.direction);
-  query.tfar = float(distance * (1 - 1e-4));
+  query.tfar = float(reach);
   rtcOccluded1(scene_, &context, &query);
   return query.tfar < 0;
 }
@@ -218,7 +258,9 @@ dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
   }
   const OracleValue bsdf = EvaluateBsdf(hit.surface, light.direction);
   if (!(MaxComponent(bsdf.value * light.radiance) > 0)) return dvec3(0);
-  if (Occluded(LeaveFrom(hit, light.direction), light.distance)) return dvec3(0);
+  // Shadow rays stop short of the light: whether it is there is asked here.
+  if (light.triangle && !IsThere(*light.triangle, light.u, light.v, random)) return dvec3(0);
+  if (Occluded(LeaveFrom(hit, light.direction), light.distance, random)) return dvec3(0);
   if (light.pdf == 0) return bsdf.value * light.radiance;
   double weight = 1;
   if (options.mis) {
@@ -237,7 +279,7 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
     Hit hit;
     // Behind the last surface, and behind the BSDF sample of `direct`, only what shines counts.
     const bool last = bounce == options.max_depth || (direct && pdf > 0);
-    if (!Intersect(ray, hit)) {
+    if (!Intersect(ray, random, hit)) {
       return radiance + throughput * LightFromSky(ray.direction, pdf, options);
     }
     radiance += throughput * LightFromHit(hit, pdf, options);

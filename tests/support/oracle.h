@@ -15,6 +15,7 @@
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/oracle_environment.h"
 #include "tests/support/oracle_lights.h"
+#include "tests/support/oracle_relief.h"
 #include "tests/support/oracle_texture.h"
 #include "wavefront/frame.h"
 
@@ -61,9 +62,11 @@ class Oracle {
 
   void AddMesh(const Mesh& mesh);
   void BuildEmbreeScene();
-  bool Intersect(const Ray& ray, Hit& hit) const;
+  bool FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const;
+  bool Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const;
   void ApplyTextures(const Triangle& triangle, const glm::dvec3& weights, Hit& hit) const;
-  bool Occluded(const Ray& ray, double distance = std::numeric_limits<double>::infinity()) const;
+  bool Occluded(const Ray& ray, double distance, OracleRandom& random) const;
+  bool IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const;
   Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
   glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
                           const RenderOptions& options) const;
@@ -80,6 +83,7 @@ class Oracle {
   OracleEnvironment environment_;
   OracleLocalLights local_lights_;
   std::vector<OracleMaterial> materials_;
+  bool has_holes_ = false;
   Scene scene_textures_;  // materials, textures and images only
   std::vector<Triangle> triangles_;
   RTCDevice device_ = nullptr;

@@ -52,7 +52,9 @@ std::optional<OracleLocalLights::LightSample> OracleLocalLights::Sample(
   const double towards = -glm::dot(glm::normalize(glm::cross(e1, e2)), direction);
   const double cosine = triangle.two_sided ? std::abs(towards) : towards;
   if (!(cosine > 0)) return std::nullopt;
-  return LightSample{direction, triangle.radiance, Pdf(triangle, distance, cosine), distance};
+  return LightSample{direction, triangle.radiance, Pdf(triangle, distance, cosine),
+                     distance,  triangle.index,    a,
+                     b};
 }
 
 double OracleLocalLights::Pdf(const Triangle& triangle, double distance, double cosine) const {

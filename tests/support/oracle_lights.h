@@ -2,6 +2,7 @@
 // power.
 #pragma once
 
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <vector>
@@ -17,6 +18,7 @@ class OracleLocalLights {
     glm::dvec3 corner[3];
     glm::dvec3 radiance;
     bool two_sided;
+    std::uint32_t index = 0;  // the oracle's
   };
 
   OracleLocalLights() = default;
@@ -30,6 +32,8 @@ class OracleLocalLights {
     glm::dvec3 direction, radiance;
     double pdf;  // [1/sr]
     double distance;
+    std::optional<std::uint32_t> triangle = {};  // where on which one
+    double u = 0, v = 0;
   };
   // Nothing where the light looks away.
   std::optional<LightSample> Sample(const glm::dvec3& point, OracleRandom& random) const;
