@@ -41,7 +41,8 @@ def build(revision, folder, jobs):
 
 
 def run(program, arguments):
-    """Median seconds of every scene, by its name: of the render (WHOLE) and of every stage."""
+    """Least seconds of every scene, by its name: of the render (WHOLE) and of every stage. What else
+    runs on a machine only ever adds to a time, so the least repetition repeats best."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "bench.json")
         result = subprocess.run([program, "bench", "--renders-only", *arguments, "--json", path],
@@ -50,7 +51,7 @@ def run(program, arguments):
             sys.exit(f"{program}: no score (exit code {result.returncode})\n{result.stderr}")
         with open(path, encoding="utf-8") as file:
             scenes = json.load(file)["scenes"]
-    return {scene["name"]: {part: statistics.median(seconds) for part, seconds in
+    return {scene["name"]: {part: min(seconds) for part, seconds in
                             [(WHOLE, scene["repetitions"]["render"]),
                              *scene["repetitions"]["stages"].items()]}
             for scene in scenes}
