@@ -219,18 +219,11 @@ JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
   return request;
 }
 
-PictureEstimate EstimateFromOracle(const Scene& scene, const RenderJob& job) {
-  RenderOptions options = job.options();
-  options.samples_per_pixel *= kRuns;
-  options.seed = 4711;
-  return EstimateFrom(Oracle(scene).Render(options), options.samples_per_pixel);
-}
-
 void ExpectOracles(const Scene& scene, const JobRequest& request) {
   const RenderJob job(scene, request);
   // Blocks: small lights over glossy metal are too rare and bright for a test of single pixels.
   EXPECT_TRUE(SamePicture(MeanOfBlocks(EstimateFromEngine(job, kRuns, 100), 3),
-                          MeanOfBlocks(EstimateFromOracle(scene, job), 3), kLevel));
+                          MeanOfBlocks(EstimateFromOracle(scene, job, kRuns), 3), kLevel));
 }
 
 class LocalLightPictures : public testing::TestWithParam<int> {};
@@ -344,7 +337,7 @@ TEST(LocalLightEstimators, OracleFindsWhatIsWrong) {
   const RenderJob job(scene, request);
   const PictureEstimate engine = MeanOfBlocks(EstimateFromEngine(job, kRuns, 100), 3);
   scene.lights[0].emission *= 1.05f;
-  EXPECT_FALSE(SamePicture(engine, MeanOfBlocks(EstimateFromOracle(scene, job), 3), kLevel));
+  EXPECT_FALSE(SamePicture(engine, MeanOfBlocks(EstimateFromOracle(scene, job, kRuns), 3), kLevel));
 }
 
 // ---- Jobs ----

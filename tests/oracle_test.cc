@@ -96,18 +96,10 @@ JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
   return request;
 }
 
-// The oracle's picture of what `job` renders, with as many samples as all runs of the engine.
-PictureEstimate EstimateFromOracle(const Scene& scene, const RenderJob& job) {
-  RenderOptions options = job.options();
-  options.samples_per_pixel *= kRuns;
-  options.seed = 4711;
-  return EstimateFrom(Oracle(scene).Render(options), options.samples_per_pixel);
-}
-
 void ExpectSame(const Scene& scene, const JobRequest& request) {
   const RenderJob job(scene, request);
-  EXPECT_TRUE(
-      SamePicture(EstimateFromEngine(job, kRuns, 100), EstimateFromOracle(scene, job), kLevel));
+  EXPECT_TRUE(SamePicture(EstimateFromEngine(job, kRuns, 100),
+                          EstimateFromOracle(scene, job, kRuns), kLevel));
 }
 
 // ---- Every BSDF ----
@@ -201,7 +193,7 @@ std::vector<StrategyCase> StrategyCases() {
 void ExpectAllStrategiesSame(const Scene& scene, const JobRequest& request, int block,
                              const std::function<bool(const StrategyCase&)>& wanted) {
   const PictureEstimate oracle =
-      MeanOfBlocks(EstimateFromOracle(scene, RenderJob(scene, request)), block);
+      MeanOfBlocks(EstimateFromOracle(scene, RenderJob(scene, request), kRuns), block);
   for (const StrategyCase& strategy : StrategyCases()) {
     if (!wanted(strategy)) continue;
     SCOPED_TRACE(strategy.strategy + (strategy.mis ? " with MIS" : " without MIS"));
@@ -417,7 +409,7 @@ TEST(OracleItself, ADifferenceOfThreePercentIsFound) {
   const RenderJob job(scene, Request(Integrator::kPath, 5));
   const PictureEstimate engine = EstimateFromEngine(job, kRuns, 100);
   scene.materials[1].reflectance *= 0.97f;
-  EXPECT_FALSE(SamePicture(engine, EstimateFromOracle(scene, job), kLevel));
+  EXPECT_FALSE(SamePicture(engine, EstimateFromOracle(scene, job, kRuns), kLevel));
 }
 
 }  // namespace

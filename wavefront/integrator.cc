@@ -14,6 +14,7 @@ namespace {
 
 // Light samples of this bounce are the first that meet two surfaces on their way to the camera.
 constexpr std::uint32_t kFirstIndirectBounce = 1;
+
 RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
 
 void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {

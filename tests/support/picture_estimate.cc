@@ -108,6 +108,13 @@ PictureEstimate EstimateFrom(const OraclePicture& picture, std::uint32_t samples
           .freedom = std::vector<double>(mean.rgb.size(), samples_per_pixel - 1.0)};
 }
 
+PictureEstimate EstimateFromOracle(const Scene& scene, const RenderJob& job, int runs) {
+  RenderOptions options = job.options();
+  options.samples_per_pixel *= std::uint32_t(runs);
+  options.seed = 4711;
+  return EstimateFrom(Oracle(scene).Render(options), options.samples_per_pixel);
+}
+
 PictureEstimate EstimateFromEngine(const RenderJob& job, int runs, std::uint32_t seed) {
   return EstimateFromEngine(job, job.frame(), runs, seed);
 }

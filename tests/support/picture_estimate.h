@@ -29,6 +29,9 @@ PictureEstimate EstimateFromEngine(const RenderJob& job, int runs, std::uint32_t
 PictureEstimate EstimateFromEngine(const RenderJob& job, FrameView frame, int runs,
                                    std::uint32_t seed);
 
+// The oracle's picture of what `job` renders of `scene`, with the samples of `runs` of its renders.
+PictureEstimate EstimateFromOracle(const Scene& scene, const RenderJob& job, int runs);
+
 // Means over blocks of side x side pixels (smaller at the right and lower borders).
 PictureEstimate MeanOfBlocks(const PictureEstimate& picture, int side);
 
