@@ -371,6 +371,7 @@ HWY_AFTER_NAMESPACE();
         .name = Bsdf##Traits.name,                                                               \
         .delta = false,                                                                          \
         .lobed = Bsdf##Traits.lobed,                                                             \
+        .transmits = Bsdf##Traits.transmits,                                                     \
         .varying = Bsdf##Traits.varying,                                                         \
         .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
         .evaluate_lights =                                                                       \

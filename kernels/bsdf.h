@@ -76,14 +76,16 @@ enum class Varying {
 
 struct BsdfTraits {
   std::string_view name;
-  bool lobed = false;  // as in BsdfKernels
+  bool lobed = false;      // as in BsdfKernels
+  bool transmits = false;  // likewise
   Varying varying = Varying::kNothing;
 };
 
 struct BsdfKernels {
   std::string_view name;
-  bool delta;  // no density: no light samples, value and pdf are 0
-  bool lobed;  // chooses between lobes: needs ScatterUniforms::lobe.u
+  bool delta;      // no density: no light samples, value and pdf are 0
+  bool lobed;      // chooses between lobes: needs ScatterUniforms::lobe.u
+  bool transmits;  // light passes through, to directions that evaluate has a density for
   Varying varying;
 
   // Rows [0, n): value and pdf of directions wi (dir columns of `lights`).

@@ -117,6 +117,7 @@ BsdfKernels DeltaKernels(std::string_view name, bool lobed,
   return {.name = name,
           .delta = true,
           .lobed = lobed,
+          .transmits = false,
           .varying = Varying::kNothing,
           .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
           .scatter = scatter};

@@ -85,7 +85,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits RoughDielectricTraits = {.name = "rough-dielectric", .lobed = true};
+inline constexpr BsdfTraits RoughDielectricTraits = {
+    .name = "rough-dielectric", .lobed = true, .transmits = true};
 SKYWAVE_BSDF_TABLE(RoughDielectric)
 
 }  // namespace skywave
