@@ -1,7 +1,6 @@
-#include "wavefront/integrator.h"
+#include "wavefront/path_stages.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "kernels/accumulate.h"
 #include "kernels/partition.h"
@@ -15,6 +14,15 @@ namespace {
 // Light samples of this bounce are the first that meet two surfaces on their way to the camera.
 constexpr std::uint32_t kFirstIndirectBounce = 1;
 
+// The keys of the rays that arrive at a bounce.
+const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
+                                 const RayColumns& rays, std::uint32_t n, const Worker& w) {
+  return RayKeys(frame, w.paths, rays.path, n, SamplePair(bounce, SampleUse::kScatter),
+                 w.queue->queue);
+}
+
+}  // namespace
+
 RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
 
 void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
@@ -24,14 +32,12 @@ void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::u
   occupancy.capacity += wave;
 }
 
-// Shadow rays that are there to be traced or, once traced, that met nothing.
 std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
   std::uint32_t open = 0;
   for (std::uint32_t i = 0; i < n; ++i) open += lights.t_far[i] >= 0;
   return open;
 }
 
-// The surfaces of the bounce at hand, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w) {
   return {.surfaces = w.surfaces,
           .ranges = w.ranges,
@@ -39,14 +45,6 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
           .paths = w.paths};
 }
 
-// The keys of the rays that arrive at a bounce.
-const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
-                                 const RayColumns& rays, std::uint32_t n, const Worker& w) {
-  return RayKeys(frame, w.paths, rays.path, n, SamplePair(bounce, SampleUse::kScatter),
-                 w.queue->queue);
-}
-
-// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
@@ -76,7 +74,6 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   clock.Lap(Stage::kSurface);
 }
 
-// The end of a path: only what shines by itself can still be seen.
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, Worker& w, StageClock& clock) {
   const std::uint32_t* const keys = PathRayKeys(frame, bounce, rays, n, w);
@@ -95,8 +92,6 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
   clock.Lap(Stage::kEscape);
 }
 
-// The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
-// lights come light by light, so that a stream of shadow rays has one direction.
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const ShadePoints points = Points(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
@@ -124,7 +119,6 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   }
 }
 
-// What the film keeps of a bounce beside radiance, where it is asked to.
 void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
               Film& film, StageClock& clock) {
   if (!film.has_aovs()) return;
@@ -140,7 +134,6 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
   clock.Lap(Stage::kFilm);
 }
 
-// `bounce`: at which the last path ended.
 void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
   film.Add(w.paths, n, w.stats);
   if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
@@ -150,64 +143,6 @@ void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, St
   }
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
-}
-
-}  // namespace
-
-void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
-  StageClock clock(w.stats);
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
-  clock.Lap(Stage::kGenerate);
-
-  std::uint32_t n = range.count, bounce = 0;
-  for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
-    if (bounce == frame.options.max_depth) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
-      break;
-    }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
-    KeepAovs(frame, bounce, range.count, w, film, clock);
-    LightSurfaces(frame, bounce, w, clock);
-    const bool last = bounce + 1 == frame.options.max_depth;
-    const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
-                *next);
-    CountScattering(w.ranges, first_kind, w.stats.lanes);
-    clock.Lap(Stage::kScatter);
-    std::swap(rays, next);
-  }
-  FinishWave(range.count, bounce, w, film, clock);
-}
-
-void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
-  StageClock clock(w.stats);
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
-  clock.Lap(Stage::kGenerate);
-
-  std::uint32_t n = range.count, bounce = 0;
-  bool delta_rays = true;
-  for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
-    if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
-      break;
-    }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
-    KeepAovs(frame, bounce, range.count, w, film, clock);
-    LightSurfaces(frame, bounce, w, clock);
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
-                w.uniforms, w.lobe, *next);
-    CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
-    delta_rays = w.ranges.total() > w.ranges.light_sampled();
-    clock.Lap(Stage::kScatter);
-    std::swap(rays, next);
-  }
-  FinishWave(range.count, bounce, w, film, clock);
 }
 
 }  // namespace skywave

@@ -1,0 +1,44 @@
+// What integrators do with paths between a stage or two: shared pieces of their stage orders, over
+// the tables of a worker. Each counts and times what it does.
+#pragma once
+
+#include "wavefront/film.h"
+#include "wavefront/frame.h"
+#include "wavefront/stages.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// Of the rays that arrive at a bounce.
+RayKind KindOf(std::uint32_t bounce);
+
+// Counts rays [0, n) of a bounce; `wave`: rows that there is room for.
+void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave);
+
+// Shadow rays that are there to be traced or, once traced, that met nothing.
+std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
+
+// The surfaces of the bounce at hand, as strategies see them.
+ShadePoints Points(const FrameView& frame, const Worker& w);
+
+// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits. With
+// `only_delta`: see SortHits.
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock);
+
+// The end of a path: only what shines by itself can still be seen.
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
+// lights come light by light, so that a stream of shadow rays has one direction.
+void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// What the film keeps of a bounce beside radiance, where it is asked to.
+void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
+              Film& film, StageClock& clock);
+
+// Gives paths [0, n) to the film. `bounce`: at which the last one ended.
+void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock);
+
+}  // namespace skywave
