@@ -160,6 +160,19 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
   }
 }
 
+void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
+                 const float* arrival, std::uint32_t n, const LightColumns& to_eye) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
+    const VF joined =
+        Join(hn::Mul(Load(at.joined_earlier + i), Load(back_pdf + i)), Load(at.joined_before + i));
+    const VF others = hn::Mul(hn::Mul(Load(arrival + i), cosine), joined);
+    const VF weight = HeuristicWeight(others, hn::Zero(F()));
+    const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
+    Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
+  }
+}
+
 // Where on a surface a row is, by what its origin was lifted.
 HWY_INLINE V3 HitOf(const V3& org, const V3& ng, VF lift) { return Sub(org, Scale(ng, lift)); }
 
@@ -262,6 +275,7 @@ HWY_EXPORT(LeaveSurfaces);
 HWY_EXPORT(MarkPartners);
 HWY_EXPORT(WeighMetLight);
 HWY_EXPORT(WeighLightSamples);
+HWY_EXPORT(WeighSplats);
 HWY_EXPORT(AimAtVertices);
 HWY_EXPORT(WeighConnections);
 
@@ -293,6 +307,10 @@ void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const float* emission, std::uint32_t n, const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(WeighLightSamples)
   (surfaces, at, forward, backward, emission, n, lights);
+}
+void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
+                 const float* arrival, std::uint32_t n, const LightColumns& to_eye) {
+  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, n, to_eye);
 }
 void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const VertexView& vertices,
                    std::uint32_t* partner, const LightColumns& to_light,

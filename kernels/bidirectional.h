@@ -81,7 +81,8 @@ void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, con
 void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColumns& rows);
 
 // Weighs rays that have met light: throughput of rows [0, n) times the weight of their way, pdf 0.
-// `emission`: of the light there, towards the surface they come from, see LightEmission.
+// `emission`: as for WeighLightSamples, of
+// the light there.
 void WeighMetLight(const SubpathColumns& paths, const float* emission, std::uint32_t n,
                    const EscapeColumns& rows);
 
@@ -92,6 +93,13 @@ void WeighMetLight(const SubpathColumns& paths, const float* emission, std::uint
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
                        const float* emission, std::uint32_t n, const LightColumns& lights);
+
+// Vertices [0, n) of light sub-paths that are connected to the eye: r, g, b of `to_eye`, what the
+// picture gains, times the weight of that way. `back_pdf`: of wo given dir of `to_eye`. `arrival`:
+// density with which the eye's own rays, one a light path of the picture, arrive here, but for the
+// cosine here [1/length^2].
+void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
+                 const float* arrival, std::uint32_t n, const LightColumns& to_eye);
 
 // The vertices of one bounce of a wave's light sub-paths.
 struct VertexView {
