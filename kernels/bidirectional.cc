@@ -56,24 +56,23 @@ void TurnSurfaces(const SurfaceColumns& s, const LightColumns& lights, std::uint
   }
 }
 
-// From the lifted origin of a surface to that on the side of `dir`.
-HWY_INLINE V3 OriginToward(const V3& org, const V3& ng, VF lift, const V3& dir) {
-  const MF behind = hn::Lt(Dot(ng, dir), hn::Zero(F()));
-  const VF down = IfThen(behind, hn::Add(lift, lift), hn::Zero(F()));
-  return Sub(org, Scale(ng, down));
-}
-
-void PlaceOrigins(const SurfaceColumns& s, const LightColumns& lights, std::uint32_t n,
-                  const OriginColumns& origins) {
-  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const V3 origin = OriginToward(Load3(s.org_x + i, s.org_y + i, s.org_z + i),
-                                   GeometricNormal(s, i), Load(s.lift + i), DirectionOf(lights, i));
-    Store3(origin, origins.x + i, origins.y + i, origins.z + i);
-  }
-}
-
 // A cosine that is divided by.
 HWY_INLINE VF Divisor(VF cosine) { return hn::Max(cosine, Set(1e-9f)); }
+
+void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VF inverse = hn::Div(Set(1.0f), Load(emission.pdf + i));
+    const VU delta = Load(emission.delta + i);
+    const MU distant = hn::Or(hn::TestBit(delta, SetU(kDeltaDirection)),
+                              hn::Eq(Load(emission.light + i), SetU(kNoLight)));
+    const VF before = Bounded(hn::Mul(Load(emission.light_pdf + i), inverse));
+    Store(IfThen(hn::RebindMask(F(), distant), hn::Neg(before), before), paths.joined_before + i);
+    // Nothing hits a light without extent by chance.
+    const MF met = hn::RebindMask(F(), hn::Eq(delta, SetU(0)));
+    const VF earlier = Bounded(hn::Mul(Load(emission.cosine + i), inverse));
+    Store(hn::IfThenElseZero(met, earlier), paths.joined_earlier + i);
+  }
+}
 
 void ArriveAtSurfaces(const SurfaceColumns& s, std::uint32_t n, const SubpathColumns& paths,
                       const SubpathColumns& at) {
@@ -207,8 +206,7 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
 
 void WeighConnections(const SurfaceColumns& s, const SubpathColumns& at, std::uint32_t n,
                       const VertexView& vertices, const std::uint32_t* partner,
-                      const ConnectionEnds& ends, const LightColumns& to_light,
-                      const OriginColumns& origins) {
+                      const ConnectionEnds& ends, const LightColumns& to_light) {
   const VF zero = hn::Zero(F());
   const SurfaceColumns& v = vertices.surfaces;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
@@ -248,13 +246,9 @@ void WeighConnections(const SurfaceColumns& s, const SubpathColumns& at, std::ui
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), to_light.r + i, to_light.g + i,
            to_light.b + i);
 
-    const V3 origin =
-        OriginToward(Load3(s.org_x + i, s.org_y + i, s.org_z + i), ng, Load(s.lift + i), dir);
-    const V3 end = OriginToward(Gather3(v.org_x, v.org_y, v.org_z, row), there_ng,
-                                Gather(v.lift, row), Neg(dir));
-    const V3 way = Sub(end, origin);
+    const V3 way =
+        Sub(Gather3(v.org_x, v.org_y, v.org_z, row), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
     const VF reach = hn::Sqrt(hn::Max(Dot(way, way), Set(1e-30f)));
-    Store3(origin, origins.x + i, origins.y + i, origins.z + i);
     Store3(Scale(way, hn::Div(Set(1.0f), reach)), to_light.dir_x + i, to_light.dir_y + i,
            to_light.dir_z + i);
     Store(IfThen(counts, reach, Set(-1.0f)), to_light.t_far + i);
@@ -269,7 +263,7 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(TurnSurfaces);
-HWY_EXPORT(PlaceOrigins);
+HWY_EXPORT(LeaveLights);
 HWY_EXPORT(ArriveAtSurfaces);
 HWY_EXPORT(LeaveSurfaces);
 HWY_EXPORT(MarkPartners);
@@ -283,9 +277,8 @@ void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, st
                   const TurnedColumns& turned) {
   HWY_DYNAMIC_DISPATCH(TurnSurfaces)(surfaces, lights, n, turned);
 }
-void PlaceOrigins(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
-                  const OriginColumns& origins) {
-  HWY_DYNAMIC_DISPATCH(PlaceOrigins)(surfaces, lights, n, origins);
+void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths) {
+  HWY_DYNAMIC_DISPATCH(LeaveLights)(emission, n, paths);
 }
 void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const SubpathColumns& paths,
                       const SubpathColumns& at) {
@@ -319,10 +312,9 @@ void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const Vertex
 }
 void WeighConnections(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
                       const VertexView& vertices, const std::uint32_t* partner,
-                      const ConnectionEnds& ends, const LightColumns& to_light,
-                      const OriginColumns& origins) {
+                      const ConnectionEnds& ends, const LightColumns& to_light) {
   HWY_DYNAMIC_DISPATCH(WeighConnections)
-  (surfaces, at, n, vertices, partner, ends, to_light, origins);
+  (surfaces, at, n, vertices, partner, ends, to_light);
 }
 
 }  // namespace skywave

@@ -14,6 +14,7 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/columns.h"
+#include "kernels/emission.h"
 
 namespace skywave {
 
@@ -46,16 +47,6 @@ struct TurnedColumns {
   }
 };
 
-// Where shadow rays begin, one row a surface.
-struct OriginColumns {
-  float *x, *y, *z;  // world space
-
-  template <class Self, class F>
-  static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.x), f(self.y), f(self.z);
-  }
-};
-
 inline constexpr std::uint32_t kNoRow = 0xFFFFFFFFu;
 
 // Rows [0, n) of `surfaces` as they look from where dir of `lights` points to: turned where that is
@@ -63,9 +54,8 @@ inline constexpr std::uint32_t kNoRow = 0xFFFFFFFFu;
 void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
                   const TurnedColumns& turned);
 
-// Puts origins of rows [0, n) on that side of the surface to which dir of `lights` points.
-void PlaceOrigins(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
-                  const OriginColumns& origins);
+// The sub-paths of rows [0, n) leave their lights: writes `paths`, row by row.
+void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths);
 
 // The sub-paths in rows surfaces.path of `paths` have arrived at surfaces [0, n): writes `at`.
 void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const SubpathColumns& paths,
@@ -123,11 +113,10 @@ struct ConnectionEnds {
 };
 
 // Turns the connections of rows [0, n) into shadow rays: `to_light` gets what the path gains if
-// nothing is in between, direction and reach, `origins` where they begin. `partner`, `to_light`: as
-// AimAtVertices left them.
+// nothing is in between, direction and reach. Origins at both ends are on the side of the other one
+// (MoveToSide). `partner`, `to_light`: as AimAtVertices left them.
 void WeighConnections(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
                       const VertexView& vertices, const std::uint32_t* partner,
-                      const ConnectionEnds& ends, const LightColumns& to_light,
-                      const OriginColumns& origins);
+                      const ConnectionEnds& ends, const LightColumns& to_light);
 
 }  // namespace skywave

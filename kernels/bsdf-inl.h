@@ -404,7 +404,6 @@ HWY_AFTER_NAMESPACE();
         .name = Bsdf##Traits.name,                                                               \
         .delta = false,                                                                          \
         .lobed = Bsdf##Traits.lobed,                                                             \
-        .transmits = Bsdf##Traits.transmits,                                                     \
         .varying = Bsdf##Traits.varying,                                                         \
         .transmits = Bsdf##Traits.transmits,                                                     \
         .refracts = Bsdf##Traits.refracts,                                                       \

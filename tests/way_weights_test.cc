@@ -122,16 +122,20 @@ class Subpaths {
 
   void WalkFromLight() {
     const soa::Table<SubpathColumns> flying(kPaths);
+    const soa::Table<EmissionColumns> emission(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const BidirectionalPath& path = paths_[i];
-      const double emission = path.emission_pdf;
-      flying->joined_before[i] = float(path.distant() ? -1 / emission : 1 / emission);
       const Vec dir = Unit(ToLight(path, surfaces() - 1));
-      const double cosine =
-          path.light == PathLight::kArea ? std::fabs(Dot(path.light_normal, dir)) : 1;
-      const bool found = path.light == PathLight::kArea || path.light == PathLight::kSky;
-      flying->joined_earlier[i] = found ? float(cosine / (path.light_pdf * emission)) : 0;
+      emission->pdf[i] = float(path.light_pdf * path.emission_pdf);
+      emission->light_pdf[i] = float(path.light_pdf);
+      emission->cosine[i] =
+          path.light == PathLight::kArea ? float(std::fabs(Dot(path.light_normal, dir))) : 1;
+      emission->light[i] = path.light == PathLight::kSky ? kNoLight : 3;
+      emission->delta[i] = path.light == PathLight::kPosition    ? kDeltaPosition
+                           : path.light == PathLight::kDirection ? kDeltaDirection
+                                                                 : 0;
     }
+    LeaveLights(emission, kPaths, flying);
     for (std::size_t j = surfaces(); j-- > 0;) {
       Leaving leaving;
       for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -224,7 +228,6 @@ class Subpaths {
     const LightVertices &eye = eye_[j - 1], &light = light_[j];
     const soa::Table<LightColumns> to_light(kPaths), to_eye(kPaths);
     const soa::Table<QueueColumns> partner(kPaths);
-    const soa::Table<OriginColumns> origins(kPaths);
     const BothWays at_eye(kPaths), at_light(kPaths);
     AimAtVertices(eye.surfaces, kPaths, light.view(), partner->queue, to_light, to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -244,7 +247,7 @@ class Subpaths {
     }
     WeighConnections(eye.surfaces, eye.at, kPaths, light.view(), partner->queue,
                      {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward},
-                     to_light, origins);
+                     to_light);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const PathSurface& y = paths_[i].surfaces[j];

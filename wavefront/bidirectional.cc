@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "kernels/flux.h"
+
 namespace skywave {
 
 void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
@@ -16,6 +18,7 @@ void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfa
     LightColumns to = Slice(lights, begin);
     bsdf.evaluate(rows, materials, to, n, Slice(out.forward.columns(), begin));
     if (bsdf.transmits) {
+      MoveToSide(to, n, rows);
       const TurnedColumns seen = Slice(turned, begin);
       TurnSurfaces(rows, to, n, seen);
       rows.ng_x = seen.ng_x, rows.ng_y = seen.ng_y, rows.ng_z = seen.ng_z;

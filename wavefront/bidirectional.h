@@ -32,7 +32,8 @@ struct LightVertices {
 
 // Evaluates the BSDFs of surfaces in directions dir of `lights`, both ways: value and density of
 // dir given wo, and of wo given dir as a path that comes from there sees the surface. Rows of delta
-// BSDFs are left as they are. `turned`: room.
+// BSDFs are left as they are. Origins of surfaces that transmit move to the side of dir
+// (MoveToSide). `turned`: room.
 void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BothWays& out);
