@@ -59,6 +59,16 @@ void TurnSurfaces(const SurfaceColumns& s, const LightColumns& lights, std::uint
 // A cosine that is divided by.
 HWY_INLINE VF Divisor(VF cosine) { return hn::Max(cosine, Set(1e-9f)); }
 
+void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,
+              const SubpathColumns& paths) {
+  const VF sign = Set(parallel ? -1.0f : 1.0f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VF ratio = Bounded(hn::Div(Set(light_paths), Load(density + i)));
+    Store(hn::Mul(ratio, sign), paths.joined_before + i);
+    Store(hn::Zero(F()), paths.joined_earlier + i);
+  }
+}
+
 void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF inverse = hn::Div(Set(1.0f), Load(emission.pdf + i));
@@ -117,11 +127,11 @@ void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColu
   }
 }
 
-void WeighMetLight(const SubpathColumns& paths, const float* emission, std::uint32_t n,
+void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
                    const EscapeColumns& rows) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(rows.path, i, n);
-    const VF earlier = hn::Mul(Gather(paths.joined_earlier, path), Load(emission + i));
+    const VF earlier = hn::Mul(Gather(paths.joined_earlier, path), Load(arrival + i));
     const VF joined = Join(Gather(paths.joined_before, path), earlier);
     const MF partner = hn::Gt(Load(rows.pdf + i), hn::Zero(F()));
     const VF others = hn::IfThenElseZero(partner, hn::Mul(joined, Load(rows.light_pdf + i)));
@@ -135,7 +145,7 @@ void WeighMetLight(const SubpathColumns& paths, const float* emission, std::uint
 
 void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* emission, std::uint32_t n, const LightColumns& lights) {
+                       const float* arrival, std::uint32_t n, const LightColumns& lights) {
   const VF zero = hn::Zero(F()), one = Set(1.0f),
            infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
@@ -145,10 +155,10 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
     const MF extended = hn::Lt(pdf, infinity);
     const VF density = IfThen(hn::And(extended, hn::Gt(pdf, zero)), pdf, one);
     const VF by_bsdf = hn::IfThenElseZero(extended, hn::Div(Load(forward.pdf + i), density));
-    const VF arrival = hn::Mul(Load(emission + i), AbsDot(GeometricNormal(s, i), dir));
+    const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));
     const VF joined = Join(hn::Mul(Load(at.joined_earlier + i), Load(backward.pdf + i)),
                            Load(at.joined_before + i));
-    const VF factor = hn::Div(HeuristicWeight(by_bsdf, hn::Mul(arrival, joined)), density);
+    const VF factor = hn::Div(HeuristicWeight(by_bsdf, hn::Mul(from_light, joined)), density);
     const V3 gain = Scale(Mul(Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i),
                                   Load3(forward.r + i, forward.g + i, forward.b + i)),
                               Load3(lights.r + i, lights.g + i, lights.b + i)),
@@ -160,12 +170,14 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
 }
 
 void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, std::uint32_t n, const LightColumns& to_eye) {
+                 const float* arrival, float light_paths, std::uint32_t n,
+                 const LightColumns& to_eye) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
     const VF joined =
         Join(hn::Mul(Load(at.joined_earlier + i), Load(back_pdf + i)), Load(at.joined_before + i));
-    const VF others = hn::Mul(hn::Mul(Load(arrival + i), cosine), joined);
+    const VF others =
+        hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), joined);
     const VF weight = HeuristicWeight(others, hn::Zero(F()));
     const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
     Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
@@ -204,9 +216,9 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
   }
 }
 
-void WeighConnections(const SurfaceColumns& s, const SubpathColumns& at, std::uint32_t n,
-                      const VertexView& vertices, const std::uint32_t* partner,
-                      const ConnectionEnds& ends, const LightColumns& to_light) {
+void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32_t n,
+                  const VertexView& vertices, const std::uint32_t* partner,
+                  const ConnectionEnds& ends, const LightColumns& to_light) {
   const VF zero = hn::Zero(F());
   const SurfaceColumns& v = vertices.surfaces;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
@@ -263,6 +275,7 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(TurnSurfaces);
+HWY_EXPORT(LeaveEye);
 HWY_EXPORT(LeaveLights);
 HWY_EXPORT(ArriveAtSurfaces);
 HWY_EXPORT(LeaveSurfaces);
@@ -271,11 +284,15 @@ HWY_EXPORT(WeighMetLight);
 HWY_EXPORT(WeighLightSamples);
 HWY_EXPORT(WeighSplats);
 HWY_EXPORT(AimAtVertices);
-HWY_EXPORT(WeighConnections);
+HWY_EXPORT(JoinVertices);
 
 void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
                   const TurnedColumns& turned) {
   HWY_DYNAMIC_DISPATCH(TurnSurfaces)(surfaces, lights, n, turned);
+}
+void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,
+              const SubpathColumns& paths) {
+  HWY_DYNAMIC_DISPATCH(LeaveEye)(density, light_paths, parallel, n, paths);
 }
 void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths) {
   HWY_DYNAMIC_DISPATCH(LeaveLights)(emission, n, paths);
@@ -291,29 +308,30 @@ void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, con
 void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColumns& rows) {
   HWY_DYNAMIC_DISPATCH(MarkPartners)(paths, n, rows);
 }
-void WeighMetLight(const SubpathColumns& paths, const float* emission, std::uint32_t n,
+void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
                    const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(WeighMetLight)(paths, emission, n, rows);
+  HWY_DYNAMIC_DISPATCH(WeighMetLight)(paths, arrival, n, rows);
 }
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* emission, std::uint32_t n, const LightColumns& lights) {
+                       const float* arrival, std::uint32_t n, const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(WeighLightSamples)
-  (surfaces, at, forward, backward, emission, n, lights);
+  (surfaces, at, forward, backward, arrival, n, lights);
 }
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, std::uint32_t n, const LightColumns& to_eye) {
-  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, n, to_eye);
+                 const float* arrival, float light_paths, std::uint32_t n,
+                 const LightColumns& to_eye) {
+  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, light_paths, n, to_eye);
 }
 void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const VertexView& vertices,
                    std::uint32_t* partner, const LightColumns& to_light,
                    const LightColumns& to_eye) {
   HWY_DYNAMIC_DISPATCH(AimAtVertices)(surfaces, n, vertices, partner, to_light, to_eye);
 }
-void WeighConnections(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                      const VertexView& vertices, const std::uint32_t* partner,
-                      const ConnectionEnds& ends, const LightColumns& to_light) {
-  HWY_DYNAMIC_DISPATCH(WeighConnections)
+void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
+                  const VertexView& vertices, const std::uint32_t* partner,
+                  const ConnectionEnds& ends, const LightColumns& to_light) {
+  HWY_DYNAMIC_DISPATCH(JoinVertices)
   (surfaces, at, n, vertices, partner, ends, to_light);
 }
 

@@ -57,6 +57,11 @@ void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, st
 // The sub-paths of rows [0, n) leave their lights: writes `paths`, row by row.
 void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths);
 
+// The sub-paths of rows [0, n) leave the eye. `density`: of their rays, one sample a pixel [1/sr],
+// or, of parallel rays, across them [1/length^2].
+void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,
+              const SubpathColumns& paths);
+
 // The sub-paths in rows surfaces.path of `paths` have arrived at surfaces [0, n): writes `at`.
 void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const SubpathColumns& paths,
                       const SubpathColumns& at);
@@ -71,25 +76,24 @@ void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, con
 void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColumns& rows);
 
 // Weighs rays that have met light: throughput of rows [0, n) times the weight of their way, pdf 0.
-// `emission`: as for WeighLightSamples, of
-// the light there.
-void WeighMetLight(const SubpathColumns& paths, const float* emission, std::uint32_t n,
+// `arrival`: of the light's own sub-paths, where these rays come from (kernels/arrival.h).
+void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
                    const EscapeColumns& rows);
 
 // Light samples that have been evaluated in both directions: turns r, g, b of rows [0, n) into what
-// the path gains if the light is seen, and opens or closes their shadow rays. `emission`: density
-// with which the light's own sub-paths, given where on the light they start, arrive here, but for
-// the cosine here [1/length^2].
+// the path gains if the light is seen, and opens or closes their shadow rays. `arrival`: of the
+// light's own sub-paths at the surface.
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* emission, std::uint32_t n, const LightColumns& lights);
+                       const float* arrival, std::uint32_t n, const LightColumns& lights);
 
 // Vertices [0, n) of light sub-paths that are connected to the eye: r, g, b of `to_eye`, what the
 // picture gains, times the weight of that way. `back_pdf`: of wo given dir of `to_eye`. `arrival`:
-// density with which the eye's own rays, one a light path of the picture, arrive here, but for the
-// cosine here [1/length^2].
+// density with which the eye's own rays arrive here, one sample a pixel, but for the cosine here
+// [1/length^2].
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, std::uint32_t n, const LightColumns& to_eye);
+                 const float* arrival, float light_paths, std::uint32_t n,
+                 const LightColumns& to_eye);
 
 // The vertices of one bounce of a wave's light sub-paths.
 struct VertexView {
@@ -115,8 +119,8 @@ struct ConnectionEnds {
 // Turns the connections of rows [0, n) into shadow rays: `to_light` gets what the path gains if
 // nothing is in between, direction and reach. Origins at both ends are on the side of the other one
 // (MoveToSide). `partner`, `to_light`: as AimAtVertices left them.
-void WeighConnections(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                      const VertexView& vertices, const std::uint32_t* partner,
-                      const ConnectionEnds& ends, const LightColumns& to_light);
+void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
+                  const VertexView& vertices, const std::uint32_t* partner,
+                  const ConnectionEnds& ends, const LightColumns& to_light);
 
 }  // namespace skywave

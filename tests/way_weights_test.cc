@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint32_t kPaths = 96;
 constexpr std::size_t kMostSurfaces = 5;
+constexpr float kLightPaths = 700;
 
 BidirectionalPath RandomPath(Random& random, std::size_t surfaces, double delta_share) {
   BidirectionalPath path;
@@ -22,7 +23,7 @@ BidirectionalPath RandomPath(Random& random, std::size_t surfaces, double delta_
   const auto point = [&] { return random.Between(0.5, 3) * random.Direction(); };
   path.eye = point();
   path.eye_pdf = std::exp(random.Between(0, 12));
-  path.light_paths = std::exp(random.Between(0, 12));
+  path.light_paths = kLightPaths;
   for (std::size_t i = 0; i < surfaces; ++i) {
     PathSurface surface = {point(), random.Direction(), random.Float() < delta_share, 1, 1};
     if (!surface.delta) surface.pdf_to_light = density(), surface.pdf_to_eye = density();
@@ -101,10 +102,9 @@ class Subpaths {
   }
 
   void WalkFromEye() {
-    for (std::uint32_t i = 0; i < kPaths; ++i) {
-      eye_flying_->joined_before[i] = float(paths_[i].light_paths / paths_[i].eye_pdf);
-      eye_flying_->joined_earlier[i] = 0;
-    }
+    const soa::Table<UniformColumns> density(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) density->u[i] = float(paths_[i].eye_pdf);
+    LeaveEye(density->u, kLightPaths, /*parallel=*/false, kPaths, eye_flying_);
     for (std::size_t j = 0; j < surfaces(); ++j) {
       Leaving leaving;
       for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -154,7 +154,7 @@ class Subpaths {
   }
 
   // As the kernels want it of a light, seen from the last surface.
-  double Emission(const BidirectionalPath& path) const {
+  double Arrival(const BidirectionalPath& path) const {
     const Vec way = ToLight(path, surfaces() - 1);
     return path.distant() ? path.emission_pdf : path.emission_pdf / Dot(way, way);
   }
@@ -168,21 +168,21 @@ class Subpaths {
 
   std::vector<double> MetLight() {
     const soa::Table<EscapeColumns> met(kPaths);
-    const soa::Table<UniformColumns> emission(kPaths);
+    const soa::Table<UniformColumns> arrival(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       Fill(1, i, met->throughput_r, met->throughput_g, met->throughput_b);
       met->path[i] = i, met->light_pdf[i] = float(LightPdf(paths_[i]));
-      emission->u[i] = float(Emission(paths_[i]));
+      arrival->u[i] = float(Arrival(paths_[i]));
     }
     MarkPartners(eye_flying_, kPaths, met);
-    WeighMetLight(eye_flying_, emission->u, kPaths, met);
+    WeighMetLight(eye_flying_, arrival->u, kPaths, met);
     return {met->throughput_g, met->throughput_g + kPaths};
   }
 
   std::vector<double> LightSamples() {
     const LightVertices& last = eye_.back();
     const soa::Table<LightColumns> lights(kPaths);
-    const soa::Table<UniformColumns> emission(kPaths);
+    const soa::Table<UniformColumns> arrival(kPaths);
     const BothWays seen(kPaths);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -193,9 +193,9 @@ class Subpaths {
       lights->pdf[i] = float(LightPdf(paths_[i]));
       seen.forward->pdf[i] = float(surface.pdf_to_light);
       seen.backward->pdf[i] = float(surface.pdf_to_eye);
-      emission->u[i] = float(Emission(paths_[i]));
+      arrival->u[i] = float(Arrival(paths_[i]));
     }
-    WeighLightSamples(last.surfaces, last.at, seen.forward, seen.backward, emission->u, kPaths,
+    WeighLightSamples(last.surfaces, last.at, seen.forward, seen.backward, arrival->u, kPaths,
                       lights);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const double pdf = LightPdf(paths_[i]);
@@ -214,10 +214,10 @@ class Subpaths {
       const Vec way = ToEye(paths_[i], 0);
       Put(Unit(way), row, to_eye->dir_x, to_eye->dir_y, to_eye->dir_z);
       Fill(1, row, to_eye->r, to_eye->g, to_eye->b);
-      arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way) / paths_[i].light_paths);
+      arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way));
       back->u[row] = float(paths_[i].surfaces[0].pdf_to_light);
     }
-    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kPaths, to_eye);
+    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) weights[i] = to_eye->g[LightRow(i)];
     return weights;
   }
@@ -245,9 +245,8 @@ class Subpaths {
       at_light.forward->pdf[row] = float(y.pdf_to_eye);
       at_light.backward->pdf[row] = float(y.pdf_to_light);
     }
-    WeighConnections(eye.surfaces, eye.at, kPaths, light.view(), partner->queue,
-                     {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward},
-                     to_light);
+    JoinVertices(eye.surfaces, eye.at, kPaths, light.view(), partner->queue,
+                 {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward}, to_light);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const PathSurface& y = paths_[i].surfaces[j];

@@ -6,9 +6,13 @@
 #include <vector>
 
 #include "kernels/bidirectional.h"
+#include "kernels/camera_connection.h"
 #include "kernels/columns.h"
+#include "kernels/emission.h"
+#include "wavefront/film.h"
 #include "wavefront/frame.h"
 #include "wavefront/soa.h"
+#include "wavefront/stats.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
@@ -30,12 +34,61 @@ struct LightVertices {
   soa::Table<QueueColumns> row_of_path;  // a path's row in `surfaces`, or kNoRow
 };
 
-// Evaluates the BSDFs of surfaces in directions dir of `lights`, both ways: value and density of
-// dir given wo, and of wo given dir as a path that comes from there sees the surface. Rows of delta
-// BSDFs are left as they are. Origins of surfaces that transmit move to the side of dir
-// (MoveToSide). `turned`: room.
+struct BidirectionalTables {
+  // `depth`: surfaces of the longest path.
+  BidirectionalTables(std::uint32_t wave, std::uint32_t depth);
+
+  std::vector<LightVertices> vertices;    // by bounce
+  soa::Table<RayColumns> eye_rays;        // while light sub-paths are traced
+  soa::Table<SubpathColumns> eye, light;  // on their way, one row a path
+  soa::Table<SubpathColumns> at;          // of the eye's surfaces at hand
+  soa::Table<UniformColumns> arrival;     // u: see kernels/arrival.h
+  soa::Table<LightColumns> to_eye;        // from light vertices
+  soa::Table<QueueColumns> partner;       // of the eye's surfaces
+  soa::Table<TurnedColumns> turned;       // room
+  BothWays seen, seen_by_light;           // ends of connections
+};
+
+// Evaluates the BSDFs of surfaces backwards along directions dir of `lights`: value and density of
+// wo given dir, as a path that comes from there sees the surface. Rows of delta BSDFs are left as
+// they are. `turned`: room.
+void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
+                      const SurfaceRanges& ranges, const LightColumns& lights,
+                      const TurnedColumns& turned, const BsdfValueColumns& out);
+
+// The same, and forwards too. Origins of surfaces that transmit move to the side of dir
+// (MoveToSide).
 void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BothWays& out);
+
+// Begins the sub-paths of camera rays [0, n). `lens`: uniforms that they were generated with.
+void LeaveCamera(const FrameView& frame, const UniformColumns& lens, std::uint32_t n, Worker& w);
+
+// Scatters the surfaces at hand as Scatter does and takes the sub-paths along: `at` of the
+// surfaces, `flying` of the paths.
+std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const SubpathColumns& at,
+                              std::uint32_t first_kind, std::uint32_t bounce,
+                              const RayColumns& rays, const SubpathColumns& flying, Worker& w,
+                              StageClock& clock);
+
+// Adds the light that the eye's rays [0, n) have met, `escaped` of them in the sky, weighted
+// against the other ways.
+void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                 std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// A light sample for every surface of the eye, weighted against the other ways.
+void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// Connects the surfaces of the eye with the light vertices of one bounce of the same paths.
+void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t light_bounce,
+                     Worker& w, StageClock& clock);
+
+// Weighs connections of light vertices with the camera (ConnectSurfaces) against the other ways.
+void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,
+                            StageClock& clock);
+
+// Keeps the surfaces at hand, of light sub-paths, and which paths they are of.
+void KeepVertices(Worker& w, LightVertices& vertices);
 
 }  // namespace skywave
