@@ -128,7 +128,7 @@ void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColu
 }
 
 void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
-                   const EscapeColumns& rows) {
+                   const MisPolicy& mis, const EscapeColumns& rows) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(rows.path, i, n);
     const VF earlier = hn::Mul(Gather(paths.joined_earlier, path), Load(arrival + i));
@@ -137,7 +137,7 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
     const VF others = hn::IfThenElseZero(partner, hn::Mul(joined, Load(rows.light_pdf + i)));
     const V3 throughput =
         Load3(rows.throughput_r + i, rows.throughput_g + i, rows.throughput_b + i);
-    Store3(Scale(throughput, HeuristicWeight(others, hn::Zero(F()))), rows.throughput_r + i,
+    Store3(Scale(throughput, HeuristicWeight(mis, others, hn::Zero(F()))), rows.throughput_r + i,
            rows.throughput_g + i, rows.throughput_b + i);
     Store(hn::Zero(F()), rows.pdf + i);
   }
@@ -145,7 +145,8 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
 
 void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const LightColumns& lights) {
+                       const float* arrival, std::uint32_t n, const MisPolicy& mis,
+                       const LightColumns& lights) {
   const VF zero = hn::Zero(F()), one = Set(1.0f),
            infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
@@ -158,7 +159,7 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
     const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));
     const VF joined = Join(hn::Mul(Load(at.joined_earlier + i), Load(backward.pdf + i)),
                            Load(at.joined_before + i));
-    const VF factor = hn::Div(HeuristicWeight(by_bsdf, hn::Mul(from_light, joined)), density);
+    const VF factor = hn::Div(HeuristicWeight(mis, by_bsdf, hn::Mul(from_light, joined)), density);
     const V3 gain = Scale(Mul(Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i),
                                   Load3(forward.r + i, forward.g + i, forward.b + i)),
                               Load3(lights.r + i, lights.g + i, lights.b + i)),
@@ -170,7 +171,7 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
 }
 
 void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n,
+                 const float* arrival, float light_paths, std::uint32_t n, const MisPolicy& mis,
                  const LightColumns& to_eye) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
@@ -178,7 +179,7 @@ void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float*
         Join(hn::Mul(Load(at.joined_earlier + i), Load(back_pdf + i)), Load(at.joined_before + i));
     const VF others =
         hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), joined);
-    const VF weight = HeuristicWeight(others, hn::Zero(F()));
+    const VF weight = HeuristicWeight(mis, others, hn::Zero(F()));
     const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
     Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
   }
@@ -217,7 +218,7 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
 }
 
 void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32_t n,
-                  const VertexView& vertices, const std::uint32_t* partner,
+                  const MisPolicy& mis, const VertexView& vertices, const std::uint32_t* partner,
                   const ConnectionEnds& ends, const LightColumns& to_light) {
   const VF zero = hn::Zero(F());
   const SurfaceColumns& v = vertices.surfaces;
@@ -252,7 +253,7 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
              Gather(vertices.at.joined_before, row));
     const VF of_eye = Join(hn::Mul(Load(at.joined_earlier + i), Load(ends.eye_backward.pdf + i)),
                            Load(at.joined_before + i));
-    const VF weight = HeuristicWeight(hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
+    const VF weight = HeuristicWeight(mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
     const V3 gain = Scale(Mul(eye, light), hn::Mul(geometry, weight));
     const MF counts = hn::And(hn::RebindMask(F(), joined), hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), to_light.r + i, to_light.g + i,
@@ -309,19 +310,20 @@ void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColu
   HWY_DYNAMIC_DISPATCH(MarkPartners)(paths, n, rows);
 }
 void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
-                   const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(WeighMetLight)(paths, arrival, n, rows);
+                   const MisPolicy& mis, const EscapeColumns& rows) {
+  HWY_DYNAMIC_DISPATCH(WeighMetLight)(paths, arrival, n, mis, rows);
 }
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const LightColumns& lights) {
+                       const float* arrival, std::uint32_t n, const MisPolicy& mis,
+                       const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(WeighLightSamples)
-  (surfaces, at, forward, backward, arrival, n, lights);
+  (surfaces, at, forward, backward, arrival, n, mis, lights);
 }
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n,
+                 const float* arrival, float light_paths, std::uint32_t n, const MisPolicy& mis,
                  const LightColumns& to_eye) {
-  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, light_paths, n, to_eye);
+  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, light_paths, n, mis, to_eye);
 }
 void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const VertexView& vertices,
                    std::uint32_t* partner, const LightColumns& to_light,
@@ -329,10 +331,10 @@ void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const Vertex
   HWY_DYNAMIC_DISPATCH(AimAtVertices)(surfaces, n, vertices, partner, to_light, to_eye);
 }
 void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                  const VertexView& vertices, const std::uint32_t* partner,
+                  const MisPolicy& mis, const VertexView& vertices, const std::uint32_t* partner,
                   const ConnectionEnds& ends, const LightColumns& to_light) {
   HWY_DYNAMIC_DISPATCH(JoinVertices)
-  (surfaces, at, n, vertices, partner, ends, to_light);
+  (surfaces, at, n, mis, vertices, partner, ends, to_light);
 }
 
 }  // namespace skywave

@@ -47,6 +47,9 @@ struct TurnedColumns {
   }
 };
 
+// Without multiple importance sampling (MisPolicy) every weight below is 1, and each way alone is
+// an estimate of what it can find.
+
 inline constexpr std::uint32_t kNoRow = 0xFFFFFFFFu;
 
 // Rows [0, n) of `surfaces` as they look from where dir of `lights` points to: turned where that is
@@ -78,21 +81,22 @@ void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColu
 // Weighs rays that have met light: throughput of rows [0, n) times the weight of their way, pdf 0.
 // `arrival`: of the light's own sub-paths, where these rays come from (kernels/arrival.h).
 void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
-                   const EscapeColumns& rows);
+                   const MisPolicy& mis, const EscapeColumns& rows);
 
 // Light samples that have been evaluated in both directions: turns r, g, b of rows [0, n) into what
 // the path gains if the light is seen, and opens or closes their shadow rays. `arrival`: of the
 // light's own sub-paths at the surface.
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const LightColumns& lights);
+                       const float* arrival, std::uint32_t n, const MisPolicy& mis,
+                       const LightColumns& lights);
 
 // Vertices [0, n) of light sub-paths that are connected to the eye: r, g, b of `to_eye`, what the
 // picture gains, times the weight of that way. `back_pdf`: of wo given dir of `to_eye`. `arrival`:
 // density with which the eye's own rays arrive here, one sample a pixel, but for the cosine here
 // [1/length^2].
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n,
+                 const float* arrival, float light_paths, std::uint32_t n, const MisPolicy& mis,
                  const LightColumns& to_eye);
 
 // The vertices of one bounce of a wave's light sub-paths.
@@ -120,7 +124,7 @@ struct ConnectionEnds {
 // nothing is in between, direction and reach. Origins at both ends are on the side of the other one
 // (MoveToSide). `partner`, `to_light`: as AimAtVertices left them.
 void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                  const VertexView& vertices, const std::uint32_t* partner,
+                  const MisPolicy& mis, const VertexView& vertices, const std::uint32_t* partner,
                   const ConnectionEnds& ends, const LightColumns& to_light);
 
 }  // namespace skywave

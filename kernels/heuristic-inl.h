@@ -6,6 +6,7 @@
 #define SKYWAVE_KERNELS_HEURISTIC_INL_H_
 #endif
 
+#include "kernels/bsdf.h"
 #include "kernels/math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,9 +16,11 @@ namespace HWY_NAMESPACE {
 // One ratio of densities that counts as much as both. (The balance heuristic would add them.)
 HWY_INLINE VF Join(VF a, VF b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); }
 
-// The weight of a way to which others have the ratios `a` and `b`.
-HWY_INLINE VF HeuristicWeight(VF a, VF b) {
+// The weight of a way to which others have the ratios `a` and `b`; 1 without multiple importance
+// sampling.
+HWY_INLINE VF HeuristicWeight(const MisPolicy& mis, VF a, VF b) {
   const VF one = Set(1.0f);
+  if (!mis.enabled) return one;
   return hn::Div(one, hn::Add(one, hn::Add(hn::Mul(a, a), hn::Mul(b, b))));
 }
 

@@ -175,7 +175,7 @@ class Subpaths {
       arrival->u[i] = float(Arrival(paths_[i]));
     }
     MarkPartners(eye_flying_, kPaths, met);
-    WeighMetLight(eye_flying_, arrival->u, kPaths, met);
+    WeighMetLight(eye_flying_, arrival->u, kPaths, MisPolicy(), met);
     return {met->throughput_g, met->throughput_g + kPaths};
   }
 
@@ -196,7 +196,7 @@ class Subpaths {
       arrival->u[i] = float(Arrival(paths_[i]));
     }
     WeighLightSamples(last.surfaces, last.at, seen.forward, seen.backward, arrival->u, kPaths,
-                      lights);
+                      MisPolicy(), lights);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const double pdf = LightPdf(paths_[i]);
       weights[i] = lights->g[i] * (std::isinf(pdf) ? 1 : pdf);
@@ -217,7 +217,8 @@ class Subpaths {
       arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way));
       back->u[row] = float(paths_[i].surfaces[0].pdf_to_light);
     }
-    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, to_eye);
+    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, MisPolicy(),
+                to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) weights[i] = to_eye->g[LightRow(i)];
     return weights;
   }
@@ -245,7 +246,7 @@ class Subpaths {
       at_light.forward->pdf[row] = float(y.pdf_to_eye);
       at_light.backward->pdf[row] = float(y.pdf_to_light);
     }
-    JoinVertices(eye.surfaces, eye.at, kPaths, light.view(), partner->queue,
+    JoinVertices(eye.surfaces, eye.at, kPaths, MisPolicy(), light.view(), partner->queue,
                  {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward}, to_light);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {

@@ -125,7 +125,7 @@ void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n
   const BidirectionalTables& b = *w.bidirectional;
   const LightShares shares = frame.light_shares();
   const auto add = [&](std::uint32_t count) {
-    WeighMetLight(b.eye, b.arrival->u, count, w.escaped);
+    WeighMetLight(b.eye, b.arrival->u, count, frame.mis(), w.escaped);
     AddEscapedRadiance(w.escaped, count, frame.mis(), w.paths);
   };
   // What the camera sees by itself, no other way finds.
@@ -162,7 +162,8 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   }
   clock.Lap(Stage::kLightSample);
   EvaluateBothWays(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned, b.seen);
-  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n, w.lights);
+  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n, frame.mis(),
+                    w.lights);
   if (reach != nullptr) LimitShadows(reach, n, w.lights);
   const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
                                             SamplePair(bounce, SampleUse::kLight), w.queue->queue);
@@ -185,7 +186,7 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
                    b.seen_by_light);
   const ConnectionEnds ends = {b.seen.forward, b.seen.backward, b.seen_by_light.forward,
                                b.seen_by_light.backward};
-  JoinVertices(w.surfaces, b.at, n, vertices.view(), b.partner->queue, ends, w.lights);
+  JoinVertices(w.surfaces, b.at, n, frame.mis(), vertices.view(), b.partner->queue, ends, w.lights);
   // Behind the event of the light sample.
   const std::uint32_t event =
       SamplePair(bounce, SampleUse::kLight) + kPairBlock * (light_bounce + 1);
@@ -199,7 +200,7 @@ void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Wo
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                    b.seen.backward);
   WeighSplats(w.surfaces, at, b.seen.backward->pdf, w.light->cameras->importance,
-              float(frame.light_paths()), n, w.lights);
+              float(frame.light_paths()), n, frame.mis(), w.lights);
   clock.Lap(Stage::kEvaluate);
 }
 
