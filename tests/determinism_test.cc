@@ -96,13 +96,12 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     const FlushDenormals flush;  // as RenderFrame does
-    Worker worker(64);
+    Worker worker(64, HasLightPaths(frame.options.integrator));
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       const std::uint32_t total = tiles[i].width * tiles[i].height * 5;
       for (std::uint32_t first = 0; first < total; first += 64) {
         const WaveRange range = {tiles[i], first, std::min(64u, total - first)};
-        const bool path = frame.options.integrator == Integrator::kPath;
-        (path ? RenderPathWave : RenderDirectWave)(frame, range, worker, film);
+        RenderWave(frame, range, worker, film);
       }
       std::this_thread::yield();
     }
@@ -157,7 +156,11 @@ TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
     SCOPED_TRACE(factory.name);
     JobRequest request = SmallRequest(19, 13, 3);
     request.strategy = factory.name;
-    for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    const RenderJob of_path(scene, request);
+    const bool emits = CanEmit(of_path.strategy());
+    for (const Integrator integrator :
+         {Integrator::kPath, Integrator::kDirect, Integrator::kLight}) {
+      if (HasLightPaths(integrator) && !emits) continue;
       request.integrator = integrator;
       request.options.light_samples = 2;
       const RenderJob job(scene, request);
@@ -184,7 +187,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"spheres", Integrator::kPath}, Case{"spheres", Integrator::kDirect},
                     Case{"painted", Integrator::kPath}, Case{"painted", Integrator::kDirect},
                     Case{"screens", Integrator::kPath}, Case{"screens", Integrator::kDirect},
-                    Case{"lamps", Integrator::kPath}, Case{"lamps", Integrator::kDirect}),
+                    Case{"lamps", Integrator::kPath}, Case{"lamps", Integrator::kDirect},
+                    Case{"gallery", Integrator::kLight}, Case{"painted", Integrator::kLight},
+                    Case{"screens", Integrator::kLight}, Case{"lamps", Integrator::kLight}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });

@@ -7,6 +7,8 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/camera.h"
+#include "kernels/camera_connection.h"
+#include "kernels/emission.h"
 #include "kernels/local_lights.h"
 #include "lights/strategy.h"
 #include "scene/geometry.h"
@@ -16,7 +18,9 @@
 
 namespace skywave {
 
-enum class Integrator { kDirect, kPath };
+enum class Integrator { kDirect, kPath, kLight };
+// Whether its paths start at lights too, and bring splats to the film.
+constexpr bool HasLightPaths(Integrator integrator) { return integrator == Integrator::kLight; }
 
 struct RenderOptions {
   int width = 640, height = 480;        // of the picture
@@ -55,6 +59,8 @@ struct FrameView {
   LocalLightView local_lights;
   CameraView camera;
   Tracer tracer;
+  SceneSphere sphere = {};  // where light paths from infinity begin
+  FilterView filter = {};   // for splats
 
   MisPolicy mis() const { return {.enabled = options.mis}; }
   // Whether light comes from beyond the scene; where it does not, the strategy is not asked.
@@ -71,6 +77,10 @@ struct FrameView {
     return options.integrator == Integrator::kDirect ? options.light_samples : 1;
   }
   LightShares light_shares() const;
+  // Light paths that stand for one sample of every pixel.
+  std::uint64_t light_paths() const {
+    return std::uint64_t(options.width) * std::uint64_t(options.height);
+  }
 };
 
 // Radius of a filter that the user did not give one [pixels].
@@ -78,6 +88,9 @@ float DefaultFilterRadius(PixelFilter filter);
 
 // kFilterCells + 1 offsets [pixels]: the inverse of the cumulative distribution of the filter.
 std::vector<float> FilterOffsets(PixelFilter filter, float radius);
+
+// kFilterCells densities of the same filter, as FilterView wants them. `offsets`: FilterOffsets.
+std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius);
 
 // The part of a film that is rendered [pixels].
 struct CropWindow {

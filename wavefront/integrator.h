@@ -9,6 +9,9 @@
 
 namespace skywave {
 
+// By the integrator of the frame's options, whose tables the worker has.
+void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
 // Unidirectional path tracing (T 4.2.3, P 3): one light sample a bounce, BSDF sampling, both
 // combined by multiple importance sampling, Russian roulette from the fourth bounce on, at most
 // max_depth surfaces a path.
@@ -17,5 +20,11 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& work
 // Direct light (T 4.2.1): light_samples light samples at the first surface that is no mirror or
 // glass, and one BSDF sample against them; mirrors and glass are followed up to max_depth surfaces.
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Light tracing (Arvo 1986; Dutre, Lafortune and Willems 1993): one light path a sample, every
+// surface of which is connected to the camera and splatted. Camera rays see the sky and what shines
+// itself, and go no further: nothing is seen through mirrors and glass. At most max_depth surfaces
+// a path; roulette from the third one on.
+void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
 }  // namespace skywave

@@ -84,14 +84,16 @@ class RenderJob {
  private:
   void BuildOnThreads(Scene scene, const JobRequest& request);
   void Build(Scene scene, const JobRequest& request);
+  bool has_sky() const;
 
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
   std::unique_ptr<EnvStrategy> strategy_;
-  std::vector<float> filter_offsets_;
+  std::vector<float> filter_offsets_, filter_densities_;
   CameraView camera_;
+  SceneSphere sphere_;      // integrators with light paths only
   float brightest_ = 0;     // channel of map and local lights [scene radiance]
   float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0;

@@ -22,18 +22,22 @@ void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& 
         .tile = tile,
         .first = first,
         .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
-    switch (frame.options.integrator) {
-      case Integrator::kDirect:
-        RenderDirectWave(frame, range, worker, film);
-        break;
-      case Integrator::kPath:
-        RenderPathWave(frame, range, worker, film);
-        break;
-    }
+    RenderWave(frame, range, worker, film);
   }
 }
 
 }  // namespace
+
+void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
+  switch (frame.options.integrator) {
+    case Integrator::kDirect:
+      return RenderDirectWave(frame, range, worker, film);
+    case Integrator::kPath:
+      return RenderPathWave(frame, range, worker, film);
+    case Integrator::kLight:
+      return RenderLightWave(frame, range, worker, film);
+  }
+}
 
 int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
 
@@ -68,7 +72,10 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
           const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
-          if (!workers[slot]) workers[slot] = std::make_unique<Worker>(options.wave);
+          if (!workers[slot]) {
+            workers[slot] =
+                std::make_unique<Worker>(options.wave, HasLightPaths(options.integrator));
+          }
           FrameView view = frame;
           view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
           for (std::size_t i = range.begin(); i < range.end(); ++i) {

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "kernels/bsdf.h"
+#include "kernels/camera_connection.h"
 #include "kernels/columns.h"
+#include "kernels/emission.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
@@ -21,8 +25,16 @@ struct QueueColumns {
   }
 };
 
+// What light paths need beside; integrators without them have none.
+struct LightPathTables {
+  explicit LightPathTables(std::uint32_t wave) : emission(wave), values(wave), cameras(wave) {}
+  soa::Table<EmissionColumns> emission;
+  soa::Table<BsdfValueColumns> values;
+  soa::Table<CameraColumns> cameras;
+};
+
 struct Worker {
-  explicit Worker(std::uint32_t wave)
+  explicit Worker(std::uint32_t wave, bool has_light_paths = false)
       : paths(wave),
         rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
         hits(wave),
@@ -31,7 +43,9 @@ struct Worker {
         surfaces(wave),
         lights(wave),
         uniforms(wave),
-        lobe(wave) {}
+        lobe(wave) {
+    if (has_light_paths) light.emplace(wave);
+  }
 
   soa::Table<PathColumns> paths;
   soa::Table<RayColumns> rays[2];  // this bounce's and the next one's, taking turns
@@ -42,6 +56,7 @@ struct Worker {
   SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
   soa::Table<LightColumns> lights;
   soa::Table<UniformColumns> uniforms, lobe;
+  std::optional<LightPathTables> light;
   RenderStats stats;
 };
 
