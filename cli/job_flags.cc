@@ -147,7 +147,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
-            "direct|path|light", r.integrator, ParseIntegrator);
+            "direct|path|light|bdpt", r.integrator, ParseIntegrator);
   command.add_option("--light-samples", o.light_samples, "light samples a hit (direct)")
       ->check(CLI::Range(1, 1 << 16))
       ->capture_default_str();

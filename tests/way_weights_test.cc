@@ -74,7 +74,7 @@ class Subpaths {
     Put(surface.point + kLift * ng, row, s.org_x, s.org_y, s.org_z);
     s.lift[row] = kLift, s.t[row] = float(distance), s.path[row] = path;
     Fill(1, row, s.throughput_r, s.throughput_g, s.throughput_b);
-    vertices.row_of_path->queue[path] = row;
+    vertices.row_of_path->index[path] = row;
   }
   // Rays that leave in all rows, and the density for sampling back.
   struct Leaving {
@@ -228,13 +228,13 @@ class Subpaths {
     const std::size_t j = surfaces() - 1 - light_surfaces;  // the light's end; the eye's is j - 1
     const LightVertices &eye = eye_[j - 1], &light = light_[j];
     const soa::Table<LightColumns> to_light(kPaths), to_eye(kPaths);
-    const soa::Table<QueueColumns> partner(kPaths);
+    const soa::Table<IndexColumns> partner(kPaths);
     const BothWays at_eye(kPaths), at_light(kPaths);
-    AimAtVertices(eye.surfaces, kPaths, light.view(), partner->queue, to_light, to_eye);
+    AimAtVertices(eye.surfaces, kPaths, light.view(), partner->index, to_light, to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const std::uint32_t row = LightRow(i);
       const PathSurface &z = paths_[i].surfaces[j - 1], &y = paths_[i].surfaces[j];
-      EXPECT_EQ(partner->queue[i], row);
+      EXPECT_EQ(partner->index[i], row);
       const Vec dir = Unit(ToLight(paths_[i], j - 1));
       const Vec aimed = Get(i, to_light->dir_x, to_light->dir_y, to_light->dir_z);
       const Vec aimed_back = Get(row, to_eye->dir_x, to_eye->dir_y, to_eye->dir_z);
@@ -246,7 +246,7 @@ class Subpaths {
       at_light.forward->pdf[row] = float(y.pdf_to_eye);
       at_light.backward->pdf[row] = float(y.pdf_to_light);
     }
-    JoinVertices(eye.surfaces, eye.at, kPaths, MisPolicy(), light.view(), partner->queue,
+    JoinVertices(eye.surfaces, eye.at, kPaths, MisPolicy(), light.view(), partner->index,
                  {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward}, to_light);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {

@@ -39,21 +39,6 @@ void TraceAndAdd(const FrameView& frame, const std::uint32_t* keys, Worker& w, S
 
 }  // namespace
 
-BidirectionalTables::BidirectionalTables(std::uint32_t wave, std::uint32_t depth)
-    : eye_rays(wave),
-      eye(wave),
-      light(wave),
-      at(wave),
-      arrival(wave),
-      to_eye(wave),
-      partner(wave),
-      turned(wave),
-      seen(wave),
-      seen_by_light(wave) {
-  vertices.reserve(depth);
-  for (std::uint32_t i = 0; i < depth; ++i) vertices.emplace_back(wave);
-}
-
 void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BsdfValueColumns& out) {
@@ -180,13 +165,13 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
   const LightVertices& vertices = b.vertices[light_bounce];
   if (n == 0 || vertices.ranges.light_sampled() == 0) return;
   const MaterialView materials = frame.geometry->materials();
-  AimAtVertices(w.surfaces, n, vertices.view(), b.partner->queue, w.lights, b.to_eye);
+  AimAtVertices(w.surfaces, n, vertices.view(), b.partner->index, w.lights, b.to_eye);
   EvaluateBothWays(materials, w.surfaces, w.ranges, w.lights, b.turned, b.seen);
   EvaluateBothWays(materials, vertices.surfaces, vertices.ranges, b.to_eye, b.turned,
                    b.seen_by_light);
   const ConnectionEnds ends = {b.seen.forward, b.seen.backward, b.seen_by_light.forward,
                                b.seen_by_light.backward};
-  JoinVertices(w.surfaces, b.at, n, frame.mis(), vertices.view(), b.partner->queue, ends, w.lights);
+  JoinVertices(w.surfaces, b.at, n, frame.mis(), vertices.view(), b.partner->index, ends, w.lights);
   // Behind the event of the light sample.
   const std::uint32_t event =
       SamplePair(bounce, SampleUse::kLight) + kPairBlock * (light_bounce + 1);
@@ -205,9 +190,9 @@ void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Wo
 }
 
 void KeepVertices(Worker& w, LightVertices& vertices) {
-  std::fill_n(vertices.row_of_path->queue, w.paths.rows(), kNoRow);
+  std::fill_n(vertices.row_of_path->index, w.paths.rows(), kNoRow);
   for (std::uint32_t i = 0; i < w.ranges.light_sampled(); ++i) {
-    vertices.row_of_path->queue[w.surfaces->path[i]] = i;
+    vertices.row_of_path->index[w.surfaces->path[i]] = i;
   }
   vertices.ranges = w.ranges;
   std::swap(w.surfaces, vertices.surfaces);

@@ -1,53 +1,18 @@
-// What bidirectional integrators keep besides the tables of a worker, and the stages that they add:
-// vertices of light sub-paths, and their connections with those of the eye.
+// The stages of sub-paths that are joined: connections of their vertices, and the weights of all
+// ways to join them. Over the tables of a worker; each counts and times what it does.
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "kernels/bidirectional.h"
-#include "kernels/camera_connection.h"
 #include "kernels/columns.h"
-#include "kernels/emission.h"
+#include "wavefront/bidirectional_tables.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
-#include "wavefront/soa.h"
 #include "wavefront/stats.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
-
-// Both directions of a surface and another point, as its BSDF sees them.
-struct BothWays {
-  explicit BothWays(std::uint32_t wave) : forward(wave), backward(wave) {}
-  soa::Table<BsdfValueColumns> forward, backward;  // of dir given wo; of wo given dir
-};
-
-// The surfaces of one bounce of the light sub-paths of a wave.
-struct LightVertices {
-  explicit LightVertices(std::uint32_t wave) : surfaces(wave), at(wave), row_of_path(wave) {}
-  VertexView view() const { return {surfaces, at, row_of_path->queue}; }
-
-  soa::Table<SurfaceColumns> surfaces;
-  SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
-  soa::Table<SubpathColumns> at;
-  soa::Table<QueueColumns> row_of_path;  // a path's row in `surfaces`, or kNoRow
-};
-
-struct BidirectionalTables {
-  // `depth`: surfaces of the longest path.
-  BidirectionalTables(std::uint32_t wave, std::uint32_t depth);
-
-  std::vector<LightVertices> vertices;    // by bounce
-  soa::Table<RayColumns> eye_rays;        // while light sub-paths are traced
-  soa::Table<SubpathColumns> eye, light;  // on their way, one row a path
-  soa::Table<SubpathColumns> at;          // of the eye's surfaces at hand
-  soa::Table<UniformColumns> arrival;     // u: see kernels/arrival.h
-  soa::Table<LightColumns> to_eye;        // from light vertices
-  soa::Table<QueueColumns> partner;       // of the eye's surfaces
-  soa::Table<TurnedColumns> turned;       // room
-  BothWays seen, seen_by_light;           // ends of connections
-};
 
 // Evaluates the BSDFs of surfaces backwards along directions dir of `lights`: value and density of
 // wo given dir, as a path that comes from there sees the surface. Rows of delta BSDFs are left as

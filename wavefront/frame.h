@@ -18,9 +18,11 @@
 
 namespace skywave {
 
-enum class Integrator { kDirect, kPath, kLight };
+enum class Integrator { kDirect, kPath, kLight, kBdpt };
 // Whether its paths start at lights too, and bring splats to the film.
-constexpr bool HasLightPaths(Integrator integrator) { return integrator == Integrator::kLight; }
+constexpr bool HasLightPaths(Integrator integrator) {
+  return integrator == Integrator::kLight || integrator == Integrator::kBdpt;
+}
 
 struct RenderOptions {
   int width = 640, height = 480;        // of the picture

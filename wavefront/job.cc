@@ -403,7 +403,8 @@ std::string_view ToString(CameraKind kind) {
 }
 
 std::optional<Integrator> ParseIntegrator(std::string_view name) {
-  for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath, Integrator::kLight}) {
+  for (const Integrator integrator :
+       {Integrator::kDirect, Integrator::kPath, Integrator::kLight, Integrator::kBdpt}) {
     if (name == ToString(integrator)) return integrator;
   }
   return std::nullopt;
@@ -417,6 +418,8 @@ std::string_view ToString(Integrator integrator) {
       return "path";
     case Integrator::kLight:
       return "light";
+    case Integrator::kBdpt:
+      return "bdpt";
   }
   return "";
 }
