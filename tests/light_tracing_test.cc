@@ -51,7 +51,7 @@ Scene Things() {
   Place(scene, Sphere(0.7f, 40), AddGloss(scene, 0.35f), {0.95f, 0.7f, 0.2f});
   scene.materials.push_back(
       {.name = "leaf", .bsdf = BsdfKind::kDiffuseTransmission, .reflectance = {0.2f, 0.4f, 0.1f}});
-  scene.materials.back().transmittance = {0.3f, 0.5f, 0.2f};
+  scene.materials.back().second_color = {0.3f, 0.5f, 0.2f};
   Place(scene, Quad(0.6f), std::uint32_t(scene.materials.size() - 1), {0, 1.3f, 1});
   scene.camera = LookAtCamera({0.4f, 2.4f, 4.5f}, {0, 0.65f, 0}, {0, 1, 0}, 40, false);
   return scene;
