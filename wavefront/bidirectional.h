@@ -9,6 +9,7 @@
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/stages.h"
 #include "wavefront/stats.h"
 #include "wavefront/worker.h"
 

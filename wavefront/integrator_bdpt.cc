@@ -28,9 +28,11 @@ void TraceLightSubpaths(const FrameView& frame, std::uint32_t n, Worker& w, Film
     CountRays(w.stats, bounce, n, w.paths.rows());
     MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
     ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, vertices.at);
-    ConnectSurfaces(frame, bounce, w, clock);
-    WeighCameraConnections(frame, vertices.at, w, clock);
-    SplatConnections(frame, bounce, w, film, clock);
+    if (frame.shows(bounce + 1, 1)) {
+      ConnectSurfaces(frame, bounce, w, clock);
+      WeighCameraConnections(frame, vertices.at, w, clock);
+      SplatConnections(frame, bounce, w, film, clock);
+    }
     const bool last = bounce == b.vertices.size();
     n = last ? 0
              : ScatterSubpaths(frame, kLightEnd, vertices.at, 0, bounce, *next, b.light, w, clock);
@@ -59,14 +61,15 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     const std::uint32_t escaped =
         TraceAndSort(frame, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
     MoveEscaped(*rays, w.queue->queue, n, w.escaped);
-    AddMetLight(frame, *rays, n, escaped, bounce, w, clock);
+    const std::uint32_t eye = bounce + 2;  // vertices, with the surfaces to come
+    if (frame.shows(0, eye)) AddMetLight(frame, *rays, n, escaped, bounce, w, clock);
     if (bounce == max_depth) break;
     PrepareHits(frame, kCameraEnd, *rays, n, escaped, ranges, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     ArriveAtSurfaces(w.surfaces, ranges.total(), b.eye, b.at);
-    ConnectLights(frame, bounce, w, clock);
+    if (frame.shows(1, eye)) ConnectLights(frame, bounce, w, clock);
     for (std::uint32_t light = 0; bounce + light + 2 <= max_depth; ++light) {
-      ConnectVertices(frame, bounce, light, w, clock);
+      if (frame.shows(light + 2, eye)) ConnectVertices(frame, bounce, light, w, clock);
     }
     const bool last = bounce + 1 == max_depth;
     const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
