@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <functional>
 
 #include "lights/strategy.h"
 #include "scene/builtin.h"
@@ -97,7 +98,14 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     Film film = job.MakeFilm();
     Worker worker(600);  // the last wave is smaller
     const Tile tile = {0, 0, 32, 24};
-    for (const auto render : {RenderPathWave, RenderDirectWave}) {
+    Continuations continuations(600);
+    FrameView splitting = frame;
+    splitting.options.split = 2;
+    const auto split = [&](const FrameView&, const WaveRange& range, Worker& w, Film& to) {
+      RenderSplitWave(splitting, range, w, continuations, to);
+    };
+    using Render = std::function<void(const FrameView&, const WaveRange&, Worker&, Film&)>;
+    for (const Render& render : {Render(RenderPathWave), Render(RenderDirectWave), Render(split)}) {
       const auto waves = [&] {
         for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
           const auto left = std::uint32_t(32 * 24 * 4 - first);
@@ -107,7 +115,7 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
       // From the first wave on: there is nothing to warm up.
       EXPECT_EQ(AllocationsOf(waves), 0u);
     }
-    EXPECT_EQ(worker.stats.samples, 2u * 32 * 24 * 4);
+    EXPECT_EQ(worker.stats.samples, 3u * 32 * 24 * 4);
   }
 }
 

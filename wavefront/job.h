@@ -47,6 +47,7 @@ struct JobRequest {
   EnvironmentRequest environment;
   CameraRequest camera;
   std::string strategy = "importance";
+  std::string continuation_strategy;  // where paths split; empty: the same
   std::string embree_config;
   std::optional<int> width, height;
   std::optional<CropWindow> crop;
@@ -55,6 +56,10 @@ struct JobRequest {
   std::optional<PixelFilter> filter;
   RenderOptions options;  // everything that a scene does not say
 };
+
+// Points of a pixel's sequence that one of its samples can use up; with the number of samples they
+// must stay below 2^32.
+std::uint32_t MostPointsOfASample(const RenderOptions& options);
 
 struct JobTimes {
   double load = 0, build = 0, tables = 0;  // [s] scene and map read, BVH built, strategy built
@@ -89,7 +94,7 @@ class RenderJob {
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
-  std::unique_ptr<EnvStrategy> strategy_;
+  std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;
   float brightest_ = 0;     // channel of map and local lights [scene radiance]

@@ -45,8 +45,18 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
           .paths = w.paths};
 }
 
+Departure FromOwnSurfaces(const FrameView& frame, const Worker& w) {
+  return {.frame = frame, .points = Points(frame, w), .paths = w.paths};
+}
+
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
+  MeetSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
+}
+
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
+                  StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
   TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
@@ -61,8 +71,8 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
-  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
@@ -76,6 +86,11 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, Worker& w, StageClock& clock) {
+  MeetLight(frame, rays, n, bounce, FromOwnSurfaces(frame, w), w, clock);
+}
+
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
   const std::uint32_t* const keys = PathRayKeys(frame, bounce, rays, n, w);
   if (frame.has_emitters()) {
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
@@ -87,8 +102,8 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
-  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
   clock.Lap(Stage::kEscape);
 }
 
@@ -134,15 +149,23 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
   clock.Lap(Stage::kFilm);
 }
 
-void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
-  film.Add(w.paths, n, w.stats);
+void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, Film& film) {
   if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
+}
+
+void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+  film.Add(w.paths, n, w.stats);
   // Of the two kernels that every path of the wave passes.
   for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
     w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
   }
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
+}
+
+void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
+  KeepDirectOfEnded(n, bounce, w, film);
+  FinishPaths(n, w, film, clock);
 }
 
 }  // namespace skywave

@@ -13,7 +13,16 @@
 namespace skywave {
 namespace {
 
-void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& film) {
+// What a thread owns.
+struct Tables {
+  explicit Tables(const RenderOptions& options) : worker(options.wave) {
+    if (options.split > 0) continuations = std::make_unique<Continuations>(options.wave);
+  }
+  Worker worker;
+  std::unique_ptr<Continuations> continuations;  // of paths that split
+};
+
+void RenderTile(const FrameView& frame, const Tile& tile, Tables& tables, Film& film) {
   const FlushDenormals flush;
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * frame.options.samples_per_pixel;
@@ -24,10 +33,14 @@ void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& 
         .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
     switch (frame.options.integrator) {
       case Integrator::kDirect:
-        RenderDirectWave(frame, range, worker, film);
+        RenderDirectWave(frame, range, tables.worker, film);
         break;
       case Integrator::kPath:
-        RenderPathWave(frame, range, worker, film);
+        if (tables.continuations) {
+          RenderSplitWave(frame, range, tables.worker, *tables.continuations, film);
+        } else {
+          RenderPathWave(frame, range, tables.worker, film);
+        }
         break;
     }
   }
@@ -59,8 +72,8 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.initialize();
   // Slots are filled by the threads that use them, so that they touch their own memory first.
-  std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-  if (recorders != nullptr) recorders->resize(workers.size());
+  std::vector<std::unique_ptr<Tables>> tables(std::size_t(arena.max_concurrency()));
+  if (recorders != nullptr) recorders->resize(tables.size());
 
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
@@ -68,11 +81,11 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
           const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
-          if (!workers[slot]) workers[slot] = std::make_unique<Worker>(options.wave);
+          if (!tables[slot]) tables[slot] = std::make_unique<Tables>(options);
           FrameView view = frame;
           view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
           for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            RenderTile(view, tiles[i], *workers[slot], film);
+            RenderTile(view, tiles[i], *tables[slot], film);
             if (progress != nullptr) {
               *progress +=
                   std::uint64_t(tiles[i].width) * tiles[i].height * options.samples_per_pixel;
@@ -84,8 +97,8 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   FrameResult result;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   result.threads = arena.max_concurrency();
-  for (const auto& worker : workers) {
-    if (worker) result.stats += worker->stats;
+  for (const auto& used : tables) {
+    if (used) result.stats += used->worker.stats;
   }
   return result;
 }

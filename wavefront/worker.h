@@ -45,6 +45,27 @@ struct Worker {
   RenderStats stats;
 };
 
+// Sums over the continuations of a path. One row = one path of the wave.
+struct RadianceColumns {
+  float *r, *g, *b;  // [scene radiance]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
+// What a worker needs besides where paths split. A continuation has the row of its path: one wave
+// follows the first continuation of every path, the next one the second, so the order in which a
+// path gathers light is the same for every size of waves.
+struct Continuations {
+  explicit Continuations(std::uint32_t rows) : wave(rows), direct(rows) {}
+
+  // The continuations at hand; radiance of its paths is the sum over all so far, without:
+  Worker wave;
+  soa::Table<RadianceColumns> direct;  // what their first rays see
+};
+
 inline constexpr std::size_t kWorkerBytesPerRow =
     soa::BytesPerRow<PathColumns>() + 2 * soa::BytesPerRow<RayColumns>() +
     soa::BytesPerRow<HitColumns>() + soa::BytesPerRow<QueueColumns>() +

@@ -76,11 +76,13 @@ class Session:
             half_done = folder / f"{stem}.part.json"
             run([self.program, "converge", *self.scene, *self.common, "--light-samples",
                  light_samples, "--strategies", "importance", "--budgets", 1, "--repeats", 2,
-                 "--reference-spp", samples, "--seed", 1000003, "--save-reference", picture,
+                 "--reference-spp", samples, "--reference-strategy", table.reference_strategy,
+                 "--seed", 1000003, "--save-reference", picture,
                  "--json", half_done, "-q"])
             os.replace(half_done, facts)
         read = json.loads(facts.read_text())
         return picture, {"samples_per_pixel": samples, "light_samples": light_samples,
+                         "strategy": table.reference_strategy,
                          "mse": read["reference"]["mse"],
                          "seconds": read["reference"]["seconds"],
                          "scene_hash": read["scene"]["hash"], "version": read["version"]}
@@ -114,8 +116,12 @@ class Session:
     def render_command(self, recipe, seed, picture, stats):
         command = [self.program, "render", *self.scene, *self.common,
                    "--strategy", recipe.strategy, "--spp", recipe.samples]
-        if self.table.integrator == "direct":
+        if self.table.integrator == "direct" or recipe.split:
             command += ["--light-samples", recipe.light_samples]
+        if recipe.split:
+            command += ["--split", recipe.split]
+        if recipe.behind:
+            command += ["--continuation-strategy", recipe.behind]
         if not recipe.mis:
             command.append("--no-mis")
         return command + ["--seed", seed, "--stats", stats, "-o", picture, "-q"]

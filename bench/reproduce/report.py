@@ -91,7 +91,8 @@ def markdown(summary):
         lines += [f"`{s['command']}`", "",
                   f"{s['date']}, {s['processor']}, {s['threads']} threads; {s['size']}, medians of "
                   f"times and means of errors, alternated repeats: {s['repeats']}. Reference: "
-                  f"{r['samples_per_pixel']} x {r['light_samples']} samples a pixel in "
+                  f"{r['samples_per_pixel']} x {r['light_samples']} samples a pixel by "
+                  f"`{r['strategy']}` in "
                   f"{r['seconds']:.0f} s, its own 3 mse {3 * r['mse']:.2g}.", ""]
     else:
         lines += ["Not measured yet.", ""]
