@@ -1,4 +1,5 @@
-"""Tables 8.2 to 8.6 of the thesis on hybrid sampling, and the rows in words of --strategy.
+"""Tables 8.2 to 8.6 of the thesis on hybrid sampling, and the rows in words of --strategy;
+photon_tables.py has 8.7 to 8.9.
 
 The rows stand here as the thesis prints them, one a line; '-' is an empty cell. Direct lighting:
   N method seconds euclidean luminance area-of-A[%] clustering lights IS MPA
@@ -29,6 +30,7 @@ class Recipe:
     mis: bool = False
     split: int = 0      # continuations of a camera sample; 0: paths do not split
     behind: str = ""    # strategy of the light samples of continuations, if it is another one
+    flags: list = field(default_factory=list)  # more of the program's
 
 
 @dataclass
@@ -63,6 +65,7 @@ class Table:
     reference: tuple            # samples a pixel, light samples
     quick_reference: tuple
     turn: int = 0               # of the map, degrees
+    camera: list = field(default_factory=list)  # flags; empty: the scene's own
     reference_strategy: str = "importance"
     rows: list = field(default_factory=list)
 
