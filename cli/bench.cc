@@ -144,8 +144,9 @@ int BenchSuite(const BenchFlags& flags) {
                         .repetitions = settings.repetitions,
                         .replayed = settings.replay};
   bool right = true;
+  const bool tables = flags.counters || !flags.renders_only;
   for (const SuiteScene& scene : SuiteScenes(flags.full)) {
-    report.results.push_back(MeasureScene(scene, flags.request, settings));
+    report.results.push_back(MeasureScene(scene, flags.request, settings, tables));
     right &= PictureIsRight(report.results.back());
   }
   report.options = report.results.front().options;
@@ -187,7 +188,7 @@ void AddBenchCommand(CLI::App& program, Run& run) {
       ->group(suite);
   command
       ->add_flag("--renders-only", flags->renders_only,
-                 "no replays and no other thread counts: for comparisons of two programs")
+                 "no replays, other thread counts or tables: for comparisons of two programs")
       ->group(suite);
   command->add_option("--report", flags->report, "write a page with charts to this file")
       ->group(suite);

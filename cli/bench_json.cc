@@ -93,6 +93,7 @@ ordered_json Json(const SuiteResult& result) {
   }
   json["triangles"] = result.triangles;
   json["bytes"] = {{"geometry", result.geometry_bytes}, {"peak", result.peak_memory_bytes}};
+  json["tables"];  // null unless measured
   for (const StrategyTable& table : result.tables) {
     json["tables"][table.name] = {{"bytes", table.bytes}, {"seconds", table.seconds}};
   }

@@ -120,8 +120,9 @@ std::string SuiteText(const SuiteReport& report) {
   line("\n{} bytes a path in flight, {} paths a wave, load average {:.2f} to {:.2f}",
        kWorkerBytesPerRow, report.options.wave, report.results.front().speed.load_average_before,
        report.results.back().speed.load_average_after);
-  line("{:<16}{:>14}{:>10}", "table of", "bytes", "build s");
-  for (const StrategyTable& table : report.results.front().tables) {
+  const std::vector<StrategyTable>& tables = report.results.front().tables;
+  if (!tables.empty()) line("{:<16}{:>14}{:>10}", "table of", "bytes", "build s");
+  for (const StrategyTable& table : tables) {
     line("{:<16}{:>14}{:>10.3f}", table.name, table.bytes, table.seconds);
   }
   return line.text();

@@ -22,9 +22,11 @@ namespace {
 
 constexpr std::uint32_t kMaxSamples = 1 << 24;
 
-// Samples a pixel whose light samples are still points of its sequence (see RenderJob).
+// Samples a pixel whose light samples and continuations are still points of its sequence (see
+// RenderJob).
 std::uint32_t MostSamples(const RenderOptions& options) {
-  return std::min(kMaxSamples, std::numeric_limits<std::uint32_t>::max() / options.light_samples);
+  return std::min(kMaxSamples,
+                  std::numeric_limits<std::uint32_t>::max() / MostPointsOfASample(options));
 }
 
 struct ConvergeFlags {
@@ -79,6 +81,9 @@ std::string CommandText(const ConvergeFlags& flags, const RenderOptions& options
                       ToString(flags.settings.measure), Quoted(flags.reference));
   if (flags.reference_samples > 0) {
     text += fmt::format(" --reference-spp {}", flags.reference_samples);
+  }
+  if (flags.request.strategy != JobRequest().strategy) {
+    text += " --reference-strategy " + Quoted(flags.request.strategy);
   }
   if (flags.target) text += fmt::format(" --target-error {}", *flags.target);
   return text;
@@ -165,9 +170,9 @@ int ConvergeMain(ConvergeFlags& flags) {
   }
   if (flags.budgets.back() > MostSamples(job.options())) {
     throw InputError(InputPosition::File("--budgets"),
-                     fmt::format("{} samples a pixel with {} light samples each are more than the "
-                                 "2^32 points of a pixel's sequence",
-                                 flags.budgets.back(), job.options().light_samples),
+                     fmt::format("{} samples a pixel with {} light samples or continuations each "
+                                 "are more than the 2^32 points of a pixel's sequence",
+                                 flags.budgets.back(), MostPointsOfASample(job.options())),
                      kExitUsage);
   }
   ConvergeReport report;
@@ -208,7 +213,10 @@ void AddReferenceFlags(CLI::App& command, ConvergeFlags& flags) {
   command
       .add_option(
           "--reference", flags.reference,
-          "picture of the same size, or auto: two independent halves by importance sampling")
+          "picture of the same size, or auto: two independent halves by --reference-strategy")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--reference-strategy", flags.request.strategy, "of auto")
       ->capture_default_str()
       ->group(group);
   command

@@ -165,9 +165,18 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
             "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
             "weight is 1",
             "S,T", o.way, ParseWay);
-  command.add_option("--light-samples", o.light_samples, "light samples a hit (direct)")
+  command
+      .add_option("--light-samples", o.light_samples,
+                  "light samples a hit (direct; path with --split: a first hit)")
       ->check(CLI::Range(1, 1 << 16))
       ->capture_default_str();
+  command
+      .add_option("--split", o.split,
+                  "continuations of a path behind its first hit (path; default: none)")
+      ->check(CLI::Range(1, 1 << 16))
+      ->type_name("S");
+  command.add_option("--continuation-strategy", r.continuation_strategy,
+                     "of the light samples behind it (default: --strategy)");
   command
       .add_option("--max-depth", r.max_depth,
                   "surfaces a path scatters at (default: the scene's, or 5)")
@@ -208,8 +217,12 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   if (cropped) {
     text += fmt::format(" --crop {}x{}+{}+{}", o.width, o.height, o.crop_x, o.crop_y);
   }
-  if (o.integrator == Integrator::kDirect) {
+  if (o.integrator == Integrator::kDirect || o.split > 0) {
     text += fmt::format(" --light-samples {}", o.light_samples);
+  }
+  if (o.split > 0) text += fmt::format(" --split {}", o.split);
+  if (!r.continuation_strategy.empty()) {
+    text += " --continuation-strategy " + Quoted(r.continuation_strategy);
   }
   text += fmt::format(" --max-depth {} --filter {} --filter-radius {} --seed {}", o.max_depth,
                       ToString(o.filter), o.filter_radius, o.seed);

@@ -35,7 +35,7 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
     VF weight = zero;
     if (mis.enabled) {
       const VF light = Load(rows.light_pdf + i);
-      const VF p2 = hn::Mul(pdf, pdf);
+      const VF p = hn::Mul(pdf, Set(mis.bsdf_samples)), p2 = hn::Mul(p, p);
       weight = hn::Div(p2, hn::Add(p2, hn::Mul(light, light)));
     }
     weight = IfThen(hn::Eq(pdf, zero), one, weight);

@@ -149,7 +149,8 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     VF factor = hn::Div(one, pdf);
     if (mis.enabled) {
       // p / (p^2 + q^2): the weight p^2 / (p^2 + q^2) over p.
-      const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(result.pdf, result.pdf);
+      const VF q = hn::Mul(result.pdf, Set(mis.bsdf_samples));
+      const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(q, q);
       factor = hn::Div(pdf, hn::Add(p2, q2));
     }
     factor = IfThen(hn::Eq(pdf, open), one, factor);

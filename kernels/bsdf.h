@@ -30,10 +30,11 @@ struct MaterialView {
 
 // How light and BSDF samples of the same direction share the work: power heuristic, exponent 2
 // (Veach and Guibas 1995), between the density of light samples (which counts how many there are)
-// and that of one BSDF sample. Without it light samples count in full and directions drawn from a
-// density see no light.
+// and that of `bsdf_samples` BSDF samples. Without it light samples count in full and directions
+// drawn from a density see no light.
 struct MisPolicy {
   bool enabled = true;
+  float bsdf_samples = 1;  // of a surface
 };
 
 // What a path carries. BSDFs are not symmetric where light is refracted, which scales radiance and

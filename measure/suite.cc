@@ -192,7 +192,7 @@ double SuiteResult::mrays_per_second() const {
 }
 
 SuiteResult MeasureScene(const SuiteScene& scene, const JobRequest& base,
-                         const SpeedSettings& settings) {
+                         const SpeedSettings& settings, bool tables) {
   const JobRequest request = SuiteRequest(scene, base);
   const RenderJob job(request);
   Film film = job.MakeFilm();
@@ -202,7 +202,7 @@ SuiteResult MeasureScene(const SuiteScene& scene, const JobRequest& base,
                         .scene_hash = job.scene_hash(),
                         .triangles = job.geometry().triangle_count(),
                         .geometry_bytes = job.geometry().bytes(),
-                        .tables = MeasureTables(job)};
+                        .tables = tables ? MeasureTables(job) : std::vector<StrategyTable>()};
   result.speed = MeasureSpeed(job, settings, film);
   result.found = FingerprintOf(film, scene.samples_per_pixel);
   result.check = CheckPicture(scene.expected, result.found, HasReferenceHits(request));

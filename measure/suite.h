@@ -66,7 +66,8 @@ struct SuiteResult {
   double write_seconds = 0;
   std::uint64_t scene_hash = 0;
   std::size_t triangles = 0, geometry_bytes = 0;
-  std::vector<StrategyTable> tables;  // of every strategy, for this scene's map
+  // Of every strategy, for this scene's map; empty: not measured.
+  std::vector<StrategyTable> tables;
   Fingerprint found;
   PictureCheck check = PictureCheck::kWrong;
   Speed speed;
@@ -76,8 +77,9 @@ struct SuiteResult {
   double mrays_per_second() const;
 };
 
+// `tables`: whether to build those of every strategy, which takes longer than a few renders.
 SuiteResult MeasureScene(const SuiteScene& scene, const JobRequest& base,
-                         const SpeedSettings& settings);
+                         const SpeedSettings& settings, bool tables);
 
 // Over scenes: geometric means, so that each scene counts alike. 0: not measured.
 struct SuiteSummary {

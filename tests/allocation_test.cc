@@ -92,26 +92,33 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.max_depth = 12;
     request.options.backend = backend;
     request.options.light_samples = 3;
-    for (const Integrator integrator :
-         {Integrator::kPath, Integrator::kDirect, Integrator::kLight}) {
+    struct Kind {
+      Integrator integrator;
+      std::uint32_t split;
+    };
+    for (const auto& [integrator, split] :
+         {Kind{Integrator::kPath, 0}, Kind{Integrator::kPath, 2}, Kind{Integrator::kDirect, 0},
+          Kind{Integrator::kLight, 0}, Kind{Integrator::kBdpt, 0}}) {
       SCOPED_TRACE(ToString(integrator));
       request.integrator = Integrator::kPath;
+      request.options.split = split;
       if (HasLightPaths(integrator) && !CanEmit(RenderJob(scene, request).strategy())) continue;
       request.integrator = integrator;
       const RenderJob job(scene, request);
-      const FrameView frame = job.frame();
+      FrameView frame = job.frame();
+      frame.options.wave = 600;  // the last wave is smaller
       Film film = job.MakeFilm();
-      Worker worker(600, HasLightPaths(integrator));  // the last wave is smaller
+      const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
       const Tile tile = {0, 0, 32, 24};
       const auto waves = [&] {
         for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
           const auto left = std::uint32_t(32 * 24 * 4 - first);
-          RenderWave(frame, {tile, first, std::min(600u, left)}, worker, film);
+          RenderWave(frame, {tile, first, std::min(600u, left)}, *worker, film);
         }
       };
       // From the first wave on: there is nothing to warm up.
       EXPECT_EQ(AllocationsOf(waves), 0u);
-      EXPECT_EQ(worker.stats.samples, 32u * 24 * 4);
+      EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
     }
   }
 }

@@ -83,7 +83,9 @@ TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
   EXPECT_FALSE(Contains(again.out, "embree_fraction=")) << again.out;
   EXPECT_TRUE(Contains(again.out, "not measured: embree_fraction, scaling_2 (--renders-only)"))
       << again.out;
-  EXPECT_TRUE(Json::parse(Bytes("b.json")).at("summary").at("embree_fraction").is_null());
+  const Json renders = Json::parse(Bytes("b.json"));
+  EXPECT_TRUE(renders.at("summary").at("embree_fraction").is_null());
+  EXPECT_TRUE(renders.at("scenes").at(0).at("tables").is_null());
   const std::string page = Bytes("r.html");
   for (const char* const part : {"<svg", "a.json", "this run", "light sample", "SUMMARY"}) {
     EXPECT_TRUE(Contains(page, part)) << part;

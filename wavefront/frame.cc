@@ -35,6 +35,13 @@ void Copy(const glm::vec3& from, float* to) {
 
 }  // namespace
 
+FrameView FrameView::of_continuations() const {
+  FrameView frame = *this;
+  frame.options.split = 0;
+  if (continuation_strategy != nullptr) frame.strategy = continuation_strategy;
+  return frame;
+}
+
 LightShares FrameView::light_shares() const {
   LightShares shares;
   shares.plan = has_sky() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};

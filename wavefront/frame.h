@@ -37,7 +37,8 @@ struct RenderOptions {
   std::uint32_t samples_per_pixel = 64;
   std::uint32_t first_sample = 0;   // samples [first_sample, first_sample + samples_per_pixel)
   std::uint32_t max_depth = 5;      // surfaces a path scatters at
-  std::uint32_t light_samples = 1;  // a hit (direct)
+  std::uint32_t light_samples = 1;  // a hit (direct), a first hit (paths that split)
+  std::uint32_t split = 0;          // continuations of a path (path); 0: paths do not split
   bool mis = true;
   std::optional<PathWay> way;  // bdpt: only this one; unset: all
   std::uint32_t seed = 0;
@@ -64,13 +65,17 @@ struct FrameView {
   RenderOptions options;
   const Geometry* geometry;
   const EnvStrategy* strategy;
+  const EnvStrategy* continuation_strategy;  // behind the split; null: the same
   LocalLightView local_lights;
   CameraView camera;
   Tracer tracer;
   SceneSphere sphere = {};  // where light paths from infinity begin
   FilterView filter = {};   // for splats
 
-  MisPolicy mis() const { return {.enabled = options.mis}; }
+  MisPolicy mis() const {
+    return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
+  }
+  bool splits() const { return options.split > 0; }
   // Whether light comes from beyond the scene; where it does not, the strategy is not asked.
   bool has_sky() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }
@@ -82,8 +87,10 @@ struct FrameView {
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
-    return options.integrator == Integrator::kDirect ? options.light_samples : 1;
+    return options.integrator == Integrator::kDirect || splits() ? options.light_samples : 1;
   }
+  // The frame in which continuations go on: paths that do not split again.
+  FrameView of_continuations() const;
   LightShares light_shares() const;
   // Whether the picture shows what sub-paths with so many vertices bring.
   bool shows(std::uint32_t light, std::uint32_t eye) const {

@@ -4,6 +4,7 @@
 
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/path_stages.h"
 #include "wavefront/stages.h"
 #include "wavefront/worker.h"
 
@@ -16,6 +17,18 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
 // combined by multiple importance sampling, Russian roulette from the fourth bounce on, at most
 // max_depth surfaces a path.
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Path tracing from a bounce on: rays [0, n) of worker.rays[0] arrive at `bounce`, coming from
+// `first`. Returns the bounce at which the last path ended. `film`: keeps what KeepAovs says of
+// paths that begin at the camera; null for others.
+std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::uint32_t n,
+                          std::uint32_t bounce, Worker& worker, Film* film, StageClock& clock);
+
+// Path tracing that splits (T fig. 8.26, the integrator PT2): at the first surface that is no
+// mirror or glass a path takes all its direct light, light_samples light samples, and goes on as
+// `split` continuations, whose mean is its indirect light. Continuations are paths like those of
+// RenderPathWave; their light samples are of the frame's strategy for continuations.
+void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
 // Direct light (T 4.2.1): light_samples light samples at the first surface that is no mirror or
 // glass, and one BSDF sample against them; mirrors and glass are followed up to max_depth surfaces.

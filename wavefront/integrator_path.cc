@@ -7,22 +7,21 @@
 
 namespace skywave {
 
-void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
-  StageClock clock(w.stats);
+std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::uint32_t n,
+                          std::uint32_t bounce, Worker& w, Film* film, StageClock& clock) {
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
-  clock.Lap(Stage::kGenerate);
-
-  std::uint32_t n = range.count, bounce = 0;
-  for (; n > 0; ++bounce) {
+  const Departure own = FromOwnSurfaces(frame, w);
+  const Departure* from = &first;
+  const std::uint32_t paths = n;
+  for (; n > 0; ++bounce, from = &own) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
+      MeetLight(frame, *rays, n, bounce, *from, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
-    KeepAovs(frame, bounce, range.count, w, film, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, *from, w, clock);
+    if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
@@ -32,7 +31,16 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
-  FinishWave(range.count, bounce, w, film, clock);
+  return bounce;
+}
+
+void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, w.rays[0]);
+  clock.Lap(Stage::kGenerate);
+  const std::uint32_t end =
+      FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
+  FinishWave(range.count, end, w, film, clock);
 }
 
 }  // namespace skywave

@@ -124,6 +124,19 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
   return strategy;
 }
 
+void CheckSplit(const JobRequest& request, const RenderOptions& options) {
+  if (options.split > 0 && options.integrator != Integrator::kPath) {
+    throw InputError(
+        InputPosition::File(fmt::format("--split {}", options.split)),
+        fmt::format("splits paths: --integrator {} has none", ToString(options.integrator)),
+        kExitUsage);
+  }
+  if (options.split == 0 && !request.continuation_strategy.empty()) {
+    throw InputError(InputPosition::File("--continuation-strategy"),
+                     "is that of paths behind their first hit: give --split S as well", kExitUsage);
+  }
+}
+
 // The camera of the scene, or else one that sees all of it, changed as the flags have it.
 // `aspect`: width / height of the whole film.
 Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& wish,
@@ -242,6 +255,10 @@ std::array<float, 9> Rows(const glm::mat3& columns) {
 
 }  // namespace
 
+std::uint32_t MostPointsOfASample(const RenderOptions& options) {
+  return std::max(options.light_samples, options.split);
+}
+
 RenderJob::RenderJob(const JobRequest& request) {
   const auto start = Clock::now();
   Scene scene = ReadScene(request.scene, request.read);
@@ -297,11 +314,12 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   if (options_.samples_per_pixel == 0) {
     throw InputError(InputPosition::File(request.scene), "0 samples a pixel show nothing");
   }
-  if (std::uint64_t{options_.samples_per_pixel} * options_.light_samples > 0xFFFFFFFFu) {
+  CheckSplit(request, options_);
+  if (std::uint64_t{options_.samples_per_pixel} * MostPointsOfASample(options_) > 0xFFFFFFFFu) {
     throw InputError(InputPosition::File(request.scene),
-                     fmt::format("{} samples a pixel with {} light samples each are more than the "
-                                 "2^32 points of a pixel's sequence",
-                                 options_.samples_per_pixel, options_.light_samples),
+                     fmt::format("{} samples a pixel with {} light samples or continuations each "
+                                 "are more than the 2^32 points of a pixel's sequence",
+                                 options_.samples_per_pixel, MostPointsOfASample(options_)),
                      kExitUsage);
   }
 
@@ -370,6 +388,10 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
           .map_from_world = Rows(scene.environments[0].world_from_map)};
   const auto tables_start = Clock::now();
   strategy_ = MakeUsableStrategy(request.strategy, map_, has_sky(), options_);
+  if (!request.continuation_strategy.empty()) {
+    continuation_strategy_ =
+        MakeUsableStrategy(request.continuation_strategy, map_, has_sky(), options_);
+  }
   times_.tables = SecondsSince(tables_start);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options_.filter_radius);
@@ -380,6 +402,7 @@ FrameView RenderJob::frame() const {
   return {.options = options_,
           .geometry = geometry_.get(),
           .strategy = strategy_.get(),
+          .continuation_strategy = continuation_strategy_.get(),
           .local_lights = local_lights_.view(),
           .camera = camera_,
           .tracer = {.scene = geometry_->scene(),

@@ -49,6 +49,7 @@ struct JobRequest {
   EnvironmentRequest environment;
   CameraRequest camera;
   std::string strategy = "importance";
+  std::string continuation_strategy;  // where paths split; empty: the same
   std::string embree_config;
   std::optional<int> width, height;
   std::optional<CropWindow> crop;
@@ -57,6 +58,10 @@ struct JobRequest {
   std::optional<PixelFilter> filter;
   RenderOptions options;  // everything that a scene does not say
 };
+
+// Points of a pixel's sequence that one of its samples can use up; with the number of samples they
+// must stay below 2^32.
+std::uint32_t MostPointsOfASample(const RenderOptions& options);
 
 struct JobTimes {
   double load = 0, build = 0, tables = 0;  // [s] scene and map read, BVH built, strategy built
@@ -92,7 +97,7 @@ class RenderJob {
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
-  std::unique_ptr<EnvStrategy> strategy_;
+  std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
   std::vector<float> filter_offsets_, filter_densities_;
   CameraView camera_;
   SceneSphere sphere_;      // integrators with light paths only

@@ -45,6 +45,10 @@ ShadePoints Points(const FrameView& frame, const Worker& w) {
           .paths = w.paths};
 }
 
+Departure FromOwnSurfaces(const FrameView& frame, const Worker& w) {
+  return {.frame = frame, .points = Points(frame, w), .paths = w.paths};
+}
+
 std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                            std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
                            SurfaceRanges& ranges, StageClock& clock) {
@@ -74,20 +78,31 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
 
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
+  MeetSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
+}
+
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
+                  StageClock& clock) {
   SurfaceRanges ranges;
   const std::uint32_t escaped =
       TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, ranges, clock);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
-  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
   clock.Lap(Stage::kEscape);
   PrepareHits(frame, kCameraEnd, rays, n, escaped, ranges, w, clock);
 }
 
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, Worker& w, StageClock& clock) {
+  MeetLight(frame, rays, n, bounce, FromOwnSurfaces(frame, w), w, clock);
+}
+
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
   const std::uint32_t* const keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
   if (frame.has_emitters()) {
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
@@ -99,8 +114,8 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
-  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
   clock.Lap(Stage::kEscape);
 }
 
@@ -147,15 +162,23 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
   clock.Lap(Stage::kFilm);
 }
 
-void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
-  film.Add(w.paths, n, w.stats);
+void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, Film& film) {
   if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
+}
+
+void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+  film.Add(w.paths, n, w.stats);
   // Of the two kernels that every path of the wave passes.
   for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
     w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
   }
   ++w.stats.waves;
   clock.Lap(Stage::kFilm);
+}
+
+void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
+  KeepDirectOfEnded(n, bounce, w, film);
+  FinishPaths(n, w, film, clock);
 }
 
 }  // namespace skywave

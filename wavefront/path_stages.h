@@ -32,13 +32,30 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
                  std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges, Worker& w,
                  StageClock& clock);
 
-// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
+// Where rays come from: the surfaces that they have left, and the frame that plans the light
+// samples of those, which are the partners of what the rays see. `paths` takes what they see.
+struct Departure {
+  const FrameView& frame;
+  ShadePoints points;
+  PathColumns paths;
+};
+
+// From the surfaces of the worker itself, of any bounce: its tables stay where they are.
+Departure FromOwnSurfaces(const FrameView& frame, const Worker& w);
+
+// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits. With
+// `only_delta`: see SortHits. `from`: if unsaid, the surfaces of the worker itself.
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock);
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
+                  StageClock& clock);
 
-// The end of a path: only what shines by itself can still be seen.
+// The end of a path: only what shines by itself can still be seen. `from`: as in MeetSurfaces.
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, Worker& w, StageClock& clock);
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock);
 
 // The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
 // lights come light by light, so that a stream of shadow rays has one direction.
@@ -50,5 +67,9 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
 
 // Gives paths [0, n) to the film. `bounce`: at which the last one ended.
 void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock);
+
+// Its two parts: what KeepAovs did not see because paths had ended, and all radiance.
+void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, Film& film);
+void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock);
 
 }  // namespace skywave

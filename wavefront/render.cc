@@ -33,18 +33,13 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
     case Integrator::kDirect:
       return RenderDirectWave(frame, range, worker, film);
     case Integrator::kPath:
+      if (worker.continuations) return RenderSplitWave(frame, range, worker, film);
       return RenderPathWave(frame, range, worker, film);
     case Integrator::kLight:
       return RenderLightWave(frame, range, worker, film);
     case Integrator::kBdpt:
       return RenderBdptWave(frame, range, worker, film);
   }
-}
-
-std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
-  std::optional<std::uint32_t> joined_depth;
-  if (options.integrator == Integrator::kBdpt) joined_depth = options.max_depth;
-  return std::make_unique<Worker>(options.wave, HasLightPaths(options.integrator), joined_depth);
 }
 
 int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
@@ -80,9 +75,7 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
         tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
           const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
-          if (!workers[slot]) {
-            workers[slot] = MakeWorker(options);
-          }
+          if (!workers[slot]) workers[slot] = MakeWorker(options);
           FrameView view = frame;
           view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
           for (std::size_t i = range.begin(); i < range.end(); ++i) {

@@ -30,10 +30,6 @@ struct FrameResult {
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
 
-// A worker with the tables that the integrator of `options` needs, for waves of its size. To be
-// called by the thread that will use it.
-std::unique_ptr<Worker> MakeWorker(const RenderOptions& options);
-
 // Threads that `threads` = 0 stands for: those the process may run on.
 int AvailableThreads();
 

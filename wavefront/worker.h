@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "kernels/bsdf.h"
@@ -10,6 +11,7 @@
 #include "kernels/columns.h"
 #include "kernels/emission.h"
 #include "wavefront/bidirectional_tables.h"
+#include "wavefront/frame.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
@@ -34,22 +36,11 @@ struct LightPathTables {
   soa::Table<CameraColumns> cameras;
 };
 
+struct Continuations;
+
 struct Worker {
-  // `joined_depth`: surfaces of the longest path whose sub-paths are joined; unset: none are.
-  explicit Worker(std::uint32_t wave, bool has_light_paths = false,
-                  std::optional<std::uint32_t> joined_depth = std::nullopt)
-      : paths(wave),
-        rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
-        hits(wave),
-        queue(wave),
-        escaped(wave),
-        surfaces(wave),
-        lights(wave),
-        uniforms(wave),
-        lobe(wave) {
-    if (has_light_paths) light.emplace(wave);
-    if (joined_depth) bidirectional.emplace(wave, *joined_depth);
-  }
+  explicit Worker(std::uint32_t wave);
+  ~Worker();
 
   soa::Table<PathColumns> paths;
   soa::Table<RayColumns> rays[2];  // this bounce's and the next one's, taking turns
@@ -60,10 +51,38 @@ struct Worker {
   SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
   soa::Table<LightColumns> lights;
   soa::Table<UniformColumns> uniforms, lobe;
+  RenderStats stats;
+
+  // Of integrators that need them (MakeWorker).
   std::optional<LightPathTables> light;
   std::optional<BidirectionalTables> bidirectional;
-  RenderStats stats;
+  std::unique_ptr<Continuations> continuations;
 };
+
+// Sums over the continuations of a path. One row = one path of the wave.
+struct RadianceColumns {
+  float *r, *g, *b;  // [scene radiance]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
+// What a worker needs besides where paths split. A continuation has the row of its path: one wave
+// follows the first continuation of every path, the next one the second, so the order in which a
+// path gathers light is the same for every size of waves.
+struct Continuations {
+  explicit Continuations(std::uint32_t rows) : wave(rows), direct(rows) {}
+
+  // The continuations at hand; radiance of its paths is the sum over all so far, without:
+  Worker wave;
+  soa::Table<RadianceColumns> direct;  // what their first rays see
+};
+
+// A worker with the tables that the integrator of `options` needs, for waves of its size. To be
+// called by the thread that will use it.
+std::unique_ptr<Worker> MakeWorker(const RenderOptions& options);
 
 inline constexpr std::size_t kWorkerBytesPerRow =
     soa::BytesPerRow<PathColumns>() + 2 * soa::BytesPerRow<RayColumns>() +

@@ -22,8 +22,12 @@ def ours(runs):
 def theirs(row):
     if row.seconds is None:
         return None
-    return {"seconds": row.seconds, "squared_distance": row.euclidean,
-            "thesis_luminance": row.luminance}
+    result = {"seconds": row.seconds}
+    if row.euclidean is not None:
+        result["squared_distance"] = row.euclidean
+    if row.luminance is not None:
+        result["thesis_luminance"] = row.luminance
+    return result
 
 
 def seconds_at(error, plain, key):
@@ -55,6 +59,8 @@ def compare(measured, base, plain):
     for name, key in (("error", "squared_distance"), ("light_error", "light_error")):
         if key in measured and all(key in other for other in [base, *plain]):
             result[name] = measured[key] / base[key]
+            if not plain:
+                continue
             sign, seconds = seconds_at(measured[key], plain, key)
             result[f"at_equal_{name}"] = (sign, seconds / measured["seconds"])
     return result
@@ -119,7 +125,9 @@ def summarize(table, runs):
               "pairs": []}
     curves = {}
     for side, of in sides.items():
-        plain = [of(row) for row in table.rows if row.plain and of(row)]
+        # With photons the error has other parts, so no curve of plain rows falls with light samples.
+        plain = [of(row) for row in table.rows
+                 if row.plain and of(row) and table.integrator != "photon"]
         curves[side] = (of(table.row(table.base)), plain)
         result[f"{side}_floor"] = floor(table, of)
         result[f"{side}_costs"] = costs(table, of) if table.integrator == "direct" else None
@@ -135,7 +143,8 @@ def summarize(table, runs):
         for side, of in sides.items():
             row, plain = of(table.row(name)), of(table.row(plain_name))
             if row and plain:
-                pair[side] = {"faster": plain["seconds"] / row["seconds"],
-                              "error": row["squared_distance"] / plain["squared_distance"]}
+                pair[side] = {"faster": plain["seconds"] / row["seconds"]}
+                if "squared_distance" in row:
+                    pair[side]["error"] = row["squared_distance"] / plain["squared_distance"]
         result["pairs"].append(pair)
     return result

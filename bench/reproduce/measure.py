@@ -45,11 +45,15 @@ def scene_arguments(table, data, folder):
         arguments = [folder / "scenes" / "killeroo.pbrt", "--env-up", "z"]
     elif table.scene == "buddha":
         arguments = [existing(data / "models" / "buddha.obj"), "--ground"]
+    elif table.scene == "sponza":
+        arguments = [existing(data / "models" / "sponza.obj")]
+    elif table.scene == "three-spheres":
+        arguments = [table.scene]
     else:
-        arguments = [HERE / "two_spheres.pbrt"]
+        arguments = [existing(HERE / f"{table.scene}.pbrt")]
     if table.turn:
         arguments += ["--env-rotate", table.turn]
-    return arguments + ["--env", probe, "--integrator", table.integrator]
+    return arguments + table.camera + ["--env", probe]
 
 
 class Session:
@@ -66,7 +70,10 @@ class Session:
     def reference(self, say):
         """(file, facts). Rendered once by `converge`, which also says how noisy it is."""
         table, (samples, light_samples) = self.table, self.reference_samples
-        stem = "_".join([table.scene, table.probe, table.integrator, self.size,
+        # Photons are compared with paths, which have no bias.
+        integrator = "direct" if table.integrator == "direct" else "path"
+        view = [f"table{table.name}"] if table.camera else []
+        stem = "_".join([table.scene, table.probe, integrator, *view, self.size,
                          f"{samples}x{light_samples}"])
         folder = self.folder / "references"
         folder.mkdir(exist_ok=True)
@@ -74,13 +81,15 @@ class Session:
         if not (picture.is_file() and facts.is_file()):
             say(f"reference {stem}")
             half_done = folder / f"{stem}.part.json"
-            run([self.program, "converge", *self.scene, *self.common, "--light-samples",
-                 light_samples, "--strategies", "importance", "--budgets", 1, "--repeats", 2,
-                 "--reference-spp", samples, "--seed", 1000003, "--save-reference", picture,
+            run([self.program, "converge", *self.scene, *self.common, "--integrator", integrator,
+                 "--light-samples", light_samples, "--strategies", "importance", "--budgets", 1, "--repeats", 2,
+                 "--reference-spp", samples, "--reference-strategy", table.reference_strategy,
+                 "--seed", 1000003, "--save-reference", picture,
                  "--json", half_done, "-q"])
             os.replace(half_done, facts)
         read = json.loads(facts.read_text())
         return picture, {"samples_per_pixel": samples, "light_samples": light_samples,
+                         "strategy": table.reference_strategy,
                          "mse": read["reference"]["mse"],
                          "seconds": read["reference"]["seconds"],
                          "scene_hash": read["scene"]["hash"], "version": read["version"]}
@@ -113,9 +122,14 @@ class Session:
 
     def render_command(self, recipe, seed, picture, stats):
         command = [self.program, "render", *self.scene, *self.common,
-                   "--strategy", recipe.strategy, "--spp", recipe.samples]
-        if self.table.integrator == "direct":
+                   "--integrator", self.table.integrator,
+                   "--strategy", recipe.strategy, "--spp", recipe.samples, *recipe.flags]
+        if self.table.integrator != "path" or recipe.split:
             command += ["--light-samples", recipe.light_samples]
+        if recipe.split:
+            command += ["--split", recipe.split]
+        if recipe.behind:
+            command += ["--continuation-strategy", recipe.behind]
         if not recipe.mis:
             command.append("--no-mis")
         return command + ["--seed", seed, "--stats", stats, "-o", picture, "-q"]

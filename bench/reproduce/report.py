@@ -36,8 +36,8 @@ def figures_table(rows, of_thesis):
         thesis, mine = row["thesis"] or {}, row["ours"] or {}
         cells = [row["row"], row["method"], name_of(row)]
         if of_thesis:
-            cells += [number(thesis["seconds"], 6), number(thesis["squared_distance"], 6),
-                      number(thesis["thesis_luminance"], 6)]
+            cells += [number(thesis["seconds"], 6), number(thesis.get("squared_distance"), 6),
+                      number(thesis.get("thesis_luminance"), 6)]
         cells += [number(mine.get("seconds")), number(mine.get("squared_distance"), 4),
                   number(mine.get("thesis_euclidean"), 4), number(mine.get("thesis_luminance"), 4),
                   number(mine.get("light_error"), 4)]
@@ -65,8 +65,10 @@ def ratios_table(rows, of_thesis):
 def pair_lines(summary):
     lines = []
     for pair in summary["pairs"]:
-        parts = [f"{side} {pair[side]['faster']:.2f} times as fast with {pair[side]['error']:.3f} "
-                 "times the error" for side in ("thesis", "ours") if side in pair]
+        parts = [f"{side} {pair[side]['faster']:.2f} times as fast"
+                 + (f" with {pair[side]['error']:.3f} times the error" if "error" in pair[side]
+                    else "")
+                 for side in ("thesis", "ours") if side in pair]
         lines.append(f"- Row {pair['row']} against row {pair['plain']}: {'; '.join(parts)}.")
     for side in ("thesis", "ours"):
         if summary[f"{side}_floor"]:
@@ -91,7 +93,8 @@ def markdown(summary):
         lines += [f"`{s['command']}`", "",
                   f"{s['date']}, {s['processor']}, {s['threads']} threads; {s['size']}, medians of "
                   f"times and means of errors, alternated repeats: {s['repeats']}. Reference: "
-                  f"{r['samples_per_pixel']} x {r['light_samples']} samples a pixel in "
+                  f"{r['samples_per_pixel']} x {r['light_samples']} samples a pixel by "
+                  f"`{r['strategy']}` in "
                   f"{r['seconds']:.0f} s, its own 3 mse {3 * r['mse']:.2g}.", ""]
     else:
         lines += ["Not measured yet.", ""]

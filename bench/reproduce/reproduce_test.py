@@ -47,6 +47,20 @@ class Tables(unittest.TestCase):
                          "clusters=64,position=sample,rest=presampled,rest-samples=360")
         self.assertEqual((recipe.samples, recipe.light_samples, recipe.mis), (4, 32, False))
 
+    def test_splitting_row(self):
+        recipe = TABLES["8.6"].row("5").recipe
+        self.assertEqual((recipe.samples, recipe.split, recipe.light_samples), (8, 63, 8))
+        self.assertEqual(recipe.behind, recipe.strategy + ",pick=power")
+
+    def test_compensation_is_one_over_the_light_samples(self):
+        for table in TABLES.values():
+            for row in table.rows:
+                if row.recipe and "compensate" in row.recipe.strategy:
+                    share = float(row.recipe.strategy.split("=")[1])
+                    recipe = row.recipe
+                    self.assertAlmostEqual(
+                        share, max(recipe.split, 1) / recipe.light_samples, places=5)
+
 
 class Figures(unittest.TestCase):
     def test_claim_of_the_thesis(self):
@@ -129,8 +143,9 @@ class Program(unittest.TestCase):
     def test_strategies_are_accepted(self):
         if PROGRAM is None:
             self.skipTest("no program")
-        recipes = {(row.recipe.strategy, row.recipe.mis, table.integrator)
-                   for table in TABLES.values() for row in table.rows if row.recipe}
+        recipes = {(strategy, row.recipe.mis, table.integrator)
+                   for table in TABLES.values() for row in table.rows if row.recipe
+                   for strategy in (row.recipe.strategy, row.recipe.behind) if strategy}
         with tempfile.TemporaryDirectory() as folder:
             for strategy, mis, integrator in sorted(recipes):
                 command = [PROGRAM, "render", "furnace", "--size", "2x2", "--spp", "1",

@@ -1,4 +1,5 @@
-"""Tables 8.2 to 8.6 of the thesis on hybrid sampling, and the rows in words of --strategy.
+"""Tables 8.2 to 8.6 of the thesis on hybrid sampling, and the rows in words of --strategy;
+photon_tables.py has 8.7 to 8.9.
 
 The rows stand here as the thesis prints them, one a line; '-' is an empty cell. Direct lighting:
   N method seconds euclidean luminance area-of-A[%] clustering lights IS MPA
@@ -25,8 +26,11 @@ class Recipe:
     """What one render of Skywave is asked for."""
     strategy: str
     samples: int        # a pixel
-    light_samples: int  # a hit; direct lighting only
+    light_samples: int  # a hit (direct lighting), a first hit (paths that split)
     mis: bool = False
+    split: int = 0      # continuations of a camera sample; 0: paths do not split
+    behind: str = ""    # strategy of the light samples of continuations, if it is another one
+    flags: list = field(default_factory=list)  # more of the program's
 
 
 @dataclass
@@ -61,6 +65,8 @@ class Table:
     reference: tuple            # samples a pixel, light samples
     quick_reference: tuple
     turn: int = 0               # of the map, degrees
+    camera: list = field(default_factory=list)  # flags; empty: the scene's own
+    reference_strategy: str = "importance"
     rows: list = field(default_factory=list)
 
     def row(self, name):
@@ -155,49 +161,69 @@ def read_path_row(line):
                  else ", " + as_printed(area, clustering, lights, "-", presampled)),
               None, seconds=float(seconds), euclidean=float(euclidean))
     row.lights = 0 if lights == "-" else int(lights.split(":")[1])
-    if integrator == "PT2":
-        row.note = "not rendered: no integrator shares a first segment between paths"
-        return row
-    row.drawn = int(paths)
     if method == "IS":
-        strategy = "importance"
-    else:
-        row.presampled = True
-        cells = re.fullmatch(r"OS\((\d+)\)", mpa).group(1)
-        strategy = hybrid_strategy(float(area), clustering, lights, cells, "power")
-    row.recipe = Recipe(strategy, row.drawn, 1)
+        row.drawn = int(paths)
+        row.recipe = Recipe("importance", row.drawn, 1)
+        return row
+    row.presampled = True
+    cells, light_samples = re.fullmatch(r"OS\((\d+)\)(?::(\d+))?", mpa).groups()
+    drawn = hybrid_strategy(float(area), clustering, lights, cells, "power")
+    if integrator == "PT1":
+        row.drawn = int(paths)
+        row.recipe = Recipe(drawn, row.drawn, 1)
+        return row
+    samples, split = map(int, paths.split("x"))
+    row.drawn = samples * split
+    row.recipe = Recipe(hybrid_strategy(float(area), clustering, lights, cells), samples,
+                        int(light_samples), split=split, behind=drawn)
     return row
+
+
+def compensated(light_samples):
+    """What light samples leave to BSDF sampling, where there is one BSDF sample for so many."""
+    return f"importance:compensate={1 / light_samples:g}"
 
 
 def ours_direct(counts):
     """Below the line: our own ways, with multiple importance sampling."""
-    rows = []
+    recipes = []
     for strategy, samples in [("importance", counts),
-                              ("importance:compensate=1", counts[::2]),
+                              (None, counts[::2]),
                               ("product", counts[::2]),
                               ("ris", counts[::2]),
                               ("hybrid:lights=64", counts[:3]),
                               ("hybrid:lights=64,inside=1", counts[:3])]:
-        rows += [(strategy, CAMERA_SAMPLES, drawn) for drawn in samples]
-    return name_ours(rows, lambda drawn: f"{drawn} light samples")
+        recipes += [Recipe(strategy or compensated(drawn), CAMERA_SAMPLES, drawn, mis=True)
+                    for drawn in samples]
+    return name_ours(recipes, lambda recipe: (f"{recipe.light_samples} light samples",
+                                              recipe.light_samples))
 
 
 def ours_path(counts):
-    rows = [(strategy, paths, 1)
-            for strategy in ("importance", "importance:compensate=1", "product", "ris",
-                             "hybrid:lights=64,pick=power")
-            for paths in counts]
-    rows += [("hybrid:lights=16,inside=1", paths // 4, 1) for paths in counts]
-    return name_ours(rows, lambda _: "")
+    recipes = [Recipe(strategy, paths, 1, mis=True)
+               for strategy in ("importance", compensated(1), "product", "ris",
+                                "hybrid:lights=64,pick=power")
+               for paths in counts]
+    recipes += [Recipe("hybrid:lights=16,inside=1", paths // 4, 1, mis=True) for paths in counts]
+    # As many continuations as light samples: both see half of the direct light each.
+    recipes += [Recipe(compensated(1), paths // 8, 8, mis=True, split=8) for paths in counts]
+
+    def describe(recipe):
+        if not recipe.split:
+            return f"{recipe.samples} paths", recipe.samples
+        return (f"{recipe.samples}x{recipe.split} paths, {recipe.light_samples} light samples",
+                recipe.samples * recipe.split)
+    return name_ours(recipes, describe)
 
 
 def name_ours(recipes, describe):
+    """`describe(recipe)`: (words, samples that count)."""
     rows = []
-    for index, (strategy, samples, drawn) in enumerate(recipes):
-        words = describe(drawn) or f"{samples} paths"
-        rows.append(Row(f"s{index + 1}", "ours", words, Recipe(strategy, samples, drawn, mis=True),
-                        lights=int((re.search(r"lights=(\d+)", strategy) or [0, 0])[1]),
-                        drawn=drawn if describe(drawn) else samples))
+    for index, recipe in enumerate(recipes):
+        words, drawn = describe(recipe)
+        rows.append(Row(f"s{index + 1}", "ours", words, recipe,
+                        lights=int((re.search(r"lights=(\d+)", recipe.strategy) or [0, 0])[1]),
+                        drawn=drawn))
     return rows
 
 
@@ -314,7 +340,8 @@ def read(text, read_row):
 # As many light samples as the thesis's references (64 x 512), but 16 times the camera samples:
 # else the reference would bring edges of its own.
 DIRECT_REFERENCE = {"reference": (1024, 32), "quick_reference": (64, 16)}
-PATH_REFERENCE = {"reference": (32768, 1), "quick_reference": (512, 1)}
+PATH_REFERENCE = {"reference": (32768, 1), "quick_reference": (512, 1),
+                  "reference_strategy": compensated(1)}
 COUNTS = [16, 32, 64, 128, 256]
 
 TABLES = {table.name: table for table in [
