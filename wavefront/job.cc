@@ -113,7 +113,7 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
     throw InputError(InputPosition::File("--strategy " + specification),
                      "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
   }
-  if (HasLightPaths(options.integrator) && sky && !CanEmit(*strategy)) {
+  if (HasSplats(options.integrator) && sky && !CanEmit(*strategy)) {
     throw InputError(InputPosition::File("--strategy " + specification),
                      fmt::format("no light path can start with its samples, as --integrator {} "
                                  "needs it: use importance, alias, warp, uniform, presampled, or "
@@ -122,6 +122,26 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
                      kExitUsage);
   }
   return strategy;
+}
+
+void CheckPhotons(const RenderOptions& options) {
+  const PhotonOptions& photons = options.photons;
+  const auto refuse = [](const std::string& flag, const std::string& why) {
+    throw InputError(InputPosition::File(flag), why, kExitUsage);
+  };
+  if (photons.indirect == 0 && photons.caustic == 0) {
+    refuse("--photons 0 --caustic-photons 0",
+           "--integrator photon needs photons; for direct light alone use --integrator direct");
+  }
+  if (photons.passes > options.samples_per_pixel) {
+    refuse(fmt::format("--progressive {}", photons.passes),
+           fmt::format("each pass needs a sample a pixel, and --spp is {}",
+                       options.samples_per_pixel));
+  }
+  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
+    refuse("--aovs " + ToString(options.aovs),
+           "--integrator photon does not keep direct and indirect light apart");
+  }
 }
 
 // The camera of the scene, or else one that sees all of it, changed as the flags have it.
@@ -280,7 +300,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      "at --max-depth 0 no surface is looked at", kExitUsage);
   }
 
-  if (HasLightPaths(options_.integrator) &&
+  if (HasSplats(options_.integrator) &&
       (Sums(options_.aovs, AovSum::kVariance) || Sums(options_.aovs, AovSum::kDirect) ||
        Sums(options_.aovs, AovSum::kIndirect))) {
     throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
@@ -289,6 +309,8 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                                  ToString(options_.integrator)),
                      kExitUsage);
   }
+
+  if (options_.integrator == Integrator::kPhoton) CheckPhotons(options_);
 
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
@@ -339,6 +361,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
           .map_from_world = Rows(scene.environments[0].world_from_map)};
   const auto tables_start = Clock::now();
   strategy_ = MakeUsableStrategy(request.strategy, map_, has_sky(), options_);
+  if (options_.integrator == Integrator::kPhoton && has_sky() && !CanEmit(*strategy_)) {
+    emitter_ = MakeStrategy("importance", map_);
+  }
   times_.tables = SecondsSince(tables_start);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options_.filter_radius);
@@ -359,7 +384,8 @@ FrameView RenderJob::frame() const {
                                              ? std::optional(geometry_->first_with_holes())
                                              : std::nullopt},
           .sphere = sphere_,
-          .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius}};
+          .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
+          .emitter = emitter_ ? emitter_.get() : strategy_.get()};
 }
 
 bool RenderJob::has_sky() const {
@@ -376,7 +402,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 
 Film RenderJob::MakeFilm() const {
   return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
-              HasLightPaths(options_.integrator));
+              HasSplats(options_.integrator));
 }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
@@ -403,7 +429,8 @@ std::string_view ToString(CameraKind kind) {
 }
 
 std::optional<Integrator> ParseIntegrator(std::string_view name) {
-  for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath, Integrator::kLight}) {
+  for (const Integrator integrator :
+       {Integrator::kDirect, Integrator::kPath, Integrator::kLight, Integrator::kPhoton}) {
     if (name == ToString(integrator)) return integrator;
   }
   return std::nullopt;
@@ -417,6 +444,28 @@ std::string_view ToString(Integrator integrator) {
       return "path";
     case Integrator::kLight:
       return "light";
+    case Integrator::kPhoton:
+      return "photon";
+  }
+  return "";
+}
+
+std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name) {
+  for (const PhotonKernel kernel :
+       {PhotonKernel::kConstant, PhotonKernel::kCone, PhotonKernel::kEpanechnikov}) {
+    if (name == ToString(kernel)) return kernel;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToString(PhotonKernel kernel) {
+  switch (kernel) {
+    case PhotonKernel::kConstant:
+      return "constant";
+    case PhotonKernel::kCone:
+      return "cone";
+    case PhotonKernel::kEpanechnikov:
+      return "epanechnikov";
   }
   return "";
 }
