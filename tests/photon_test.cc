@@ -165,8 +165,7 @@ TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
     EXPECT_GT(FluxOf(maps.caustic, 0, 3), 0) << "in and out of the ball";
     if (gather == 0) {
       EXPECT_EQ(FluxOf(maps.indirect, 0, 1), 0);
-      // The floor is flat: between two of its points there is glass, so at least four surfaces of
-      // which the second is glass.
+      // The floor is flat: between two of its points there is glass.
       EXPECT_EQ(FluxOf(maps.indirect, 0, 2), 0);
     } else {
       EXPECT_GT(FluxOf(maps.indirect, 0, 1), 0);
@@ -255,7 +254,9 @@ TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
       request.options.photons.indirect = request.options.photons.caustic = photons;
       const double difference = Difference(Render(RenderJob(scene, request)), reference);
       RecordProperty("difference", std::to_string(difference));
-      if (before > 0) EXPECT_LT(difference, 0.75 * before);
+      if (before > 0) {
+        EXPECT_LT(difference, 0.75 * before);
+      }
       before = difference;
     }
     EXPECT_LT(before, 0.04);
@@ -273,7 +274,9 @@ TEST(Photon, ProgressivePassesConverge) {
     request.options.photons.indirect = request.options.photons.caustic = 4000;
     request.options.photons.passes = passes;
     const double difference = Difference(Render(RenderJob(scene, request)), reference);
-    if (before > 0) EXPECT_LT(difference, 0.7 * before);
+    if (before > 0) {
+      EXPECT_LT(difference, 0.7 * before);
+    }
     before = difference;
   }
   EXPECT_LT(before, 0.05);
