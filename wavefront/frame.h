@@ -31,7 +31,7 @@ struct PhotonMaps;
 
 // Photon mapping. Counts are of photons that are stored, as pbrt's are.
 struct PhotonOptions {
-  std::uint32_t indirect = 200000, caustic = 50000;
+  std::uint32_t indirect = 200000, caustic = 20000;
   std::uint32_t neighbors = 50;  // of a lookup, at most
   float distance = 0;            // of a lookup, at most [world space]; 0: by extent and counts
   PhotonKernel kernel = PhotonKernel::kEpanechnikov;

@@ -17,6 +17,8 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   std::fill_n(w.photon->history->queue, count, 0u);
   EmitRays(frame, count, *rays, w, clock);
 
+  // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
+  const std::uint32_t first_kind = wishes.indirect ? 0 : kFirstDeltaBsdf;
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
     CheckRays(*rays, n);
@@ -24,9 +26,9 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
     MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
     StorePhotons(wishes, bounce, w, lists, clock);
     if (bounce == frame.options.max_depth) break;
-    n = Scatter(frame, kLightEnd, w.paths, w.surfaces, w.ranges, 0, bounce, w.uniforms, w.lobe,
-                *next);
-    CountScattering(w.ranges, 0, w.stats.lanes);
+    n = Scatter(frame, kLightEnd, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms,
+                w.lobe, *next);
+    CountScattering(w.ranges, first_kind, w.stats.lanes);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
