@@ -10,6 +10,7 @@
 #include "kernels/camera_connection.h"
 #include "kernels/emission.h"
 #include "kernels/local_lights.h"
+#include "kernels/photons.h"
 #include "lights/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
@@ -18,15 +19,38 @@
 
 namespace skywave {
 
-enum class Integrator { kDirect, kPath, kLight, kBdpt };
-// Whether its paths start at lights too, and bring splats to the film.
+enum class Integrator { kDirect, kPath, kLight, kBdpt, kPhoton };
+inline constexpr Integrator kIntegrators[] = {Integrator::kDirect, Integrator::kPath,
+                                              Integrator::kLight, Integrator::kBdpt,
+                                              Integrator::kPhoton};
+// Whether paths start at lights too.
 constexpr bool HasLightPaths(Integrator integrator) {
+  return integrator != Integrator::kDirect && integrator != Integrator::kPath;
+}
+// Whether light paths bring splats to the film.
+constexpr bool HasSplats(Integrator integrator) {
   return integrator == Integrator::kLight || integrator == Integrator::kBdpt;
 }
 
 // A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
 struct PathWay {
   std::uint32_t light = 0, eye = 2;
+};
+
+struct PhotonMaps;
+
+// Photon mapping. Counts are of photons that are stored, as pbrt's are.
+struct PhotonOptions {
+  std::uint32_t indirect = 200000, caustic = 20000;
+  std::uint32_t neighbors = 50;  // of a lookup, at most
+  float distance = 0;            // of a lookup, at most [world space]; 0: by extent and counts
+  PhotonKernel kernel = PhotonKernel::kEpanechnikov;
+  std::uint32_t gather =
+      1;  // rays of a final gather a surface; 0: photons are looked up where they are seen
+  // More than 1: progressive, everything within a radius that shrinks from pass to pass.
+  std::uint32_t passes = 1;
+  float alpha = 2.0f / 3;  // how slowly it shrinks
+  bool progressive() const { return passes > 1; }
 };
 
 struct RenderOptions {
@@ -48,6 +72,7 @@ struct RenderOptions {
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kStream;
   AovSet aovs = 0;  // layers beside the picture
+  PhotonOptions photons;
 };
 
 // The light samples of a surface: what the strategy plans. Each drawn one goes to a local light or
@@ -71,6 +96,9 @@ struct FrameView {
   Tracer tracer;
   SceneSphere sphere = {};  // where light paths from infinity begin
   FilterView filter = {};   // for splats
+  // What light paths of `photon` start with: `strategy`, or importance where that cannot emit.
+  const EnvStrategy* emitter = nullptr;
+  const PhotonMaps* photons = nullptr;  // of the pass at hand
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
@@ -87,7 +115,9 @@ struct FrameView {
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
-    return options.integrator == Integrator::kDirect || splits() ? options.light_samples : 1;
+    const bool many = options.integrator == Integrator::kDirect ||
+                      options.integrator == Integrator::kPhoton || splits();
+    return many ? options.light_samples : 1;
   }
   // The frame in which continuations go on: paths that do not split again.
   FrameView of_continuations() const;

@@ -10,6 +10,9 @@
 
 namespace skywave {
 
+struct PhotonLists;
+struct PhotonWishes;
+
 // By the integrator of the frame's options, whose tables the worker has.
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
@@ -45,5 +48,17 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& wor
 // with light samples and with the camera, and weighted by the power heuristic over all of that
 // (kernels/bidirectional.h). At most max_depth surfaces over both; roulette as in path tracing.
 void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Photon mapping (Jensen 1996, T 4.3), second pass: direct light as in RenderDirectWave; at the
+// surfaces that take light samples, caustics by the caustic map, and other light by the indirect
+// map: looked up there, or where the rays of a final gather meet the next ones. BSDFs with a
+// density, however narrow their lobe, count as diffuse; mirrors and glass as specular. At most
+// max_depth surfaces on both sides of a photon together.
+void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Its first pass: light paths [first, first + count) of the frame, stored at surfaces with a
+// density in the lists that `wishes` names, in the order (path, surface).
+void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
+                     const PhotonWishes& wishes, Worker& worker, PhotonLists& lists);
 
 }  // namespace skywave

@@ -113,7 +113,7 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
     throw InputError(InputPosition::File("--strategy " + specification),
                      "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
   }
-  if (HasLightPaths(options.integrator) && sky && !CanEmit(*strategy)) {
+  if (HasSplats(options.integrator) && sky && !CanEmit(*strategy)) {
     throw InputError(InputPosition::File("--strategy " + specification),
                      fmt::format("no light path can start with its samples, as --integrator {} "
                                  "needs it: use importance, alias, warp, uniform, presampled, or "
@@ -134,6 +134,26 @@ void CheckSplit(const JobRequest& request, const RenderOptions& options) {
   if (options.split == 0 && !request.continuation_strategy.empty()) {
     throw InputError(InputPosition::File("--continuation-strategy"),
                      "is that of paths behind their first hit: give --split S as well", kExitUsage);
+  }
+}
+
+void CheckPhotons(const RenderOptions& options) {
+  const PhotonOptions& photons = options.photons;
+  const auto refuse = [](const std::string& flag, const std::string& why) {
+    throw InputError(InputPosition::File(flag), why, kExitUsage);
+  };
+  if (photons.indirect == 0 && photons.caustic == 0) {
+    refuse("--photons 0 --caustic-photons 0",
+           "--integrator photon needs photons; for direct light alone use --integrator direct");
+  }
+  if (photons.passes > options.samples_per_pixel) {
+    refuse(fmt::format("--progressive {}", photons.passes),
+           fmt::format("each pass needs a sample a pixel, and --spp is {}",
+                       options.samples_per_pixel));
+  }
+  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
+    refuse("--aovs " + ToString(options.aovs),
+           "--integrator photon does not keep direct and indirect light apart");
   }
 }
 
@@ -329,7 +349,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   }
 
   CheckBidirectional(options_);
-  if (HasLightPaths(options_.integrator) &&
+  if (HasSplats(options_.integrator) &&
       (Sums(options_.aovs, AovSum::kVariance) || Sums(options_.aovs, AovSum::kDirect) ||
        Sums(options_.aovs, AovSum::kIndirect))) {
     throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
@@ -338,6 +358,8 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                                  ToString(options_.integrator)),
                      kExitUsage);
   }
+
+  if (options_.integrator == Integrator::kPhoton) CheckPhotons(options_);
 
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
@@ -392,6 +414,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
     continuation_strategy_ =
         MakeUsableStrategy(request.continuation_strategy, map_, has_sky(), options_);
   }
+  if (options_.integrator == Integrator::kPhoton && has_sky() && !CanEmit(*strategy_)) {
+    emitter_ = MakeStrategy("importance", map_);
+  }
   times_.tables = SecondsSince(tables_start);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options_.filter_radius);
@@ -413,7 +438,8 @@ FrameView RenderJob::frame() const {
                                              ? std::optional(geometry_->first_with_holes())
                                              : std::nullopt},
           .sphere = sphere_,
-          .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius}};
+          .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
+          .emitter = emitter_ ? emitter_.get() : strategy_.get()};
 }
 
 bool RenderJob::has_sky() const {
@@ -430,7 +456,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 
 Film RenderJob::MakeFilm() const {
   return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
-              HasLightPaths(options_.integrator));
+              HasSplats(options_.integrator));
 }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
@@ -457,8 +483,7 @@ std::string_view ToString(CameraKind kind) {
 }
 
 std::optional<Integrator> ParseIntegrator(std::string_view name) {
-  for (const Integrator integrator :
-       {Integrator::kDirect, Integrator::kPath, Integrator::kLight, Integrator::kBdpt}) {
+  for (const Integrator integrator : kIntegrators) {
     if (name == ToString(integrator)) return integrator;
   }
   return std::nullopt;
@@ -474,6 +499,28 @@ std::string_view ToString(Integrator integrator) {
       return "light";
     case Integrator::kBdpt:
       return "bdpt";
+    case Integrator::kPhoton:
+      return "photon";
+  }
+  return "";
+}
+
+std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name) {
+  for (const PhotonKernel kernel :
+       {PhotonKernel::kConstant, PhotonKernel::kCone, PhotonKernel::kEpanechnikov}) {
+    if (name == ToString(kernel)) return kernel;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToString(PhotonKernel kernel) {
+  switch (kernel) {
+    case PhotonKernel::kConstant:
+      return "constant";
+    case PhotonKernel::kCone:
+      return "cone";
+    case PhotonKernel::kEpanechnikov:
+      return "epanechnikov";
   }
   return "";
 }

@@ -98,6 +98,7 @@ class RenderJob {
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
   std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
+  std::unique_ptr<EnvStrategy> emitter_;  // of light paths; null: strategy_
   std::vector<float> filter_offsets_, filter_densities_;
   CameraView camera_;
   SceneSphere sphere_;      // integrators with light paths only
@@ -112,6 +113,8 @@ std::optional<CameraKind> ParseCameraKind(std::string_view name);
 std::string_view ToString(CameraKind kind);
 std::optional<Integrator> ParseIntegrator(std::string_view name);
 std::string_view ToString(Integrator integrator);
+std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name);
+std::string_view ToString(PhotonKernel kernel);
 std::optional<PixelFilter> ParsePixelFilter(std::string_view name);
 std::string_view ToString(PixelFilter filter);
 

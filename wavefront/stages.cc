@@ -219,10 +219,11 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
     if (n == 0) continue;
     const BsdfKernels& bsdf = Bsdfs()[kind];
     const SurfaceColumns rows = Slice(surfaces, begin);
-    DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter), {},
-                 direction);
+    DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
+                 end.split, direction);
     if (bsdf.lobed || roulette) {
-      DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kLobe), {}, lobe);
+      DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kLobe), end.split,
+                   lobe);
     }
     appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, n,
                             {.roulette = roulette, .first_row = begin, .transport = end.transport},

@@ -26,6 +26,8 @@ struct WaveRange {
 struct PathEnd {
   Transport transport;
   std::uint32_t pairs;  // where its pairs of dimensions begin (kernels/sampler.h)
+  // Of scattering: where a path splits into several, which point of a common sequence this one is.
+  SampleIndexing split = {};
 };
 inline constexpr PathEnd kCameraEnd = {Transport::kRadiance, 0};
 inline constexpr PathEnd kLightEnd = {Transport::kFlux, kLightPathPairs};

@@ -21,6 +21,9 @@ std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   if (options.integrator == Integrator::kBdpt) {
     worker->bidirectional.emplace(options.wave, options.max_depth);
   }
+  if (options.integrator == Integrator::kPhoton) {
+    worker->photon.emplace(options.wave, options.photons.neighbors);
+  }
   if (options.split > 0) worker->continuations = std::make_unique<Continuations>(options.wave);
   return worker;
 }

@@ -10,6 +10,7 @@
 #include "kernels/camera_connection.h"
 #include "kernels/columns.h"
 #include "kernels/emission.h"
+#include "kernels/point_tree.h"
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/frame.h"
 #include "wavefront/soa.h"
@@ -36,6 +37,31 @@ struct LightPathTables {
   soa::Table<CameraColumns> cameras;
 };
 
+// Queries that are searched for at a time.
+inline constexpr std::uint32_t kLookupBlock = 16;
+
+// What photons need; other integrators have none.
+struct PhotonTables {
+  PhotonTables(std::uint32_t wave, std::uint32_t neighbors)
+      : history(wave),
+        rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
+        surfaces(wave),
+        found(kLookupBlock * NearestRoom(neighbors)),
+        repeated(NearestRoom(neighbors)),
+        lights(NearestRoom(neighbors)),
+        values(NearestRoom(neighbors)) {}
+  soa::Table<QueueColumns> history;  // of light paths: what kinds of surfaces they have met
+  // Of a final gather: its rays, and the surfaces that they left or meet.
+  soa::Table<RayColumns> rays[2];
+  soa::Table<SurfaceColumns> surfaces;
+  SurfaceRanges ranges;
+  soa::Table<NeighborColumns> found;
+  // A surface and what it reflects, a row for each photon near it.
+  soa::Table<SurfaceColumns> repeated;
+  soa::Table<LightColumns> lights;
+  soa::Table<BsdfValueColumns> values;
+};
+
 struct Continuations;
 
 struct Worker {
@@ -56,6 +82,7 @@ struct Worker {
   // Of integrators that need them (MakeWorker).
   std::optional<LightPathTables> light;
   std::optional<BidirectionalTables> bidirectional;
+  std::optional<PhotonTables> photon;
   std::unique_ptr<Continuations> continuations;
 };
 
