@@ -11,17 +11,14 @@ Image Render(FrameView frame, const RenderJob& job, std::uint32_t samples, std::
              Progress* progress, double* seconds) {
   frame.options.samples_per_pixel = samples;
   frame.options.seed = seed;
-  Film film = job.MakeFilm();
+  Film film = job.MakeFilm(frame.options.integrator);
   const FrameResult result = RenderFrame(frame, film, progress);
   if (seconds != nullptr) *seconds = result.seconds;
   return film.Resolve(samples);
 }
 
 FrameView FrameOf(const RenderJob& job, const Contestant& contestant) {
-  FrameView frame = job.frame();
-  frame.strategy = contestant.strategy.get();
-  frame.options.integrator = contestant.integrator;
-  return frame;
+  return job.frame(contestant.integrator, *contestant.strategy);
 }
 
 std::size_t LongestLadder(const std::vector<Contestant>& contestants) {
@@ -84,7 +81,7 @@ std::vector<Contestant> MakeContestants(const RenderJob& job,
         if (specifications.size() > 1) contestant.name += " " + specification;
       }
       const auto start = std::chrono::steady_clock::now();
-      contestant.strategy = job.MakeOtherStrategy(specification);
+      contestant.strategy = job.MakeOtherStrategy(specification, integrator);
       contestant.table_seconds =
           std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       contestants.push_back(std::move(contestant));
@@ -135,8 +132,7 @@ Integrator ReferenceIntegrator(const std::vector<Contestant>& contestants) {
 
 Reference RenderReference(const RenderJob& job, Integrator integrator,
                           std::uint32_t samples_per_half, Progress* progress) {
-  FrameView frame = job.frame();
-  frame.options.integrator = integrator;
+  FrameView frame = job.frame(integrator, job.strategy());
   frame.options.mis = true;
   Image halves[2];
   for (int half = 0; half < 2; ++half) {

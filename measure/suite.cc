@@ -97,7 +97,7 @@ std::vector<StrategyTable> MeasureTables(const RenderJob& job) {
   std::vector<StrategyTable> tables;
   for (const StrategyFactory& factory : Strategies()) {
     const auto start = Clock::now();
-    const auto strategy = job.MakeOtherStrategy(std::string(factory.name));
+    const auto strategy = job.MakeOtherStrategy(std::string(factory.name), Integrator::kPath);
     tables.push_back({.name = std::string(factory.name),
                       .bytes = strategy->table_bytes(),
                       .seconds = SecondsSince(start)});

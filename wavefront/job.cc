@@ -124,16 +124,12 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
   return strategy;
 }
 
-void CheckSplit(const JobRequest& request, const RenderOptions& options) {
+void CheckSplit(const RenderOptions& options) {
   if (options.split > 0 && options.integrator != Integrator::kPath) {
     throw InputError(
         InputPosition::File(fmt::format("--split {}", options.split)),
         fmt::format("splits paths: --integrator {} has none", ToString(options.integrator)),
         kExitUsage);
-  }
-  if (options.split == 0 && !request.continuation_strategy.empty()) {
-    throw InputError(InputPosition::File("--continuation-strategy"),
-                     "is that of paths behind their first hit: give --split S as well", kExitUsage);
   }
 }
 
@@ -255,6 +251,21 @@ void CheckBidirectional(const RenderOptions& options) {
   }
 }
 
+void CheckIntegrator(const RenderOptions& options) {
+  CheckSplit(options);
+  CheckBidirectional(options);
+  if (options.integrator == Integrator::kPhoton) CheckPhotons(options);
+  if (HasSplats(options.integrator) &&
+      (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kDirect) ||
+       Sums(options.aovs, AovSum::kIndirect))) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
+                     fmt::format("variance, direct and indirect are of samples of a pixel, which "
+                                 "the splats of --integrator {} are not",
+                                 ToString(options.integrator)),
+                     kExitUsage);
+  }
+}
+
 // Of all surfaces; larger than need be by what floats may lose of its disk.
 SceneSphere BoundingSphere(const Bounds& bounds) {
   const glm::vec3 center = 0.5f * (bounds.low + bounds.high);
@@ -296,6 +307,7 @@ void RenderJob::BuildOnThreads(Scene scene, const JobRequest& request) {
 
 void RenderJob::Build(Scene scene, const JobRequest& request) {
   notes_ = scene.warnings;
+  scene_name_ = request.scene;
   scene.up_axis = request.environment.up_axis.value_or(scene.up_axis);
   options_ = request.options;
   const RenderSettings& said = scene.settings;
@@ -334,7 +346,10 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   if (options_.samples_per_pixel == 0) {
     throw InputError(InputPosition::File(request.scene), "0 samples a pixel show nothing");
   }
-  CheckSplit(request, options_);
+  if (options_.split == 0 && !request.continuation_strategy.empty()) {
+    throw InputError(InputPosition::File("--continuation-strategy"),
+                     "is that of paths behind their first hit: give --split S as well", kExitUsage);
+  }
   if (std::uint64_t{options_.samples_per_pixel} * MostPointsOfASample(options_) > 0xFFFFFFFFu) {
     throw InputError(InputPosition::File(request.scene),
                      fmt::format("{} samples a pixel with {} light samples or continuations each "
@@ -348,18 +363,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      "at --max-depth 0 no surface is looked at", kExitUsage);
   }
 
-  CheckBidirectional(options_);
-  if (HasSplats(options_.integrator) &&
-      (Sums(options_.aovs, AovSum::kVariance) || Sums(options_.aovs, AovSum::kDirect) ||
-       Sums(options_.aovs, AovSum::kIndirect))) {
-    throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
-                     fmt::format("variance, direct and indirect are of samples of a pixel, which "
-                                 "the splats of --integrator {} are not",
-                                 ToString(options_.integrator)),
-                     kExitUsage);
-  }
-
-  if (options_.integrator == Integrator::kPhoton) CheckPhotons(options_);
+  CheckIntegrator(options_);
 
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
@@ -389,20 +393,8 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
         LocalLights(scene, *geometry_, request.scene, radius, SkyPower(*light.map, radius));
     brightest_ = std::max(brightest_, local_lights_.brightest());
   }
-  if (HasLightPaths(options_.integrator)) {
-    sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
-    if (!(brightest_ > 0)) {
-      throw InputError(InputPosition::File(request.scene),
-                       fmt::format("nothing shines: the map is black and there are no lights, so "
-                                   "--integrator {} has no light path to start",
-                                   ToString(options_.integrator)));
-    }
-    if (!(sphere_.radius > 0) || !std::isfinite(sphere_.radius * sphere_.radius)) {
-      throw InputError(
-          InputPosition::File(request.scene),
-          fmt::format("its bounds, of radius {}, are no place for light paths", sphere_.radius));
-    }
-  }
+  sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
+  if (HasLightPaths(options_.integrator)) CheckLightPaths();
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
@@ -423,10 +415,26 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
 }
 
-FrameView RenderJob::frame() const {
-  return {.options = options_,
+// Throws InputError where no light path can start.
+void RenderJob::CheckLightPaths() const {
+  if (!(brightest_ > 0)) {
+    throw InputError(InputPosition::File(scene_name_),
+                     "nothing shines: the map is black and there are no lights, so no light path "
+                     "can start; use --integrator path");
+  }
+  if (!(sphere_.radius > 0) || !std::isfinite(sphere_.radius * sphere_.radius)) {
+    throw InputError(
+        InputPosition::File(scene_name_),
+        fmt::format("its bounds, of radius {}, are no place for light paths", sphere_.radius));
+  }
+}
+
+FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
+  RenderOptions options = options_;
+  options.integrator = integrator;
+  return {.options = options,
           .geometry = geometry_.get(),
-          .strategy = strategy_.get(),
+          .strategy = &strategy,
           .continuation_strategy = continuation_strategy_.get(),
           .local_lights = local_lights_.view(),
           .camera = camera_,
@@ -439,7 +447,9 @@ FrameView RenderJob::frame() const {
                                              : std::nullopt},
           .sphere = sphere_,
           .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
-          .emitter = emitter_ ? emitter_.get() : strategy_.get()};
+          .emitter = CanEmit(strategy) ? &strategy
+                     : emitter_        ? emitter_.get()
+                                       : strategy_.get()};
 }
 
 bool RenderJob::has_sky() const {
@@ -447,16 +457,21 @@ bool RenderJob::has_sky() const {
   return lights.count == 0 || lights.shared.share < 1;
 }
 
-std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification) const {
+std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification,
+                                                          Integrator integrator) const {
+  RenderOptions options = options_;
+  options.integrator = integrator;
+  CheckIntegrator(options);
+  if (HasLightPaths(integrator)) CheckLightPaths();
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options_.threads,
-               [&] { strategy = MakeUsableStrategy(specification, map_, has_sky(), options_); });
+               [&] { strategy = MakeUsableStrategy(specification, map_, has_sky(), options); });
   return strategy;
 }
 
-Film RenderJob::MakeFilm() const {
+Film RenderJob::MakeFilm(Integrator integrator) const {
   return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
-              HasSplats(options_.integrator));
+              HasSplats(integrator));
 }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {

@@ -74,11 +74,15 @@ class RenderJob {
   // The same for a scene that is in memory already; `request.scene` only names it in errors.
   RenderJob(Scene scene, const JobRequest& request);
 
-  FrameView frame() const;
-  // A strategy for the same map, to be put into a frame in place of the job's own; it must not
-  // outlive the job. Throws InputError like the constructor.
-  std::unique_ptr<EnvStrategy> MakeOtherStrategy(const std::string& specification) const;
-  Film MakeFilm() const;
+  FrameView frame() const { return frame(options_.integrator, *strategy_); }
+  Film MakeFilm() const { return MakeFilm(options_.integrator); }
+  // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy.
+  FrameView frame(Integrator integrator, const EnvStrategy& strategy) const;
+  Film MakeFilm(Integrator integrator) const;
+  // A strategy for the same map; it must not outlive the job. Throws InputError like the
+  // constructor where it is not made for these options and `integrator`, or that not for the scene.
+  std::unique_ptr<EnvStrategy> MakeOtherStrategy(const std::string& specification,
+                                                 Integrator integrator) const;
   const RenderOptions& options() const { return options_; }
   const Geometry& geometry() const { return *geometry_; }
   const EnvStrategy& strategy() const { return *strategy_; }
@@ -92,21 +96,23 @@ class RenderJob {
   void BuildOnThreads(Scene scene, const JobRequest& request);
   void Build(Scene scene, const JobRequest& request);
   bool has_sky() const;
+  void CheckLightPaths() const;
 
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
   std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
-  std::unique_ptr<EnvStrategy> emitter_;  // of light paths; null: strategy_
+  std::unique_ptr<EnvStrategy> emitter_;  // of light paths, for strategies that cannot emit
   std::vector<float> filter_offsets_, filter_densities_;
   CameraView camera_;
-  SceneSphere sphere_;      // integrators with light paths only
+  SceneSphere sphere_;
   float brightest_ = 0;     // channel of map and local lights [scene radiance]
   float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0;
   JobTimes times_;
   std::vector<std::string> notes_;
+  std::string scene_name_;  // for errors
 };
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name);
