@@ -82,6 +82,25 @@ TEST(Allocations, OfEveryKindAreCounted) {
 
 class WaveAllocations : public testing::TestWithParam<Backend> {};
 
+void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint32_t split = 0) {
+  SCOPED_TRACE(ToString(integrator));
+  FrameView frame = job.frame(integrator, job.strategy());
+  frame.options.split = split;
+  frame.options.wave = 600;  // the last wave is smaller
+  Film film = job.MakeFilm(integrator);
+  const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
+  const Tile tile = {0, 0, 32, 24};
+  const auto waves = [&] {
+    for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
+      const auto left = std::uint32_t(32 * 24 * 4 - first);
+      RenderWave(frame, {tile, first, std::min(600u, left)}, *worker, film);
+    }
+  };
+  // From the first wave on: there is nothing to warm up.
+  EXPECT_EQ(AllocationsOf(waves), 0u);
+  EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
+}
+
 void ExpectNoAllocations(Scene scene, Backend backend) {
   SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // tables of a moment
   for (const StrategyFactory& factory : Strategies()) {
@@ -92,34 +111,13 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.max_depth = 12;
     request.options.backend = backend;
     request.options.light_samples = 3;
-    struct Kind {
-      Integrator integrator;
-      std::uint32_t split;
-    };
-    for (const auto& [integrator, split] :
-         {Kind{Integrator::kPath, 0}, Kind{Integrator::kPath, 2}, Kind{Integrator::kDirect, 0},
-          Kind{Integrator::kLight, 0}, Kind{Integrator::kBdpt, 0}}) {
-      SCOPED_TRACE(ToString(integrator));
-      request.integrator = Integrator::kPath;
-      request.options.split = split;
-      if (HasLightPaths(integrator) && !CanEmit(RenderJob(scene, request).strategy())) continue;
-      request.integrator = integrator;
-      const RenderJob job(scene, request);
-      FrameView frame = job.frame();
-      frame.options.wave = 600;  // the last wave is smaller
-      Film film = job.MakeFilm();
-      const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
-      const Tile tile = {0, 0, 32, 24};
-      const auto waves = [&] {
-        for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
-          const auto left = std::uint32_t(32 * 24 * 4 - first);
-          RenderWave(frame, {tile, first, std::min(600u, left)}, *worker, film);
-        }
-      };
-      // From the first wave on: there is nothing to warm up.
-      EXPECT_EQ(AllocationsOf(waves), 0u);
-      EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
-    }
+    const RenderJob job(scene, request);
+    ExpectNoAllocations(job, Integrator::kPath);
+    ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);
+    ExpectNoAllocations(job, Integrator::kDirect);
+    if (!CanEmit(job.strategy())) continue;
+    ExpectNoAllocations(job, Integrator::kLight);
+    ExpectNoAllocations(job, Integrator::kBdpt);
   }
 }
 
