@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -88,8 +89,10 @@ class Session:
                  "--json", half_done, "-q"])
             os.replace(half_done, facts)
         read = json.loads(facts.read_text())
+        # Of a reference that was there already, too.
+        strategy = re.search(r"--reference-strategy '?([^ ']+)", read["command"])
         return picture, {"samples_per_pixel": samples, "light_samples": light_samples,
-                         "strategy": table.reference_strategy,
+                         "strategy": strategy.group(1) if strategy else "importance",
                          "mse": read["reference"]["mse"],
                          "seconds": read["reference"]["seconds"],
                          "scene_hash": read["scene"]["hash"], "version": read["version"]}
