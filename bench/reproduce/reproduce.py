@@ -45,6 +45,8 @@ def parse(arguments):
                         "(default: 1024x32 direct, 32768x1 path; quick: 64x16, 512x1)")
     parser.add_argument("--rows", metavar="N,N,...", help="only these (ours are s1, s2, ...)")
     parser.add_argument("--threads", type=int, default=0, help="0: as many as there are")
+    parser.add_argument("--busy", action="store_true",
+                        help="times are processor time over threads: for a machine with other work")
     parser.add_argument("--quick", action="store_true", help="small and rough: does it work?")
     parser.add_argument("-o", "--output", type=Path, default=Path("reproduction"), metavar="OUT")
     parser.add_argument("--document", type=Path, metavar="FILE",
@@ -84,6 +86,8 @@ def command_of(table, options):
              f"--repeats {options.repeats}"]
     if options.quick:
         words.append("--quick")
+    if options.busy:
+        words.append("--busy")
     if options.reference:
         words.append("--reference {}x{}".format(*options.reference))
     if options.rows:
@@ -137,7 +141,8 @@ def earlier_runs(table, facts, options):
 def make_session(table, options):
     reference = options.reference or (table.quick_reference if options.quick else table.reference)
     return measure.Session(options.program, table, options.data.resolve(),
-                           options.output.resolve(), options.size, options.threads, reference)
+                           options.output.resolve(), options.size, options.threads, reference,
+                           options.busy)
 
 
 def measure_table(table, options):
