@@ -105,7 +105,8 @@ void PrepareSurfacesKernel(benchmark::State& state) {
 // Nothing to do where the scene has neither textures nor metallic-roughness.
 void TextureSurfacesStage(benchmark::State& state) {
   static WaveFixture f;
-  Run(state, f.ranges.total(), [&] { TextureSurfaces(f.frame, f.ranges, f.worker.surfaces); });
+  Run(state, f.ranges.total(),
+      [&] { TextureSurfaces(f.frame, kCameraEnd, f.ranges, f.worker.surfaces); });
 }
 // A fixed sample of the plan (one light, one cell), or a drawn one.
 void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
@@ -156,7 +157,8 @@ void ScatterStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
   Run(state, f.ranges.total(), [&] {
-    Scatter(f.frame, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lobe, w.rays[1]);
+    Scatter(f.frame, kCameraEnd, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lobe,
+            w.rays[1]);
   });
 }
 void FilmStage(benchmark::State& state) {

@@ -47,13 +47,13 @@ struct WaveFixture {
     MoveSurfaces(worker.rays[0], worker.hits, worker.queue->queue, n, ranges, worker.surfaces);
     PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
                     ranges.total(), worker.surfaces);
-    TextureSurfaces(frame, ranges, worker.surfaces);
+    TextureSurfaces(frame, kCameraEnd, ranges, worker.surfaces);
   }
 
   // One bounce further: rays[0] are scattered rays, traced.
   void Bounce() {
-    n = Scatter(frame, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms, worker.lobe,
-                worker.rays[0]);
+    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms,
+                worker.lobe, worker.rays[0]);
     TraceClosest(frame.tracer, RayKind::kBounce, worker.rays[0], n, worker.hits);
     ranges = {};
     escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,

@@ -49,6 +49,19 @@ std::optional<CropWindow> ParseCrop(const std::string& text) {
   return next == end ? std::optional(crop) : std::nullopt;
 }
 
+// S,T
+std::optional<PathWay> ParseWay(const std::string& text) {
+  PathWay way;
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const char *begin = text.data(), *middle = begin + comma, *end = begin + text.size();
+  const auto light = std::from_chars(begin, middle, way.light);
+  const auto eye = std::from_chars(middle + 1, end, way.eye);
+  const bool whole = light.ptr == middle && eye.ptr == end;
+  if (light.ec != std::errc() || eye.ec != std::errc() || !whole) return std::nullopt;
+  return way;
+}
+
 void AddCameraFlags(CLI::App& command, JobRequest& r) {
   const auto group = "Camera";
   CameraRequest& c = r.camera;
@@ -82,6 +95,43 @@ std::string CameraFlags(const CameraRequest& c) {
   if (c.fov_degrees) text += fmt::format(" --fov {}", *c.fov_degrees);
   if (c.lens_radius) text += fmt::format(" --lens-radius {}", *c.lens_radius);
   if (c.focal_distance) text += fmt::format(" --focal-distance {}", *c.focal_distance);
+  return text;
+}
+
+void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
+  const auto group = "Photon mapping (--integrator photon)";
+  // More have no place in an index of 31 bits beside what a light path may add.
+  constexpr std::uint32_t kMostPhotons = 1000000000;
+  const auto add = [&](const char* name, auto& value, const char* help, CLI::Validator check) {
+    command.add_option(name, value, help)->check(check)->capture_default_str()->group(group);
+  };
+  add("--photons", p.indirect, "to store for indirect light", CLI::Range(0u, kMostPhotons));
+  add("--caustic-photons", p.caustic, "to store for light from mirrors and glass",
+      CLI::Range(0u, kMostPhotons));
+  add("--gather", p.gather, "rays of a final gather a hit; 0: photons are seen directly",
+      CLI::Range(0u, 4096u));
+  add("--photon-neighbors", p.neighbors, "of a lookup, at most", CLI::Range(2u, 1u << 16));
+  add("--photon-distance", p.distance,
+      "of a lookup, at most; progressive: radius of the first pass (0: by extent and counts)",
+      FiniteNumber(0, 1e12));
+  AddParsed(command, "--photon-kernel", "weights of a lookup (default: epanechnikov)",
+            "constant|cone|epanechnikov", p.kernel, ParsePhotonKernel);
+  command.get_option("--photon-kernel")->group(group);
+  add("--progressive", p.passes,
+      "passes over --spp, each with photons of its own and a smaller radius",
+      CLI::Range(1u, 1u << 20));
+  add("--progressive-alpha", p.alpha, "of (i + alpha) / (i + 1), by which squared radii shrink",
+      FiniteNumber(0.01, 1));
+}
+
+std::string PhotonFlags(const PhotonOptions& p) {
+  std::string text = fmt::format(
+      " --photons {} --caustic-photons {} --gather {} --photon-neighbors {} --photon-distance {} "
+      "--photon-kernel {}",
+      p.indirect, p.caustic, p.gather, p.neighbors, p.distance, ToString(p.kernel));
+  if (p.progressive()) {
+    text += fmt::format(" --progressive {} --progressive-alpha {}", p.passes, p.alpha);
+  }
   return text;
 }
 
@@ -147,10 +197,14 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
-            "direct|path", r.integrator, ParseIntegrator);
+            "direct|path|light|bdpt|photon", r.integrator, ParseIntegrator);
+  AddParsed(command, "--paths",
+            "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
+            "weight is 1",
+            "S,T", o.way, ParseWay);
   command
       .add_option("--light-samples", o.light_samples,
-                  "light samples a hit (direct; path with --split: a first hit)")
+                  "light samples a hit (direct, photon; path with --split: a first hit)")
       ->check(CLI::Range(1, 1 << 16))
       ->capture_default_str();
   command
@@ -168,6 +222,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
             "box|triangle|gaussian|blackman-harris", r.filter, ParsePixelFilter);
   command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")
       ->check(FiniteNumber(0, 100));
+  AddPhotonFlags(command, o.photons);
   command.add_option("--seed", o.seed, "of the random numbers")->capture_default_str();
 
   command.add_option("--threads", o.threads, "0: as many as the process may use")
@@ -200,15 +255,17 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   if (cropped) {
     text += fmt::format(" --crop {}x{}+{}+{}", o.width, o.height, o.crop_x, o.crop_y);
   }
-  if (o.integrator == Integrator::kDirect || o.split > 0) {
+  if (o.integrator == Integrator::kDirect || o.integrator == Integrator::kPhoton || o.split > 0) {
     text += fmt::format(" --light-samples {}", o.light_samples);
   }
+  if (o.integrator == Integrator::kPhoton) text += PhotonFlags(o.photons);
   if (o.split > 0) text += fmt::format(" --split {}", o.split);
   if (!r.continuation_strategy.empty()) {
     text += " --continuation-strategy " + Quoted(r.continuation_strategy);
   }
   text += fmt::format(" --max-depth {} --filter {} --filter-radius {} --seed {}", o.max_depth,
                       ToString(o.filter), o.filter_radius, o.seed);
+  if (o.way) text += fmt::format(" --paths {},{}", o.way->light, o.way->eye);
   if (!o.mis) text += " --no-mis";
   if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);
   return text;

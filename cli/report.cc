@@ -36,6 +36,13 @@ std::string Table(const RenderReport& report) {
     line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
   }
+  if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
+    line(
+        "  photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, "
+        "radii {:.4g} and {:.4g}",
+        photons.indirect, photons.caustic, photons.light_paths, photons.seconds,
+        double(photons.bytes) / (1 << 20), photons.radius, photons.caustic_radius);
+  }
   line("  {:<13}{:>8}{:>14}", "stage", "share", "ns a sample");
   const double busy = std::max(stats.busy_seconds(), 1e-12);
   for (std::uint32_t i = 0; i < kStages; ++i) {
@@ -93,6 +100,13 @@ nlohmann::ordered_json Json(const RenderReport& report) {
     json["stages"][std::string(ToString(Stage(i)))] = {
         {"thread_seconds", stats.stage_seconds[i]},
         {"share", stats.stage_seconds[i] / std::max(stats.busy_seconds(), 1e-12)}};
+  }
+  if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
+    json["photons"] = {
+        {"indirect", photons.indirect},       {"caustic", photons.caustic},
+        {"light_paths", photons.light_paths}, {"map_bytes", photons.bytes},
+        {"radius", photons.radius},           {"caustic_radius", photons.caustic_radius},
+        {"seconds", photons.seconds}};
   }
   json["waves"] = stats.waves;
   for (const BounceOccupancy& bounce : stats.bounces) {

@@ -89,22 +89,26 @@ HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units) 
   ToUnits(keep(rgb.z), scale.units, units.rgb[2]);
 }
 
-FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                     std::uint64_t* sums) {
+// Counts what of the rows `inside` a film cannot hold as it is.
+HWY_INLINE void CountMisfits(const V3& rgb, MF inside, const FilmScale& scale, FilmCounts& counts) {
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
+  const MF valid = hn::And(hn::And(hn::Ge(rgb.x, zero), hn::Ge(rgb.y, zero)), hn::Ge(rgb.z, zero));
+  counts.invalid += hn::CountTrue(F(), hn::AndNot(valid, inside));
+  // Channel by channel: the maximum of a NaN and a number is another one on another target.
+  const MF bright =
+      hn::Or(hn::Or(hn::Gt(rgb.x, limit), hn::Gt(rgb.y, limit)), hn::Gt(rgb.z, limit));
+  counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
+}
+
+template <bool kShared>
+FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                     std::uint64_t* sums) {
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   FilmCounts counts = {0, 0};
   RowUnits units;
   for (std::uint32_t i = 0; i < n; i += lanes) {
     const V3 rgb = Load3(paths.r + i, paths.g + i, paths.b + i);
-    const MF inside = hn::RebindMask(F(), RowsBelow(i, n));
-    const MF valid =
-        hn::And(hn::And(hn::Ge(rgb.x, zero), hn::Ge(rgb.y, zero)), hn::Ge(rgb.z, zero));
-    counts.invalid += hn::CountTrue(F(), hn::AndNot(valid, inside));
-    // Channel by channel: the maximum of a NaN and a number is another one on another target.
-    const MF bright =
-        hn::Or(hn::Or(hn::Gt(rgb.x, limit), hn::Gt(rgb.y, limit)), hn::Gt(rgb.z, limit));
-    counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
+    CountMisfits(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
     ToUnits(rgb, scale, units);
     // Samples of a pixel follow each other: sum them before the memory is touched.
     const std::uint32_t rows = std::min(lanes, n - i);
@@ -115,9 +119,38 @@ FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale&
         r += units.rgb[0][lane], g += units.rgb[1][lane], b += units.rgb[2][lane];
       }
       std::uint64_t* sum = sums + std::size_t(pixel) * 3;
-      sum[0] = SaturatingSum(sum[0], r);
-      sum[1] = SaturatingSum(sum[1], g);
-      sum[2] = SaturatingSum(sum[2], b);
+      if constexpr (kShared) {
+        AddSaturating(sum[0], r), AddSaturating(sum[1], g), AddSaturating(sum[2], b);
+      } else {
+        sum[0] = SaturatingSum(sum[0], r);
+        sum[1] = SaturatingSum(sum[1], g);
+        sum[2] = SaturatingSum(sum[2], b);
+      }
+    }
+  }
+  return counts;
+}
+FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                     std::uint64_t* sums, bool shared) {
+  return shared ? AddToSums<true>(paths, n, scale, sums) : AddToSums<false>(paths, n, scale, sums);
+}
+
+FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
+                           float factor, const FilmScale& scale, std::uint64_t* sums) {
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+  FilmCounts counts = {0, 0};
+  RowUnits units;
+  for (std::uint32_t i = 0; i < n; i += lanes) {
+    const MF arrived = hn::And(hn::Ge(Load(splats.t_far + i), hn::Zero(F())),
+                               hn::RebindMask(F(), RowsBelow(i, n)));
+    if (hn::AllFalse(F(), arrived)) continue;
+    const V3 rgb = Scale(Load3(splats.r + i, splats.g + i, splats.b + i), Set(factor));
+    CountMisfits(rgb, arrived, scale, counts);
+    ToUnits(rgb, scale, units);
+    for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {
+      if (!(splats.t_far[i + lane] >= 0)) continue;
+      std::uint64_t* sum = sums + std::size_t(pixel[i + lane]) * 3;
+      for (std::size_t c = 0; c < 3; ++c) AddSaturating(sum[c], units.rgb[c][lane]);
     }
   }
   return counts;
@@ -148,6 +181,7 @@ namespace skywave {
 HWY_EXPORT(AddEscapedRadiance);
 HWY_EXPORT(AddUnoccludedRadiance);
 HWY_EXPORT(AddToFilm);
+HWY_EXPORT(AddSplatsToFilm);
 HWY_EXPORT(AddSquaresToFilm);
 
 void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
@@ -160,8 +194,12 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
 }
 
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                     std::uint64_t* sums) {
-  return HWY_DYNAMIC_DISPATCH(AddToFilm)(paths, n, scale, sums);
+                     std::uint64_t* sums, bool shared) {
+  return HWY_DYNAMIC_DISPATCH(AddToFilm)(paths, n, scale, sums, shared);
+}
+FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
+                           float factor, const FilmScale& scale, std::uint64_t* sums) {
+  return HWY_DYNAMIC_DISPATCH(AddSplatsToFilm)(splats, pixel, n, factor, scale, sums);
 }
 
 void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,

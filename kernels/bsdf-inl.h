@@ -4,6 +4,8 @@
 //   Sample Draw(wo, direction_u, direction_v, lobe_u)
 //   VF     Blurred(wo, wi, radius)           luminance of value, blurred over an angle; optional
 //   kTransmits                               true where light passes through; optional
+//   kRefracts, VF ratio                      true where it also enters another medium, IndexRatio;
+//                                            optional
 // and gets its kernels from EvaluateRows, EvaluateLightRows, WeighCellRows and ScatterRows.
 #if defined(SKYWAVE_KERNELS_BSDF_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_BSDF_INL_H_
@@ -67,6 +69,29 @@ template <class Bsdf>
 inline constexpr bool kTransmits = requires {
   Bsdf::kTransmits;
 };
+template <class Bsdf>
+inline constexpr bool kRefracts = requires {
+  Bsdf::kRefracts;
+};
+
+// Lanes seen from the side that the normals of the mesh point away from.
+HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
+  return hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
+}
+// Of dielectrics: index on wo's side over index on the other side.
+HWY_INLINE VF IndexRatio(const SurfaceColumns& s, const MaterialView& m, VU fields,
+                         std::uint32_t i) {
+  const VF ior = Field(m, fields, 7);
+  return IfThen(SeenFromBehind(s, i), ior, hn::Div(Set(1.0f), ior));
+}
+
+// What flux gets where radiance gets 1, for a shading normal ns (Veach 1997, eq. 5.19). World space
+// or local. Exactly 1 if ns is ng.
+HWY_INLINE VF ShadingNormalFactor(const V3& ns, const V3& ng, const V3& wo, const V3& wi) {
+  const VF over = hn::Mul(hn::Abs(Dot(wo, ns)), hn::Abs(Dot(wi, ng)));
+  const VF under = hn::Mul(hn::Abs(Dot(wo, ng)), hn::Abs(Dot(wi, ns)));
+  return hn::Div(over, hn::Max(under, Set(1e-20f)));
+}
 
 // Lanes where light can come from world direction wi: above the surface as it is and as it is
 // shaded; where light passes through, also below both.
@@ -221,6 +246,10 @@ HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingL
   VF largest = MaxComponent(throughput);
   alive = hn::And(alive, hn::Gt(largest, zero));
   if (policy.roulette) {
+    if (policy.transport == Transport::kFlux) {
+      largest = hn::Div(
+          largest, MaxComponent(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i)));
+    }
     const VF survival = hn::Min(largest, Set(1.0f));
     alive = hn::And(alive, hn::Lt(roulette, survival));
     throughput = Scale(throughput, hn::Div(Set(1.0f), survival));
@@ -261,11 +290,20 @@ std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials
     const BsdfSample sample = bsdf.Draw(lanes.wo, Load(uniforms.direction.u + i),
                                         Load(uniforms.direction.v + i), Load(uniforms.lobe.u + i));
     const V3 world = ToWorld(lanes.frame, sample.wi);
+    V3 weight = sample.weight;
+    if (policy.transport == Transport::kFlux) {
+      const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
+      VF factor = ShadingNormalFactor(lanes.frame.n, lanes.ng, wo, world);
+      if constexpr (kRefracts<Bsdf>) {
+        const MF through = hn::Lt(sample.wi.z, hn::Zero(F()));
+        factor = IfThen(through, hn::Div(factor, hn::Mul(bsdf.ratio, bsdf.ratio)), factor);
+      }
+      weight = Scale(weight, factor);
+    }
     const MF alive =
         hn::And(Connects<Bsdf>(lanes, world, sample.wi), hn::Gt(sample.pdf, hn::Zero(F())));
-    appended =
-        AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, sample.weight, sample.pdf, alive,
-                                          Load(uniforms.lobe.v + i), policy, rays, appended);
+    appended = AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, weight, sample.pdf, alive,
+                                                 Load(uniforms.lobe.v + i), policy, rays, appended);
   }
   return appended;
 }
@@ -292,11 +330,6 @@ HWY_INLINE VF FresnelConductor(VF c, VF eta, VF k) {
 HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
   return {FresnelConductor(c, eta.x, k.x), FresnelConductor(c, eta.y, k.y),
           FresnelConductor(c, eta.z, k.z)};
-}
-
-// Lanes seen from the side that the normals of the mesh point away from.
-HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
-  return hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
 }
 
 // What a dielectric does with unpolarised light that meets it at cosine cos_o; `ratio` is the index
@@ -373,6 +406,8 @@ HWY_AFTER_NAMESPACE();
         .delta = false,                                                                          \
         .lobed = Bsdf##Traits.lobed,                                                             \
         .varying = Bsdf##Traits.varying,                                                         \
+        .transmits = Bsdf##Traits.transmits,                                                     \
+        .refracts = Bsdf##Traits.refracts,                                                       \
         .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
         .evaluate_lights =                                                                       \
             [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \

@@ -2,7 +2,9 @@
 //
 // Conventions: wo points to the eye, wi to the light, both away from the surface. `value` is
 // f(wo, wi) |cos| [1/sr], per channel, radiance transport (transmission scales radiance by the
-// squared index ratio). `pdf` is of wi given wo [1/sr]. Reflection needs wi on wo's side of both
+// squared index ratio). `pdf` is of wi given wo [1/sr]. On paths from lights (Transport::kFlux) wo
+// points to where the path comes from, the light, and wi to the eye; kernels/flux.h makes values of
+// them. Reflection needs wi on wo's side of both
 // the geometric and the shading normal, transmission on the other side of both; what smooth normals
 // would leak through is zero.
 #pragma once
@@ -35,10 +37,20 @@ struct MisPolicy {
   float bsdf_samples = 1;  // of a surface
 };
 
-// Russian roulette after scattering: a path goes on with probability min(1, largest throughput).
+// What a path carries. BSDFs are not symmetric where light is refracted, which scales radiance and
+// not flux by the squared index ratio, nor where the shading normal is not that of the surface:
+// flux gets |wo.ns| |wi.ng| / (|wo.ng| |wi.ns|) (Veach 1997, 5.2 and 5.3.2).
+enum class Transport {
+  kRadiance,  // paths from the camera
+  kFlux       // paths from lights
+};
+
+// Russian roulette after scattering: a path goes on with probability min(1, largest throughput);
+// flux, which has a unit, with min(1, what the surface leaves of its largest throughput).
 struct ScatterPolicy {
   bool roulette = false;
   std::uint32_t first_row = 0;  // row of the slice's row 0 in the whole surface table
+  Transport transport = Transport::kRadiance;
 };
 
 // Uniforms of a scattering event: `direction` for the direction, `lobe.u` to choose a lobe,
@@ -77,8 +89,10 @@ enum class Varying {
 
 struct BsdfTraits {
   std::string_view name;
-  bool lobed = false;  // as in BsdfKernels
+  // As in BsdfKernels.
+  bool lobed = false;
   Varying varying = Varying::kNothing;
+  bool transmits = false, refracts = false;
 };
 
 struct BsdfKernels {
@@ -86,6 +100,8 @@ struct BsdfKernels {
   bool delta;  // no density: no light samples, value and pdf are 0
   bool lobed;  // chooses between lobes: needs ScatterUniforms::lobe.u
   Varying varying;
+  bool transmits;  // light passes through
+  bool refracts;   // and enters another medium: its value has the squared index ratio
 
   // Rows [0, n): value and pdf of directions wi (dir columns of `lights`).
   void (*evaluate)(const SurfaceColumns& surfaces, const MaterialView& materials,

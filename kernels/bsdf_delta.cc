@@ -40,9 +40,11 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
     const VF cosine = Dot(normal, wo);
     const V3 wi = Sub(Scale(normal, hn::Mul(Set(2.0f), cosine)), wo);
     const VU fields = MaterialFields(s, i, n);
-    const V3 weight = Mul(
-        ColorOf(s, i),
-        FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, 4), Field3(m, fields, 8)));
+    V3 weight = Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, 4),
+                                                    Field3(m, fields, 8)));
+    if (policy.transport == Transport::kFlux) {
+      weight = Scale(weight, ShadingNormalFactor(normal, lanes.ng, wo, wi));
+    }
     const MF alive = hn::Gt(Dot(lanes.ng, wi), hn::Zero(F()));
     appended = AppendScattered(s, lanes, i, n, wi, weight, hn::Zero(F()), alive,
                                Load(uniforms.lobe.v + i), policy, rays, appended);
@@ -61,10 +63,8 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const ShadingLanes lanes(s, i);
     const V3 wo = WorldWo(s, i);
     const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
-    const VF ior = Field(m, MaterialFields(s, i, n), 7);
-    // Index on wo's side over index on the other side.
-    VF ratio = hn::Div(one, ior);
-    if (!thin) ratio = IfThen(SeenFromBehind(s, i), ior, ratio);
+    const VU fields = MaterialFields(s, i, n);
+    const VF ratio = thin ? hn::Div(one, Field(m, fields, 7)) : IndexRatio(s, m, fields, i);
     const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
     const VF ratio2 = hn::Mul(ratio, ratio);
     const Refraction refraction = FresnelDielectric(cos_o, ratio);
@@ -79,7 +79,11 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const VF side = Dot(lanes.ng, wi);
     const MF alive =
         hn::Or(hn::And(reflects, hn::Gt(side, zero)), hn::AndNot(reflects, hn::Lt(side, zero)));
-    const V3 weight = Scale(ColorOf(s, i), IfThen(reflects, one, thin ? one : ratio2));
+    VF factor = IfThen(reflects, one, thin ? one : ratio2);
+    if (policy.transport == Transport::kFlux) {
+      factor = ShadingNormalFactor(normal, lanes.ng, wo, wi);
+    }
+    const V3 weight = Scale(ColorOf(s, i), factor);
     appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
                                policy, rays, appended);
   }
@@ -112,25 +116,28 @@ HWY_EXPORT(ScatterDielectric);
 HWY_EXPORT(ScatterThinDielectric);
 
 namespace {
-BsdfKernels DeltaKernels(std::string_view name, bool lobed,
-                         decltype(BsdfKernels::scatter) scatter) {
-  return {.name = name,
+BsdfKernels DeltaKernels(const BsdfTraits& traits, decltype(BsdfKernels::scatter) scatter) {
+  return {.name = traits.name,
           .delta = true,
-          .lobed = lobed,
-          .varying = Varying::kNothing,
+          .lobed = traits.lobed,
+          .varying = traits.varying,
+          .transmits = traits.transmits,
+          .refracts = traits.refracts,
           .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
           .scatter = scatter};
 }
 }  // namespace
 
 BsdfKernels MirrorKernels() {
-  return DeltaKernels("mirror", false, SKYWAVE_SCATTER(ScatterMirror));
+  return DeltaKernels({.name = "mirror"}, SKYWAVE_SCATTER(ScatterMirror));
 }
 BsdfKernels DielectricKernels() {
-  return DeltaKernels("dielectric", true, SKYWAVE_SCATTER(ScatterDielectric));
+  return DeltaKernels({.name = "dielectric", .lobed = true, .transmits = true, .refracts = true},
+                      SKYWAVE_SCATTER(ScatterDielectric));
 }
 BsdfKernels ThinDielectricKernels() {
-  return DeltaKernels("thin-dielectric", true, SKYWAVE_SCATTER(ScatterThinDielectric));
+  return DeltaKernels({.name = "thin-dielectric", .lobed = true, .transmits = true},
+                      SKYWAVE_SCATTER(ScatterThinDielectric));
 }
 
 }  // namespace skywave

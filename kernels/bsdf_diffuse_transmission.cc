@@ -51,8 +51,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits DiffuseTransmissionTraits = {.name = "diffuse-transmission",
-                                                         .lobed = true};
+inline constexpr BsdfTraits DiffuseTransmissionTraits = {
+    .name = "diffuse-transmission", .lobed = true, .transmits = true};
 SKYWAVE_BSDF_TABLE(DiffuseTransmission)
 
 }  // namespace skywave

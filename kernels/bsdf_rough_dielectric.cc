@@ -16,13 +16,12 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct RoughDielectric {
-  static constexpr bool kTransmits = true;
+  static constexpr bool kTransmits = true, kRefracts = true;
 
   HWY_INLINE RoughDielectric(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                              std::uint32_t n)
       : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)), ggx(Field(m, fields, 3)) {
-    const VF ior = Field(m, fields, 7);
-    ratio = IfThen(SeenFromBehind(s, i), ior, hn::Div(Set(1.0f), ior));
+    ratio = IndexRatio(s, m, fields, i);
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
@@ -85,7 +84,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits RoughDielectricTraits = {.name = "rough-dielectric", .lobed = true};
+inline constexpr BsdfTraits RoughDielectricTraits = {
+    .name = "rough-dielectric", .lobed = true, .transmits = true, .refracts = true};
 SKYWAVE_BSDF_TABLE(RoughDielectric)
 
 }  // namespace skywave

@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/camera.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/math-inl.h"
+#include "kernels/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -24,20 +24,6 @@ HWY_INLINE VF FilterOffset(const float* table, VF uniform) {
 struct OriginAndDirection {
   V3 origin, dir;
 };
-
-// An even point of the unit disc, rings of squares to rings of the disc (Shirley and Chiu 1997).
-HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
-  const VF a = hn::Sub(hn::Add(u, u), Set(1.0f)), b = hn::Sub(hn::Add(v, v), Set(1.0f));
-  const MF steep = hn::Gt(hn::Abs(b), hn::Abs(a));
-  const VF major = IfThen(steep, b, a), minor = IfThen(steep, a, b);
-  const MF centre = hn::Eq(major, hn::Zero(F()));
-  const VF slope = hn::Div(minor, IfThen(centre, Set(1.0f), major));
-  VF sine, cosine;
-  SinCosTurn(hn::Mul(hn::Abs(slope), Set(0.125f)), sine, cosine);
-  const VF along = hn::Mul(major, cosine), across = hn::Mul(major, hn::CopySign(sine, slope));
-  x = IfThen(steep, across, along);
-  y = IfThen(steep, along, across);
-}
 
 // Moves the origin over the lens, so that the point at the focal distance stays where it is.
 HWY_INLINE void RefractByLens(const CameraView& camera, const UniformColumns& lens,

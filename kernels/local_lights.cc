@@ -7,7 +7,7 @@
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/math-inl.h"
+#include "kernels/local_lights-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -15,70 +15,11 @@ namespace HWY_NAMESPACE {
 
 constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of an entry
 
-// The fields of one light a lane.
-struct LightLanes {
-  HWY_INLINE LightLanes(const LocalLightView& view, VU light)
-      : words(reinterpret_cast<const std::uint32_t*>(view.lights)), at(hn::ShiftLeft<4>(light)) {}
-  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
-  HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
-  HWY_INLINE V3 Vector(std::uint32_t field) const {
-    return {Number(field), Number(field + 1), Number(field + 2)};
-  }
-  HWY_INLINE MF Is(LocalLightKind kind) const {
-    return hn::RebindMask(F(), hn::Eq(Word(0), SetU(std::uint32_t(kind))));
-  }
-  HWY_INLINE V3 emission() const { return Vector(1); }
-  HWY_INLINE V3 position() const { return Vector(4); }
-  HWY_INLINE VF area() const { return Number(7); }
-  HWY_INLINE V3 axis() const { return Vector(8); }
-  HWY_INLINE MF two_sided() const { return hn::RebindMask(F(), hn::Ne(Word(11), SetU(0))); }
-  HWY_INLINE V3 edge() const { return Vector(12); }
-  HWY_INLINE VU triangle() const { return Word(15); }
-
-  const std::uint32_t* words;
-  VU at;
-};
-
-// The light whose interval holds `target`, which is below the last bound.
-HWY_INLINE VU FindLight(const LightChoice& choice, std::uint32_t count, VU target) {
-  VU light = SetU(0);
-  for (std::uint32_t length = count; length > 1;) {
-    const std::uint32_t half = length / 2;
-    const VU middle = hn::Add(light, SetU(half));
-    light = IfThen(hn::Gt(Gather(choice.first, middle), target), light, middle);
-    length -= half;
-  }
-  return light;
-}
-
-// Probability of being picked.
-HWY_INLINE VF Probability(const LightChoice& choice, VU light) {
-  const VU width =
-      hn::Sub(Gather(choice.first, hn::Add(light, SetU(1))), Gather(choice.first, light));
-  return hn::Mul(ToFloat(width), Set(1.0f / kChoiceUnits));
-}
-
 // Density of points that are uniform over a triangle, as directions from where it is `distance2`
 // away and its normal has that cosine [1/sr]. Bounded: infinity would mean a directional light.
 HWY_INLINE VF SolidAngleDensity(VF probability, VF area, VF distance2, VF cosine) {
   const VF seen = hn::Mul(area, hn::Max(cosine, Set(1e-20f)));
   return hn::Min(hn::Div(hn::Mul(probability, distance2), seen), Set(1e18f));
-}
-
-HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-
-HWY_INLINE VF LargestCoordinate(const V3& p) {
-  return hn::Max(hn::Max(hn::Abs(p.x), hn::Abs(p.y)), hn::Abs(p.z));
-}
-
-// Full inside the inner cone, dark outside the outer one, between them 3 t^2 - 2 t^3 of the cosine.
-HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
-  const VF t = Clamp(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)), 0.0f, 1.0f);
-  return hn::Mul(hn::Mul(t, t), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), t)));
 }
 
 // Light samples of one vector of surfaces at `org`, in the terms of LightColumns.
@@ -88,16 +29,14 @@ struct DrawnLights {
   VF u, v;  // where on a triangle
 };
 HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x, VF y,
-                                  const V3& org) {
+                                  const V3& org, VF lift) {
   const VF zero = hn::Zero(F()), one = Set(1.0f);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   const V3 axis = light.axis(), edge = light.edge();
   const MF triangle = light.Is(LocalLightKind::kTriangle);
 
-  // Uniform over the triangle (Turk 1990): both of its free coordinates by monotone maps.
-  const VF root = hn::Sqrt(x);
-  const VF along_edge = hn::Mul(y, root), along_axis = hn::Sub(one, root);
-  const V3 inside = Add(Scale(axis, along_axis), Scale(edge, along_edge));
+  const TrianglePoint on = PointOf(x, y);
+  const V3 inside = on.From(axis, edge);
   const V3 point = Add(light.position(), IfThen(triangle, inside, V3{zero, zero, zero}));
   const V3 way = Sub(point, org);
   const VF distance2 = hn::Max(Dot(way, way), Set(1e-30f));
@@ -120,8 +59,10 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     const VF falloff = SpotFalloff(light, hn::Neg(Dot(axis, dir)));
     worth = IfThen(spot, hn::Mul(intensity_worth, falloff), worth);
   }
-  // What is known of a hit's place, as surfaces are lifted (kernels/surface.cc).
-  const VF slack = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
+  // What is known of a hit's place, as surfaces are lifted (kernels/surface.cc), and how much
+  // nearer an origin can come that is moved through its surface.
+  const VF known = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
+  const VF slack = hn::Add(known, hn::Add(lift, lift));
   VF reach = hn::Sub(distance, slack);
   const MF distant = light.Is(LocalLightKind::kDistant);
   if (!hn::AllFalse(F(), distant)) {
@@ -129,34 +70,27 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     worth = IfThen(distant, hn::Div(one, probability), worth);
     reach = IfThen(distant, infinity, reach);
   }
-  return {dir, Scale(light.emission(), worth), pdf, reach, along_axis, along_edge};
+  return {dir, Scale(light.emission(), worth), pdf, reach, on.along_axis, on.along_edge};
 }
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
                        std::uint32_t n, float samples, const LightColumns& out, float* reach,
                        const HitColumns* places) {
-  const VU end = SetU(choice.first[view.count]);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    VU target = ToUnsigned(hn::Mul(Load(uniforms.u + i), Set(float(kChoiceUnits))));
-    const MU picks = hn::And(RowsBelow(i, n), hn::Gt(end, target));
-    if (hn::AllFalse(U(), picks)) {
+    const LightPick pick(view, choice, uniforms.u, i, n);
+    if (pick.none()) {
       Store(infinity, reach + i);
       if (places != nullptr) Store(SetU(kNoHit), places->geom + i);
       continue;
     }
-    target = hn::IfThenElseZero(picks, target);
-    const VU index = FindLight(choice, view.count, target);
-    const VF probability = Probability(choice, index);
-    // What the pick leaves of u, in the middle of its 2^-24: in (0, 1), and uniform there.
-    const VF left = hn::Add(ToFloat(hn::Sub(target, Gather(choice.first, index))), Set(0.5f));
-    const VF x = hn::Div(left, hn::Mul(probability, Set(float(kChoiceUnits))));
     const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
-    const LightLanes light(view, index);
+    const LightLanes light(view, pick.light);
     const DrawnLights drawn =
-        DrawLights(light, hn::Mul(probability, Set(samples)), x, Load(uniforms.v + i), org);
-    const MF picked = hn::RebindMask(F(), picks);
+        DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest, Load(uniforms.v + i),
+                   org, hn::Abs(Load(surfaces.lift + i)));
+    const MF picked = pick.picked;
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);
     Store3(IfThen(picked, drawn.radiance, Load3(out.r + i, out.g + i, out.b + i)), out.r + i,
@@ -180,7 +114,7 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 
 std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
                            const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met) {
+                           float samples, const EscapeColumns& met, float* arrival) {
   std::uint32_t to = 0;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
@@ -221,6 +155,10 @@ std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice
     rows.Append(radiance.z, met.radiance_b + to);
     rows.Append(SolidAngleDensity(probability, light.area(), hn::Mul(t, t), cosine),
                 met.light_pdf + to);
+    if (arrival != nullptr) {
+      const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
+      rows.Append(hn::Div(cosine, hn::Mul(sides, hn::Mul(t, t))), arrival + to);
+    }
     to += rows.count();
   }
   return to;
@@ -249,8 +187,8 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 }
 std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
                            const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met) {
-  return HWY_DYNAMIC_DISPATCH(MeetEmitters)(view, choice, rays, hits, n, samples, met);
+                           float samples, const EscapeColumns& met, float* arrival) {
+  return HWY_DYNAMIC_DISPATCH(MeetEmitters)(view, choice, rays, hits, n, samples, met, arrival);
 }
 
 }  // namespace skywave

@@ -26,6 +26,10 @@ constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
 // A path uses fewer pairs than this: whoever needs more for the same event adds multiples of it.
 inline constexpr std::uint32_t kPairBlock = 1u << 16;
 
+// Light paths have pairs of their own: those of SamplePair, MixturePair and their blocks behind
+// this, bounce 0 being their light.
+inline constexpr std::uint32_t kLightPathPairs = 0xC000u * kPairBlock;
+
 // Which point of a pixel's sequence a path takes: sample * stride + offset. Light samples of a hit
 // that takes n of them are points sample * n + j of one sequence: stratified among themselves too.
 struct SampleIndexing {

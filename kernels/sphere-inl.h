@@ -1,4 +1,4 @@
-// Directions drawn from simple densities, on vectors.
+// Directions and points drawn from simple densities, on vectors.
 #if defined(SKYWAVE_KERNELS_SPHERE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_SPHERE_INL_H_
 #undef SKYWAVE_KERNELS_SPHERE_INL_H_
@@ -29,6 +29,20 @@ HWY_INLINE V3 CosineHemisphere(VF u, VF v) {
   VF s, c;
   SinCosTurn(u, s, c);
   return {hn::Mul(radius, c), hn::Mul(radius, s), hn::Sqrt(hn::Sub(Set(1.0f), v))};
+}
+
+// An even point of the unit disc, rings of squares to rings of the disc (Shirley and Chiu 1997).
+HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
+  const VF a = hn::Sub(hn::Add(u, u), Set(1.0f)), b = hn::Sub(hn::Add(v, v), Set(1.0f));
+  const MF steep = hn::Gt(hn::Abs(b), hn::Abs(a));
+  const VF major = IfThen(steep, b, a), minor = IfThen(steep, a, b);
+  const MF centre = hn::Eq(major, hn::Zero(F()));
+  const VF slope = hn::Div(minor, IfThen(centre, Set(1.0f), major));
+  VF sine, cosine;
+  SinCosTurn(hn::Mul(hn::Abs(slope), Set(0.125f)), sine, cosine);
+  const VF along = hn::Mul(major, cosine), across = hn::Mul(major, hn::CopySign(sine, slope));
+  x = IfThen(steep, across, along);
+  y = IfThen(steep, along, across);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -174,6 +174,12 @@ StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text
 
 std::span<const StrategyFactory> Strategies() { return Table(); }
 
+bool CanEmit(const EnvStrategy& strategy) {
+  const LightPlan plan = strategy.Plan(1);
+  return !strategy.depends_on_surface() && strategy.complete() && plan.fixed == 0 &&
+         plan.drawn == 1;
+}
+
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
                                           const EnvironmentMap& map) {
   const std::size_t colon = specification.find(':');

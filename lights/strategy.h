@@ -72,6 +72,9 @@ class EnvStrategy {
   // False: the density misses light that is there (it is zero where radiance is not), so the
   // strategy is right only together with BSDF sampling.
   virtual bool complete() const { return true; }
+  // True: samples and densities are those of a surface. Else Sample and EvaluateEscaped do not look
+  // at `points`, so light paths can start with a sample (kernels/emission.h).
+  virtual bool depends_on_surface() const { return false; }
   // False: directions that BSDF sampling draws see no light (EvaluateEscaped finds black where pdf
   // is not 0), so nobody needs to trace them to see the map.
   virtual bool shines_on_bsdf_samples() const { return true; }
@@ -92,6 +95,10 @@ struct StrategyFactory {
 };
 
 std::span<const StrategyFactory> Strategies();
+
+// Whether light paths can start with the strategy's samples: they need one random sample that
+// depends on no surface and finds all light there is.
+bool CanEmit(const EnvStrategy& strategy);
 
 // Makes the strategy of a specification "name" or "name:key=value,..."; the map must outlive it.
 // Throws InputError with the

@@ -29,6 +29,7 @@ class CosineStrategy final : public EnvStrategy {
  public:
   explicit CosineStrategy(const EnvironmentMap& map) : texels_(map) {}
   std::string_view name() const override { return "cosine"; }
+  bool depends_on_surface() const override { return true; }
   std::size_t table_bytes() const override { return texels_.bytes(); }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;

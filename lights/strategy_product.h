@@ -24,6 +24,7 @@ class ProductStrategy final : public EnvStrategy {
   ProductStrategy(const EnvironmentMap& map, int cells);
 
   std::string_view name() const override { return "product"; }
+  bool depends_on_surface() const override { return true; }
   std::size_t table_bytes() const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;

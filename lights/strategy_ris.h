@@ -23,6 +23,7 @@ class RisStrategy final : public EnvStrategy {
       : map_(map, /*compensate=*/0), counts_(counts) {}
 
   std::string_view name() const override { return "ris"; }
+  bool depends_on_surface() const override { return true; }
   std::size_t table_bytes() const override { return map_.table_bytes(); }
   bool shines_on_bsdf_samples() const override { return false; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,

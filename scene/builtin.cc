@@ -24,6 +24,8 @@ constexpr std::array kScenes = {
     BuiltinSceneInfo{"furnace", "a white sphere in constant radiance 1: everything renders to 1"},
     BuiltinSceneInfo{"lamps",
                      "a room with a lamp in its ceiling, a spot, a bulb and a glowing ball"},
+    BuiltinSceneInfo{"room", "an interior that daylight reaches through one window"},
+    BuiltinSceneInfo{"three-spheres", "mirror, glass and chalk on a slab under the sun: caustics"},
     BuiltinSceneInfo{"many-shapes", "a field of 196 blobs, 1.0 M triangles of Lambert"},
     BuiltinSceneInfo{"many-materials", "the same field with every BSDF"},
     BuiltinSceneInfo{"materials", "a sphere of each BSDF under the sun"},
@@ -102,6 +104,20 @@ Scene LampsScene() {
   return scene;
 }
 
+// Small, so that the light paths of a sky meet it: the scene of a photon map's caustics.
+Scene ThreeSpheresScene() {
+  Scene scene;
+  Place(scene, Quad(2.6f), AddLambert(scene, "slab", {0.62f, 0.58f, 0.52f}), glm::vec3(0));
+  const std::uint32_t materials[] = {AddMirror(scene, 0.95f), AddGlass(scene, 1.5f),
+                                     AddLambert(scene, "chalk", {0.75f, 0.32f, 0.22f})};
+  const glm::vec3 places[] = {{-1.15f, 0.6f, -0.35f}, {0.15f, 0.6f, 0.55f}, {1.2f, 0.6f, -0.45f}};
+  for (int i = 0; i < 3; ++i) Place(scene, Sphere(0.6f), materials[i], places[i]);
+  AddProceduralSky(scene);
+  scene.camera = LookAtCamera({0.3f, 2.3f, 4.6f}, {0, 0.35f, 0}, {0, 1, 0}, 38, false);
+  scene.settings = BuiltinSettings(64, 8);
+  return scene;
+}
+
 // A sphere with a few waves in its surface; each seed has others.
 Mesh Blob(int seed) {
   Mesh blob = Sphere(0.42f, 16);
@@ -149,6 +165,8 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "spheres") return SpheresScene();
   if (name == "furnace") return FurnaceScene();
   if (name == "lamps") return LampsScene();
+  if (name == "room") return RoomScene();
+  if (name == "three-spheres") return ThreeSpheresScene();
   if (name == "many-shapes") return ManyShapesScene(FiveColors());
   if (name == "many-materials") return ManyShapesScene(OneOfEachBsdf());
   if (name == "materials") return MaterialsScene();

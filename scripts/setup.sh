@@ -5,7 +5,7 @@ packages=(
   cmake ninja-build g++ git pkg-config
   libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev
   libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libgtest-dev libbenchmark-dev
+  nlohmann-json3-dev libgtest-dev libbenchmark-dev libnanoflann-dev
 )
 missing=()
 for package in "${packages[@]}"; do

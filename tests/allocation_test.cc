@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <cstddef>
-#include <functional>
 
 #include "lights/strategy.h"
 #include "scene/builtin.h"
@@ -93,29 +92,34 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.max_depth = 12;
     request.options.backend = backend;
     request.options.light_samples = 3;
-    const RenderJob job(scene, request);
-    const FrameView frame = job.frame();
-    Film film = job.MakeFilm();
-    Worker worker(600);  // the last wave is smaller
-    const Tile tile = {0, 0, 32, 24};
-    Continuations continuations(600);
-    FrameView splitting = frame;
-    splitting.options.split = 2;
-    const auto split = [&](const FrameView&, const WaveRange& range, Worker& w, Film& to) {
-      RenderSplitWave(splitting, range, w, continuations, to);
+    struct Kind {
+      Integrator integrator;
+      std::uint32_t split;
     };
-    using Render = std::function<void(const FrameView&, const WaveRange&, Worker&, Film&)>;
-    for (const Render& render : {Render(RenderPathWave), Render(RenderDirectWave), Render(split)}) {
+    for (const auto& [integrator, split] :
+         {Kind{Integrator::kPath, 0}, Kind{Integrator::kPath, 2}, Kind{Integrator::kDirect, 0},
+          Kind{Integrator::kLight, 0}, Kind{Integrator::kBdpt, 0}}) {
+      SCOPED_TRACE(ToString(integrator));
+      request.integrator = Integrator::kPath;
+      request.options.split = split;
+      if (HasLightPaths(integrator) && !CanEmit(RenderJob(scene, request).strategy())) continue;
+      request.integrator = integrator;
+      const RenderJob job(scene, request);
+      FrameView frame = job.frame();
+      frame.options.wave = 600;  // the last wave is smaller
+      Film film = job.MakeFilm();
+      const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
+      const Tile tile = {0, 0, 32, 24};
       const auto waves = [&] {
         for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
           const auto left = std::uint32_t(32 * 24 * 4 - first);
-          render(frame, {tile, first, std::min(600u, left)}, worker, film);
+          RenderWave(frame, {tile, first, std::min(600u, left)}, *worker, film);
         }
       };
       // From the first wave on: there is nothing to warm up.
       EXPECT_EQ(AllocationsOf(waves), 0u);
+      EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
     }
-    EXPECT_EQ(worker.stats.samples, 3u * 32 * 24 * 4);
   }
 }
 

@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <thread>
 #include <vector>
 
+#include "kernels/camera_connection.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/targets.h"
 #include "wavefront/soa.h"
@@ -226,6 +229,88 @@ TEST(Film, OfNoSamplesIsBlack) {
   EXPECT_EQ(image.width, 3);
   EXPECT_EQ(image.height, 2);
   EXPECT_EQ(image.rgb, std::vector<float>(18, 0.0f));
+}
+
+// ---- Splats ----
+
+struct Splats {
+  explicit Splats(std::uint32_t n) : lights(n), cameras(n) {}
+  soa::Table<LightColumns> lights;
+  soa::Table<CameraColumns> cameras;  // pixels only
+};
+
+// The same samples as splats, every third one behind a ray that did not arrive and with values that
+// nobody is to look at.
+Splats SplatsOf(const std::vector<Sample>& samples) {
+  Splats splats{std::uint32_t(samples.size())};
+  for (std::uint32_t i = 0; i < samples.size(); ++i) {
+    const bool arrives = i % 3 != 0;
+    splats.cameras->pixel[i] = arrives ? samples[i].pixel : 0xFFFFFFFFu;
+    splats.lights->t_far[i] = arrives ? float(i % 2) : -1;
+    splats.lights->r[i] = samples[i].rgb[0];
+    splats.lights->g[i] = samples[i].rgb[1];
+    splats.lights->b[i] = arrives ? samples[i].rgb[2] : kNan;
+  }
+  return splats;
+}
+
+TEST(FilmSplats, AreSamplesOfAnyPixelInAnyOrderAndThread) {
+  constexpr std::uint32_t kPixels = 24;
+  const std::vector<Sample> samples = WildSamples(6000, kPixels);
+  const Splats splats = SplatsOf(samples);
+  Film expected(6, 4, 16);
+  RenderStats expected_stats;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i % 3 == 0) continue;
+    Sample half = samples[i];
+    for (float& value : half.rgb) value *= 0.5f;
+    Add({half}, 0, 1, 1, expected, expected_stats);
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t wave : {1u, 17u, 2048u}) {
+      Film film(6, 4, 16, 0, 0, /*shared=*/true);
+      constexpr std::uint32_t kThreads = 4;
+      std::vector<RenderStats> stats(kThreads);
+      std::vector<std::thread> threads;
+      std::atomic<std::uint32_t> next = 0;
+      for (std::uint32_t t = 0; t < kThreads; ++t) {
+        threads.emplace_back([&, t] {
+          for (std::uint32_t i = next.fetch_add(wave); i < 6000; i = next.fetch_add(wave)) {
+            film.AddSplats(Slice(splats.lights.columns(), i), splats.cameras->pixel + i,
+                           std::min(wave, 6000 - i), 0.5f, stats[t]);
+          }
+        });
+      }
+      for (std::thread& thread : threads) thread.join();
+      EXPECT_EQ(Sums(film), Sums(expected)) << "wave " << wave;
+      RenderStats sum;
+      for (const RenderStats& s : stats) sum += s;
+      EXPECT_EQ(sum.clamped_samples, expected_stats.clamped_samples);
+      EXPECT_EQ(sum.invalid_samples, expected_stats.invalid_samples);
+      EXPECT_EQ(sum.samples, 0u);
+    }
+  });
+}
+
+// A shared film takes samples too, from several threads, and saturates.
+TEST(FilmSplats, MixWithSamplesAndSaturate) {
+  const std::vector<Sample> samples = WildSamples(4000, 6);
+  Film alone(3, 2, 16), shared(3, 2, 16, 0, 0, true);
+  RenderStats stats, other;
+  Add(samples, 0, samples.size(), 128, alone, stats);
+  Add(samples, 0, samples.size(), 128, alone, stats);
+  std::thread half([&] { Add(samples, 0, samples.size(), 64, shared, other); });
+  Add(samples, 0, samples.size(), 17, shared, stats);
+  half.join();
+  EXPECT_EQ(Sums(shared), Sums(alone));
+
+  const Sample bright = {1, {1e30f, 1e30f, 0}};
+  const Splats splat = SplatsOf({bright, bright});
+  for (int i = 0; i < 5000; ++i) shared.AddSplats(splat.lights, splat.cameras->pixel, 2, 1, stats);
+  EXPECT_EQ(shared.sums()[3], kFull);
+  Film merged(3, 2, 16);
+  merged.Merge(shared);
+  EXPECT_EQ(Sums(merged), Sums(shared));
 }
 
 }  // namespace

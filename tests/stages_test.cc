@@ -37,8 +37,8 @@ TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
       worker.surfaces->ns_y[i] = worker.surfaces->ng_y[i] = worker.surfaces->wo_y[i] = 1;
       worker.lobe->u[i] = worker.lobe->v[i] = kPoison;
     }
-    Scatter(job.frame(), worker.paths, worker.surfaces, ranges, 0, /*bounce=*/0, worker.uniforms,
-            worker.lobe, worker.rays[0]);
+    Scatter(job.frame(), kCameraEnd, worker.paths, worker.surfaces, ranges, 0, /*bounce=*/0,
+            worker.uniforms, worker.lobe, worker.rays[0]);
     for (std::uint32_t i = 0; i < kRows; ++i) EXPECT_LT(worker.lobe->u[i], 1.0f) << i;
   }
 }

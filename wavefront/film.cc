@@ -14,8 +14,9 @@ constexpr double kHeadroom = 64;         // of a sample over the brightest texel
 
 }  // namespace
 
-Film::Film(int width, int height, float brightest_radiance, AovSet aovs, float world_extent)
-    : width_(width), height_(height), sums_(std::size_t(width) * height * 3) {
+Film::Film(int width, int height, float brightest_radiance, AovSet aovs, float world_extent,
+           bool shared)
+    : width_(width), height_(height), sums_(std::size_t(width) * height * 3), shared_(shared) {
   int exponent = 0;
   if (brightest_radiance > 0) std::frexp(brightest_radiance * kHeadroom, &exponent);
   unit_ = std::ldexp(1 / kSampleUnits, std::max(exponent, 20));
@@ -24,12 +25,21 @@ Film::Film(int width, int height, float brightest_radiance, AovSet aovs, float w
 
 FilmScale Film::scale() const { return {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)}; }
 
-void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
-  const FilmCounts counts = AddToFilm(paths, n, scale(), sums_.data());
-  if (aovs_) aovs_->AddRadiance(paths, n, scale());
+void Film::Count(const FilmCounts& counts, RenderStats& stats) {
   stats.clamped_samples += counts.clamped;
   stats.invalid_samples += counts.invalid;
+}
+
+void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
+  Count(AddToFilm(paths, n, scale(), sums_.data(), shared_), stats);
+  if (aovs_) aovs_->AddRadiance(paths, n, scale());
   stats.samples += n;
+}
+
+void Film::AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
+                     float factor, RenderStats& stats) {
+  assert(shared_);
+  Count(AddSplatsToFilm(splats, pixel, n, factor, scale(), sums_.data()), stats);
 }
 
 void Film::AddFirstHits(const FirstHits& hits) {

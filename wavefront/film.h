@@ -5,6 +5,11 @@
 // power of two chosen from the scene's brightest radiance: a sample holds 2^52 units, 64 times the
 // brightest texel or more; what is brighter is clamped and counted. A sum saturates at 2^64 units,
 // which stays order-free because nothing is ever subtracted.
+//
+// Splats, what light paths bring to pixels of their choice, go to the same sums in the same unit: a
+// splat is divided by the light paths of one sample a pixel, so that a pixel gets some splats a
+// sample, each about as bright as what is seen there. Films that get them are shared: every
+// addition is atomic.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +27,23 @@ namespace skywave {
 
 class Film {
  public:
-  // `aovs`: what it keeps beside radiance; `world_extent`: see AovFilm.
-  Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0);
+  // `aovs`: what it keeps beside radiance; `world_extent`: see AovFilm. `shared`: it gets splats.
+  Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
+       bool shared = false);
 
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Adds the radiance of paths [0, n) to their pixels. Not for two threads with the same pixel.
+  // Adds the radiance of paths [0, n) to their pixels. Not for two threads with the same pixel,
+  // unless the film is shared.
   // Samples brighter than the range are clamped, NaN and negative channels count as 0; both are
   // counted in `stats`, a sample once.
   void Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats);
+
+  // Adds what rows [0, n) bring to pixel[row], `factor` times r, g, b, if their ray arrived (t_far
+  // >= 0). Clamped and counted as samples are. The film is shared.
+  void AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
+                 float factor, RenderStats& stats);
 
   // Whether there is anything beside radiance to add; if not, these need not be called.
   bool has_aovs() const { return aovs_.has_value(); }
@@ -54,11 +66,13 @@ class Film {
 
  private:
   FilmScale scale() const;
+  static void Count(const FilmCounts& counts, RenderStats& stats);
 
   int width_, height_;
   double unit_;                      // [scene radiance]
   std::vector<std::uint64_t> sums_;  // [units], three a pixel
   std::optional<AovFilm> aovs_;
+  bool shared_;
 };
 
 }  // namespace skywave

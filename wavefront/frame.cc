@@ -89,6 +89,28 @@ std::vector<float> FilterOffsets(PixelFilter filter, float radius) {
   return offsets;
 }
 
+std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius) {
+  // The cumulative distribution, linear between the offsets.
+  std::size_t k = 0;
+  const auto cumulative = [&](double t) {
+    while (k < kFilterCells && offsets[k + 1] < t) ++k;
+    if (k == kFilterCells) return 1.0;
+    const double width = double(offsets[k + 1]) - offsets[k];
+    const double inside = width > 0 ? std::clamp((t - offsets[k]) / width, 0.0, 1.0) : 1;
+    return (double(k) + inside) / kFilterCells;
+  };
+  std::vector<float> densities(kFilterCells);
+  const double cell = 2 * double(radius) / kFilterCells;
+  double below = 0;
+  for (std::size_t i = 0; i < kFilterCells; ++i) {
+    const bool last = i + 1 == kFilterCells;
+    const double up_to = last ? 1 : cumulative(double(i + 1) * cell - radius);
+    densities[i] = float((up_to - below) / cell);
+    below = up_to;
+  }
+  return densities;
+}
+
 CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset,
                           const std::optional<CropWindow>& crop) {
   const glm::dmat4 world(camera.world_from_camera);

@@ -7,7 +7,10 @@
 
 #include "kernels/bsdf.h"
 #include "kernels/camera.h"
+#include "kernels/camera_connection.h"
+#include "kernels/emission.h"
 #include "kernels/local_lights.h"
+#include "kernels/photons.h"
 #include "lights/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
@@ -16,7 +19,39 @@
 
 namespace skywave {
 
-enum class Integrator { kDirect, kPath };
+enum class Integrator { kDirect, kPath, kLight, kBdpt, kPhoton };
+inline constexpr Integrator kIntegrators[] = {Integrator::kDirect, Integrator::kPath,
+                                              Integrator::kLight, Integrator::kBdpt,
+                                              Integrator::kPhoton};
+// Whether paths start at lights too.
+constexpr bool HasLightPaths(Integrator integrator) {
+  return integrator != Integrator::kDirect && integrator != Integrator::kPath;
+}
+// Whether light paths bring splats to the film.
+constexpr bool HasSplats(Integrator integrator) {
+  return integrator == Integrator::kLight || integrator == Integrator::kBdpt;
+}
+
+// A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
+struct PathWay {
+  std::uint32_t light = 0, eye = 2;
+};
+
+struct PhotonMaps;
+
+// Photon mapping. Counts are of photons that are stored, as pbrt's are.
+struct PhotonOptions {
+  std::uint32_t indirect = 200000, caustic = 20000;
+  std::uint32_t neighbors = 50;  // of a lookup, at most
+  float distance = 0;            // of a lookup, at most [world space]; 0: by extent and counts
+  PhotonKernel kernel = PhotonKernel::kEpanechnikov;
+  std::uint32_t gather =
+      1;  // rays of a final gather a surface; 0: photons are looked up where they are seen
+  // More than 1: progressive, everything within a radius that shrinks from pass to pass.
+  std::uint32_t passes = 1;
+  float alpha = 2.0f / 3;  // how slowly it shrinks
+  bool progressive() const { return passes > 1; }
+};
 
 struct RenderOptions {
   int width = 640, height = 480;        // of the picture
@@ -29,6 +64,7 @@ struct RenderOptions {
   std::uint32_t light_samples = 1;  // a hit (direct), a first hit (paths that split)
   std::uint32_t split = 0;          // continuations of a path (path); 0: paths do not split
   bool mis = true;
+  std::optional<PathWay> way;  // bdpt: only this one; unset: all
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
   float filter_radius = 0;    // [pixels]; 0: the filter's own
@@ -36,6 +72,7 @@ struct RenderOptions {
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kStream;
   AovSet aovs = 0;  // layers beside the picture
+  PhotonOptions photons;
 };
 
 // The light samples of a surface: what the strategy plans. Each drawn one goes to a local light or
@@ -57,6 +94,11 @@ struct FrameView {
   LocalLightView local_lights;
   CameraView camera;
   Tracer tracer;
+  SceneSphere sphere = {};  // where light paths from infinity begin
+  FilterView filter = {};   // for splats
+  // What light paths of `photon` start with: `strategy`, or importance where that cannot emit.
+  const EnvStrategy* emitter = nullptr;
+  const PhotonMaps* photons = nullptr;  // of the pass at hand
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
@@ -69,15 +111,25 @@ struct FrameView {
   // under multiple importance sampling, else mirrors and glass.
   std::uint32_t first_bsdf_that_sees_light() const {
     const bool shines = has_emitters() || (has_sky() && strategy->shines_on_bsdf_samples());
-    return options.mis && shines ? 0 : kFirstDeltaBsdf;
+    return (options.mis || options.way) && shines ? 0 : kFirstDeltaBsdf;
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
-    return options.integrator == Integrator::kDirect || splits() ? options.light_samples : 1;
+    const bool many = options.integrator == Integrator::kDirect ||
+                      options.integrator == Integrator::kPhoton || splits();
+    return many ? options.light_samples : 1;
   }
   // The frame in which continuations go on: paths that do not split again.
   FrameView of_continuations() const;
   LightShares light_shares() const;
+  // Whether the picture shows what sub-paths with so many vertices bring.
+  bool shows(std::uint32_t light, std::uint32_t eye) const {
+    return !options.way || (options.way->light == light && options.way->eye == eye);
+  }
+  // Light paths that stand for one sample of every pixel.
+  std::uint64_t light_paths() const {
+    return std::uint64_t(options.width) * std::uint64_t(options.height);
+  }
 };
 
 // Radius of a filter that the user did not give one [pixels].
@@ -85,6 +137,9 @@ float DefaultFilterRadius(PixelFilter filter);
 
 // kFilterCells + 1 offsets [pixels]: the inverse of the cumulative distribution of the filter.
 std::vector<float> FilterOffsets(PixelFilter filter, float radius);
+
+// kFilterCells densities of the same filter, as FilterView wants them. `offsets`: FilterOffsets.
+std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius);
 
 // The part of a film that is rendered [pixels].
 struct CropWindow {

@@ -10,6 +10,12 @@
 
 namespace skywave {
 
+struct PhotonLists;
+struct PhotonWishes;
+
+// By the integrator of the frame's options, whose tables the worker has.
+void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
 // Unidirectional path tracing (T 4.2.3, P 3): one light sample a bounce, BSDF sampling, both
 // combined by multiple importance sampling, Russian roulette from the fourth bounce on, at most
 // max_depth surfaces a path.
@@ -25,11 +31,34 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
 // mirror or glass a path takes all its direct light, light_samples light samples, and goes on as
 // `split` continuations, whose mean is its indirect light. Continuations are paths like those of
 // RenderPathWave; their light samples are of the frame's strategy for continuations.
-void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& worker,
-                     Continuations& continuations, Film& film);
+void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
 // Direct light (T 4.2.1): light_samples light samples at the first surface that is no mirror or
 // glass, and one BSDF sample against them; mirrors and glass are followed up to max_depth surfaces.
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Light tracing (Arvo 1986; Dutre, Lafortune and Willems 1993): one light path a sample, every
+// surface of which is connected to the camera and splatted. Camera rays see the sky and what shines
+// itself, and go no further: nothing is seen through mirrors and glass. At most max_depth surfaces
+// a path; roulette from the third one on.
+void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Bidirectional path tracing (Lafortune and Willems 1993; Veach and Guibas 1995): each path has a
+// sub-path from the camera and one from a light; all their vertices are connected with each other,
+// with light samples and with the camera, and weighted by the power heuristic over all of that
+// (kernels/bidirectional.h). At most max_depth surfaces over both; roulette as in path tracing.
+void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Photon mapping (Jensen 1996, T 4.3), second pass: direct light as in RenderDirectWave; at the
+// surfaces that take light samples, caustics by the caustic map, and other light by the indirect
+// map: looked up there, or where the rays of a final gather meet the next ones. BSDFs with a
+// density, however narrow their lobe, count as diffuse; mirrors and glass as specular. At most
+// max_depth surfaces on both sides of a photon together.
+void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
+// Its first pass: light paths [first, first + count) of the frame, stored at surfaces with a
+// density in the lists that `wishes` names, in the order (path, surface).
+void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
+                     const PhotonWishes& wishes, Worker& worker, PhotonLists& lists);
 
 }  // namespace skywave

@@ -25,8 +25,8 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
-                w.uniforms, w.lobe, *next);
+    n = Scatter(frame, kCameraEnd, w.paths, w.surfaces, w.ranges,
+                frame.first_bsdf_that_sees_light(), bounce, w.uniforms, w.lobe, *next);
     CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     clock.Lap(Stage::kScatter);

@@ -69,9 +69,9 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
 
 }  // namespace
 
-void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, Continuations& c,
-                     Film& film) {
+void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
+  Continuations& c = *w.continuations;
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
   StartContinuations(w.paths, range.count, c);

@@ -104,13 +104,22 @@ void RunOnThreads(int threads, const Work& work) {
   arena.execute(work);
 }
 
+// `sky`: whether there is light in the map.
 std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification,
-                                                const EnvironmentMap& map,
+                                                const EnvironmentMap& map, bool sky,
                                                 const RenderOptions& options) {
   std::unique_ptr<EnvStrategy> strategy = MakeStrategy(specification, map);
   if (!options.mis && !strategy->complete()) {
     throw InputError(InputPosition::File("--strategy " + specification),
                      "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
+  }
+  if (HasSplats(options.integrator) && sky && !CanEmit(*strategy)) {
+    throw InputError(InputPosition::File("--strategy " + specification),
+                     fmt::format("no light path can start with its samples, as --integrator {} "
+                                 "needs it: use importance, alias, warp, uniform, presampled, or "
+                                 "directional lights with pick=power",
+                                 ToString(options.integrator)),
+                     kExitUsage);
   }
   return strategy;
 }
@@ -125,6 +134,26 @@ void CheckSplit(const JobRequest& request, const RenderOptions& options) {
   if (options.split == 0 && !request.continuation_strategy.empty()) {
     throw InputError(InputPosition::File("--continuation-strategy"),
                      "is that of paths behind their first hit: give --split S as well", kExitUsage);
+  }
+}
+
+void CheckPhotons(const RenderOptions& options) {
+  const PhotonOptions& photons = options.photons;
+  const auto refuse = [](const std::string& flag, const std::string& why) {
+    throw InputError(InputPosition::File(flag), why, kExitUsage);
+  };
+  if (photons.indirect == 0 && photons.caustic == 0) {
+    refuse("--photons 0 --caustic-photons 0",
+           "--integrator photon needs photons; for direct light alone use --integrator direct");
+  }
+  if (photons.passes > options.samples_per_pixel) {
+    refuse(fmt::format("--progressive {}", photons.passes),
+           fmt::format("each pass needs a sample a pixel, and --spp is {}",
+                       options.samples_per_pixel));
+  }
+  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
+    refuse("--aovs " + ToString(options.aovs),
+           "--integrator photon does not keep direct and indirect light apart");
   }
 }
 
@@ -194,6 +223,43 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
                     crop->width, crop->height, crop->x, crop->y, options.width, options.height));
   }
   return crop;
+}
+
+// What only makes sense of paths whose sub-paths are joined, and what does not of them.
+void CheckBidirectional(const RenderOptions& options) {
+  const bool joins = options.integrator == Integrator::kBdpt;
+  if (options.way && !joins) {
+    throw InputError(InputPosition::File("--paths"),
+                     fmt::format("--integrator {} has one way to make a path; use bdpt",
+                                 ToString(options.integrator)),
+                     kExitUsage);
+  }
+  if (options.way && (options.way->eye == 0 || options.way->light + options.way->eye < 2 ||
+                      (options.way->light == 1 && options.way->eye == 1))) {
+    throw InputError(InputPosition::File("--paths"),
+                     "there are paths of light vertices S and eye vertices T, the eye counted, for "
+                     "T >= 2, and for T = 1 and S >= 2",
+                     kExitUsage);
+  }
+  if (joins && !options.mis && !options.way) {
+    throw InputError(InputPosition::File("--no-mis"),
+                     "--integrator bdpt would add every path in all ways to make it; with --paths "
+                     "S,T it shows one way, unweighted",
+                     kExitUsage);
+  }
+  if (joins && options.max_depth > kMaxJoinedDepth) {
+    throw InputError(
+        InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
+        fmt::format("--integrator bdpt keeps a table a bounce, for at most {}", kMaxJoinedDepth),
+        kExitUsage);
+  }
+}
+
+// Of all surfaces; larger than need be by what floats may lose of its disk.
+SceneSphere BoundingSphere(const Bounds& bounds) {
+  const glm::vec3 center = 0.5f * (bounds.low + bounds.high);
+  return {.center = {center.x, center.y, center.z},
+          .radius = BoundingRadius(bounds) * (1 + 0x1p-10f)};
 }
 
 float WorldExtent(const Bounds& bounds, const Camera& camera) {
@@ -282,6 +348,19 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      "at --max-depth 0 no surface is looked at", kExitUsage);
   }
 
+  CheckBidirectional(options_);
+  if (HasSplats(options_.integrator) &&
+      (Sums(options_.aovs, AovSum::kVariance) || Sums(options_.aovs, AovSum::kDirect) ||
+       Sums(options_.aovs, AovSum::kIndirect))) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options_.aovs)),
+                     fmt::format("variance, direct and indirect are of samples of a pixel, which "
+                                 "the splats of --integrator {} are not",
+                                 ToString(options_.integrator)),
+                     kExitUsage);
+  }
+
+  if (options_.integrator == Integrator::kPhoton) CheckPhotons(options_);
+
   const auto load_start = Clock::now();
   EnvironmentLight light = ChooseLight(scene, request, notes_);
   LoadMap(light, request.environment, notes_);
@@ -310,18 +389,37 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
         LocalLights(scene, *geometry_, request.scene, radius, SkyPower(*light.map, radius));
     brightest_ = std::max(brightest_, local_lights_.brightest());
   }
+  if (HasLightPaths(options_.integrator)) {
+    sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
+    if (!(brightest_ > 0)) {
+      throw InputError(InputPosition::File(request.scene),
+                       fmt::format("nothing shines: the map is black and there are no lights, so "
+                                   "--integrator {} has no light path to start",
+                                   ToString(options_.integrator)));
+    }
+    if (!(sphere_.radius > 0) || !std::isfinite(sphere_.radius * sphere_.radius)) {
+      throw InputError(
+          InputPosition::File(request.scene),
+          fmt::format("its bounds, of radius {}, are no place for light paths", sphere_.radius));
+    }
+  }
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
   map_ = {.latlong = std::move(*scene.environments[0].map),
           .map_from_world = Rows(scene.environments[0].world_from_map)};
   const auto tables_start = Clock::now();
-  strategy_ = MakeUsableStrategy(request.strategy, map_, options_);
+  strategy_ = MakeUsableStrategy(request.strategy, map_, has_sky(), options_);
   if (!request.continuation_strategy.empty()) {
-    continuation_strategy_ = MakeUsableStrategy(request.continuation_strategy, map_, options_);
+    continuation_strategy_ =
+        MakeUsableStrategy(request.continuation_strategy, map_, has_sky(), options_);
+  }
+  if (options_.integrator == Integrator::kPhoton && has_sky() && !CanEmit(*strategy_)) {
+    emitter_ = MakeStrategy("importance", map_);
   }
   times_.tables = SecondsSince(tables_start);
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
+  filter_densities_ = FilterDensities(filter_offsets_, options_.filter_radius);
   camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
 }
 
@@ -338,18 +436,27 @@ FrameView RenderJob::frame() const {
                      .recorder = nullptr,
                      .first_with_holes = geometry_->has_holes()
                                              ? std::optional(geometry_->first_with_holes())
-                                             : std::nullopt}};
+                                             : std::nullopt},
+          .sphere = sphere_,
+          .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
+          .emitter = emitter_ ? emitter_.get() : strategy_.get()};
+}
+
+bool RenderJob::has_sky() const {
+  const LocalLightView lights = local_lights_.view();
+  return lights.count == 0 || lights.shared.share < 1;
 }
 
 std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification) const {
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options_.threads,
-               [&] { strategy = MakeUsableStrategy(specification, map_, options_); });
+               [&] { strategy = MakeUsableStrategy(specification, map_, has_sky(), options_); });
   return strategy;
 }
 
 Film RenderJob::MakeFilm() const {
-  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_);
+  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
+              HasSplats(options_.integrator));
 }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {
@@ -376,13 +483,46 @@ std::string_view ToString(CameraKind kind) {
 }
 
 std::optional<Integrator> ParseIntegrator(std::string_view name) {
-  if (name == "direct") return Integrator::kDirect;
-  if (name == "path") return Integrator::kPath;
+  for (const Integrator integrator : kIntegrators) {
+    if (name == ToString(integrator)) return integrator;
+  }
   return std::nullopt;
 }
 
 std::string_view ToString(Integrator integrator) {
-  return integrator == Integrator::kDirect ? "direct" : "path";
+  switch (integrator) {
+    case Integrator::kDirect:
+      return "direct";
+    case Integrator::kPath:
+      return "path";
+    case Integrator::kLight:
+      return "light";
+    case Integrator::kBdpt:
+      return "bdpt";
+    case Integrator::kPhoton:
+      return "photon";
+  }
+  return "";
+}
+
+std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name) {
+  for (const PhotonKernel kernel :
+       {PhotonKernel::kConstant, PhotonKernel::kCone, PhotonKernel::kEpanechnikov}) {
+    if (name == ToString(kernel)) return kernel;
+  }
+  return std::nullopt;
+}
+
+std::string_view ToString(PhotonKernel kernel) {
+  switch (kernel) {
+    case PhotonKernel::kConstant:
+      return "constant";
+    case PhotonKernel::kCone:
+      return "cone";
+    case PhotonKernel::kEpanechnikov:
+      return "epanechnikov";
+  }
+  return "";
 }
 
 std::optional<PixelFilter> ParsePixelFilter(std::string_view name) {

@@ -19,6 +19,8 @@ namespace skywave {
 
 // Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).
 inline constexpr std::uint32_t kMaxDepth = 16384;
+// The same where sub-paths are joined: every worker keeps the light vertices of every bounce.
+inline constexpr std::uint32_t kMaxJoinedDepth = 64;
 
 // The map of the command line and how it lies in the world.
 struct EnvironmentRequest {
@@ -89,14 +91,17 @@ class RenderJob {
  private:
   void BuildOnThreads(Scene scene, const JobRequest& request);
   void Build(Scene scene, const JobRequest& request);
+  bool has_sky() const;
 
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
   std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
-  std::vector<float> filter_offsets_;
+  std::unique_ptr<EnvStrategy> emitter_;  // of light paths; null: strategy_
+  std::vector<float> filter_offsets_, filter_densities_;
   CameraView camera_;
+  SceneSphere sphere_;      // integrators with light paths only
   float brightest_ = 0;     // channel of map and local lights [scene radiance]
   float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
   std::uint64_t scene_hash_ = 0;
@@ -108,6 +113,8 @@ std::optional<CameraKind> ParseCameraKind(std::string_view name);
 std::string_view ToString(CameraKind kind);
 std::optional<Integrator> ParseIntegrator(std::string_view name);
 std::string_view ToString(Integrator integrator);
+std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name);
+std::string_view ToString(PhotonKernel kernel);
 std::optional<PixelFilter> ParsePixelFilter(std::string_view name);
 std::string_view ToString(PixelFilter filter);
 

@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint32_t kFirstIndirectBounce = 1;
 
 // The keys of the rays that arrive at a bounce.
-const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
+const std::uint32_t* PathRayKeys(const FrameView& frame, const PathEnd& end, std::uint32_t bounce,
                                  const RayColumns& rays, std::uint32_t n, const Worker& w) {
-  return RayKeys(frame, w.paths, rays.path, n, SamplePair(bounce, SampleUse::kScatter),
+  return RayKeys(frame, w.paths, rays.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
                  w.queue->queue);
 }
 
@@ -49,6 +49,33 @@ Departure FromOwnSurfaces(const FrameView& frame, const Worker& w) {
   return {.frame = frame, .points = Points(frame, w), .paths = w.paths};
 }
 
+std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                           std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
+                           SurfaceRanges& ranges, StageClock& clock) {
+  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
+               PathRayKeys(frame, end, bounce, rays, n, w));
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
+  if (frame.geometry->has_mixtures()) {
+    DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, w.uniforms);
+    ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
+  }
+  return SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
+}
+
+void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                 std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges, Worker& w,
+                 StageClock& clock) {
+  w.ranges = ranges;
+  MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
+  CountMeeting(n, escaped, ranges, w.stats.lanes);
+  clock.Lap(Stage::kPartition);
+  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records, ranges.total(),
+                  w.surfaces);
+  TextureSurfaces(frame, end, ranges, w.surfaces);
+  CheckSurfaces(w.surfaces, ranges.total());
+  clock.Lap(Stage::kSurface);
+}
+
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   MeetSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
@@ -57,31 +84,16 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                   std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                   StageClock& clock) {
-  const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
-  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
-               PathRayKeys(frame, bounce, rays, n, w));
-  clock.Lap(Stage::kIntersect, KindOf(bounce));
-  if (frame.geometry->has_mixtures()) {
-    DrawUniforms(w.paths, rays.path, n, MixturePair(bounce), {}, w.uniforms);
-    ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
-  }
   const std::uint32_t escaped =
-      SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
+      TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, ranges, clock);
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
   AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
   AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
   clock.Lap(Stage::kEscape);
-  w.ranges = ranges;
-  MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
-  CountMeeting(n, escaped, ranges, w.stats.lanes);
-  clock.Lap(Stage::kPartition);
-  PrepareSurfaces(frame.geometry->triangles(), materials.records, ranges.total(), w.surfaces);
-  TextureSurfaces(frame, ranges, w.surfaces);
-  CheckSurfaces(w.surfaces, ranges.total());
-  clock.Lap(Stage::kSurface);
+  PrepareHits(frame, kCameraEnd, rays, n, escaped, ranges, w, clock);
 }
 
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
@@ -91,7 +103,7 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
 
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
-  const std::uint32_t* const keys = PathRayKeys(frame, bounce, rays, n, w);
+  const std::uint32_t* const keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
   if (frame.has_emitters()) {
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
   } else {
@@ -122,7 +134,8 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const std::uint32_t* const keys =
         RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
-    if (reach != nullptr && frame.local_lights.holes) CloseHoles(frame, w.hits, keys, n, w.lights);
+    if (reach != nullptr && frame.local_lights.holes)
+      CloseHoles(frame, w.hits, keys, n, w.lights->t_far);
     const std::uint32_t open = CountOpen(w.lights, n);
     w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
     clock.Lap(Stage::kEvaluate);

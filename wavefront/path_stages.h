@@ -21,6 +21,17 @@ std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 // The surfaces of the bounce at hand, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w);
 
+// Traces rays [0, n) that arrive at a bounce and writes their queues; returns how many hit nothing.
+// `ranges`: where the hits will be in the surface table. `only_delta`: see SortHits.
+std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                           std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
+                           SurfaceRanges& ranges, StageClock& clock);
+
+// Makes surfaces to shade of the hits of rays [0, n), as TraceAndSort left them.
+void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                 std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges, Worker& w,
+                 StageClock& clock);
+
 // Where rays come from: the surfaces that they have left, and the frame that plans the light
 // samples of those, which are the partners of what the rays see. `paths` takes what they see.
 struct Departure {

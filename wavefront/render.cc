@@ -9,20 +9,12 @@
 
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
+#include "wavefront/photon_pass.h"
 
 namespace skywave {
 namespace {
 
-// What a thread owns.
-struct Tables {
-  explicit Tables(const RenderOptions& options) : worker(options.wave) {
-    if (options.split > 0) continuations = std::make_unique<Continuations>(options.wave);
-  }
-  Worker worker;
-  std::unique_ptr<Continuations> continuations;  // of paths that split
-};
-
-void RenderTile(const FrameView& frame, const Tile& tile, Tables& tables, Film& film) {
+void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& film) {
   const FlushDenormals flush;
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * frame.options.samples_per_pixel;
@@ -31,22 +23,62 @@ void RenderTile(const FrameView& frame, const Tile& tile, Tables& tables, Film& 
         .tile = tile,
         .first = first,
         .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
-    switch (frame.options.integrator) {
-      case Integrator::kDirect:
-        RenderDirectWave(frame, range, tables.worker, film);
-        break;
-      case Integrator::kPath:
-        if (tables.continuations) {
-          RenderSplitWave(frame, range, tables.worker, *tables.continuations, film);
-        } else {
-          RenderPathWave(frame, range, tables.worker, film);
-        }
-        break;
-    }
+    RenderWave(frame, range, worker, film);
   }
 }
 
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Renders all tiles, in the arena of the caller.
+void RenderTiles(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers, Film& film,
+                 Progress* progress, std::vector<RayRecorder>* recorders) {
+  const RenderOptions& options = frame.options;
+  const std::vector<Tile> tiles =
+      CutTiles(options.width, options.height, options.samples_per_pixel, options.wave);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        const std::size_t slot = OwnWorker(options, workers);
+        FrameView view = frame;
+        view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          RenderTile(view, tiles[i], *workers[slot], film);
+          if (progress != nullptr) {
+            *progress +=
+                std::uint64_t(tiles[i].width) * tiles[i].height * options.samples_per_pixel;
+          }
+        }
+      },
+      tbb::simple_partitioner());
+}
+
 }  // namespace
+
+void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
+  caustic += maps.caustic.size(), indirect += maps.indirect.size();
+  light_paths += std::max(maps.caustic.light_paths(), maps.indirect.light_paths());
+  bytes = std::max(bytes, maps.caustic.bytes() + maps.indirect.bytes());
+  radius = maps.indirect.radius, caustic_radius = maps.caustic.radius;
+  seconds += pass_seconds;
+}
+
+void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
+  switch (frame.options.integrator) {
+    case Integrator::kDirect:
+      return RenderDirectWave(frame, range, worker, film);
+    case Integrator::kPath:
+      if (worker.continuations) return RenderSplitWave(frame, range, worker, film);
+      return RenderPathWave(frame, range, worker, film);
+    case Integrator::kLight:
+      return RenderLightWave(frame, range, worker, film);
+    case Integrator::kBdpt:
+      return RenderBdptWave(frame, range, worker, film);
+    case Integrator::kPhoton:
+      return RenderPhotonWave(frame, range, worker, film);
+  }
+}
 
 int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
 
@@ -64,41 +96,48 @@ std::vector<Tile> CutTiles(int width, int height, std::uint32_t samples_per_pixe
   return tiles;
 }
 
+std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<Worker>>& workers) {
+  const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
+  if (!workers[slot]) workers[slot] = MakeWorker(options);
+  return slot;
+}
+
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
   const RenderOptions& options = frame.options;
-  const std::vector<Tile> tiles =
-      CutTiles(options.width, options.height, options.samples_per_pixel, options.wave);
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.initialize();
   // Slots are filled by the threads that use them, so that they touch their own memory first.
-  std::vector<std::unique_ptr<Tables>> tables(std::size_t(arena.max_concurrency()));
-  if (recorders != nullptr) recorders->resize(tables.size());
+  std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+  if (recorders != nullptr) recorders->resize(workers.size());
 
+  FrameResult result;
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
-          if (!tables[slot]) tables[slot] = std::make_unique<Tables>(options);
-          FrameView view = frame;
-          view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
-          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            RenderTile(view, tiles[i], *tables[slot], film);
-            if (progress != nullptr) {
-              *progress +=
-                  std::uint64_t(tiles[i].width) * tiles[i].height * options.samples_per_pixel;
-            }
-          }
-        },
-        tbb::simple_partitioner());
+    if (options.integrator != Integrator::kPhoton) {
+      RenderTiles(frame, workers, film, progress, recorders);
+      return;
+    }
+    float caustic_radius = 0, indirect_radius = 0;  // of the first pass
+    for (const PhotonPass& pass : PhotonPasses(options)) {
+      const auto pass_start = std::chrono::steady_clock::now();
+      PhotonMaps maps = TracePhotons(frame, pass, workers, recorders);
+      if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
+      if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
+      maps.caustic.radius = caustic_radius * pass.shrink;
+      maps.indirect.radius = indirect_radius * pass.shrink;
+      result.photons.Add(maps, SecondsSince(pass_start));
+      FrameView view = frame;
+      view.photons = &maps;
+      view.options.first_sample = pass.first_sample;
+      view.options.samples_per_pixel = pass.samples;
+      RenderTiles(view, workers, film, progress, recorders);
+    }
   });
-  FrameResult result;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = SecondsSince(start);
   result.threads = arena.max_concurrency();
-  for (const auto& used : tables) {
-    if (used) result.stats += used->worker.stats;
+  for (const auto& worker : workers) {
+    if (worker) result.stats += worker->stats;
   }
   return result;
 }

@@ -3,21 +3,36 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/photon_map.h"
 #include "wavefront/ray_recorder.h"
 #include "wavefront/stages.h"
 #include "wavefront/stats.h"
+#include "wavefront/worker.h"
 
 namespace skywave {
 
 // Counts finished samples while a frame renders; read by whoever shows progress.
 using Progress = std::atomic<std::uint64_t>;
 
+// What the first passes of `photon` have made.
+struct PhotonCounts {
+  std::uint64_t caustic = 0, indirect = 0;  // stored
+  std::uint64_t light_paths = 0;            // that the fuller wish needed
+  std::size_t bytes = 0;                    // of the maps of a pass, the most
+  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
+  double seconds = 0;                       // wall clock
+
+  void Add(const PhotonMaps& maps, double pass_seconds);
+};
+
 struct FrameResult {
   RenderStats stats;
+  PhotonCounts photons;
   double seconds = 0;  // wall clock, from the first wave to the last
   int threads = 0;
 };
@@ -27,6 +42,9 @@ struct FrameResult {
 // frame, tile after tile, for a replay.
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
+
+// The index of the calling thread's worker, which is made at its first call.
+std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<Worker>>& workers);
 
 // Threads that `threads` = 0 stands for: those the process may run on.
 int AvailableThreads();

@@ -97,11 +97,11 @@ void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uin
   }
 }
 
-void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
+void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRanges& ranges,
                      const SurfaceColumns& surfaces) {
   const MaterialRecord* const materials = frame.geometry->materials().records;
   const TextureView textures = frame.geometry->textures();
-  const float angle = PixelAngle(frame.camera);
+  const float angle = end.transport == Transport::kFlux ? 0 : PixelAngle(frame.camera);
   if (!textures.empty()) {
     TextureColors(textures, materials, angle, ranges.total(), surfaces);
   }
@@ -195,18 +195,18 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
 }
 
 void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
-                std::uint32_t n, const LightColumns& lights) {
+                std::uint32_t n, float* t_far) {
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (lights.t_far[i] < 0 || places.geom[i] == kNoHit) continue;
+    if (t_far[i] < 0 || places.geom[i] == kNoHit) continue;
     const std::uint32_t triangle = places.triangle[i];
     if (triangle < frame.geometry->first_with_holes()) continue;
     if (!IsMet(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
-      lights.t_far[i] = -1;
+      t_far[i] = -1;
     }
   }
 }
 
-std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,
+std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const UniformColumns& direction, const UniformColumns& lobe,
@@ -219,12 +219,15 @@ std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,
     if (n == 0) continue;
     const BsdfKernels& bsdf = Bsdfs()[kind];
     const SurfaceColumns rows = Slice(surfaces, begin);
-    DrawUniforms(paths, rows.path, n, SamplePair(bounce, SampleUse::kScatter), {}, direction);
+    DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
+                 end.split, direction);
     if (bsdf.lobed || roulette) {
-      DrawUniforms(paths, rows.path, n, SamplePair(bounce, SampleUse::kLobe), {}, lobe);
+      DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kLobe), end.split,
+                   lobe);
     }
     appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, n,
-                            {.roulette = roulette, .first_row = begin}, rays, appended);
+                            {.roulette = roulette, .first_row = begin, .transport = end.transport},
+                            rays, appended);
   }
   return appended;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "kernels/sampler.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
 #include "wavefront/worker.h"
@@ -20,6 +21,16 @@ struct WaveRange {
   std::uint64_t first;
   std::uint32_t count;
 };
+
+// Which end of light transport paths begin at.
+struct PathEnd {
+  Transport transport;
+  std::uint32_t pairs;  // where its pairs of dimensions begin (kernels/sampler.h)
+  // Of scattering: where a path splits into several, which point of a common sequence this one is.
+  SampleIndexing split = {};
+};
+inline constexpr PathEnd kCameraEnd = {Transport::kRadiance, 0};
+inline constexpr PathEnd kLightEnd = {Transport::kFlux, kLightPathPairs};
 
 // Starts `range.count` paths: seeds, samples and pixels of `paths`, radiance 0, and their camera
 // rays in `rays`, row for row.
@@ -44,7 +55,8 @@ void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uin
                   std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces);
 
 // What surface preparation leaves to do where materials have textures or parameters that vary.
-void TextureSurfaces(const FrameView& frame, const SurfaceRanges& ranges,
+// Light paths, which know of no pixel, look up level 0.
+void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRanges& ranges,
                      const SurfaceColumns& surfaces);
 
 // Adds the map's radiance along escaped rays to their paths. `from`: the surfaces of the bounce
@@ -70,14 +82,14 @@ const float* SampleLights(const FrameView& frame, const ShadePoints& points,
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const float* reach, const LightColumns& lights);
 
-// Closes the light samples that are at a hole of their own triangle, which their shadow rays do not
-// reach. `places`: as SampleLights writes them; `keys`: of the shadow rays.
+// Closes (t_far negative) the light samples that are at a hole of their own triangle, which their
+// shadow rays do not reach. `places`: as SampleLights writes them; `keys`: of the shadow rays.
 void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
-                std::uint32_t n, const LightColumns& lights);
+                std::uint32_t n, float* t_far);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
 // their number.
-std::uint32_t Scatter(const FrameView& frame, const PathColumns& paths,
+std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const UniformColumns& direction, const UniformColumns& lobe,

@@ -5,7 +5,7 @@ namespace skywave {
 std::string_view ToString(Stage stage) {
   static constexpr std::string_view kNames[kStages] = {
       "generate", "intersect", "partition",  "escape",  "surface", "light sample",
-      "evaluate", "shadow",    "accumulate", "scatter", "film"};
+      "evaluate", "shadow",    "accumulate", "scatter", "photons", "film"};
   return kNames[static_cast<std::uint32_t>(stage)];
 }
 

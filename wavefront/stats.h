@@ -24,9 +24,10 @@ enum class Stage : std::uint32_t {
   kShadow,
   kAccumulate,
   kScatter,
+  kPhotons,  // stored and looked up
   kFilm
 };
-inline constexpr std::uint32_t kStages = 11;
+inline constexpr std::uint32_t kStages = 12;
 std::string_view ToString(Stage stage);
 
 // Rows that entered a bounce, over all waves, and the rows the waves had room for.

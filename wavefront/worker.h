@@ -3,8 +3,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 
+#include "kernels/bsdf.h"
+#include "kernels/camera_connection.h"
 #include "kernels/columns.h"
+#include "kernels/emission.h"
+#include "kernels/point_tree.h"
+#include "wavefront/bidirectional_tables.h"
+#include "wavefront/frame.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
@@ -21,17 +29,44 @@ struct QueueColumns {
   }
 };
 
-struct Worker {
-  explicit Worker(std::uint32_t wave)
-      : paths(wave),
+// What light paths need beside; integrators without them have none.
+struct LightPathTables {
+  explicit LightPathTables(std::uint32_t wave) : emission(wave), values(wave), cameras(wave) {}
+  soa::Table<EmissionColumns> emission;
+  soa::Table<BsdfValueColumns> values;
+  soa::Table<CameraColumns> cameras;
+};
+
+// Queries that are searched for at a time.
+inline constexpr std::uint32_t kLookupBlock = 16;
+
+// What photons need; other integrators have none.
+struct PhotonTables {
+  PhotonTables(std::uint32_t wave, std::uint32_t neighbors)
+      : history(wave),
         rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
-        hits(wave),
-        queue(wave),
-        escaped(wave),
         surfaces(wave),
-        lights(wave),
-        uniforms(wave),
-        lobe(wave) {}
+        found(kLookupBlock * NearestRoom(neighbors)),
+        repeated(NearestRoom(neighbors)),
+        lights(NearestRoom(neighbors)),
+        values(NearestRoom(neighbors)) {}
+  soa::Table<QueueColumns> history;  // of light paths: what kinds of surfaces they have met
+  // Of a final gather: its rays, and the surfaces that they left or meet.
+  soa::Table<RayColumns> rays[2];
+  soa::Table<SurfaceColumns> surfaces;
+  SurfaceRanges ranges;
+  soa::Table<NeighborColumns> found;
+  // A surface and what it reflects, a row for each photon near it.
+  soa::Table<SurfaceColumns> repeated;
+  soa::Table<LightColumns> lights;
+  soa::Table<BsdfValueColumns> values;
+};
+
+struct Continuations;
+
+struct Worker {
+  explicit Worker(std::uint32_t wave);
+  ~Worker();
 
   soa::Table<PathColumns> paths;
   soa::Table<RayColumns> rays[2];  // this bounce's and the next one's, taking turns
@@ -43,6 +78,12 @@ struct Worker {
   soa::Table<LightColumns> lights;
   soa::Table<UniformColumns> uniforms, lobe;
   RenderStats stats;
+
+  // Of integrators that need them (MakeWorker).
+  std::optional<LightPathTables> light;
+  std::optional<BidirectionalTables> bidirectional;
+  std::optional<PhotonTables> photon;
+  std::unique_ptr<Continuations> continuations;
 };
 
 // Sums over the continuations of a path. One row = one path of the wave.
@@ -65,6 +106,10 @@ struct Continuations {
   Worker wave;
   soa::Table<RadianceColumns> direct;  // what their first rays see
 };
+
+// A worker with the tables that the integrator of `options` needs, for waves of its size. To be
+// called by the thread that will use it.
+std::unique_ptr<Worker> MakeWorker(const RenderOptions& options);
 
 inline constexpr std::size_t kWorkerBytesPerRow =
     soa::BytesPerRow<PathColumns>() + 2 * soa::BytesPerRow<RayColumns>() +

@@ -1,0 +1,153 @@
+// Photon maps: photons traced a second, trees built, queries answered a second. Photons of the
+// synthetic maps lie on the six sides of a cube; with `caustic`, every other one in a disk of
+// 1/5000 of that area, where every other query is.
+#include <benchmark/benchmark.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "scene/builtin.h"
+#include "wavefront/job.h"
+#include "wavefront/photon_pass.h"
+
+namespace skywave {
+namespace {
+
+struct Points {
+  std::vector<float> axes[3];
+};
+
+Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  Points points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float a = uniform(random), b = uniform(random);
+    float p[3];
+    if (caustic && i % 2 == 1) {
+      const float radius = 0.02f * std::sqrt(a), angle = 6.2831853f * b;
+      p[0] = 0.5f + radius * std::cos(angle), p[1] = 0, p[2] = 0.5f + radius * std::sin(angle);
+    } else {
+      const std::size_t side = random() % 6;
+      p[side / 2] = float(side % 2), p[(side / 2 + 1) % 3] = a, p[(side / 2 + 2) % 3] = b;
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) points.axes[axis].push_back(p[axis]);
+  }
+  return points;
+}
+
+const PointTree& TreeOf(std::size_t count, bool caustic) {
+  static std::map<std::pair<std::size_t, bool>, PointTree> trees;
+  const auto [at, fresh] = trees.try_emplace({count, caustic});
+  if (fresh) {
+    const Points points = MakePoints(count, caustic, 1);
+    at->second = PointTree(points.axes[0], points.axes[1], points.axes[2]);
+  }
+  return at->second;
+}
+
+// Where six sides with even photons have so many within it.
+float EvenRadius(std::size_t count, std::uint32_t neighbors) {
+  return std::sqrt(6 * float(neighbors) / (3.14159265f * float(count)));
+}
+
+constexpr std::uint32_t kQueries = 16384, kBlock = 16;
+
+void BuildTree(benchmark::State& state) {
+  const auto count = std::size_t(state.range(0));
+  const Points points = MakePoints(count, false, 1);
+  tbb::task_arena arena(int(state.range(1)));
+  for (auto _ : state) {
+    arena.execute([&] {
+      const PointTree tree(points.axes[0], points.axes[1], points.axes[2]);
+      benchmark::DoNotOptimize(tree.view().nodes);
+    });
+  }
+  state.SetItemsProcessed(std::int64_t(state.iterations() * count));
+}
+BENCHMARK(BuildTree)
+    ->ArgNames({"photons", "threads"})
+    ->ArgsProduct({{100000, 1000000, 10000000}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+
+void Nearest(benchmark::State& state) {
+  const auto count = std::size_t(state.range(0));
+  const auto neighbors = std::uint32_t(state.range(1));
+  const bool caustic = state.range(2) != 0;
+  const PointTree& tree = TreeOf(count, caustic);
+  const Points queries = MakePoints(kQueries, caustic, 2);
+  const float radius = 3 * EvenRadius(count, neighbors);
+  const soa::Table<NeighborColumns> found(kBlock * NearestRoom(neighbors));
+  std::uint32_t counts[kBlock];
+  for (auto _ : state) {
+    for (std::uint32_t i = 0; i < kQueries; i += kBlock) {
+      FindNearest(tree.view(), &queries.axes[0][i], &queries.axes[1][i], &queries.axes[2][i],
+                  kBlock, neighbors, radius * radius, found, counts);
+    }
+  }
+  state.SetItemsProcessed(std::int64_t(state.iterations()) * kQueries);
+}
+BENCHMARK(Nearest)
+    ->ArgNames({"photons", "neighbors", "caustic"})
+    ->ArgsProduct({{100000, 1000000, 10000000}, {50, 100}, {0, 1}});
+
+void Range(benchmark::State& state) {
+  const auto count = std::size_t(state.range(0));
+  const PointTree& tree = TreeOf(count, false);
+  const Points queries = MakePoints(kQueries, false, 2);
+  const float radius = EvenRadius(count, std::uint32_t(state.range(1)));
+  constexpr std::uint32_t kRoom = 256;
+  const soa::Table<NeighborColumns> found(kRoom);
+  std::int64_t sum = 0;
+  for (auto _ : state) {
+    for (std::uint32_t i = 0; i < kQueries; ++i) {
+      const float query[3] = {queries.axes[0][i], queries.axes[1][i], queries.axes[2][i]};
+      RangeSearch search = StartRangeSearch(tree.view(), query, radius * radius);
+      while (const std::uint32_t more = FindMore(tree.view(), search, kRoom, found)) sum += more;
+    }
+  }
+  benchmark::DoNotOptimize(sum);
+  state.SetItemsProcessed(std::int64_t(state.iterations()) * kQueries);
+}
+BENCHMARK(Range)
+    ->ArgNames({"photons", "neighbors"})
+    ->ArgsProduct({{100000, 1000000, 10000000}, {50}});
+
+// The first pass of a frame, trees included; an item is a stored photon.
+void TracePass(benchmark::State& state, const char* scene) {
+  JobRequest request;
+  request.integrator = Integrator::kPhoton;
+  request.options.threads = int(state.range(0));
+  request.options.photons.indirect = 400000;
+  const RenderJob job(BuiltinScene(scene), request);
+  const FrameView frame = job.frame();
+  const PhotonPass pass = PhotonPasses(frame.options).front();
+  tbb::task_arena arena(request.options.threads);
+  std::int64_t photons = 0, light_paths = 0;
+  for (auto _ : state) {
+    arena.execute([&] {
+      std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+      const PhotonMaps maps = TracePhotons(frame, pass, workers, nullptr);
+      photons += maps.caustic.size() + maps.indirect.size();
+      light_paths +=
+          std::int64_t(std::max(maps.caustic.light_paths(), maps.indirect.light_paths()));
+    });
+  }
+  state.SetItemsProcessed(photons);
+  state.counters["light_paths/s"] =
+      benchmark::Counter(double(light_paths), benchmark::Counter::kIsRate);
+}
+BENCHMARK_CAPTURE(TracePass, lamps, "lamps")->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime();
+BENCHMARK_CAPTURE(TracePass, three_spheres, "three-spheres")
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime();
+
+}  // namespace
+}  // namespace skywave
+
+BENCHMARK_MAIN();

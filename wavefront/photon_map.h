@@ -1,0 +1,65 @@
+// Where light paths arrived, in an order in which neighbors are found.
+//
+// The photon pass hands over photons in the order (light path, surface), so a map depends on
+// neither threads nor waves. A photon takes 36 bytes until the map is built, 40 in it, and 32 more
+// in between.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/photons.h"
+#include "wavefront/point_tree.h"
+#include "wavefront/soa.h"
+
+namespace skywave {
+
+// A row of PhotonColumns and where it is, world space.
+struct Photon {
+  float position[3];
+  float flux[3];
+  std::uint32_t dir, normal, depth;
+};
+
+struct PhotonMapView {
+  PointTreeView tree;
+  PhotonColumns photons;  // in the order of the tree's rows
+  float radius2;          // largest squared distance of a lookup
+};
+
+class PhotonMap {
+ public:
+  PhotonMap() = default;
+  // Of all photons of `light_paths` light paths, whose flux is divided by that number. Runs on the
+  // threads of the arena of the caller.
+  PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths);
+
+  PhotonMapView view() const {
+    return {.tree = tree_.view(), .photons = photons_.columns(), .radius2 = radius * radius};
+  }
+  std::uint32_t size() const { return photons_.rows(); }
+  std::uint64_t light_paths() const { return light_paths_; }
+  std::size_t bytes() const;
+  // The distance within which a photon has `neighbors` others (or all there are): the median over
+  // some of them. 0 for an empty map.
+  float TypicalDistance(std::uint32_t neighbors) const;
+
+  float radius = 0;  // largest distance of a lookup
+
+ private:
+  PointTree tree_;
+  soa::Table<PhotonColumns> photons_;
+  std::uint64_t light_paths_ = 0;
+};
+
+// All that the second pass looks up.
+struct PhotonMaps {
+  // Light from mirrors and glass alone: what light samples cannot find.
+  PhotonMap caustic;
+  // All other light but direct one; for a final gather, which looks it up one surface further on,
+  // all light.
+  PhotonMap indirect;
+};
+
+}  // namespace skywave

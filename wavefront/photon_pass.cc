@@ -1,0 +1,125 @@
+#include "wavefront/photon_pass.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "wavefront/flush_denormals.h"
+#include "wavefront/integrator.h"
+#include "wavefront/photon_stages.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+// Light paths that are traced before anybody looks how full the maps are.
+constexpr std::uint64_t kLeastRound = 1 << 14, kMostRound = 1 << 18;
+
+// A map before it is built: photons in the order of light paths, and how many of these they are of.
+struct Harvest {
+  std::uint64_t wanted;
+  std::vector<Photon> photons;
+  std::uint64_t light_paths = 0;
+
+  bool full() const { return photons.size() >= wanted; }
+  std::uint64_t missing() const { return full() ? 0 : wanted - photons.size(); }
+
+  // Takes the photons of light paths [first, first + count), up to the path that fills the map.
+  void Take(const PhotonList& list, std::uint64_t first, std::uint64_t count) {
+    if (full()) return;
+    std::size_t end = std::min<std::size_t>(list.photons.size(), wanted - photons.size());
+    while (end > 0 && end < list.photons.size() && list.path[end] == list.path[end - 1]) ++end;
+    photons.insert(photons.end(), list.photons.begin(), list.photons.begin() + std::ptrdiff_t(end));
+    light_paths = full() ? first + list.path[end - 1] + 1 : first + count;
+  }
+};
+
+// The strategy of camera paths may want many light samples or surfaces to draw them for.
+FrameView LightPathView(const FrameView& frame) {
+  FrameView view = frame;
+  view.strategy = frame.emitter;
+  view.options.light_samples = 1;
+  return view;
+}
+
+// The map has mirrors or glass for light to come from.
+bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
+
+// The largest distance of a lookup where the user gives none. A search for the nearest ends by
+// itself where there are photons, so it is for the places where there are few.
+float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
+  constexpr float kSearch = 3;
+  if (options.distance > 0) return options.distance;
+  return map.TypicalDistance(options.neighbors) * (options.progressive() ? 1 : kSearch);
+}
+
+}  // namespace
+
+std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
+  const std::uint32_t passes = std::min(options.photons.passes, options.samples_per_pixel);
+  const auto first_of = [&](std::uint32_t pass) {
+    return std::uint32_t(std::uint64_t(options.samples_per_pixel) * pass / passes);
+  };
+  std::vector<PhotonPass> list;
+  double shrink2 = 1;
+  for (std::uint32_t i = 0; i < passes; ++i) {
+    list.push_back({.first_sample = options.first_sample + first_of(i),
+                    .samples = first_of(i + 1) - first_of(i),
+                    .shrink = float(std::sqrt(shrink2))});
+    shrink2 *= (i + 1 + double(options.photons.alpha)) / (i + 2);
+  }
+  return list;
+}
+
+PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
+                        std::vector<std::unique_ptr<Worker>>& workers,
+                        std::vector<RayRecorder>* recorders) {
+  const FrameView lit = LightPathView(frame);
+  const PhotonOptions& wish = frame.options.photons;
+  const std::uint32_t wave = frame.options.wave;
+  // One set of photons for all samples, whichever of them are rendered, or one for each pass.
+  const std::uint64_t first_number =
+      wish.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
+  Harvest caustic = {.wanted = HasCaustics(*frame.geometry) ? wish.caustic : 0, .photons = {}};
+  Harvest indirect = {.wanted = wish.indirect, .photons = {}};
+  if (frame.options.max_depth == 0) caustic.wanted = indirect.wanted = 0;
+  const std::uint64_t most = kMostPathsAPhoton * std::max(caustic.wanted, indirect.wanted);
+  std::vector<PhotonLists> waves;
+  for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
+    const std::uint64_t missing = std::max(caustic.missing(), indirect.missing());
+    const std::uint64_t round =
+        std::min(std::clamp(missing, kLeastRound, kMostRound), most - traced);
+    const PhotonWishes wishes = {
+        .caustic = !caustic.full(), .indirect = !indirect.full(), .all_light = wish.gather > 0};
+    waves.assign((round + wave - 1) / wave, {});
+    tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
+      const FlushDenormals flush;
+      const std::size_t slot = OwnWorker(frame.options, workers);
+      FrameView view = lit;
+      view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
+      const std::uint64_t first = traced + i * wave;
+      TracePhotonWave(view, first_number + first,
+                      std::uint32_t(std::min<std::uint64_t>(wave, traced + round - first)), wishes,
+                      *workers[slot], waves[i]);
+    });
+    for (std::size_t i = 0; i < waves.size(); ++i) {
+      const std::uint64_t first = traced + i * wave;
+      const std::uint64_t count = std::min<std::uint64_t>(wave, traced + round - first);
+      caustic.Take(waves[i].caustic, first, count);
+      indirect.Take(waves[i].indirect, first, count);
+    }
+    traced += round;
+  }
+  PhotonMaps maps;
+  maps.caustic = PhotonMap(caustic.photons, caustic.light_paths);
+  caustic = {};
+  maps.indirect = PhotonMap(indirect.photons, indirect.light_paths);
+  for (PhotonMap* const map : {&maps.caustic, &maps.indirect}) {
+    map->radius = ChooseRadius(*map, wish);
+  }
+  return maps;
+}
+
+}  // namespace skywave

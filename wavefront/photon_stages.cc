@@ -1,0 +1,203 @@
+#include "wavefront/photon_stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "kernels/sampler.h"
+#include "kernels/surface.h"
+#include "wavefront/checks.h"
+#include "wavefront/path_stages.h"
+
+namespace skywave {
+namespace {
+
+// What a light path has met, in PhotonTables::history.
+constexpr std::uint32_t kMetDense = 1, kMetDelta = 2;
+
+Photon PhotonAt(const SurfaceColumns& s, std::uint32_t row, std::uint32_t depth) {
+  return {.position = {s.org_x[row], s.org_y[row], s.org_z[row]},
+          .flux = {s.throughput_r[row], s.throughput_g[row], s.throughput_b[row]},
+          .dir = EncodeNormal(s.wo_x[row], s.wo_y[row], s.wo_z[row]),
+          .normal = EncodeNormal(s.ng_x[row], s.ng_y[row], s.ng_z[row]),
+          .depth = depth};
+}
+
+void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
+  list.photons.push_back(photon);
+  list.path.push_back(path);
+}
+
+// Copies a row `n` times: the BSDF of one surface is evaluated for a vector of photons at a time.
+// The columns are those that BsdfKernels::evaluate reads.
+void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
+                   const SurfaceColumns& to) {
+  const auto repeat = [row, n](const auto* column, auto* copies) {
+    std::fill_n(copies, n, column[row]);
+  };
+  repeat(from.wo_x, to.wo_x), repeat(from.wo_y, to.wo_y), repeat(from.wo_z, to.wo_z);
+  repeat(from.ng_x, to.ng_x), repeat(from.ng_y, to.ng_y), repeat(from.ng_z, to.ng_z);
+  repeat(from.ns_x, to.ns_x), repeat(from.ns_y, to.ns_y), repeat(from.ns_z, to.ns_z);
+  repeat(from.color_r, to.color_r), repeat(from.color_g, to.color_g);
+  repeat(from.color_b, to.color_b);
+  repeat(from.material, to.material);
+  repeat(from.varying_0, to.varying_0), repeat(from.varying_1, to.varying_1);
+}
+
+// One surface that looks photons up.
+struct Lookup {
+  const PhotonMapView& map;
+  const SurfaceColumns& surfaces;
+  std::uint32_t row, kind;
+  MaterialView materials;
+};
+
+// Adds what the surface reflects of photons `found` [0, n).
+void AddReflected(const Lookup& at, const PhotonQuery& query, const NeighborColumns& found,
+                  std::uint32_t n, PhotonTables& t, float* rgb) {
+  LoadPhotons(at.map.photons, found, n, query, t.lights);
+  RepeatSurface(at.surfaces, at.row, PaddedRows(n) - kPadRows, t.repeated);
+  Bsdfs()[at.kind].evaluate(t.repeated, at.materials, t.lights, n, t.values);
+  SumReflected(t.values, t.lights, n, rgb);
+}
+
+PhotonQuery QueryOf(const FrameView& frame, const SurfaceColumns& s, std::uint32_t row,
+                    float radius2, std::uint32_t max_depth) {
+  return {.kernel = frame.options.photons.kernel,
+          .radius2 = radius2,
+          .normal = {s.ng_x[row], s.ng_y[row], s.ng_z[row]},
+          .max_depth = max_depth};
+}
+
+void AddToPath(const SurfaceColumns& s, std::uint32_t row, float scale, const float* rgb,
+               const PathColumns& paths) {
+  const std::uint32_t path = s.path[row];
+  paths.r[path] += s.throughput_r[row] * (rgb[0] * scale);
+  paths.g[path] += s.throughput_g[row] * (rgb[1] * scale);
+  paths.b[path] += s.throughput_b[row] * (rgb[2] * scale);
+}
+
+// The disk that photons are looked up in: it ends at the farthest of `wanted` neighbors, which then
+// does not count itself, else the density would come out too high by one photon; if there are fewer
+// within the largest distance, it ends there.
+float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32_t wanted,
+                  float largest2) {
+  if (count < wanted) return largest2;
+  const float farthest2 = *std::max_element(found.distance2, found.distance2 + count);
+  return std::max(farthest2, 0x1p-40f * largest2);
+}
+
+}  // namespace
+
+void PhotonList::SortByPath(std::uint32_t paths) {
+  std::vector<std::uint32_t> first(paths + 1, 0);
+  for (const std::uint32_t p : path) ++first[p + 1];
+  for (std::uint32_t p = 0; p < paths; ++p) first[p + 1] += first[p];
+  PhotonList sorted;
+  sorted.photons.resize(photons.size()), sorted.path.resize(path.size());
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    const std::uint32_t to = first[path[i]]++;
+    sorted.photons[to] = photons[i], sorted.path[to] = path[i];
+  }
+  *this = std::move(sorted);
+}
+
+void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
+                  StageClock& clock) {
+  const SurfaceColumns& s = w.surfaces;
+  std::uint32_t* const history = w.photon->history->queue;
+  const std::uint32_t dense = w.ranges.light_sampled(), total = w.ranges.total();
+  for (std::uint32_t row = 0; row < dense; ++row) {
+    std::uint32_t& met = history[s.path[row]];
+    const bool caustic = met == kMetDelta;
+    const bool indirect = (met & kMetDense) != 0 || wishes.all_light;
+    if (caustic && wishes.caustic) Append(PhotonAt(s, row, depth), s.path[row], lists.caustic);
+    if (indirect && wishes.indirect) Append(PhotonAt(s, row, depth), s.path[row], lists.indirect);
+    met |= kMetDense;
+  }
+  for (std::uint32_t row = dense; row < total; ++row) history[s.path[row]] |= kMetDelta;
+  clock.Lap(Stage::kPhotons);
+}
+
+void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
+                Worker& w, StageClock& clock) {
+  if (map.size() == 0) return;
+  const PhotonOptions& options = frame.options.photons;
+  const PhotonMapView view = map.view();
+  const float largest2 = view.radius2;
+  const SurfaceColumns& s = w.surfaces;
+  PhotonTables& t = *w.photon;
+  const std::uint32_t room = NearestRoom(options.neighbors);
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    const std::uint32_t end = w.ranges.begin[kind + 1];
+    for (std::uint32_t begin = w.ranges.begin[kind]; begin < end; begin += kLookupBlock) {
+      const std::uint32_t n = std::min(kLookupBlock, end - begin);
+      std::uint32_t count[kLookupBlock];
+      if (!options.progressive()) {
+        FindNearest(view.tree, s.org_x + begin, s.org_y + begin, s.org_z + begin, n,
+                    options.neighbors, largest2, t.found, count);
+      }
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const std::uint32_t row = begin + i;
+        const Lookup at = {.map = view,
+                           .surfaces = s,
+                           .row = row,
+                           .kind = kind,
+                           .materials = frame.geometry->materials()};
+        float rgb[3] = {};
+        if (options.progressive()) {
+          const float position[3] = {s.org_x[row], s.org_y[row], s.org_z[row]};
+          RangeSearch search = StartRangeSearch(view.tree, position, largest2);
+          const PhotonQuery query = QueryOf(frame, s, row, largest2, max_depth);
+          while (const std::uint32_t found = FindMore(view.tree, search, room, t.found)) {
+            AddReflected(at, query, t.found, found, t, rgb);
+          }
+        } else {
+          const NeighborColumns found = Slice(t.found.columns(), i * room);
+          const float radius2 = DiskRadius2(found, count[i], options.neighbors, largest2);
+          AddReflected(at, QueryOf(frame, s, row, radius2, max_depth), found, count[i], t, rgb);
+        }
+        AddToPath(s, row, scale, rgb, w.paths);
+      }
+    }
+  }
+  clock.Lap(Stage::kPhotons);
+}
+
+void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+  PhotonTables& t = *w.photon;
+  const std::uint32_t gather = frame.options.photons.gather;
+  SurfaceRanges dense = w.ranges;
+  std::fill(dense.begin + kFirstDeltaBsdf, dense.begin + kBsdfKinds + 1, dense.light_sampled());
+  if (dense.total() == 0 || bounce + 1 >= frame.options.max_depth) return;
+  for (std::uint32_t index = 0; index < gather; ++index) {
+    soa::Table<RayColumns>*rays = &t.rays[0], *next = &t.rays[1];
+    // The rays of an index have random numbers of their own; the first surface's are one sequence.
+    const PathEnd first = {.transport = Transport::kRadiance,
+                           .pairs = kPairBlock,
+                           .split = {.stride = gather, .offset = index}};
+    const PathEnd end = {.transport = Transport::kRadiance, .pairs = kPairBlock * (index + 1)};
+    std::uint32_t n =
+        Scatter(frame, first, w.paths, w.surfaces, dense, 0, bounce, w.uniforms, w.lobe, *rays);
+    clock.Lap(Stage::kScatter);
+    // The surfaces at hand step back for those that their rays meet.
+    std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
+    for (std::uint32_t met = bounce + 1; n > 0 && met < frame.options.max_depth; ++met) {
+      CheckRays(*rays, n);
+      CountRays(w.stats, met, n, w.paths.rows());
+      SurfaceRanges ranges;
+      const std::uint32_t escaped =
+          TraceAndSort(frame, end, *rays, n, met, /*only_delta=*/false, w, ranges, clock);
+      PrepareHits(frame, end, *rays, n, escaped, ranges, w, clock);
+      AddPhotons(frame, frame.photons->indirect, frame.options.max_depth - met,
+                 1.0f / float(gather), w, clock);
+      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, met, w.uniforms,
+                  w.lobe, *next);
+      clock.Lap(Stage::kScatter);
+      std::swap(rays, next);
+    }
+    std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
+  }
+}
+
+}  // namespace skywave

@@ -1,0 +1,46 @@
+// The stages of photons: stored where light paths arrive, looked up where camera paths do.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "wavefront/frame.h"
+#include "wavefront/photon_map.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// The photons of a wave of light paths for one map: in the order of surfaces while paths are
+// traced, and then in that of paths.
+struct PhotonList {
+  std::vector<Photon> photons;
+  std::vector<std::uint32_t> path;  // of each, its row in the wave
+
+  void SortByPath(std::uint32_t paths);
+};
+
+struct PhotonLists {
+  PhotonList caustic, indirect;
+};
+
+// Which maps still want photons; for a final gather the indirect one has all light.
+struct PhotonWishes {
+  bool caustic = false, indirect = false, all_light = false;
+};
+
+// Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
+// that want them, and keeps in w.photon->history what kinds of surfaces each path has met.
+void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
+                  StageClock& clock);
+
+// Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
+// those that have met at most `max_depth` surfaces, theirs included.
+void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
+                Worker& w, StageClock& clock);
+
+// Final gather (Jensen 1996): rays from every surface at hand that has a density, over mirrors and
+// glass to the next that has one, and adds what those reflect of photons. Rays of a surface are
+// stratified. `bounce`: of the surfaces at hand.
+void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+}  // namespace skywave
