@@ -87,6 +87,7 @@ nlohmann::ordered_json Json(const RenderReport& report) {
                      {"build", times.build},
                      {"tables", times.tables},
                      {"render", seconds},
+                     {"render_processor", report.frame.processor_seconds},
                      {"write", report.write_seconds}};
   json["peak_memory_mib"] = PeakMemoryMib();
   json["samples"] = stats.samples;

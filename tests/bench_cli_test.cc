@@ -155,5 +155,30 @@ TEST_F(Bench, BadInputIsToldClearlyAndLeavesNoFile) {
   }
 }
 
+std::size_t Count(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+    ++count;
+  }
+  return count;
+}
+
+// The page is whole in a browser that finds no host.
+TEST_F(Bench, PageLoadsInABrowserWithoutNetwork) {
+  if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "there is no chromium";
+  ASSERT_EQ(Run("bench --renders-only --repetitions 1 --report r.html").exit_code, 0);
+  const std::string browser =
+      "cd '" + Path("") +
+      "' && timeout 60 chromium --headless --no-sandbox --disable-gpu --user-data-dir=profile "
+      "--host-resolver-rules='MAP * ~NOTFOUND' --dump-dom 'file://" +
+      Path("r.html") + "' >dom 2>said </dev/null";
+  ASSERT_EQ(std::system(browser.c_str()), 0) << Bytes("said");
+  const std::string page = Bytes("r.html"), dom = Bytes("dom");
+  EXPECT_EQ(Count(dom, "<svg"), Count(page, "<svg"));
+  EXPECT_EQ(Count(dom, "</svg>"), Count(page, "</svg>"));
+  EXPECT_EQ(Count(dom, "<tr"), Count(page, "<tr"));
+  EXPECT_TRUE(Contains(dom, "SUMMARY"));
+}
+
 }  // namespace
 }  // namespace skywave

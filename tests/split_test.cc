@@ -88,7 +88,6 @@ TEST(Split, PicturesWithLocalLightsAndHolesAreTheOracles) {
   for (Material& material : scene.materials) {
     if (material.opaque()) continue;
     material.emission = {0.9f, 1.5f, 2};
-    material.emits_on_both_sides = true;
   }
   ExpectOracles(scene, Request(4, 2, 3));
 }

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -29,6 +30,13 @@ void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& 
 
 double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Of the process, all threads together.
+double ProcessorSeconds() {
+  timespec time = {};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
 // Renders all tiles, in the arena of the caller.
@@ -112,6 +120,7 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   if (recorders != nullptr) recorders->resize(workers.size());
 
   FrameResult result;
+  const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
     if (options.integrator != Integrator::kPhoton) {
@@ -135,6 +144,7 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
     }
   });
   result.seconds = SecondsSince(start);
+  result.processor_seconds = ProcessorSeconds() - processor_start;
   result.threads = arena.max_concurrency();
   for (const auto& worker : workers) {
     if (worker) result.stats += worker->stats;

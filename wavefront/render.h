@@ -33,7 +33,8 @@ struct PhotonCounts {
 struct FrameResult {
   RenderStats stats;
   PhotonCounts photons;
-  double seconds = 0;  // wall clock, from the first wave to the last
+  double seconds = 0;            // wall clock, from the first wave to the last
+  double processor_seconds = 0;  // of all threads of the process meanwhile
   int threads = 0;
 };
 

@@ -4,15 +4,19 @@ import math
 from statistics import mean, median
 
 
-def ours(runs):
-    """Medians of times, means of errors; None without runs."""
+def ours(runs, reference_mse=0.0):
+    """Medians of times, means of errors; None without runs.
+
+    The noise of the reference is not the row's: the two are independent, so what the squared
+    distance has too much is known (`reference_mse`, of the reference itself) and taken off.
+    """
     if not runs:
         return None
     result = {"seconds": median(run["seconds"] for run in runs),
               "table_seconds": median(run["table_seconds"] for run in runs), "runs": runs}
     for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):
         result[key] = mean(run[key] for run in runs)
-    result["squared_distance"] = 3 * result["mse"]
+    result["squared_distance"] = 3 * (result["mse"] - reference_mse)
     light = [run["light_error"] for run in runs if "light_error" in run]
     if light:
         result["light_error"] = mean(light)
@@ -117,9 +121,9 @@ def floor(table, of):
     return left, left / last
 
 
-def summarize(table, runs):
+def summarize(table, runs, reference_mse=0.0):
     """Everything that is printed or written of a table; `runs` maps names of rows to their runs."""
-    measured = {row.name: ours(runs.get(row.name)) for row in table.rows}
+    measured = {row.name: ours(runs.get(row.name), reference_mse) for row in table.rows}
     sides = {"thesis": theirs, "ours": lambda row: measured[row.name]}
     result = {"table": table.name, "title": table.title, "base": table.base, "rows": [],
               "pairs": []}

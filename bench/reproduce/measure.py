@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 from pathlib import Path
 
@@ -59,8 +60,9 @@ def scene_arguments(table, data, folder):
 class Session:
     """One table at one size: its reference and its renders."""
 
-    def __init__(self, program, table, data, folder, size, threads, reference):
+    def __init__(self, program, table, data, folder, size, threads, reference, busy=False):
         self.program, self.table, self.folder, self.size = program, table, folder, size
+        self.busy = busy
         self.reference_samples = reference
         self.scene = scene_arguments(table, data, folder)
         self.common = ["--size", size, "--threads", threads]
@@ -88,8 +90,10 @@ class Session:
                  "--json", half_done, "-q"])
             os.replace(half_done, facts)
         read = json.loads(facts.read_text())
+        # Of a reference that was there already, too.
+        strategy = re.search(r"--reference-strategy '?([^ ']+)", read["command"])
         return picture, {"samples_per_pixel": samples, "light_samples": light_samples,
-                         "strategy": table.reference_strategy,
+                         "strategy": strategy.group(1) if strategy else "importance",
                          "mse": read["reference"]["mse"],
                          "seconds": read["reference"]["seconds"],
                          "scene_hash": read["scene"]["hash"], "version": read["version"]}
@@ -141,7 +145,10 @@ class Session:
         if stats["scene"]["hash"] != scene_hash:
             raise Failed("the scene has changed since the reference was made: remove "
                          f"{reference.parent}")
-        result = {"seed": seed, "seconds": stats["seconds"]["render"],
+        # A share of a busy machine is no time; what the processors did for the render is.
+        render = stats["seconds"]["render_processor"] / stats["settings"]["threads"] if self.busy \
+            else stats["seconds"]["render"]
+        result = {"seed": seed, "seconds": render,
                   "table_seconds": stats["seconds"]["tables"],
                   "shadow_rays": stats["rays"]["shadow"]["count"]}
         for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):

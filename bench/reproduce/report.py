@@ -95,7 +95,8 @@ def markdown(summary):
                   f"times and means of errors, alternated repeats: {s['repeats']}. Reference: "
                   f"{r['samples_per_pixel']} x {r['light_samples']} samples a pixel by "
                   f"`{r['strategy']}` in "
-                  f"{r['seconds']:.0f} s, its own 3 mse {3 * r['mse']:.2g}.", ""]
+                  f"{r['seconds']:.0f} s, its own 3 mse {3 * r['mse']:.2g}, which "
+                  "is taken off those of the rows.", ""]
     else:
         lines += ["Not measured yet.", ""]
     lines += figures_table(above, True)

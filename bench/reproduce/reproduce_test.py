@@ -18,7 +18,8 @@ import figures
 import measure
 import report
 import reproduce
-from tables import TABLES, angle_for_area
+from reproduce import TABLES
+from tables import angle_for_area
 
 PROGRAM = None
 
@@ -27,7 +28,8 @@ class Tables(unittest.TestCase):
     def test_rows_are_those_of_the_thesis(self):
         counts = {name: sum(row.seconds is not None for row in table.rows)
                   for name, table in TABLES.items()}
-        self.assertEqual(counts, {"8.2": 48, "8.3": 17, "8.4": 13, "8.5": 7, "8.6": 5})
+        self.assertEqual(counts, {"8.2": 48, "8.3": 17, "8.4": 13, "8.5": 7, "8.6": 5,
+                                  "8.7": 10, "8.8": 12, "8.9": 10})
         for table in TABLES.values():
             names = [row.name for row in table.rows]
             self.assertEqual(len(names), len(set(names)))
@@ -46,6 +48,17 @@ class Tables(unittest.TestCase):
                          "hybrid:strata=lights,angle=2.17425,from=penrose,lights=96,cluster=F2,"
                          "clusters=64,position=sample,rest=presampled,rest-samples=360")
         self.assertEqual((recipe.samples, recipe.light_samples, recipe.mis), (4, 32, False))
+
+    def test_photon_row(self):
+        table = TABLES["8.8"]
+        recipe = table.row("11").recipe
+        self.assertTrue(recipe.strategy.endswith("rest=presampled,rest-samples=360"))
+        self.assertEqual((recipe.samples, recipe.light_samples), (4, 64))
+        self.assertEqual(recipe.flags, ["--photons", "100000", "--caustic-photons", "0",
+                                        "--gather", 0, "--photon-distance", "1.5"])
+        summary = figures.summarize(table, {})
+        self.assertNotIn("error", summary["pairs"][0]["thesis"])
+        report.markdown(summary)
 
     def test_splitting_row(self):
         recipe = TABLES["8.6"].row("5").recipe
@@ -90,6 +103,12 @@ class Figures(unittest.TestCase):
         for value, expected in zip(found, (2, 3, -1)):
             self.assertAlmostEqual(value, expected)
         self.assertIsNone(figures.least_squares([[1, 2], [1, 2]], [3, 3]))
+
+
+    def test_noise_of_the_reference_is_taken_off(self):
+        run = {"seconds": 1, "table_seconds": 0, "mse": 5, "relative_mse": 1,
+               "thesis_euclidean": 1, "thesis_luminance": 1}
+        self.assertEqual(figures.ours([run, run], 2)["squared_distance"], 9)
 
 
 class Report(unittest.TestCase):

@@ -168,7 +168,7 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
   }
   hit.distance = query.ray.tfar;
   hit.light = t.light.radiance == dvec3(0) ? nullptr : &t.light;
-  hit.light_cosine = glm::dot(ng, wo);
+  hit.light_cosine = (back ? -1 : 1) * glm::dot(ng, wo);
   if (t.light.two_sided) hit.light_cosine = std::abs(hit.light_cosine);
   hit.surface = {&materials_[t.material], wo, ng, ns, back};
   ApplyTextures(t, {w, u, v}, hit);
