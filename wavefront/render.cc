@@ -9,6 +9,7 @@
 
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
+#include "wavefront/worker.h"
 
 namespace skywave {
 namespace {
