@@ -29,7 +29,7 @@ struct DrawnLights {
   VF u, v;  // where on a triangle
 };
 HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x, VF y,
-                                  const V3& org) {
+                                  const V3& org, VF lift) {
   const VF zero = hn::Zero(F()), one = Set(1.0f);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   const V3 axis = light.axis(), edge = light.edge();
@@ -59,8 +59,10 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     const VF falloff = SpotFalloff(light, hn::Neg(Dot(axis, dir)));
     worth = IfThen(spot, hn::Mul(intensity_worth, falloff), worth);
   }
-  // What is known of a hit's place, as surfaces are lifted (kernels/surface.cc).
-  const VF slack = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
+  // What is known of a hit's place, as surfaces are lifted (kernels/surface.cc), and how much
+  // nearer an origin can come that is moved through its surface.
+  const VF known = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
+  const VF slack = hn::Add(known, hn::Add(lift, lift));
   VF reach = hn::Sub(distance, slack);
   const MF distant = light.Is(LocalLightKind::kDistant);
   if (!hn::AllFalse(F(), distant)) {
@@ -85,8 +87,9 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     }
     const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
     const LightLanes light(view, pick.light);
-    const DrawnLights drawn = DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest,
-                                         Load(uniforms.v + i), org);
+    const DrawnLights drawn =
+        DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest, Load(uniforms.v + i),
+                   org, hn::Abs(Load(surfaces.lift + i)));
     const MF picked = pick.picked;
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);

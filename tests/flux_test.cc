@@ -106,8 +106,13 @@ TEST_P(Flux, OnBentNormalsHasVeachsFactor) {
       const double ratio = Dot(kNormal, wi) < 0 ? Ratio(material_) : 1;
       if (toward < 0) factor = 1 / (ratio * ratio);
     }
+    // Floats know a cosine to some 2^-22.
+    const SurfaceColumns& surfaces = rows_.surfaces;
+    const double grazing =
+        std::min(std::fabs(Dot(wi, kNormal)),
+                 std::fabs(Dot(wi, Get(from, surfaces.ns_x, surfaces.ns_y, surfaces.ns_z))));
     ASSERT_NEAR(flux->throughput_r[i], radiance->throughput_r[i] * factor,
-                2e-4 * radiance->throughput_r[i] * factor)
+                (1e-5 + 0x1p-21 / grazing) * radiance->throughput_r[i] * factor)
         << "ray " << i;
     most = std::max(most, std::fabs(factor - 1));
   }
@@ -183,7 +188,7 @@ TEST_P(Flux, IsTheAdjointOfRadiance) {
     ASSERT_NEAR(to, from, (through[i] ? 5e-3 : 2e-3) * largest + (through[i] ? 5e-5 : 0))
         << "row " << i;
   }
-  EXPECT_GT(reflected, 0);
+  EXPECT_GT(reflected + transmitted, 0);
   EXPECT_EQ(transmitted > 0, rows_.kernels.transmits);
 }
 

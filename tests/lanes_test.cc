@@ -115,7 +115,8 @@ TEST_P(LanesOfARender, AgreeWithItsRaysAndNotWithItsThreads) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LanesOfARender,
-                         testing::Values(Integrator::kPath, Integrator::kDirect),
+                         testing::Values(Integrator::kPath, Integrator::kDirect,
+                                         Integrator::kLight),
                          [](const auto& test) { return std::string(ToString(test.param)); });
 
 }  // namespace

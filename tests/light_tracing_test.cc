@@ -148,7 +148,7 @@ TEST(LightTracing, IsPathTracingUnderGlass) {
   scene.camera = LookAtCamera({0, 0.8f, 2.4f}, {0, 0, 0.1f}, {0, 1, 0}, 28, false);
   // Large: paths meet it by chance only.
   AddLamp(scene, 1.6f, {0.3f, 4, 0.2f}, {8, 8, 6});
-  JobRequest request = Request(6, 192);
+  const JobRequest request = Request(6, 192);
   ExpectSame(scene, request);
   // Rough glass too: its value has to lose the squared index.
   scene.materials[1].bsdf = BsdfKind::kRoughDielectric;

@@ -64,6 +64,13 @@ void ExpectIrradiance(const Scene& scene, const glm::vec3& expected, bool mis = 
   }
 }
 
+// Irradiance by a rectangle of radiance 1 parallel to the floor, a corner of it above the origin.
+double CornerIrradiance(double width, double depth, double height) {
+  const double a = width / height, b = depth / height;
+  const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
+  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / 2;
+}
+
 TEST(LocalLightIrradiance, APointsFallsWithTheSquareOfItsDistance) {
   for (const float x : {0.0f, 1.5f, -4.0f}) {
     Scene scene = Floor();
@@ -93,6 +100,21 @@ TEST(LocalLightIrradiance, ASpotsIsFullInsideAndDarkOutside) {
   expect(30, float(t * t * (3 - 2 * t)));
 }
 
+// Seen from below, from farther away than the lamp is: shadow rays start behind the surface, nearer
+// to the lamp than the light sample was drawn for, and must not meet it.
+TEST(LocalLightIrradiance, ALampsComesThroughALeaf) {
+  Scene scene = Floor();
+  Material& leaf = scene.materials[0];
+  leaf.bsdf = BsdfKind::kDiffuseTransmission;
+  leaf.reflectance = glm::vec3(0), leaf.second_color = glm::vec3(1);
+  scene.camera = LookAtCamera({6, -4, -3}, {0, 0, 0}, {0, 1, 0}, 0.01f, false);
+  const glm::vec3 radiance(2, 3, 5);
+  AddLamp(scene, 0.5f, 0.8f, {0, 2, 0}, radiance);
+  for (const bool mis : {true, false}) {
+    ExpectIrradiance(scene, radiance * float(4 * CornerIrradiance(0.25, 0.4, 2)), mis);
+  }
+}
+
 TEST(LocalLightIrradiance, ADistantOnesGoesWithTheCosine) {
   for (const float degrees : {0.0f, 35.0f, 80.0f, 100.0f}) {
     Scene scene = Floor();
@@ -103,13 +125,6 @@ TEST(LocalLightIrradiance, ADistantOnesGoesWithTheCosine) {
                      .direction = {std::sin(angle), std::cos(angle), 0}}};
     ExpectIrradiance(scene, glm::vec3(1, 2, 3) * std::max(std::cos(angle), 0.0f));
   }
-}
-
-// Irradiance by a rectangle of radiance 1 parallel to the floor, a corner of it above the origin.
-double CornerIrradiance(double width, double depth, double height) {
-  const double a = width / height, b = depth / height;
-  const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
-  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / 2;
 }
 
 TEST(LocalLightIrradiance, ARectanglesIsItsFormFactor) {
