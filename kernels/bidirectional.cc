@@ -56,6 +56,19 @@ void TurnSurfaces(const SurfaceColumns& s, const LightColumns& lights, std::uint
   }
 }
 
+void ClearUnseen(const SurfaceColumns& s, std::uint32_t n, const BsdfValueColumns& values) {
+  const VF zero = hn::Zero(F());
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const V3 wo = Outgoing(s, i), ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
+    const MF seen =
+        hn::And(hn::Gt(Dot(GeometricNormal(s, i), wo), zero), hn::Gt(Dot(ns, wo), zero));
+    if (hn::AllTrue(F(), seen)) continue;
+    for (float* const column : {values.r, values.g, values.b, values.pdf}) {
+      Store(IfThen(seen, Load(column + i), zero), column + i);
+    }
+  }
+}
+
 // A cosine that is divided by.
 HWY_INLINE VF Divisor(VF cosine) { return hn::Max(cosine, Set(1e-9f)); }
 
@@ -276,6 +289,7 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(TurnSurfaces);
+HWY_EXPORT(ClearUnseen);
 HWY_EXPORT(LeaveEye);
 HWY_EXPORT(LeaveLights);
 HWY_EXPORT(ArriveAtSurfaces);
@@ -290,6 +304,9 @@ HWY_EXPORT(JoinVertices);
 void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
                   const TurnedColumns& turned) {
   HWY_DYNAMIC_DISPATCH(TurnSurfaces)(surfaces, lights, n, turned);
+}
+void ClearUnseen(const SurfaceColumns& surfaces, std::uint32_t n, const BsdfValueColumns& values) {
+  HWY_DYNAMIC_DISPATCH(ClearUnseen)(surfaces, n, values);
 }
 void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,
               const SubpathColumns& paths) {

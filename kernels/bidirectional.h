@@ -60,6 +60,10 @@ void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, st
 // The sub-paths of rows [0, n) leave their lights: writes `paths`, row by row.
 void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths);
 
+// Clears values and densities of rows [0, n) of `values` whose wo is below the surface as it is or
+// as it is shaded, where BSDFs, which take wo for being above, mean nothing.
+void ClearUnseen(const SurfaceColumns& surfaces, std::uint32_t n, const BsdfValueColumns& values);
+
 // The sub-paths of rows [0, n) leave the eye. `density`: of their rays, one sample a pixel [1/sr],
 // or, of parallel rays, across them [1/length^2].
 void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,

@@ -160,5 +160,97 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
   }
 }
 
+std::vector<PathWay> WaysOf(std::uint32_t surfaces) {
+  std::vector<PathWay> ways;
+  for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
+    const PathWay way = {.light = light, .eye = surfaces + 2 - light};
+    if (light != 1 || way.eye != 1) ways.push_back(way);
+  }
+  return ways;
+}
+
+// Surfaces that are far from each other: connections unweighted have no bounded variance in
+// corners.
+Scene Apart(const Material& material) {
+  Scene scene;
+  Place(scene, Facetted(Quad(3)), AddLambert(scene, "floor", {0.7f, 0.6f, 0.5f}), glm::vec3(0));
+  scene.materials.push_back(material);
+  const auto index = std::uint32_t(scene.materials.size() - 1);
+  Place(scene, Facetted(Sphere(0.4f, 3)), index, {-0.7f, 1.1f, 0});
+  Place(scene, Facetted(Sphere(0.4f, 3)), index, {0.8f, 1.2f, 0.3f}, 30);
+  AddLamp(scene, 2.5f, {0.2f, 3, 0}, {3, 2, 1});
+  SetConstantLight(scene, 0.5f);
+  scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
+  return scene;
+}
+
+// Where no BSDF and no light is a delta distribution, each way to join sub-paths is an estimate of
+// all there is of its paths.
+TEST(Bdpt, EveryWayAloneFindsAllLight) {
+  for (const BsdfKind kind : {BsdfKind::kLambert, BsdfKind::kRoughDielectric}) {
+    const RenderJob job(Apart(Of(kind, 0.5f)), Request(Integrator::kBdpt, 3));
+    for (const std::uint32_t surfaces : {1u, 2u, 3u}) {
+      PictureEstimate expected;
+      std::uint32_t seed = 100;
+      for (const PathWay& way : WaysOf(surfaces)) {
+        SCOPED_TRACE(std::to_string(way.light) + "," + std::to_string(way.eye));
+        FrameView frame = job.frame();
+        frame.options.way = way;
+        frame.options.mis = false;
+        const PictureEstimate alone =
+            MeanOfBlocks(EstimateFromEngine(job, frame, kRuns, seed += 100), 6);
+        if (way.light == 0) {
+          expected = alone;
+        } else {
+          EXPECT_TRUE(SamePicture(alone, expected, kLevel));
+        }
+      }
+    }
+  }
+}
+
+TEST(Bdpt, WeightedWaysAddUpToThePicture) {
+  const RenderJob job(Room(Of(BsdfKind::kDielectric), kSky | kLocal),
+                      Request(Integrator::kBdpt, 4));
+  const auto render = [&](const std::optional<PathWay>& way) {
+    FrameView frame = job.frame();
+    frame.options.way = way;
+    Film film = job.MakeFilm();
+    RenderFrame(frame, film);
+    return film.Resolve(frame.options.samples_per_pixel).rgb;
+  };
+  const std::vector<float> picture = render(std::nullopt);
+  std::vector<double> sum(picture.size());
+  for (std::uint32_t surfaces = 0; surfaces <= 4; ++surfaces) {
+    for (const PathWay& way : WaysOf(surfaces)) {
+      const std::vector<float> part = render(way);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
+    }
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_NEAR(sum[i], picture[i], 1e-4 * picture[i]);
+}
+
+TEST(Bdpt, WhatItCannotDoIsRefused) {
+  const Scene scene = Room(Of(BsdfKind::kLambert), kSky | kLamp);
+  const auto refused = [&](auto change) {
+    JobRequest request = Request(Integrator::kBdpt, 3);
+    change(request);
+    EXPECT_THROW(RenderJob(scene, request), InputError);
+  };
+  refused([](JobRequest& r) { r.options.mis = false; });
+  refused([](JobRequest& r) { r.max_depth = kMaxJoinedDepth + 1; });
+  refused([](JobRequest& r) { r.strategy = "cosine"; });
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = 1, .eye = 1}; });
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = 3, .eye = 0}; });
+  refused([](JobRequest& r) {
+    r.options.way = PathWay{.light = 1, .eye = 2};
+    r.integrator = Integrator::kPath;
+  });
+  JobRequest alone = Request(Integrator::kBdpt, 3);
+  alone.options.mis = false;
+  alone.options.way = PathWay{.light = 1, .eye = 2};
+  EXPECT_NO_THROW(RenderJob(scene, alone));
+}
+
 }  // namespace
 }  // namespace skywave

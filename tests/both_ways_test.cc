@@ -80,8 +80,14 @@ TEST(BothWays, BackwardsIsForwardsWithExchangedRoles) {
       Pairs pairs(material, bent, seed++);
       ShadingRows exchanged(material, kRows, {0, 0, 1}, {0, 0, 1});
       soa::Table<LightColumns> back(kRows);
+      std::vector<bool> nothing(kRows);
       for (std::uint32_t i = 0; i < kRows; ++i) {
-        const double side = Dot(pairs.wi[i], pairs.ng[i]) < 0 && Transmits(material) ? -1 : 1;
+        const double side = Dot(pairs.wi[i], pairs.ng[i]) < 0 ? -1 : 1;
+        // Nothing comes from where one of the normals says below and the other one above, nor from
+        // below where nothing passes through.
+        const bool comes =
+            side * Dot(pairs.wi[i], pairs.ns[i]) > 0 && (side > 0 || Transmits(material));
+        nothing[i] = !comes;
         exchanged.Set(i, side * pairs.ns[i], side * pairs.ng[i], pairs.wi[i]);
         if (side < 0) exchanged.surfaces->material[i] ^= kBackFace;
         Put(pairs.wo[i], i, back->dir_x, back->dir_y, back->dir_z);
@@ -93,6 +99,10 @@ TEST(BothWays, BackwardsIsForwardsWithExchangedRoles) {
                                     kRows, forward);
         exchanged.kernels.evaluate(exchanged.surfaces, exchanged.materials(), back, kRows,
                                    expected);
+        for (std::uint32_t i = 0; i < kRows; ++i) {
+          if (!nothing[i]) continue;
+          expected->r[i] = expected->g[i] = expected->b[i] = expected->pdf[i] = 0;
+        }
         EXPECT_EQ(ColumnBits(pairs.seen.forward.columns(), kRows),
                   ColumnBits(forward.columns(), kRows));
         EXPECT_EQ(ColumnBits(pairs.seen.backward.columns(), kRows),
@@ -161,7 +171,7 @@ TEST(BothWays, ValuesAreReciprocal) {
     for (std::uint32_t i = 0; i < kRows; ++i) {
       const double cos_o = std::fabs(pairs.wo[i].z), cos_i = std::fabs(pairs.wi[i].z);
       if (cos_i < 1e-2) continue;
-      const double scale = pairs.wi[i].z < 0 ? std::pow(ratio, 4) : 1;
+      const double scale = pairs.wi[i].z < 0 ? ratio * ratio : 1;
       const double forward = pairs.seen.forward->g[i] / cos_i;
       const double backward = scale * pairs.seen.backward->g[i] / cos_o;
       const double tolerance = 1e-3 + 2e-5 / LobeWidth(material) / std::min(cos_o, cos_i);

@@ -18,6 +18,7 @@
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/render.h"
+#include "wavefront/worker.h"
 
 namespace skywave {
 namespace {

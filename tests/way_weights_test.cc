@@ -292,7 +292,8 @@ TEST(WayWeights, AreThoseByDefinitionAndSumToOne) {
           for (std::size_t lights = 0; lights <= surfaces + 1; ++lights) {
             densities += WayDensity(paths[i], lights);
           }
-          if (densities > 0) EXPECT_NEAR(sum[i], 1, 1e-3) << "path " << i;
+          if (densities == 0) continue;
+          EXPECT_NEAR(sum[i], 1, 1e-3) << "path " << i;
         }
       });
     }

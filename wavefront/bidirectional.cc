@@ -57,6 +57,7 @@ void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfa
     }
     std::swap(rows.wo_x, to.dir_x), std::swap(rows.wo_y, to.dir_y), std::swap(rows.wo_z, to.dir_z);
     Bsdfs()[kind].evaluate(rows, materials, to, n, Slice(out, begin));
+    ClearUnseen(rows, n, Slice(out, begin));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/photon_pass.h"
+#include "wavefront/worker.h"
 
 namespace skywave {
 namespace {

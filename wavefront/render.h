@@ -12,9 +12,10 @@
 #include "wavefront/ray_recorder.h"
 #include "wavefront/stages.h"
 #include "wavefront/stats.h"
-#include "wavefront/worker.h"
 
 namespace skywave {
+
+struct Worker;
 
 // Counts finished samples while a frame renders; read by whoever shows progress.
 using Progress = std::atomic<std::uint64_t>;
