@@ -82,6 +82,25 @@ TEST(Allocations, OfEveryKindAreCounted) {
 
 class WaveAllocations : public testing::TestWithParam<Backend> {};
 
+// `job` has what the integrator needs.
+void ExpectNoAllocations(const RenderJob& job, Integrator integrator) {
+  SCOPED_TRACE(ToString(integrator));
+  FrameView frame = job.frame();
+  frame.options.integrator = integrator;
+  Film film = job.MakeFilm();
+  Worker worker(600, HasLightPaths(integrator));  // the last wave is smaller
+  const Tile tile = {0, 0, 32, 24};
+  const auto waves = [&] {
+    for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
+      const auto left = std::uint32_t(32 * 24 * 4 - first);
+      RenderWave(frame, {tile, first, std::min(600u, left)}, worker, film);
+    }
+  };
+  // From the first wave on: there is nothing to warm up.
+  EXPECT_EQ(AllocationsOf(waves), 0u);
+  EXPECT_EQ(worker.stats.samples, 32u * 24 * 4);
+}
+
 void ExpectNoAllocations(Scene scene, Backend backend) {
   SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // tables of a moment
   for (const StrategyFactory& factory : Strategies()) {
@@ -92,27 +111,12 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.max_depth = 12;
     request.options.backend = backend;
     request.options.light_samples = 3;
-    for (const Integrator integrator :
-         {Integrator::kPath, Integrator::kDirect, Integrator::kLight}) {
-      SCOPED_TRACE(ToString(integrator));
-      request.integrator = Integrator::kPath;
-      if (HasLightPaths(integrator) && !CanEmit(RenderJob(scene, request).strategy())) continue;
-      request.integrator = integrator;
-      const RenderJob job(scene, request);
-      const FrameView frame = job.frame();
-      Film film = job.MakeFilm();
-      Worker worker(600, HasLightPaths(integrator));  // the last wave is smaller
-      const Tile tile = {0, 0, 32, 24};
-      const auto waves = [&] {
-        for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
-          const auto left = std::uint32_t(32 * 24 * 4 - first);
-          RenderWave(frame, {tile, first, std::min(600u, left)}, worker, film);
-        }
-      };
-      // From the first wave on: there is nothing to warm up.
-      EXPECT_EQ(AllocationsOf(waves), 0u);
-      EXPECT_EQ(worker.stats.samples, 32u * 24 * 4);
-    }
+    const RenderJob job(scene, request);
+    ExpectNoAllocations(job, Integrator::kPath);
+    ExpectNoAllocations(job, Integrator::kDirect);
+    if (!CanEmit(job.strategy())) continue;
+    request.integrator = Integrator::kLight;
+    ExpectNoAllocations(RenderJob(scene, request), Integrator::kLight);
   }
 }
 

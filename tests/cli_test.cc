@@ -219,6 +219,13 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --env map.exr --strategy importance:compensate=1 --no-mis",
        kExitUsage,
        {"compensate=1", "--no-mis"}},
+      {"render scene.pbrt --integrator light --strategy cosine",
+       kExitUsage,
+       {"cosine", "light path", "importance"}},
+      {"render scene.pbrt --integrator light --aovs variance", kExitUsage, {"variance", "light"}},
+      {"render scene.pbrt --integrator light --env map.exr --env-intensity 0",
+       kExitBadInput,
+       {"scene.pbrt", "black", "light"}},
       {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
       {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
   };
@@ -407,6 +414,7 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
       "render good.ply --env map.exr --ground --size 12x9 --crop 7x5+2+3 --spp 2 --eye=-1.5,2,3 "
       "--fov 31.5 --lens-radius 0.1 --focal-distance 2.25",
       "render good.ply --env map.exr --size 8x4 --spp 2 --camera latlong --target 0.1,0.2,-0.3",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator light --wave 7",
   };
   for (const std::string& command : commands) {
     SCOPED_TRACE(command);
