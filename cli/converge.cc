@@ -1,4 +1,4 @@
-// skywave converge: light strategies by their error at equal time.
+// skywave converge: light strategies and integrators by their error at equal time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,7 +29,8 @@ std::uint32_t MostSamples(const RenderOptions& options) {
 
 struct ConvergeFlags {
   JobRequest request;
-  std::vector<std::string> strategies;
+  std::vector<std::string> strategies = {"importance"};
+  std::vector<Integrator> integrators;  // empty: the job's
   std::vector<std::uint32_t> budgets;
   double seconds = 0;  // 0: budgets decide
   ConvergeSettings settings;
@@ -65,6 +66,10 @@ void CheckOutputs(const ConvergeFlags& flags) {
 std::string CommandText(const ConvergeFlags& flags, const RenderOptions& options) {
   std::string text = "skywave converge " + SceneFlags(flags.request, options) + " --strategies";
   for (const std::string& strategy : flags.strategies) text += " " + Quoted(strategy);
+  if (!flags.integrators.empty()) text += " --integrators";
+  for (const Integrator integrator : flags.integrators) {
+    text += fmt::format(" {}", ToString(integrator));
+  }
   if (flags.seconds > 0) {
     text += fmt::format(" --time {}", flags.seconds);
   } else {
@@ -79,12 +84,11 @@ std::string CommandText(const ConvergeFlags& flags, const RenderOptions& options
   return text;
 }
 
-std::vector<Contestant> MakeContestants(const ConvergeFlags& flags, const RenderJob& job) {
-  std::vector<Contestant> contestants;
+std::vector<Contestant> PrepareContestants(const ConvergeFlags& flags, const RenderJob& job) {
   // All tables first: a strategy that cannot be made is told before anything is rendered.
-  for (const std::string& strategy : flags.strategies) {
-    contestants.push_back(MakeContestant(job, strategy));
-  }
+  std::vector<Contestant> contestants = MakeContestants(
+      job, flags.strategies,
+      flags.integrators.empty() ? std::vector{job.options().integrator} : flags.integrators);
   for (Contestant& contestant : contestants) {
     for (std::uint32_t samples : flags.seconds > 0 ? LadderForTime(job, contestant, flags.seconds,
                                                                    MostSamples(job.options()))
@@ -119,7 +123,10 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
   if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
   const auto start = std::chrono::steady_clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
-               [&](Progress* done) { report.reference = RenderReference(job, half, done); });
+               [&](Progress* done) {
+                 report.reference =
+                     RenderReference(job, ReferenceIntegrator(report.contestants), half, done);
+               });
   report.reference_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (flags.save_reference.empty()) return;
@@ -172,10 +179,10 @@ int ConvergeMain(ConvergeFlags& flags) {
   report.tone = flags.tone;
   // A given reference is checked before the long work.
   if (flags.reference != "auto") ReadGivenReference(flags, report);
-  report.contestants = MakeContestants(flags, job);
+  report.contestants = PrepareContestants(flags, job);
   if (flags.reference == "auto") RenderOwnReference(flags, report);
   if (!flags.quiet) {
-    fmt::print(stderr, "measuring: {} strategies, {} repeats\n", report.contestants.size(),
+    fmt::print(stderr, "measuring: {} contestants, {} repeats\n", report.contestants.size(),
                flags.settings.repeats);
   }
   WithProgress(flags.quiet, SamplesToMeasure(job, flags.settings, report.contestants),
@@ -219,7 +226,7 @@ void AddReferenceFlags(CLI::App& command, ConvergeFlags& flags) {
 
 void AddConvergeCommand(CLI::App& program, Run& run) {
   CLI::App* command =
-      program.add_subcommand("converge", "Light strategies by error, noise and bias at equal time");
+      program.add_subcommand("converge", "Strategies and integrators by error at equal time");
   const auto flags = std::make_shared<ConvergeFlags>();
   AddJobFlags(*command, flags->request);
   command->remove_option(command->get_option("--strategy"));
@@ -227,9 +234,25 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
   command
       ->add_option("--strategies", flags->strategies,
                    "one or more, separated by spaces; the first is what others are compared with")
-      ->required()
+      ->capture_default_str()
       ->expected(1, 100)
       ->type_name("NAME[:KEY=VALUE,...] ...");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--integrators",
+          [flags](const std::vector<std::string>& names) {
+            for (const std::string& name : names) {
+              const std::optional<Integrator> integrator = ParseIntegrator(name);
+              if (!integrator) {
+                throw CLI::ValidationError("--integrators", "there is none called " + name);
+              }
+              flags->integrators.push_back(*integrator);
+            }
+          },
+          "instead of one: each with every strategy; the first is what others are compared with")
+      ->expected(1, 100)
+      ->excludes("--integrator")
+      ->type_name("NAME ...");
   auto* const budgets =
       command
           ->add_option("--budgets", flags->budgets,
@@ -272,6 +295,7 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
       "  skywave converge gallery --strategies importance bsdf uniform --report gallery.html\n"
       "  skywave converge scene.pbrt --env probe.exr --integrator direct --time 10 --repeats 9 \\\n"
       "      --strategies importance hybrid:lights=64,inside=1 --plot curves.svg --json runs.json\n"
+      "  skywave converge gallery --integrators path direct --time 5\n"
       "  skywave converge gallery --strategies importance penrose:lights=256 --budgets 4,16,64 \\\n"
       "      --reference gallery_reference.exr --target-error 1e-4");
   command->callback([flags, &run, command] {

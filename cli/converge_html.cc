@@ -82,10 +82,10 @@ std::string Html(const ConvergeReport& report) {
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width\">\n"
       "<title>{0}: convergence</title>\n<style>{1}</style></head>\n<body>\n"
-      "<h1>{0}: error of light strategies at equal time</h1>\n"
-      "<p>{2} x {3} pixels, integrator {4}, {5} threads, {6} runs each; skywave {7}.<br>\n"
-      "<code>{8}</code></p>\n",
-      EscapeXml(report.scene), kStyle, options.width, options.height, ToString(options.integrator),
+      "<h1>{0}: error at equal time</h1>\n"
+      "<p>{2} x {3} pixels, {4} threads, {5} runs each; skywave {6}.<br>\n"
+      "<code>{7}</code></p>\n",
+      EscapeXml(report.scene), kStyle, options.width, options.height,
       options.threads > 0 ? options.threads : AvailableThreads(), report.settings.repeats,
       SKYWAVE_VERSION, EscapeXml(report.command));
   for (const std::string& warning : report.warnings) {
@@ -106,13 +106,13 @@ std::string Html(const ConvergeReport& report) {
     const Image& image = contestant.picture;
     const Rung& rung = contestant.ladder.back();
     page += Figure(
-        Picture(image, ToneMap(image, report.tone), contestant.specification) + "\n" +
+        Picture(image, ToneMap(image, report.tone), contestant.name) + "\n" +
             Picture(image, ErrorMap(image, report.reference.image, full_scale),
-                    "error of " + contestant.specification),
+                    "error of " + contestant.name),
         fmt::format("<code>{}</code>, {} samples a pixel, {:.3g} s, mse {:.3g}. Right: relative "
                     "error, black 0, yellow {:.2g} and more.",
-                    EscapeXml(contestant.specification), rung.samples_per_pixel,
-                    rung.runs.front().seconds, rung.runs.front().error.mse, full_scale));
+                    EscapeXml(contestant.name), rung.samples_per_pixel, rung.runs.front().seconds,
+                    rung.runs.front().error.mse, full_scale));
   }
   return page + "</body></html>\n";
 }

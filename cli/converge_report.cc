@@ -64,7 +64,7 @@ LogPlot PlotOver(const ConvergeReport& report, bool over_time) {
     plot.levels.push_back({"noise of the reference", *noise});
   }
   for (const Contestant& contestant : report.contestants) {
-    PlotSeries series = {.name = contestant.specification, .points = {}};
+    PlotSeries series = {.name = contestant.name, .points = {}};
     for (const Rung& rung : contestant.ladder) {
       const std::vector<double> errors = rung.errors(report.settings.measure);
       const Interval interval = MeanInterval(errors);
@@ -119,13 +119,12 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
   const RenderOptions& options = report.job->options();
   const ErrorMeasure measure = report.settings.measure;
   nlohmann::ordered_json json;
-  json["schema"] = "skywave-converge-1";
+  json["schema"] = "skywave-converge-2";
   json["version"] = SKYWAVE_VERSION;
   json["revision"] = GitRevision();
   json["command"] = report.command;
   json["settings"] = {{"width", options.width},
                       {"height", options.height},
-                      {"integrator", ToString(options.integrator)},
                       {"light_samples", options.light_samples},
                       {"max_depth", options.max_depth},
                       {"mis", options.mis},
@@ -140,17 +139,22 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
                    {"hash", fmt::format("{:016x}", report.job->scene_hash())},
                    {"triangles", report.job->geometry().triangle_count()}};
   json["seconds"] = {{"load", report.job->times().load}, {"build", report.job->times().build}};
-  json["reference"] = {{"source", report.reference_source},
-                       {"samples_per_pixel", report.reference_samples},
-                       {"seconds", report.reference_seconds},
-                       {"mse", JsonNumber(report.reference.mse)},
-                       {"relative_mse", JsonNumber(report.reference.relative_mse)}};
+  json["reference"] = {
+      {"source", report.reference_source},
+      {"integrator", report.reference_source == "auto"
+                         ? nlohmann::ordered_json(ToString(ReferenceIntegrator(report.contestants)))
+                         : nlohmann::ordered_json(nullptr)},
+      {"samples_per_pixel", report.reference_samples},
+      {"seconds", report.reference_seconds},
+      {"mse", JsonNumber(report.reference.mse)},
+      {"relative_mse", JsonNumber(report.reference.relative_mse)}};
   json["target"] = {{"error", report.summary.target}, {"from_first", report.summary.from_first}};
   for (std::size_t i = 0; i < report.contestants.size(); ++i) {
     const Contestant& contestant = report.contestants[i];
     const TimeToTarget& time = report.summary.times[i];
     nlohmann::ordered_json strategy = {
         {"strategy", contestant.specification},
+        {"integrator", ToString(contestant.integrator)},
         {"unbiased", contestant.strategy->unbiased()},
         {"table_seconds", contestant.table_seconds},
         {"table_bytes", contestant.strategy->table_bytes()},

@@ -34,9 +34,9 @@ std::vector<std::string> FindWarnings(const ConvergeReport& report);
 // Rows of cells; the first row is the heading.
 using TextTable = std::vector<std::vector<std::string>>;
 std::string Introduction(const ConvergeReport& report);
-TextTable BudgetTable(const ConvergeReport& report);  // a row for every strategy and budget
+TextTable BudgetTable(const ConvergeReport& report);  // a row for every contestant and budget
 std::string TargetText(const ConvergeReport& report);
-TextTable TargetTable(const ConvergeReport& report);  // a row for every strategy
+TextTable TargetTable(const ConvergeReport& report);  // a row for every contestant
 std::string Text(const TextTable& table);             // columns aligned by spaces
 // Keys: docs/converge.md.
 nlohmann::ordered_json Json(const ConvergeReport& report);

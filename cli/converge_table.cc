@@ -60,13 +60,13 @@ std::string Introduction(const ConvergeReport& report) {
 
 TextTable BudgetTable(const ConvergeReport& report) {
   const ErrorMeasure measure = report.settings.measure;
-  TextTable table = {{"strategy", "samples", "time [s]", std::string(ToString(measure)), "interval",
+  TextTable table = {{"", "samples", "time [s]", std::string(ToString(measure)), "interval",
                       "variance", "variance x time", "squared bias"}};
   for (const Contestant& contestant : report.contestants) {
     for (const Rung& rung : contestant.ladder) {
       const std::vector<double> errors = rung.errors(measure);
       const double seconds = Median(rung.seconds());
-      table.push_back({contestant.specification, fmt::format("{}", rung.samples_per_pixel),
+      table.push_back({contestant.name, fmt::format("{}", rung.samples_per_pixel),
                        fmt::format("{:.4g}", seconds), fmt::format("{:.3g}", Mean(errors)),
                        IntervalText(MeanInterval(errors)),
                        fmt::format("{:.3g}", rung.split.variance),
@@ -77,18 +77,18 @@ TextTable BudgetTable(const ConvergeReport& report) {
 }
 
 std::string TargetText(const ConvergeReport& report) {
-  return fmt::format(
-      "time to {} {:.3g}{}", ToString(report.settings.measure), report.summary.target,
-      report.summary.from_first ? ", the first strategy's at its largest budget" : "");
+  return fmt::format("time to {} {:.3g}{}", ToString(report.settings.measure),
+                     report.summary.target,
+                     report.summary.from_first ? ", the first one's at its largest budget" : "");
 }
 
 TextTable TargetTable(const ConvergeReport& report) {
   TextTable table = {
-      {"strategy", "tables [s]", "time [s]", "interval", "speed-up", "interval", "in expectation"}};
+      {"", "tables [s]", "time [s]", "interval", "speed-up", "interval", "in expectation"}};
   for (std::size_t i = 0; i < report.contestants.size(); ++i) {
     const Contestant& contestant = report.contestants[i];
     const TimeToTarget& time = report.summary.times[i];
-    table.push_back({contestant.specification, fmt::format("{:.4g}", contestant.table_seconds),
+    table.push_back({contestant.name, fmt::format("{:.4g}", contestant.table_seconds),
                      TimeText(time.time), TimeIntervalText(time.interval),
                      SpeedUpText(report.summary.times[0].time, time.time),
                      IntervalText(time.speed_up_interval),

@@ -7,15 +7,21 @@
 namespace skywave {
 namespace {
 
-Image Render(FrameView frame, const RenderJob& job, const EnvStrategy& strategy,
-             std::uint32_t samples, std::uint32_t seed, Progress* progress, double* seconds) {
-  frame.strategy = &strategy;
+Image Render(FrameView frame, const RenderJob& job, std::uint32_t samples, std::uint32_t seed,
+             Progress* progress, double* seconds) {
   frame.options.samples_per_pixel = samples;
   frame.options.seed = seed;
   Film film = job.MakeFilm();
   const FrameResult result = RenderFrame(frame, film, progress);
   if (seconds != nullptr) *seconds = result.seconds;
   return film.Resolve(samples);
+}
+
+FrameView FrameOf(const RenderJob& job, const Contestant& contestant) {
+  FrameView frame = job.frame();
+  frame.strategy = contestant.strategy.get();
+  frame.options.integrator = contestant.integrator;
+  return frame;
 }
 
 std::size_t LongestLadder(const std::vector<Contestant>& contestants) {
@@ -37,8 +43,8 @@ void MeasureRung(const RenderJob& job, const Reference& reference, const Converg
       if (rung >= contestant.ladder.size()) continue;
       Rung& measured = contestant.ladder[rung];
       MeasuredRun run = {.seed = RunSeed(options.seed, rung, repeat), .seconds = 0, .error = {}};
-      Image picture = Render(job.frame(), job, *contestant.strategy, measured.samples_per_pixel,
-                             run.seed, progress, &run.seconds);
+      Image picture = Render(FrameOf(job, contestant), job, measured.samples_per_pixel, run.seed,
+                             progress, &run.seconds);
       run.error = Compare(picture, reference.image);
       measured.runs.push_back(run);
       moments[which].Add(picture);
@@ -65,14 +71,26 @@ std::vector<double> Rung::errors(ErrorMeasure measure) const {
   return values;
 }
 
-Contestant MakeContestant(const RenderJob& job, const std::string& specification) {
-  Contestant contestant;
-  contestant.specification = specification;
-  const auto start = std::chrono::steady_clock::now();
-  contestant.strategy = job.MakeOtherStrategy(specification);
-  contestant.table_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return contestant;
+std::vector<Contestant> MakeContestants(const RenderJob& job,
+                                        const std::vector<std::string>& specifications,
+                                        const std::vector<Integrator>& integrators) {
+  std::vector<Contestant> contestants;
+  for (const std::string& specification : specifications) {
+    for (const Integrator integrator : integrators) {
+      Contestant contestant = {
+          .name = specification, .specification = specification, .integrator = integrator};
+      if (integrators.size() > 1) {
+        contestant.name = ToString(integrator);
+        if (specifications.size() > 1) contestant.name += " " + specification;
+      }
+      const auto start = std::chrono::steady_clock::now();
+      contestant.strategy = job.MakeOtherStrategy(specification);
+      contestant.table_seconds =
+          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      contestants.push_back(std::move(contestant));
+    }
+  }
+  return contestants;
 }
 
 std::vector<std::uint32_t> DoublingLadder(std::uint32_t samples) {
@@ -91,11 +109,12 @@ std::uint32_t RoundSamplesDown(double samples) {
 std::vector<std::uint32_t> LadderForTime(const RenderJob& job, const Contestant& contestant,
                                          double seconds, std::uint32_t max_samples) {
   // The first frame of all waits for threads and memory.
-  Render(job.frame(), job, *contestant.strategy, 1, job.options().seed, nullptr, nullptr);
+  const FrameView frame = FrameOf(job, contestant);
+  Render(frame, job, 1, job.options().seed, nullptr, nullptr);
   // A frame of a tenth of the time tells the rate well enough.
   for (std::uint32_t samples = 1;; samples *= 2) {
     double taken = 0;
-    Render(job.frame(), job, *contestant.strategy, samples, job.options().seed, nullptr, &taken);
+    Render(frame, job, samples, job.options().seed, nullptr, &taken);
     if (taken < 0.1 * seconds && samples < max_samples / 2) continue;
     const double fitting = samples * seconds / std::max(taken, 1e-9);
     return DoublingLadder(RoundSamplesDown(std::min<double>(fitting, max_samples)));
@@ -103,18 +122,26 @@ std::vector<std::uint32_t> LadderForTime(const RenderJob& job, const Contestant&
 }
 
 void WarmUp(const RenderJob& job, const Contestant& contestant) {
-  Render(job.frame(), job, *contestant.strategy, contestant.ladder.front().samples_per_pixel,
+  Render(FrameOf(job, contestant), job, contestant.ladder.front().samples_per_pixel,
          job.options().seed, nullptr, nullptr);
 }
 
-Reference RenderReference(const RenderJob& job, std::uint32_t samples_per_half,
-                          Progress* progress) {
+Integrator ReferenceIntegrator(const std::vector<Contestant>& contestants) {
+  const bool direct = std::all_of(contestants.begin(), contestants.end(), [](const Contestant& c) {
+    return c.integrator == Integrator::kDirect;
+  });
+  return direct ? Integrator::kDirect : Integrator::kPath;
+}
+
+Reference RenderReference(const RenderJob& job, Integrator integrator,
+                          std::uint32_t samples_per_half, Progress* progress) {
   FrameView frame = job.frame();
+  frame.options.integrator = integrator;
   frame.options.mis = true;
   Image halves[2];
   for (int half = 0; half < 2; ++half) {
-    halves[half] = Render(frame, job, job.strategy(), samples_per_half,
-                          ReferenceSeed(job.options().seed, half), progress, nullptr);
+    halves[half] = Render(frame, job, samples_per_half, ReferenceSeed(job.options().seed, half),
+                          progress, nullptr);
   }
   return MakeReference(halves[0], halves[1]);
 }

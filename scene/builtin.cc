@@ -24,6 +24,7 @@ constexpr std::array kScenes = {
     BuiltinSceneInfo{"furnace", "a white sphere in constant radiance 1: everything renders to 1"},
     BuiltinSceneInfo{"lamps",
                      "a room with a lamp in its ceiling, a spot, a bulb and a glowing ball"},
+    BuiltinSceneInfo{"room", "an interior that daylight reaches through one window"},
     BuiltinSceneInfo{"three-spheres", "mirror, glass and chalk on a slab under the sun: caustics"},
     BuiltinSceneInfo{"many-shapes", "a field of 196 blobs, 1.0 M triangles of Lambert"},
     BuiltinSceneInfo{"many-materials", "the same field with every BSDF"},
@@ -164,6 +165,7 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "spheres") return SpheresScene();
   if (name == "furnace") return FurnaceScene();
   if (name == "lamps") return LampsScene();
+  if (name == "room") return RoomScene();
   if (name == "three-spheres") return ThreeSpheresScene();
   if (name == "many-shapes") return ManyShapesScene(FiveColors());
   if (name == "many-materials") return ManyShapesScene(OneOfEachBsdf());

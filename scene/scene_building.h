@@ -33,5 +33,6 @@ std::vector<Material> OneOfEachBsdf();
 // The scenes of builtin.h that have a file of their own.
 Scene GalleryScene();
 Scene MaterialsScene();
+Scene RoomScene();
 
 }  // namespace skywave

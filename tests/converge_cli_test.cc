@@ -55,7 +55,7 @@ TEST_F(Converge, FiguresAgreeWithEachOther) {
           "--reference-spp 2048 --json j.json -q");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json json = ReadJson("j.json");
-  EXPECT_EQ(json.at("schema"), "skywave-converge-1");
+  EXPECT_EQ(json.at("schema"), "skywave-converge-2");
   EXPECT_EQ(json.at("settings").at("width"), 32);
   EXPECT_EQ(json.at("settings").at("repeats"), 4);
   EXPECT_EQ(json.at("settings").at("measure"), "mse");
@@ -105,8 +105,29 @@ TEST_F(Converge, FiguresAgreeWithEachOther) {
   EXPECT_EQ(first.at("time_to_target").at("place"), "inside");
   EXPECT_NEAR(first.at("speed_up").at("factor").get<double>(), 1, 1e-9);
   for (const char* const part :
-       {"strategy", "importance", "median-cut:lights=1", "speed-up", "x variance", "none found"}) {
+       {"importance", "median-cut:lights=1", "speed-up", "x variance", "none found"}) {
     EXPECT_TRUE(Contains(result.out, part)) << part << "\n" << result.out;
+  }
+}
+
+TEST_F(Converge, IntegratorsAreComparedByTheLightThatPathSees) {
+  const Result result =
+      Run("converge spheres --env sky.pfm --size 32x24 --threads 2 --integrators path direct "
+          "--strategies importance uniform --budgets 16 --repeats 4 --reference-spp 1024 "
+          "--json j.json -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json json = ReadJson("j.json");
+  EXPECT_EQ(json.at("reference").at("integrator"), "path");
+  ASSERT_EQ(json.at("strategies").size(), 4u);
+  const char* const expected[4][2] = {
+      {"importance", "path"}, {"importance", "direct"}, {"uniform", "path"}, {"uniform", "direct"}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Json& contestant = json.at("strategies").at(i);
+    EXPECT_EQ(contestant.at("strategy"), expected[i][0]);
+    EXPECT_EQ(contestant.at("integrator"), expected[i][1]);
+    // What surfaces throw at each other is missing from direct light, and nothing else is biased.
+    EXPECT_EQ(contestant.at("budgets").at(0).at("biased"), i % 2 == 1);
+    EXPECT_TRUE(Contains(result.out, std::string(expected[i][1]) + " " + expected[i][0]));
   }
 }
 
@@ -232,7 +253,8 @@ TEST_F(Converge, BadInputIsToldClearlyAndLeavesNoFile) {
   const std::set<std::string> before = Files();
   const std::string good = std::string(kSmall) + "--strategies importance --budgets 1 --repeats 2 ";
   const BadCase cases[] = {
-      {"converge spheres", kExitUsage, {"--strategies is required"}},
+      {"converge spheres --integrators frob", kExitUsage, {"--integrators", "frob"}},
+      {good + "--integrators path", kExitUsage, {"--integrator", "--integrators"}},
       {std::string(kSmall) + "--strategies frob", kExitUsage, {"frob", "importance"}},
       {std::string(kSmall) + "--strategies importance hybrid:frob=1", kExitUsage, {"frob"}},
       {std::string(kSmall) + "--strategies importance:compensate=1 --no-mis",
