@@ -1,8 +1,8 @@
 // Where light paths arrived, in an order in which neighbors are found.
 //
 // The photon pass hands over photons in the order (light path, surface), so a map depends on
-// neither threads nor waves. A photon takes 36 bytes until the map is built, 40 in it, and 32 more
-// in between.
+// neither threads nor waves. A photon takes 36 bytes until the map is built, 41 in it, and 80 in
+// between.
 #pragma once
 
 #include <cstdint>

@@ -84,7 +84,8 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
       wish.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
   Harvest caustic = {.wanted = HasCaustics(*frame.geometry) ? wish.caustic : 0, .photons = {}};
   Harvest indirect = {.wanted = wish.indirect, .photons = {}};
-  if (frame.options.max_depth == 0) caustic.wanted = indirect.wanted = 0;
+  // A photon that is no direct light at the surface that is seen has met one before.
+  if (frame.options.max_depth < 2) caustic.wanted = indirect.wanted = 0;
   const std::uint64_t most = kMostPathsAPhoton * std::max(caustic.wanted, indirect.wanted);
   std::vector<PhotonLists> waves;
   for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
