@@ -181,6 +181,18 @@ void AddLayers(Context& context, const tinygltf::Material& from, Material& mater
   }
 }
 
+// Of a volume, white light has `attenuationColor` left after `attenuationDistance`.
+glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
+  const double distance = Number(volume, "attenuationDistance", 0);  // not given: infinite
+  const glm::vec3 color = Color(volume, "attenuationColor", glm::vec3(1));
+  glm::vec3 absorption(0);
+  for (int c = 0; distance > 0 && c < 3; ++c) {
+    const double left = std::max(Fraction(context, "attenuationColor", color[c]), 1e-6f);
+    absorption[c] = float(std::min(-std::log(left) / distance, 1e18));
+  }
+  return absorption;
+}
+
 // A pane where there is no volume, as the extension has it.
 Material Transmission(Context& context, const tinygltf::Material& from, const Material& opaque) {
   const tinygltf::Value* const volume = Extension(from, "KHR_materials_volume");
@@ -195,9 +207,7 @@ Material Transmission(Context& context, const tinygltf::Material& from, const Ma
   } else if (glass.alpha > 0.01f) {
     Warn(context, "rough transmission without a volume is rendered smooth");
   }
-  if (volume != nullptr && volume->IsObject() && volume->Has("attenuationColor")) {
-    Warn(context, "KHR_materials_volume: absorption is not supported: left out");
-  }
+  if (solid) glass.absorption = Absorption(context, *volume);
   return glass;
 }
 
@@ -206,7 +216,10 @@ void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
     if (std::find(std::begin(kExtensions), std::end(kExtensions), name) != std::end(kExtensions)) {
       for (const std::string& key : value.IsObject() ? value.Keys() : std::vector<std::string>()) {
         if (!key.ends_with("Texture")) continue;
-        Warn(context, fmt::format("{} of {} is not supported: its factor is used", key, name));
+        Warn(context,
+             fmt::format("{} of {} is not supported: {}", key, name,
+                         key.ends_with("NormalTexture") ? "the coat has the normals of the base"
+                                                        : "its factor is used everywhere"));
       }
       continue;
     }
