@@ -7,7 +7,7 @@
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/math-inl.h"
+#include "kernels/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -79,6 +79,21 @@ HWY_INLINE VF LargestCoordinate(const V3& p) {
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
   const VF t = Clamp(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)), 0.0f, 1.0f);
   return hn::Mul(hn::Mul(t, t), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), t)));
+}
+
+// Radiance of the lights of `lanes` at barycentric (u, v) of their triangles.
+HWY_INLINE V3 TexturedEmission(const LocalLightView& view, const LightLanes& light, VU index,
+                               MU lanes, VF u, VF v, const V3& emission) {
+  const VU named = hn::IfThenElseZero(lanes, Gather(view.emission_texture, index));
+  const MU textured = hn::Ne(named, hn::Zero(U()));
+  if (hn::AllFalse(U(), textured)) return emission;
+  const TextureLanes record(view.textures, hn::IfThenElseZero(textured, hn::Sub(named, SetU(1))));
+  const VU triangle = hn::IfThenElseZero(textured, light.triangle());
+  const MF inside = hn::RebindMask(F(), textured);
+  const V3 seen =
+      LookUpLevel(view.textures, record, record.Word(0), triangle, hn::IfThenElseZero(inside, u),
+                  hn::IfThenElseZero(inside, v), UnpackColor);
+  return IfThen(inside, Mul(emission, seen), emission);
 }
 
 // Light samples of one vector of surfaces at `org`, in the terms of LightColumns.
@@ -154,8 +169,12 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     const VF x = hn::Div(left, hn::Mul(probability, Set(float(kChoiceUnits))));
     const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
     const LightLanes light(view, index);
-    const DrawnLights drawn =
+    DrawnLights drawn =
         DrawLights(light, hn::Mul(probability, Set(samples)), x, Load(uniforms.v + i), org);
+    if (view.emission_texture != nullptr) {
+      drawn.radiance =
+          TexturedEmission(view, light, index, picks, drawn.u, drawn.v, drawn.radiance);
+    }
     const MF picked = hn::RebindMask(F(), picks);
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);
@@ -206,7 +225,11 @@ std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice
 
     const VF t = Load(rays.t_far + i);
     const VF probability = hn::Mul(Probability(choice, index), Set(samples));
-    const V3 radiance = light.emission();
+    V3 radiance = light.emission();
+    if (view.emission_texture != nullptr) {
+      radiance =
+          TexturedEmission(view, light, index, emits, Load(hits.u + i), Load(hits.v + i), radiance);
+    }
     rows.Move(rays.dir_x + i, met.dir_x + to);
     rows.Move(rays.dir_y + i, met.dir_y + to);
     rows.Move(rays.dir_z + i, met.dir_z + to);
