@@ -12,6 +12,7 @@
 #include "scene/geometry.h"
 #include "scene/scene.h"
 #include "wavefront/aovs.h"
+#include "wavefront/light_groups.h"
 #include "wavefront/trace.h"
 
 namespace skywave {
@@ -55,6 +56,7 @@ struct FrameView {
   LocalLightView local_lights;
   CameraView camera;
   Tracer tracer;
+  const LightGroups* light_groups = nullptr;  // null: nobody asks for them
 
   MisPolicy mis() const { return {.enabled = options.mis}; }
   // Whether light comes from beyond the scene; where it does not, the strategy is not asked.

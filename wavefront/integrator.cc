@@ -46,9 +46,36 @@ const std::uint32_t* PathRayKeys(const FrameView& frame, std::uint32_t bounce,
                  w.queue->queue);
 }
 
+// What paths have gained in a stage, to the groups of their lights, where somebody asks for them.
+// The rays or surfaces at hand are of paths rows[0, n); `write` writes their groups.
+template <class Write>
+void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t n, Worker& w,
+                Film& film, const Write& write) {
+  if (frame.light_groups == nullptr) return;
+  write(w.groups->group);
+  film.AddToGroups(w.paths, rows, n, w.groups);
+}
+
+void StartGroups(const FrameView& frame, std::uint32_t n, Worker& w) {
+  if (frame.light_groups == nullptr) return;
+  if (w.groups.rows() == 0) w.groups = soa::Table<GroupColumns>(w.paths.rows());
+  for (float* column : {w.groups->r, w.groups->g, w.groups->b}) std::fill_n(column, n, 0.0f);
+}
+
+// Adds what rays [0, n) that have been traced see of the sky, `escaped` of them, and of lamps.
+void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t escaped, Worker& w, Film& film) {
+  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
+  KeepGroups(frame, rays.path, n, w, film,
+             [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
+  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  KeepGroups(frame, rays.path, n, w, film,
+             [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
+}
+
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
 void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
+                  std::uint32_t bounce, bool only_delta, Worker& w, Film& film, StageClock& clock) {
   const MaterialView materials = frame.geometry->materials();
   SurfaceRanges ranges;
   TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
@@ -63,8 +90,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
-  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  SeeLights(frame, rays, n, escaped, w, film);
   clock.Lap(Stage::kEscape);
   w.ranges = ranges;
   MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
@@ -78,7 +104,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
 
 // The end of a path: only what shines by itself can still be seen.
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-               std::uint32_t bounce, Worker& w, StageClock& clock) {
+               std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
   const std::uint32_t* const keys = PathRayKeys(frame, bounce, rays, n, w);
   if (frame.has_emitters()) {
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
@@ -90,14 +116,14 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  AddEscaped(frame, Points(frame, w), w.escaped, escaped, w.paths);
-  AddEmitted(frame, rays, w.hits, n, w.escaped, w.paths);
+  SeeLights(frame, rays, n, escaped, w, film);
   clock.Lap(Stage::kEscape);
 }
 
 // The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
 // lights come light by light, so that a stream of shadow rays has one direction.
-void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Film& film,
+                   StageClock& clock) {
   const ShadePoints points = Points(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
@@ -120,6 +146,9 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     clock.Lap(Stage::kShadow, RayKind::kShadow);
     CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
+    KeepGroups(frame, w.surfaces->path, n, w, film, [&](std::uint32_t* group) {
+      GroupsOfLightSamples(frame, shares, index, w.uniforms->u, n, group);
+    });
     clock.Lap(Stage::kAccumulate);
   }
 }
@@ -158,6 +187,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  StartGroups(frame, range.count, w);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count, bounce = 0;
@@ -165,12 +195,12 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
+      MeetLight(frame, *rays, n, bounce, w, film, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, film, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
-    LightSurfaces(frame, bounce, w, clock);
+    LightSurfaces(frame, bounce, w, film, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms, w.lobe,
@@ -186,6 +216,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  StartGroups(frame, range.count, w);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count, bounce = 0;
@@ -194,12 +225,12 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
+      MeetLight(frame, *rays, n, bounce, w, film, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, film, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
-    LightSurfaces(frame, bounce, w, clock);
+    LightSurfaces(frame, bounce, w, film, clock);
     n = Scatter(frame, w.paths, w.surfaces, w.ranges, frame.first_bsdf_that_sees_light(), bounce,
                 w.uniforms, w.lobe, *next);
     CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);

@@ -230,6 +230,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
         LocalLights(scene, *geometry_, request.scene, radius, SkyPower(*light.map, radius));
     brightest_ = std::max(brightest_, local_lights_.brightest());
   }
+  if (Sums(options_.aovs, AovSum::kLightGroups)) {
+    light_groups_ = MakeLightGroups(scene, *geometry_, local_lights_.view());
+  }
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
@@ -254,7 +257,8 @@ FrameView RenderJob::frame() const {
                      .recorder = nullptr,
                      .first_with_holes = geometry_->has_holes()
                                              ? std::optional(geometry_->first_with_holes())
-                                             : std::nullopt}};
+                                             : std::nullopt},
+          .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
 }
 
 std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification) const {
@@ -265,7 +269,8 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 }
 
 Film RenderJob::MakeFilm() const {
-  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_);
+  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
+              light_groups_.names);
 }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {

@@ -89,6 +89,7 @@ class RenderJob {
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
+  LightGroups light_groups_;  // where they are asked for
   std::unique_ptr<EnvStrategy> strategy_;
   std::vector<float> filter_offsets_;
   CameraView camera_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "wavefront/light_groups.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
@@ -42,6 +43,7 @@ struct Worker {
   SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
   soa::Table<LightColumns> lights;
   soa::Table<UniformColumns> uniforms, lobe;
+  soa::Table<GroupColumns> groups;  // without rows until a frame asks for groups of lights
   RenderStats stats;
 };
 
