@@ -331,6 +331,15 @@ TEST_F(Gltf, LayersAndSpecular) {
   EXPECT_FLOAT_EQ(coated.coat, 0.5f);
   EXPECT_FLOAT_EQ(coated.coat_alpha, 0.09f);
   EXPECT_EQ(coated.sheen, glm::vec3(0));
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["normalTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
+  extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
+  EXPECT_TRUE(Read(document).warnings.empty());
+  extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatTexture"), std::string::npos);
   extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
