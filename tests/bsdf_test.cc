@@ -392,8 +392,9 @@ TEST(BsdfValue, IsReciprocal) {
   }
 }
 
-// How much a value of BsdfFormula changes if its directions move by eight roundings of 2^-24, each
-// way along each axis, and the index by two, summed.
+// How much a value of BsdfFormula for refraction changes if its directions move by eight roundings
+// of 2^-24, each way along each axis, the index by two, and the cosine from which the kernel has
+// Fresnel's reflectance by four, summed.
 double ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi) {
   constexpr double kStep = 0x1p-21;
   const auto value = [&](Vec o, Vec i) { return BsdfFormula(material, o, i).rgb[0]; };
@@ -401,6 +402,11 @@ double ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi) {
   MaterialCase denser = material;
   denser.record.ior *= 1 + 0x1p-23f;
   double change = std::fabs(BsdfFormula(denser, wo, wi).rgb[0] - middle);
+  const double ratio = *TransmissionRatio(material);
+  const double cosine = std::fabs(Dot(wo, Unit(ratio * wo + wi)));
+  const auto passes = [&](double c) { return 1 - FresnelReflectance(c, {1 / ratio, 0}); };
+  change += middle * std::fabs(passes(std::min(cosine + 0x1p-22, 1.0)) - passes(cosine)) /
+            std::max(passes(cosine), 1e-30);
   for (const Vec& axis : {Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}}) {
     double most = 0;
     for (const double step : {-kStep, kStep}) {
@@ -414,8 +420,8 @@ double ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi) {
 
 // Transmission: f n_i^2 is symmetric when near and far change places (Veach 1997, eq. 5.14). The
 // formula is, to the last digits of double; the kernel is off it by what rounding its directions
-// does to the formula. Next to total reflection that is all that passes: 1 - F is the square root
-// of a difference there.
+// does to the formula. Next to total reflection that is much: 1 - F goes with the root of a
+// difference of numbers near 1 there.
 TEST(BsdfValue, TransmissionIsReciprocal) {
   constexpr std::uint32_t kPairs = 2000;
   for (const MaterialCase& material : Materials()) {
