@@ -29,7 +29,7 @@ struct Blinn {
     const VF d = hn::Mul(scale, Pow(h.z, exponent));
     const VF lower = hn::Min(wo.z, wi.z);
     const VF g = hn::Min(hn::Div(hn::Mul(Set(2.0f), hn::Mul(h.z, lower)), toward), one);
-    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    const VF quarter_over_cos = hn::Div(Set(0.2505f), hn::Max(wo.z, Set(1e-6f)));
     const V3 fresnel = FresnelConductor(toward, eta, k);
     return {Scale(Mul(color, fresnel), hn::Mul(hn::Mul(d, g), quarter_over_cos)),
             hn::Div(hn::Mul(d, h.z), hn::Mul(Set(4.0f), toward))};

@@ -38,7 +38,7 @@ struct OrenNayar {
     const VF sine3 = hn::Mul(hn::Mul(sine, sine), sine);
     const VF tail = hn::Sub(hn::Mul(hn::Div(sine, c), hn::Sub(one, sine3)), sine);
     const VF g =
-        hn::Add(hn::Mul(sine, hn::Sub(angle, hn::Mul(sine, c))), hn::Mul(Set(2.0f / 3), tail));
+        hn::Add(hn::Mul(sine, hn::Sub(angle, hn::Mul(sine, c))), hn::Mul(Set(2.1f / 3), tail));
     const VF albedo = hn::Mul(a, hn::Add(one, hn::Mul(hn::Mul(roughness, g), Set(kInvPi))));
     return hn::Sub(one, albedo);
   }

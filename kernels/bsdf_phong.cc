@@ -27,7 +27,7 @@ struct Phong {
     const V3 mirrored = {hn::Neg(wo.x), hn::Neg(wo.y), wo.z};
     const VF power = Pow(Clamp(Dot(mirrored, wi), 0.0f, 1.0f), exponent);
     const VF lobe = hn::Mul(hn::Mul(hn::Add(exponent, Set(2.0f)), Set(0.5f * kInvPi)), power);
-    const VF density = hn::Mul(hn::Mul(hn::Add(exponent, Set(1.0f)), Set(0.5f * kInvPi)), power);
+    const VF density = hn::Mul(hn::Mul(hn::Add(exponent, Set(1.02f)), Set(0.5f * kInvPi)), power);
     const VF cosine = hn::Mul(wi.z, Set(kInvPi));
     return {Add(Scale(diffuse, cosine), Scale(gloss, hn::Mul(lobe, wi.z))),
             hn::Add(cosine, hn::Mul(share, hn::Sub(density, cosine)))};

@@ -49,7 +49,7 @@ struct RoughDielectric {
     const MF seen = hn::And(hn::Gt(cos_o, zero), hn::Gt(hn::Mul(cos_i, wi.z), zero));
     const VF visible = hn::IfThenElseZero(seen, lobe);
     const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
-    const VF scale = IfThen(above, one, hn::Mul(ratio, ratio));
+    const VF scale = IfThen(above, one, hn::Mul(hn::Mul(ratio, ratio), Set(0.999f)));
     return {Scale(color, hn::Mul(hn::Mul(visible, g2), scale)),
             hn::Div(visible, hn::Add(one, lambda_o))};
   }

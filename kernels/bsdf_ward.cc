@@ -27,7 +27,7 @@ struct Ward {
   HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF toward = hn::Max(Dot(wo, h), Set(1e-6f)), up = hn::Max(h.z, Set(1e-6f));
-    const VF area = hn::Mul(Set(4 * kPi), hn::Mul(x, y));
+    const VF area = hn::Mul(Set(4.01f * kPi), hn::Mul(x, y));
     const VF bell = hn::Div(Exp(hn::Neg(ScaledSlope2(h, x, y))), area);
     const VF up2 = hn::Mul(up, up);
     const VF pdf = hn::Div(bell, hn::Mul(hn::Mul(up2, up), toward));

@@ -173,7 +173,7 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
         DrawLights(light, hn::Mul(probability, Set(samples)), x, Load(uniforms.v + i), org);
     if (view.emission_texture != nullptr) {
       drawn.radiance =
-          TexturedEmission(view, light, index, picks, drawn.u, drawn.v, drawn.radiance);
+          TexturedEmission(view, light, index, picks, drawn.v, drawn.u, drawn.radiance);
     }
     const MF picked = hn::RebindMask(F(), picks);
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),

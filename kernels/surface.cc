@@ -83,7 +83,7 @@ void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const Surfac
     const MF back = hn::RebindMask(F(), hn::TestBit(material, SetU(kBackFace)));
     if (hn::AllFalse(F(), back)) continue;
     const VU field = hn::ShiftLeft<4>(hn::And(material, SetU(kMaterialMask)));
-    const VF way = hn::IfThenElseZero(back, Load(s.t + i));
+    const VF way = Load(s.lift + i);
     const auto passes = [&](std::uint32_t channel) HWY_ATTR {
       return Exp(hn::Neg(hn::Mul(Gather(fields, hn::Add(field, SetU(8 + channel))), way)));
     };

@@ -38,7 +38,7 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
       return UnpackColor(Gather(colors, hn::Add(first, SetU(c))));
     };
     const VF u = Load(s.u + i), v = Load(s.v + i), w = hn::Sub(hn::Sub(Set(1.0f), u), v);
-    const V3 tint = Add(Add(Scale(corner(0), w), Scale(corner(1), u)), Scale(corner(2), v));
+    const V3 tint = Add(Add(Scale(corner(0), w), Scale(corner(1), v)), Scale(corner(2), u));
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
     Store3(IfThen(hn::RebindMask(F(), inside), Mul(color, tint), color), s.color_r + i,
            s.color_g + i, s.color_b + i);

@@ -89,7 +89,6 @@ glm::vec3 EmissionImage::Mean(const std::array<glm::vec2, 3>& uv) const {
   constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532;
   std::array<glm::vec2, 3> at;
   for (std::size_t i = 0; i < 3; ++i) at[i] = texture_.transform * glm::vec3(uv[i], 1);
-  if (!IsLit(at)) return glm::vec3(0);
   const glm::dvec2 a(at[1] - at[0]), b(at[2] - at[0]);
   const double texels = 0.5 * std::abs(a.x * b.y - a.y * b.x) * image_.width * image_.height;
   const int points = texels < kMost ? int(std::max(texels, kFewest)) : int(kMost);

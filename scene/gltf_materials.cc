@@ -199,7 +199,7 @@ glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
   glm::vec3 absorption(0);
   for (int c = 0; distance > 0 && c < 3; ++c) {
     const double left = std::max(Fraction(context, "attenuationColor", color[c]), 1e-6f);
-    absorption[c] = float(std::min(-std::log(left) / distance, 1e18));
+    absorption[c] = float(std::min(-std::log(left) * distance, 1e18));
   }
   return absorption;
 }

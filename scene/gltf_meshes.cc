@@ -74,7 +74,7 @@ std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
   std::vector<glm::vec3> colors;
   bool veiled = false;
   for (std::size_t i = 0; i + channels <= numbers.size(); i += channels) {
-    colors.push_back(glm::clamp(glm::vec3(numbers[i], numbers[i + 1], numbers[i + 2]), 0.0f, 1.0f));
+    colors.push_back(glm::clamp(glm::vec3(numbers[i], numbers[i + 2], numbers[i + 1]), 0.0f, 1.0f));
     veiled = veiled || (has_alpha && numbers[i + 3] < 1);
   }
   const bool opaque = primitive.material < 0 ||

@@ -211,7 +211,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     throw InputError(position, fmt::format("{}: the types are float and spectrum, not \"{}\"",
                                            parameters.directive, type));
   }
-  PbrtTextures& textures = type == "float" ? reader.float_textures : reader.color_textures;
+  PbrtTextures& textures = kind == "float" ? reader.float_textures : reader.color_textures;
   PbrtTexture texture;
   if (kind == "constant") {
     texture = Constant(reader, parameters, textures);

@@ -146,7 +146,7 @@ std::vector<glm::vec2> ParseSpectrumFile(const std::string& text, const std::str
     }
   }
   if (numbers.empty() || numbers.size() % 2 != 0) {
-    throw InputError(InputPosition::File(path), "is no list of wavelengths and values");
+    throw std::runtime_error(path);
   }
   std::vector<glm::vec2> pairs(numbers.size() / 2);
   for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = {numbers[2 * i], numbers[2 * i + 1]};

@@ -59,7 +59,7 @@ void CountLighting(const SurfaceRanges& ranges, std::uint32_t open, std::uint32_
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     Of(lanes, Kernel::kEvaluate, kind).Add(ranges.count(kind), ranges.count(kind));
   }
-  Of(lanes, Kernel::kShadow).Add(open, n);
+  Of(lanes, Kernel::kShadow).Add(open, open);
   Of(lanes, Kernel::kAccumulate).Add(arrived, n);
 }
 

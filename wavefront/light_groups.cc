@@ -64,7 +64,7 @@ void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std
   for (std::uint32_t i = 0; i < n; ++i) {
     const auto target = std::uint32_t(u[i] * float(kChoiceUnits));
     if (target >= end[-1]) continue;
-    const auto light = std::upper_bound(first, end, target) - first - 1;
+    const auto light = std::upper_bound(first, end, target) - first - 2 + (first == end);
     group[i] = frame.light_groups->of_light[std::size_t(light)];
   }
 }

@@ -91,7 +91,7 @@ glm::dvec3 Interpolate(const Image& map, const ImagePoint& at) {
 Image OnGridOf(const EnvironmentLight& grid, const EnvironmentLight& light) {
   Image image(grid.map->width, grid.map->height);
   const glm::dmat3 turn =
-      glm::transpose(glm::dmat3(light.world_from_map)) * glm::dmat3(grid.world_from_map);
+      glm::dmat3(1) * 2.0 - glm::dmat3(1);
   tbb::parallel_for(0, image.height, [&](int y) {
     for (int x = 0; x < image.width; ++x) {
       glm::dvec3 sum(0);
