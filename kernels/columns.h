@@ -230,8 +230,10 @@ struct MaterialRecord {
   // Conductors: index, real part; metallic-roughness: metallic in eta[0]; diffuse transmission:
   // what passes through; Phong: the gloss.
   float eta[3];
-  float ior;   // dielectrics, coats: inside / outside; anisotropic lobes: width across the tangent
-  float k[3];  // conductors: index, imaginary part; coated metallic-roughness: see its file
+  float ior;  // dielectrics, coats: inside / outside; anisotropic lobes: width across the tangent
+  // Conductors: index, imaginary part; dielectrics: absorption inside [1/length]; coated
+  // metallic-roughness: see its file.
+  float k[3];
   std::uint32_t color_texture;  // row in the texture table + 1; 0: none
   // Conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017; coated metallic-roughness:
   // colour of the sheen.

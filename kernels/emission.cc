@@ -167,7 +167,11 @@ void EmitFromLocalLights(const LocalLightView& view, const LightChoice& choice,
     if (const MF triangles = rows(LocalLightKind::kTriangle); !hn::AllFalse(F(), triangles)) {
       const TrianglePoint on = PointOf(picked.rest, Load(pick.v + i));
       V3 normal;
-      const Emitted emitted = EmitFromTriangles(light, picked.probability, on, u, v, normal);
+      Emitted emitted = EmitFromTriangles(light, picked.probability, on, u, v, normal);
+      if (view.emission_texture != nullptr) {
+        emitted.flux = TexturedEmission(view, light, picked.light, hn::RebindMask(U(), triangles),
+                                        on.along_axis, on.along_edge, emitted.flux);
+      }
       StoreEmitted(emitted, picked.light, triangles, i, rays, out);
       Store(IfThen(hn::RebindMask(U(), triangles), SetU(0), SetU(kNoHit)), places.geom + i);
       Store3(normal, places.ng_x + i, places.ng_y + i, places.ng_z + i);

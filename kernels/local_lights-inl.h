@@ -8,6 +8,7 @@
 
 #include "kernels/local_lights.h"
 #include "kernels/math-inl.h"
+#include "kernels/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -106,6 +107,22 @@ HWY_INLINE VF LargestCoordinate(const V3& p) {
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
   const VF t = Clamp(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)), 0.0f, 1.0f);
   return hn::Mul(hn::Mul(t, t), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), t)));
+}
+
+// `emission` of the lights of `lanes` times their textures at barycentric (u, v) of their
+// triangles.
+HWY_INLINE V3 TexturedEmission(const LocalLightView& view, const LightLanes& light, VU index,
+                               MU lanes, VF u, VF v, const V3& emission) {
+  const VU named = hn::IfThenElseZero(lanes, Gather(view.emission_texture, index));
+  const MU textured = hn::Ne(named, hn::Zero(U()));
+  if (hn::AllFalse(U(), textured)) return emission;
+  const TextureLanes record(view.textures, hn::IfThenElseZero(textured, hn::Sub(named, SetU(1))));
+  const VU triangle = hn::IfThenElseZero(textured, light.triangle());
+  const MF inside = hn::RebindMask(F(), textured);
+  const V3 seen =
+      LookUpLevel(view.textures, record, record.Word(0), triangle, hn::IfThenElseZero(inside, u),
+                  hn::IfThenElseZero(inside, v), UnpackColor);
+  return IfThen(inside, Mul(emission, seen), emission);
 }
 
 }  // namespace HWY_NAMESPACE

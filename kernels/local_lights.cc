@@ -87,10 +87,13 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
     }
     const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
     const LightLanes light(view, pick.light);
-    const DrawnLights drawn =
-        DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest, Load(uniforms.v + i),
-                   org, hn::Abs(Load(surfaces.lift + i)));
+    DrawnLights drawn = DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest,
+                                   Load(uniforms.v + i), org, hn::Abs(Load(surfaces.lift + i)));
     const MF picked = pick.picked;
+    if (view.emission_texture != nullptr) {
+      drawn.radiance = TexturedEmission(view, light, pick.light, hn::RebindMask(U(), picked),
+                                        drawn.u, drawn.v, drawn.radiance);
+    }
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);
     Store3(IfThen(picked, drawn.radiance, Load3(out.r + i, out.g + i, out.b + i)), out.r + i,
@@ -140,7 +143,11 @@ std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice
 
     const VF t = Load(rays.t_far + i);
     const VF probability = hn::Mul(Probability(choice, index), Set(samples));
-    const V3 radiance = light.emission();
+    V3 radiance = light.emission();
+    if (view.emission_texture != nullptr) {
+      radiance =
+          TexturedEmission(view, light, index, emits, Load(hits.u + i), Load(hits.v + i), radiance);
+    }
     rows.Move(rays.dir_x + i, met.dir_x + to);
     rows.Move(rays.dir_y + i, met.dir_y + to);
     rows.Move(rays.dir_z + i, met.dir_z + to);

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "kernels/texture.h"
 
 namespace skywave {
 
@@ -15,8 +16,8 @@ inline constexpr std::uint32_t kLocalLightKinds = 4;
 // A light: 16 words, read by gathers at light * 16 + field. World space.
 struct LocalLight {
   LocalLightKind kind;
-  // Triangle: radiance. Point and spot: intensity [radiance * length^2]. Distant: irradiance of a
-  // surface that faces it [radiance * sr].
+  // Triangle: radiance, times its texture if it has one. Point and spot: intensity [radiance *
+  // length^2]. Distant: irradiance of a surface that faces it [radiance * sr].
   float emission[3];
   float position[3];  // triangle: corner 0; point, spot: where it is
   float area;         // triangle
@@ -26,7 +27,7 @@ struct LocalLight {
   // Triangle: corner 2 - corner 0. Spot: cosine of the angle at which it is dark; 1 / (cosine of
   // the angle up to which it is full - that).
   float edge[3];
-  std::uint32_t triangle;  // of the scene, if it is one
+  std::uint32_t triangle;  // of the scene; others: index into Scene::lights
 };
 static_assert(sizeof(LocalLight) == 16 * sizeof(float));
 
@@ -47,6 +48,10 @@ struct LocalLightView {
   LightChoice alone;   // share 1: for light samples that nobody else wants
   LightChoice shared;  // with the strategy of the map, by power; share 1: there is no map
   bool holes = false;  // whether rays may pass through some of the triangles
+  // Of every light: row in the texture table + 1, 0: none; null: no emission has a texture. Light
+  // samples and rays that hit the triangle both see level 0, so they see the same light.
+  const std::uint32_t* emission_texture = nullptr;
+  TextureView textures = {};
 };
 inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 

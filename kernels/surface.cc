@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/surface.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/math-inl.h"
+#include "kernels/exp-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -76,6 +76,23 @@ void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n, const Surfa
   }
 }
 
+void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const SurfaceColumns& s) {
+  const auto* fields = reinterpret_cast<const float*>(materials);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU material = hn::IfThenElseZero(RowsBelow(i, n), Load(s.material + i));
+    const MF back = hn::RebindMask(F(), hn::TestBit(material, SetU(kBackFace)));
+    if (hn::AllFalse(F(), back)) continue;
+    const VU field = hn::ShiftLeft<4>(hn::And(material, SetU(kMaterialMask)));
+    const VF way = hn::IfThenElseZero(back, Load(s.t + i));
+    const auto passes = [&](std::uint32_t channel) HWY_ATTR {
+      return Exp(hn::Neg(hn::Mul(Gather(fields, hn::Add(field, SetU(8 + channel))), way)));
+    };
+    const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+    Store3(IfThen(back, Mul(throughput, {passes(0), passes(1), passes(2)}), throughput),
+           s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
@@ -85,6 +102,7 @@ namespace skywave {
 
 HWY_EXPORT(PrepareSurfaces);
 HWY_EXPORT(PrepareTangents);
+HWY_EXPORT(AbsorbInside);
 
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
                      std::uint32_t n, const SurfaceColumns& surfaces) {
@@ -94,6 +112,11 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
 void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
                      const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareTangents)(tangents, n, surfaces);
+}
+
+void AbsorbInside(const MaterialRecord* materials, std::uint32_t n,
+                  const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(AbsorbInside)(materials, n, surfaces);
 }
 
 std::uint32_t EncodeNormal(float x, float y, float z) {

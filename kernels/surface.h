@@ -18,6 +18,10 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
 void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
                      const SurfaceColumns& surfaces);
 
+// Multiplies throughput of rows [0, n) that are seen from inside by what their ray has lost there,
+// exp(-k t) (Beer and Lambert): rows of dielectrics, whose MaterialRecord::k is an absorption.
+void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const SurfaceColumns& surfaces);
+
 // A unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014): x in the low half.
 // Off by at most 6.5e-5 radians, near the diagonals.
 std::uint32_t EncodeNormal(float x, float y, float z);

@@ -45,47 +45,43 @@ struct Neighbours {
 
 HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return Add(a, Scale(Sub(b, a), share)); }
 
-// Looks up one texture a lane; `texture` and `triangle` must be inside their tables. `unpack` makes
-// a V3 of packed texels.
+// One texture a lane: the words of its record.
+struct TextureLanes {
+  HWY_INLINE TextureLanes(const TextureView& view, VU texture)
+      : words(reinterpret_cast<const std::uint32_t*>(view.records)),
+        at(hn::ShiftLeft<4>(texture)) {}
+  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
+  HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
+
+  const std::uint32_t* words;
+  VU at;
+};
+
+// Looks up one level of a texture a lane at barycentric (b1, b2) of its triangle. `unpack` makes a
+// V3 of packed texels.
 template <class Unpack>
-HWY_INLINE V3 LookUp(const TextureView& view, VU texture, VU triangle, float pixel_angle,
-                     const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
+HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level,
+                          VU triangle, VF b1, VF b2, const Unpack& unpack) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
   const VU at = hn::ShiftLeft<3>(triangle);
   const auto corner = [&](std::uint32_t f)
                           HWY_ATTR { return Gather(corners, hn::Add(at, SetU(f))); };
-  const VF b1 = Load(s.u + i), b2 = Load(s.v + i);
   const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
   const auto interpolate = [&](std::uint32_t f) HWY_ATTR {
     return hn::Add(hn::Add(hn::Mul(corner(f), b0), hn::Mul(corner(f + 2), b1)),
                    hn::Mul(corner(f + 4), b2));
   };
   const VF u = interpolate(0), v = interpolate(1);
-
-  const auto* words = reinterpret_cast<const std::uint32_t*>(view.records);
-  const VU record = hn::ShiftLeft<4>(texture);
-  const auto word = [&](std::uint32_t f)
-                        HWY_ATTR { return Gather(words, hn::Add(record, SetU(f))); };
-  const auto number = [&](std::uint32_t f) HWY_ATTR { return AsFloat(word(f)); };
-  const VF tu = hn::Add(hn::Add(hn::Mul(number(4), u), hn::Mul(number(5), v)), number(6));
-  const VF tv = hn::Add(hn::Add(hn::Mul(number(7), u), hn::Mul(number(8), v)), number(9));
-
-  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
-  const VF cosine = hn::Max(
-      Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
-      Set(0.01f));
-  const VF width =
-      hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)), hn::Mul(corner(6), number(10)));
-  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
-  const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
-  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
-  const VU level = hn::Add(word(0), hn::Min(wanted, hn::Sub(word(1), SetU(1))));
+  const VF tu = hn::Add(hn::Add(hn::Mul(record.Number(4), u), hn::Mul(record.Number(5), v)),
+                        record.Number(6));
+  const VF tv = hn::Add(hn::Add(hn::Mul(record.Number(7), u), hn::Mul(record.Number(8), v)),
+                        record.Number(9));
 
   const auto* levels = reinterpret_cast<const std::uint32_t*>(view.levels);
   const VU entry = hn::ShiftLeft<2>(level);
   const VU first = Gather(levels, entry), columns = Gather(levels, hn::Add(entry, SetU(1))),
            rows = Gather(levels, hn::Add(entry, SetU(2)));
-  const VU wrap_u = word(2), wrap_v = word(3);
+  const VU wrap_u = record.Word(2), wrap_v = record.Word(3);
   const Neighbours x(WrapCoordinate(tu, wrap_u), columns, wrap_u);
   const Neighbours y(WrapCoordinate(tv, wrap_v), rows, wrap_v);
   const auto texel = [&](VU column, VU row) HWY_ATTR {
@@ -99,9 +95,27 @@ HWY_INLINE V3 LookUp(const TextureView& view, VU texture, VU triangle, float pix
 // Texels of level 0 in a length of 1 in the world.
 HWY_INLINE VF TexelsALength(const TextureView& view, VU texture, VU triangle) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const auto* numbers = reinterpret_cast<const float*>(view.records);
   return hn::Mul(Gather(corners, hn::Add(hn::ShiftLeft<3>(triangle), SetU(6))),
-                 Gather(numbers, hn::Add(hn::ShiftLeft<4>(texture), SetU(10))));
+                 TextureLanes(view, texture).Number(10));
+}
+
+// Looks up one texture a lane, at the level that the ray's cone asks for; `texture` and `triangle`
+// must be inside their tables.
+template <class Unpack>
+HWY_INLINE V3 LookUp(const TextureView& view, VU texture, VU triangle, float pixel_angle,
+                     const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
+  const TextureLanes record(view, texture);
+  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
+  const VF cosine = hn::Max(
+      Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
+      Set(0.01f));
+  const VF width =
+      hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)), TexelsALength(view, texture, triangle));
+  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
+  const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
+  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
+  const VU level = hn::Add(record.Word(0), hn::Min(wanted, hn::Sub(record.Word(1), SetU(1))));
+  return LookUpLevel(view, record, level, triangle, Load(s.u + i), Load(s.v + i), unpack);
 }
 
 HWY_INLINE V3 UnpackColor(VU packed) { return UnpackRadiance(packed, 1.0f); }

@@ -29,6 +29,22 @@ void TextureColors(const TextureView& view, const MaterialRecord* materials, flo
   }
 }
 
+void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceColumns& s) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const MU inside = RowsBelow(i, n);
+    const VU triangle = hn::IfThenElseZero(inside, Load(s.triangle + i));
+    const VU first = hn::Add(triangle, hn::Add(triangle, triangle));
+    const auto corner = [&](std::uint32_t c) HWY_ATTR {
+      return UnpackColor(Gather(colors, hn::Add(first, SetU(c))));
+    };
+    const VF u = Load(s.u + i), v = Load(s.v + i), w = hn::Sub(hn::Sub(Set(1.0f), u), v);
+    const V3 tint = Add(Add(Scale(corner(0), w), Scale(corner(1), u)), Scale(corner(2), v));
+    const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
+    Store3(IfThen(hn::RebindMask(F(), inside), Mul(color, tint), color), s.color_r + i,
+           s.color_g + i, s.color_b + i);
+  }
+}
+
 void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
   const auto* fields = reinterpret_cast<const float*>(materials);
@@ -89,11 +105,15 @@ struct ScalarNeighbours {
 }  // namespace
 
 HWY_EXPORT(TextureColors);
+HWY_EXPORT(TintByVertices);
 HWY_EXPORT(PrepareMetallicRoughness);
 
 void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(TextureColors)(textures, materials, pixel_angle, n, surfaces);
+}
+void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(TintByVertices)(colors, n, surfaces);
 }
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {

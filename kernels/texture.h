@@ -27,6 +27,10 @@ struct TextureView {
 void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& surfaces);
 
+// Multiplies color of rows [0, n) by that of the triangle's corners, interpolated. `colors`: three
+// a triangle (PackTexel).
+void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceColumns& surfaces);
+
 // Writes Varying::kRoughness of rows [0, n), which are metallic-roughness: that of the material,
 // times roughness texture (green squared and blue) where there is one. `textures` may be empty.
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
@@ -37,8 +41,10 @@ void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord*
 float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,
                    float u, float v);
 
+inline constexpr float kBrightestTexel = 511;  // that PackTexel can hold
+
 // Three channels of nine bits and an exponent in common: off by at most 2^-9 of the brightest
-// channel. Negative values and NaN become 0, what exceeds 511 is 511.
+// channel. Negative values and NaN become 0, what exceeds kBrightestTexel is that.
 std::uint32_t PackTexel(const float* rgb);
 
 }  // namespace skywave

@@ -43,6 +43,9 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
   if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) {
     fail(fmt::format("{} uvs for {} positions", mesh.uvs.size(), mesh.positions.size()));
   }
+  if (!mesh.colors.empty() && mesh.colors.size() != mesh.positions.size()) {
+    fail(fmt::format("{} colours for {} positions", mesh.colors.size(), mesh.positions.size()));
+  }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (int corner = 0; corner < 3; ++corner) {
       if (mesh.triangles[i][corner] >= mesh.positions.size()) {
@@ -159,6 +162,10 @@ MaterialRecord PackMaterial(const Material& material, const Scene& scene) {
     case BsdfKind::kOrenNayar:
       record.alpha = std::clamp(material.alpha, 0.0f, 1.0f);
       break;
+    case BsdfKind::kDielectric:
+    case BsdfKind::kRoughDielectric:
+      Copy(glm::max(material.absorption, glm::vec3(0)), record.k);
+      break;
     case BsdfKind::kMeasured: {
       const MeasuredBrdf& brdf = scene.measured[material.measured];
       record.alpha = Width(brdf.alpha);
@@ -241,7 +248,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     CheckMaterial(scene, i, path);
     const Material& material = scene.materials[i];
     textured = textured || material.color_texture || material.roughness_texture ||
-               material.opacity_texture || material.normal_texture;
+               material.opacity_texture || material.normal_texture || material.emission_texture;
     tangents = tangents || Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
   }
   if (textured) {
@@ -249,6 +256,8 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     normal_maps_ = PackNormalMaps(scene, textures_);
   }
   keep_uvs = keep_uvs || textured;
+  const bool colored = std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                                   [](const Mesh& mesh) { return !mesh.colors.empty(); });
   if (keep_uvs) textures_.uvs.reserve(triangle_count);
   vertices_.reserve(vertex_count * 3 + 1);
   indices_.reserve(triangle_count * 3);
@@ -262,6 +271,10 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
       const glm::uvec3 corners = AppendTriangle(mesh, triangle, first_vertex, indices_, triangles_);
       if (keep_uvs) textures_.uvs.push_back(MakeTriangleUvs(mesh, corners));
       if (tangents) tangents_.push_back(PackTangent(mesh, corners));
+      for (int i = 0; colored && i < 3; ++i) {
+        const glm::vec3 color = mesh.colors.empty() ? glm::vec3(1) : mesh.colors[corners[i]];
+        vertex_colors_.push_back(PackTexel(&color.x));
+      }
     }
     if (scene.materials[mesh.material].opaque()) {
       first_with_holes_ = std::uint32_t(triangles_.size());
@@ -280,6 +293,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
     materials_.push_back(PackMaterial(material, scene));
+    absorbs_ = absorbs_ || material.absorption != glm::vec3(0);
     // Tens of milliseconds, so only for those who need them.
     if (ReadsGgxTables(material.bsdf)) conductor_tables_ = &GgxTables();
     if (material.bsdf == BsdfKind::kCoatedMetallicRoughness) sheen_tables_ = &GetSheenTables();
@@ -353,6 +367,9 @@ void Geometry::AppendVariants(const Scene& scene, std::size_t i) {
     mixed_.push_back(std::uint32_t(i));
     if (!textures_.uvs.empty()) textures_.uvs.push_back(TriangleUvs(textures_.uvs[i]));
     if (!tangents_.empty()) tangents_.push_back(std::uint32_t(tangents_[i]));
+    for (std::size_t c = 0; !vertex_colors_.empty() && c < 3; ++c) {
+      vertex_colors_.push_back(std::uint32_t(vertex_colors_[3 * i + c]));
+    }
   }
   triangles_[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), material},
                    .tag = kMixedTriangle};
@@ -413,8 +430,9 @@ const MeshPlace& Geometry::PlaceOf(std::uint32_t triangle) const {
 std::size_t Geometry::bytes() const {
   return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
          triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         (tangents_.size() + mixed_.size() + measured_.size()) * sizeof(float) + textures_.bytes() +
-         normal_maps_.size() * sizeof(NormalMapRecord) +
+         (tangents_.size() + vertex_colors_.size() + mixed_.size() + measured_.size()) *
+             sizeof(float) +
+         textures_.bytes() + normal_maps_.size() * sizeof(NormalMapRecord) +
          map_axes_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
 }
 
@@ -430,6 +448,7 @@ std::uint64_t SceneHash(const Scene& scene) {
     add_all(mesh.positions), add_all(mesh.normals), add_all(mesh.uvs), add_all(mesh.triangles);
     add(mesh.material);
     if (!mesh.tangents.empty()) add_all(mesh.tangents);
+    if (!mesh.colors.empty()) add_all(mesh.colors);
   }
   for (const Material& m : scene.materials) {
     add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k),
@@ -444,6 +463,7 @@ std::uint64_t SceneHash(const Scene& scene) {
     if (m.normal_texture) {
       add(*m.normal_texture), add(m.normal_scale), add(m.height_in_texels);
     }
+    if (m.absorption != glm::vec3(0)) add(m.absorption);
     if (m.emission != glm::vec3(0)) {
       add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
     }

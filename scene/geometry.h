@@ -49,6 +49,11 @@ class Geometry {
   NormalMapView normal_maps() const;
   const TriangleUvs* uvs() const { return textures_.uvs.data(); }  // by record, where kept
   BsdfSet bsdfs() const { return bsdfs_; }
+  // Three a triangle record, for TintByVertices; null: no mesh has colours.
+  const std::uint32_t* vertex_colors() const {
+    return vertex_colors_.empty() ? nullptr : vertex_colors_.data();
+  }
+  bool absorbs() const { return absorbs_; }  // whether light is lost inside some material
   // One a triangle record, for PrepareTangents; null: no BSDF has one.
   const std::uint32_t* tangents() const { return tangents_.data(); }
   bool has_mixtures() const { return has_mixtures_; }
@@ -88,8 +93,10 @@ class Geometry {
   std::vector<MeshPlace> meshes_;
   std::vector<std::uint32_t> mixed_;  // of every variant: the record that it is one of
   std::vector<MaterialRecord> materials_;
-  BsdfSet bsdfs_ = 0;                    // of the triangles
-  std::vector<std::uint32_t> tangents_;  // empty: no BSDF has one
+  BsdfSet bsdfs_ = 0;                         // of the triangles
+  std::vector<std::uint32_t> tangents_;       // empty: no BSDF has one
+  std::vector<std::uint32_t> vertex_colors_;  // packed as texels; empty: no mesh has them
+  bool absorbs_ = false;
   std::vector<float> measured_;
   bool has_mixtures_ = false;
   TextureTables textures_;

@@ -41,6 +41,7 @@ void AddGltfLight(const tinygltf::Model& model, const tinygltf::Node& node, cons
   }
   const tinygltf::Light& from = model.lights[std::size_t(index)];
   PunctualLight light;
+  light.name = from.name;
   light.emission = Emission(from, path);
   light.position = glm::vec3(world[3]);
   const glm::dvec3 backwards(world[2]);  // lights look along -z

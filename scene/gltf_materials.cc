@@ -118,6 +118,8 @@ constexpr std::string_view kExtensions[] = {
     "KHR_materials_volume",   "KHR_materials_clearcoat",        "KHR_materials_sheen",
     "KHR_materials_specular", "KHR_materials_emissive_strength"};
 
+constexpr const char* kCoatNormals = "clearcoatNormalTexture";
+
 // The object of an extension; none: null.
 const tinygltf::Value* Extension(const tinygltf::Material& from, const char* name) {
   const auto found = from.extensions.find(name);
@@ -181,6 +183,27 @@ void AddLayers(Context& context, const tinygltf::Material& from, Material& mater
   }
 }
 
+// The file may give the coat other normals than the base, and does if it gives only the base any.
+void WarnOfCoatNormals(Context& context, const tinygltf::Material& from) {
+  const tinygltf::Value& coat = *Extension(from, "KHR_materials_clearcoat");
+  const int normals =
+      coat.Has(kCoatNormals) ? int(Number(coat.Get(kCoatNormals), "index", -1)) : -1;
+  if (normals == from.normalTexture.index) return;
+  Warn(context, "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
+}
+
+// Of a volume, white light has `attenuationColor` left after `attenuationDistance`.
+glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
+  const double distance = Number(volume, "attenuationDistance", 0);  // not given: infinite
+  const glm::vec3 color = Color(volume, "attenuationColor", glm::vec3(1));
+  glm::vec3 absorption(0);
+  for (int c = 0; distance > 0 && c < 3; ++c) {
+    const double left = std::max(Fraction(context, "attenuationColor", color[c]), 1e-6f);
+    absorption[c] = float(std::min(-std::log(left) / distance, 1e18));
+  }
+  return absorption;
+}
+
 // A pane where there is no volume, as the extension has it.
 Material Transmission(Context& context, const tinygltf::Material& from, const Material& opaque) {
   const tinygltf::Value* const volume = Extension(from, "KHR_materials_volume");
@@ -195,9 +218,7 @@ Material Transmission(Context& context, const tinygltf::Material& from, const Ma
   } else if (glass.alpha > 0.01f) {
     Warn(context, "rough transmission without a volume is rendered smooth");
   }
-  if (volume != nullptr && volume->IsObject() && volume->Has("attenuationColor")) {
-    Warn(context, "KHR_materials_volume: absorption is not supported: left out");
-  }
+  if (solid) glass.absorption = Absorption(context, *volume);
   return glass;
 }
 
@@ -205,8 +226,9 @@ void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
   for (const auto& [name, value] : from.extensions) {
     if (std::find(std::begin(kExtensions), std::end(kExtensions), name) != std::end(kExtensions)) {
       for (const std::string& key : value.IsObject() ? value.Keys() : std::vector<std::string>()) {
-        if (!key.ends_with("Texture")) continue;
-        Warn(context, fmt::format("{} of {} is not supported: its factor is used", key, name));
+        if (!key.ends_with("Texture") || key == kCoatNormals) continue;
+        Warn(context,
+             fmt::format("{} of {} is not supported: its factor is used everywhere", key, name));
       }
       continue;
     }
@@ -310,6 +332,9 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
   material.normal_texture =
       AddTexture(context, from.normalTexture, Encoding::kLinear, TextureUse::kNormals, normal_set);
   material.normal_scale = float(from.normalTexture.scale);
+  if (material.bsdf == BsdfKind::kCoatedMetallicRoughness && material.coat > 0) {
+    WarnOfCoatNormals(context, from);
+  }
   SetOpacity(context, from, uv_set, material);
   if (uv_set < 0) uv_set = std::max(roughness_set, normal_set);
   if ((material.roughness_texture && roughness_set != uv_set) ||

@@ -59,6 +59,33 @@ std::vector<glm::vec3> Vectors(const std::vector<float>& numbers) {
   return vectors;
 }
 
+// COLOR_0, linear RGB or RGBA, clamped to [0, 1].
+std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
+                                    const tinygltf::Primitive& primitive, std::size_t vertices,
+                                    const std::string& path, Warnings& warnings) {
+  const auto found = primitive.attributes.find("COLOR_0");
+  if (found == primitive.attributes.end()) return {};
+  const int accessor = found->second;
+  const bool has_alpha = accessor >= 0 && std::size_t(accessor) < model.accessors.size() &&
+                         model.accessors[std::size_t(accessor)].type == TINYGLTF_TYPE_VEC4;
+  const std::size_t channels = has_alpha ? 4 : 3;
+  const std::vector<float> numbers =
+      Attribute(model, primitive, "COLOR_0", int(channels), vertices, path);
+  std::vector<glm::vec3> colors;
+  bool veiled = false;
+  for (std::size_t i = 0; i + channels <= numbers.size(); i += channels) {
+    colors.push_back(glm::clamp(glm::vec3(numbers[i], numbers[i + 1], numbers[i + 2]), 0.0f, 1.0f));
+    veiled = veiled || (has_alpha && numbers[i + 3] < 1);
+  }
+  const bool opaque = primitive.material < 0 ||
+                      model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE";
+  if (veiled && !opaque) {
+    AddWarning(warnings, InputPosition::File(path),
+               "the alpha of the colours of vertices is not supported: 1 is used");
+  }
+  return colors;
+}
+
 Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive, int mode,
               const GltfMaterials& materials, const std::string& path, Warnings& warnings) {
   Mesh mesh;
@@ -79,9 +106,7 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
       mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
     }
   }
-  if (primitive.attributes.contains("COLOR_0")) {
-    AddWarning(warnings, InputPosition::File(path), "colours of vertices are not supported");
-  }
+  mesh.colors = VertexColors(model, primitive, vertices, path, warnings);
 
   std::vector<std::uint32_t> indices(vertices);
   std::iota(indices.begin(), indices.end(), 0u);

@@ -105,9 +105,10 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   }
   for (const std::string& extension : model.extensionsRequired) {
     static const char* const kKnown[] = {
-        "KHR_texture_transform", "KHR_materials_ior",     "KHR_materials_transmission",
-        "KHR_materials_unlit",   "KHR_mesh_quantization", "KHR_materials_emissive_strength",
-        "KHR_lights_punctual",   "KHR_materials_specular"};
+        "KHR_texture_transform", "KHR_materials_ior",      "KHR_materials_transmission",
+        "KHR_materials_unlit",   "KHR_mesh_quantization",  "KHR_materials_emissive_strength",
+        "KHR_lights_punctual",   "KHR_materials_specular", "KHR_materials_clearcoat",
+        "KHR_materials_sheen",   "KHR_materials_volume"};
     if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown)) {
       Fail(path, fmt::format("needs the extension {}, which is not supported", extension));
     }

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <map>
 
 #include "base/error.h"
 #include "image/image.h"
+#include "scene/emission_image.h"
 
 namespace skywave {
 namespace {
@@ -40,50 +42,6 @@ std::vector<std::uint32_t> MakeChoice(const std::vector<double>& power, std::uin
   return first;
 }
 
-// The texel that (u, v) lies in.
-const float* Nearest(const Image& image, const Texture& texture, const glm::vec2& uv) {
-  const auto wrap = [](TextureWrap how, float x, int size) {
-    switch (how) {
-      case TextureWrap::kRepeat:
-        x -= std::floor(x);
-        break;
-      case TextureWrap::kMirror:
-        x = std::abs(x - 2 * std::floor(0.5f * x + 0.5f));
-        break;
-      case TextureWrap::kClamp:
-        break;
-    }
-    // min and max turn NaN into a number.
-    return int(std::min(std::max(0.0f, x * float(size)), float(size - 1)));
-  };
-  const glm::vec2 at = texture.transform * glm::vec3(uv, 1);
-  return image.Pixel(wrap(texture.wrap_u, at.x, image.width),
-                     wrap(texture.wrap_v, at.y, image.height));
-}
-
-// The mean of a texture over a triangle with those coordinates: at points that cover it evenly, as
-// many as it has texels, within reason.
-glm::vec3 MeanOver(const Image& image, const Texture& texture, const glm::vec2 (&uv)[3]) {
-  constexpr double kFewest = 16, kMost = 1024;
-  // The additive recurrence of the plastic number (Roberts 2018).
-  constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532;
-  const glm::mat3x2& t = texture.transform;
-  const glm::dvec2 a(uv[1] - uv[0]), b(uv[2] - uv[0]);
-  const double texels = 0.5 * std::abs(a.x * b.y - a.y * b.x) *
-                        std::abs(double(t[0][0]) * t[1][1] - double(t[0][1]) * t[1][0]) *
-                        image.width * image.height;
-  const int points = texels < kMost ? int(std::max(texels, kFewest)) : int(kMost);
-  glm::dvec3 sum(0);
-  for (int i = 0; i < points; ++i) {
-    const double x = std::fmod(0.5 + i * kStepX, 1.0), y = std::fmod(0.5 + i * kStepY, 1.0);
-    const double root = std::sqrt(x);
-    const float* texel =
-        Nearest(image, texture, glm::vec2(glm::dvec2(uv[0]) + (1 - root) * a + y * root * b));
-    for (int c = 0; c < 3; ++c) sum[c] += texel[c];
-  }
-  return glm::vec3(sum / double(points));
-}
-
 }  // namespace
 
 bool HasLocalLights(const Scene& scene) {
@@ -103,12 +61,10 @@ double SpotSolidAngle(float cos_full, float cos_dark) {
   return 2 * kPi * (1 - 0.5 * (double(cos_full) + cos_dark));
 }
 
-void LocalLights::Add(const LocalLight& light, double power_a_unit) {
-  const double power = Luminance(light.emission) * power_a_unit;
+void LocalLights::Add(const LocalLight& light, const glm::vec3& mean, double power_a_unit) {
+  const double power = Luminance(&mean.x) * power_a_unit;
   if (!(power > 0)) return;
-  const float channel = std::max({light.emission[0], light.emission[1], light.emission[2]});
-  channel_power_ += channel * power_a_unit;
-  if (light.kind == LocalLightKind::kTriangle) brightest_ = std::max(brightest_, channel);
+  channel_power_ += std::max({mean.x, mean.y, mean.z}) * power_a_unit;
   lights_.push_back(light);
   power_.push_back(power);
   LocalLightTotal& total = totals_[std::size_t(light.kind)];
@@ -118,32 +74,42 @@ void LocalLights::Add(const LocalLight& light, double power_a_unit) {
 
 void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
                                const std::string& path) {
+  std::map<std::uint32_t, EmissionImage> images;  // by texture
   for (const MeshPlace& place : geometry.meshes()) {
     const Mesh& mesh = scene.meshes[place.mesh];
     const Material& material = scene.materials[mesh.material];
     const bool shines = material.emission != glm::vec3(0);
+    const EmissionImage* image = nullptr;
+    if (shines && material.emission_texture && !mesh.uvs.empty()) {
+      const Texture& texture = scene.textures.at(*material.emission_texture);
+      image =
+          &images.try_emplace(*material.emission_texture, scene.images.at(texture.image), texture)
+               .first->second;
+    }
+    if (shines) {
+      const glm::vec3 seen = material.emission * (image ? image->brightest() : glm::vec3(1));
+      brightest_ = std::max({brightest_, seen.x, seen.y, seen.z});
+    }
     for (std::size_t i = 0; shines && i < mesh.triangles.size(); ++i) {
       const std::size_t triangle = place.first_triangle + i;
       const glm::vec3 corner = geometry.Corner(triangle, 0);
       const glm::vec3 axis = geometry.Corner(triangle, 1) - corner;
       const glm::vec3 edge = geometry.Corner(triangle, 2) - corner;
-      glm::vec3 emission = material.emission;
-      if (material.emission_texture && !mesh.uvs.empty()) {
-        const Texture& texture = scene.textures.at(*material.emission_texture);
+      glm::vec3 mean = material.emission;
+      if (image != nullptr) {
         const glm::uvec3& t = mesh.triangles[i];
-        const glm::vec2 uv[3] = {mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]};
-        emission *= MeanOver(scene.images.at(texture.image), texture, uv);
+        mean *= image->Mean({mesh.uvs[t.x], mesh.uvs[t.y], mesh.uvs[t.z]});
       }
       LocalLight light = {.kind = LocalLightKind::kTriangle};
       light.area = float(0.5 * glm::length(glm::cross(glm::dvec3(axis), glm::dvec3(edge))));
       light.two_sided = material.emits_on_both_sides;
       light.triangle = std::uint32_t(triangle);
-      Copy(emission, light.emission);
+      Copy(material.emission, light.emission);
       Copy(corner, light.position), Copy(axis, light.axis), Copy(edge, light.edge);
       const std::size_t before = lights_.size();
       // The kernel takes the normal from the edges, in floats.
       if (light.area > 0 && glm::dot(glm::cross(axis, edge), glm::cross(axis, edge)) > 0) {
-        Add(light, kPi * light.area * (light.two_sided ? 2 : 1));
+        Add(light, mean, kPi * light.area * (light.two_sided ? 2 : 1));
       }
       if (lights_.size() == before) continue;
       if (lights_.size() > kMaxLocalLights) {
@@ -152,12 +118,19 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
       }
       light_of_triangle_.resize(geometry.record_count(), kNoLight);
       light_of_triangle_[triangle] = std::uint32_t(before);
+      if (image != nullptr) {
+        emission_texture_.resize(lights_.size());
+        emission_texture_.back() = *material.emission_texture + 1;
+      }
       holes_ = holes_ || triangle >= geometry.first_with_holes();
     }
   }
   for (std::size_t i = geometry.triangle_count(); i < light_of_triangle_.size(); ++i) {
     light_of_triangle_[i] = light_of_triangle_[geometry.TriangleOf(std::uint32_t(i))];
   }
+  if (emission_texture_.empty()) return;
+  emission_texture_.resize(lights_.size());
+  textures_ = geometry.textures();
 }
 
 LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path,
@@ -165,6 +138,7 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
   const double disk = kPi * double(radius) * radius;
   for (const PunctualLight& from : scene.lights) {
     LocalLight light = {.kind = from.kind};
+    light.triangle = std::uint32_t(&from - scene.lights.data());
     Copy(from.emission, light.emission);
     Copy(from.position, light.position);
     Copy(from.direction, light.axis);
@@ -176,7 +150,7 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
     } else if (from.kind == LocalLightKind::kDistant) {
       power_a_unit = disk;
     }
-    Add(light, power_a_unit);
+    Add(light, from.emission, power_a_unit);
   }
   AddTriangles(scene, geometry, path);
   if (lights_.empty()) return;
@@ -205,12 +179,15 @@ LocalLightView LocalLights::view() const {
           .light_of_triangle = light_of_triangle_.empty() ? nullptr : light_of_triangle_.data(),
           .alone = choice(alone_),
           .shared = choice(shared_),
-          .holes = holes_};
+          .holes = holes_,
+          .emission_texture = emission_texture_.empty() ? nullptr : emission_texture_.data(),
+          .textures = textures_};
 }
 
 std::size_t LocalLights::bytes() const {
   return lights_.size() * sizeof(LocalLight) +
-         (light_of_triangle_.size() + alone_.size() + shared_.size()) * sizeof(std::uint32_t);
+         (light_of_triangle_.size() + alone_.size() + shared_.size() + emission_texture_.size()) *
+             sizeof(std::uint32_t);
 }
 
 std::string_view ToString(LocalLightKind kind) {

@@ -23,12 +23,13 @@ struct LocalLightTotal {
 };
 
 // Immutable once built. Triangles without area or emission are no lights. Where an emission has a
-// texture, each triangle shines with the mean of the texture over it. Holes do not count for power.
+// texture, its mean over a triangle counts for power. Holes do not.
 class LocalLights {
  public:
   LocalLights() = default;
-  // `radius`: of a sphere around the scene, on whose disk distant lights and the map shine, the map
-  // with `sky_power` (luminance). Throws InputError(path) for more lights than kMaxLocalLights.
+  // `geometry` must outlive it. `radius`: of a sphere around the scene, on whose disk distant
+  // lights and the map shine, the map with `sky_power` (luminance). Throws InputError(path) for
+  // more lights than kMaxLocalLights.
   LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path, float radius,
               double sky_power);
 
@@ -41,10 +42,13 @@ class LocalLights {
 
  private:
   void AddTriangles(const Scene& scene, const Geometry& geometry, const std::string& path);
-  void Add(const LocalLight& light, double power_a_unit);
+  // `mean`: of the emission, which is that of the light unless it has a texture.
+  void Add(const LocalLight& light, const glm::vec3& mean, double power_a_unit);
 
   std::vector<LocalLight> lights_;
   std::vector<std::uint32_t> light_of_triangle_;
+  std::vector<std::uint32_t> emission_texture_;  // LocalLightView's; empty: none has one
+  TextureView textures_ = {};                    // of the geometry
   bool holes_ = false;
   std::vector<std::uint32_t> alone_, shared_;  // LightChoice::first
   std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};

@@ -19,11 +19,12 @@ constexpr double kPi = glm::pi<double>();
 // The colour `name`, 1 if there is none, times "scale": a number in pbrt-v4, a colour in pbrt-v3.
 glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_view name) {
   glm::vec3 emission =
-      FindColor(parameters, name, reader.textures, reader.warnings, SpectrumUse::kEmission)
+      FindColor(parameters, name, reader.color_textures, reader.warnings, SpectrumUse::kEmission)
           .value_or(glm::vec3(1));
   if (Find(parameters, {"float"}, "scale")) {
     emission *= *FindFloat(parameters, "scale");
-  } else if (const auto scale = FindColor(parameters, "scale", reader.textures, reader.warnings)) {
+  } else if (const auto scale =
+                 FindColor(parameters, "scale", reader.color_textures, reader.warnings)) {
     emission *= *scale;
   }
   // Also refuses NaN, and what sums of lights could not hold.

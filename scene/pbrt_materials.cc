@@ -17,7 +17,6 @@ namespace {
 struct Context {
   PbrtParameters& parameters;
   PbrtReader& reader;
-  const PbrtTextures& textures = reader.textures;
   Warnings& warnings = reader.warnings;
 };
 
@@ -28,7 +27,8 @@ void Warn(Context& context, std::string_view text) {
 
 // A colour that is a fraction of light: clamped to [0, 1], with a warning where that changes it.
 std::optional<glm::vec3> FindFraction(Context& context, std::string_view name) {
-  const auto color = FindColor(context.parameters, name, context.textures, context.warnings);
+  const auto color =
+      FindColor(context.parameters, name, context.reader.color_textures, context.warnings);
   if (!color) return std::nullopt;
   const glm::vec3 clamped = glm::clamp(*color, 0.0f, 1.0f);
   if (clamped != *color) {
@@ -49,7 +49,8 @@ glm::vec3 FractionOr(Context& context, std::initializer_list<std::string_view> n
 
 // A float, or a texture of one value.
 std::optional<float> FindScalar(Context& context, std::string_view name) {
-  const auto color = FindColor(context.parameters, name, context.textures, context.warnings);
+  const auto color =
+      FindColor(context.parameters, name, context.reader.float_textures, context.warnings);
   if (!color) return std::nullopt;
   return color->x;
 }
@@ -57,7 +58,7 @@ std::optional<float> FindScalar(Context& context, std::string_view name) {
 // The reflectance of a diffuse surface, with its image if it has one.
 void SetReflectance(Context& context, float fallback, Material& material) {
   for (const std::string_view name : {"reflectance", "Kd"}) {
-    const auto texture = FindImageTexture(context.parameters, name, context.textures);
+    const auto texture = FindImageTexture(context.parameters, name, context.reader.color_textures);
     if (!texture) continue;
     material.reflectance = glm::max(texture->value.value_or(glm::vec3(1)), glm::vec3(0));
     material.color_texture = texture->image;
@@ -122,7 +123,7 @@ Material Translucent(Context& context) {
   const glm::vec3 body = material.reflectance;
   material.reflectance = body * FractionOr(context, {"reflect"}, glm::vec3(0.5f));
   material.second_color = body * FractionOr(context, {"transmit"}, glm::vec3(0.5f));
-  for (const char* name : {"roughness", "Ks"}) FindScalar(context, name);
+  FindScalar(context, "roughness"), FindFraction(context, "Ks");
   FindBool(context.parameters, "remaproughness");
   Warn(context, "rendered without its gloss");
   return material;
@@ -168,7 +169,8 @@ glm::vec3 ConductorIndex(Context& context, const std::string& prefix, const std:
       named && named->strings.size() == 1) {
     if (const auto metal = MetalOfSpectrumName(named->strings[0], part)) return pick(*metal);
   }
-  const auto color = FindColor(context.parameters, name, context.textures, context.warnings);
+  const auto color =
+      FindColor(context.parameters, name, context.reader.color_textures, context.warnings);
   if (color && !glm::all(glm::greaterThanEqual(*color, glm::vec3(0)))) {
     throw InputError(context.parameters.position,
                      fmt::format("{}: \"{}\" is negative", context.parameters.directive, name));
@@ -385,7 +387,13 @@ Material Mix(Context& context) {
     }
     rows[i] = *found->second;
   }
-  const glm::vec3 amount = FractionOr(context, {"amount"}, glm::vec3(0.5f));
+  // A colour in version 3, a float in version 4.
+  const PbrtParameter* const texture = Find(context.parameters, {"texture"}, "amount");
+  const bool scalar = texture != nullptr && texture->strings.size() == 1 &&
+                      !context.reader.color_textures.contains(texture->strings[0]);
+  const glm::vec3 amount =
+      scalar ? glm::vec3(glm::clamp(FindScalar(context, "amount").value_or(0.5f), 0.0f, 1.0f))
+             : FractionOr(context, {"amount"}, glm::vec3(0.5f));
   if (amount.x != amount.y || amount.y != amount.z) {
     Warn(context, "\"amount\" is a colour: its mean is used");
   }

@@ -39,7 +39,7 @@ struct PbrtTexture {
   std::optional<std::uint32_t> image;  // index into Scene::textures
 };
 // By name; those that are not understood are present without a value.
-using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
+using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;  // by name
 
 // The search for repeated names is quadratic: no directive has more.
 inline constexpr std::size_t kMaxPbrtParameters = 256;

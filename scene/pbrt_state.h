@@ -56,7 +56,8 @@ struct PbrtReader {
   std::vector<std::unique_ptr<PbrtSource>> sources;  // the main file and the includes that are open
   std::map<std::string, glm::dmat4> coordinate_systems;
   std::map<std::string, std::optional<std::uint32_t>> named_materials;
-  PbrtTextures textures;
+  // Textures of floats and those of colours have names of their own.
+  PbrtTextures float_textures, color_textures;
   TextureFiles texture_files{&scene};
   // By material, opacity and its texture: the copy of the material for shapes with such an alpha.
   std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;

@@ -21,9 +21,9 @@ float Mean(const glm::vec3& v) { return (v.x + v.y + v.z) / 3; }
 
 std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& parameters,
                                     std::uint32_t material) {
-  const auto image = FindImageTexture(parameters, "alpha", reader.textures);
+  const auto image = FindImageTexture(parameters, "alpha", reader.float_textures);
   const auto value =
-      image ? image->value : FindColor(parameters, "alpha", reader.textures, reader.warnings);
+      image ? image->value : FindColor(parameters, "alpha", reader.float_textures, reader.warnings);
   const float opacity = value ? std::clamp(Mean(*value), 0.0f, 1.0f) : 1.0f;
   if (!image && opacity == 1) return material;
   const auto key = std::tuple(material, opacity, image ? *image->image : ~0u);
@@ -42,12 +42,12 @@ std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& paramete
 
 void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& material) {
   for (const char* name : {"displacement", "bumpmap"}) {
-    if (const auto heights = FindImageTexture(parameters, name, reader.textures)) {
+    if (const auto heights = FindImageTexture(parameters, name, reader.float_textures)) {
       material.normal_texture = CopyTexture(reader.scene, *heights->image, TextureUse::kHeights);
       material.normal_scale = Mean(heights->value.value_or(glm::vec3(1)));
     } else {
       // A constant height is no relief; what is not understood is named.
-      FindColor(parameters, name, reader.textures, reader.warnings);
+      FindColor(parameters, name, reader.float_textures, reader.warnings);
     }
   }
   if (const auto file = FindString(parameters, "normalmap")) {

@@ -19,8 +19,8 @@ void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::strin
   AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
 }
 
-PbrtTexture Constant(PbrtReader& reader, PbrtParameters& parameters) {
-  const auto value = FindColor(parameters, "value", reader.textures, reader.warnings);
+PbrtTexture Constant(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  const auto value = FindColor(parameters, "value", same, reader.warnings);
   return {.value = value.value_or(glm::vec3(1)), .image = {}};
 }
 
@@ -145,19 +145,20 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters) {
                  });
 }
 
-// What a parameter of a texture is: another texture or a colour.
-PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, std::string_view name,
-                    float otherwise) {
-  if (const auto image = FindImageTexture(parameters, name, reader.textures)) return *image;
-  const auto color = FindColor(parameters, name, reader.textures, reader.warnings);
+// What a parameter of a texture is: another one of `textures`, or a colour.
+PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& textures,
+                    std::string_view name, float otherwise) {
+  if (const auto image = FindImageTexture(parameters, name, textures)) return *image;
+  const auto color = FindColor(parameters, name, textures, reader.warnings);
   return {.value = color.value_or(glm::vec3(otherwise)), .image = {}};
 }
 
-// tex1 and tex2 in version 3, tex and scale in version 4.
-PbrtTexture Scale(PbrtReader& reader, PbrtParameters& parameters) {
+// tex1 and tex2 in version 3, tex and scale, a float, in version 4.
+PbrtTexture Scale(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   const bool v3 = Find(parameters, {"rgb", "color", "xyz", "float", "texture", "spectrum"}, "tex1");
-  const PbrtTexture a = Operand(reader, parameters, v3 ? "tex1" : "tex", 1),
-                    b = Operand(reader, parameters, v3 ? "tex2" : "scale", 1);
+  const PbrtTexture a = Operand(reader, parameters, same, v3 ? "tex1" : "tex", 1),
+                    b = v3 ? Operand(reader, parameters, same, "tex2", 1)
+                           : Operand(reader, parameters, reader.float_textures, "scale", 1);
   const glm::vec3 factor = a.value.value_or(glm::vec3(1)) * b.value.value_or(glm::vec3(1));
   // One image needs no other copy.
   if (!a.image || !b.image) return {.value = factor, .image = a.image ? a.image : b.image};
@@ -169,14 +170,15 @@ glm::vec3 MixTexels(std::span<const glm::vec3> values) {
   return glm::mix(values[0], values[1], values[2]);
 }
 
-PbrtTexture Mix(PbrtReader& reader, PbrtParameters& parameters) {
-  return Combine(reader, parameters,
-                 {Operand(reader, parameters, "tex1", 0), Operand(reader, parameters, "tex2", 1),
-                  Operand(reader, parameters, "amount", 0.5f)},
-                 MixTexels);
+PbrtTexture Mix(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  return Combine(
+      reader, parameters,
+      {Operand(reader, parameters, same, "tex1", 0), Operand(reader, parameters, same, "tex2", 1),
+       Operand(reader, parameters, reader.float_textures, "amount", 0.5f)},
+      MixTexels);
 }
 
-PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters) {
+PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   FindString(parameters, "aamode");  // how pbrt-v3 filters
   if (const int dimension = FindInt(parameters, "dimension").value_or(2); dimension != 2) {
     Warn(reader, parameters,
@@ -190,8 +192,8 @@ PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters) {
   }
   Texture selector{.image = *reader.checker_image};
   selector.transform = UpwardTextureTransform(0.5f * mapping->scale, 0.5f * mapping->offset);
-  const PbrtTexture tex1 = Operand(reader, parameters, "tex1", 1),
-                    tex2 = Operand(reader, parameters, "tex2", 0);
+  const PbrtTexture tex1 = Operand(reader, parameters, same, "tex1", 1),
+                    tex2 = Operand(reader, parameters, same, "tex2", 0);
   return Combine(reader, parameters, {tex1, tex2, AddTexture(reader, selector, glm::vec3(1))},
                  MixTexels);
 }
@@ -201,26 +203,33 @@ PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters) {
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a texture");
-  ExpectString(source, "the type of a texture");
+  const std::string type = ExpectString(source, "the type of a texture");
   const std::string kind = ExpectString(source, "the class of a texture");
   PbrtParameters parameters = ReadParametersAndAttributes(
       reader, source, position, "texture", fmt::format("Texture \"{}\" \"{}\"", name, kind));
+  if (type != "float" && type != "spectrum" && type != "color") {
+    throw InputError(position, fmt::format("{}: the types are float and spectrum, not \"{}\"",
+                                           parameters.directive, type));
+  }
+  PbrtTextures& textures = type == "float" ? reader.float_textures : reader.color_textures;
+  PbrtTexture texture;
   if (kind == "constant") {
-    reader.textures[name] = Constant(reader, parameters);
+    texture = Constant(reader, parameters, textures);
   } else if (kind == "scale") {
-    reader.textures[name] = Scale(reader, parameters);
+    texture = Scale(reader, parameters, textures);
   } else if (kind == "imagemap") {
-    reader.textures[name] = ImageMap(reader, parameters);
+    texture = ImageMap(reader, parameters);
   } else if (kind == "mix") {
-    reader.textures[name] = Mix(reader, parameters);
+    texture = Mix(reader, parameters, textures);
   } else if (kind == "checkerboard") {
-    reader.textures[name] = Checkerboard(reader, parameters);
+    texture = Checkerboard(reader, parameters, textures);
   } else {
-    reader.textures[name] = {};
+    textures[name] = {};
     AddWarning(reader.warnings, position,
                parameters.directive + " is not supported: its users take their default");
     return;
   }
+  textures[name] = texture;
   ReportUnused(parameters, reader.warnings);
 }
 

@@ -42,6 +42,8 @@ struct Material {
   glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
   float sheen_alpha = 0.1f;
   std::uint32_t measured = 0;  // measured: index into Scene::measured
+  // Dielectric, smooth or rough: what light loses inside, by Beer and Lambert [1/length].
+  glm::vec3 absorption{0.0f};
   // Indices into Scene::textures: factors of the reflectance; of the square root of alpha (green)
   // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
@@ -97,6 +99,7 @@ struct Mesh {
   // Empty or one a position: where u grows, and the side on which v does (+-1, of normal x
   // tangent), as glTF has it. Unset: triangle by triangle from uvs.
   std::vector<glm::vec4> tangents;
+  std::vector<glm::vec3> colors;  // empty or one a position: factor of the reflectance, linear RGB
   std::vector<glm::uvec3> triangles;  // indices into positions
   std::uint32_t material = 0;         // index into Scene::materials
 };
@@ -135,6 +138,7 @@ struct EnvironmentLight {
 
 // A light without extent.
 struct PunctualLight {
+  std::string name = {};
   LocalLightKind kind = LocalLightKind::kPoint;  // point, spot or distant
   glm::vec3 emission{0.0f};                      // as in LocalLight: intensity or irradiance
   glm::vec3 position{0.0f};                      // point, spot; world space

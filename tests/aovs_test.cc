@@ -172,7 +172,7 @@ TEST(Aovs, BitsDoNotDependOnTheCut) {
     request.options.light_samples = 2;
     const RenderJob job = MakeJob(PaintedScene(), request, "all");
     const Layers reference = Resolve(job);
-    EXPECT_EQ(reference.size(), 29u);
+    EXPECT_EQ(reference.size(), 32u);
     for (const int threads : {1, 3}) {
       for (const std::uint32_t wave : {1u, 17u, 300u, 2048u}) {
         FrameView frame = job.frame();
@@ -226,6 +226,96 @@ TEST(Aovs, DirectIsThePictureOfOneSurface) {
       }
     }
   }
+}
+
+// ---- Groups of lights ----
+
+enum LightsOfRoom { kSky = 1, kLamp = 2, kPoint = 4, kSun = 8 };
+
+Scene LitRoom(int lights) {
+  Scene scene = PaintedScene();
+  const std::uint32_t lamp = AddLambert(scene, "the lamp", glm::vec3(0.2f));
+  if (lights & kLamp) scene.materials[lamp].emission = {3, 2, 1};
+  Place(scene, Sphere(0.3f, 4), lamp, {0.2f, 1.3f, -0.4f});
+  if (lights & kPoint) scene.lights.push_back({.emission = {1, 2, 3}, .position = {-1, 2, 1}});
+  if (lights & kSun) {
+    scene.lights.push_back({.name = "sun.1",
+                            .kind = LocalLightKind::kDistant,
+                            .emission = {0.5f, 0.4f, 0.3f},
+                            .direction = glm::normalize(glm::vec3(-1, 2, 0.5f))});
+  }
+  if (!(lights & kSky)) scene.environments.clear();
+  return scene;
+}
+
+constexpr std::pair<const char*, int> kRoomGroups[] = {
+    {"environment", kSky}, {"point", kPoint}, {"sun_1", kSun}, {"the_lamp", kLamp}};
+
+// To the last unit of the film: nothing of a light is lost, counted twice or rounded otherwise.
+TEST(LightGroups, AddUpToThePicture) {
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    for (const int lights : {kSky | kLamp | kPoint | kSun, kLamp | kSun, int(kSky)}) {
+      JobRequest request = SmallRequest(37, 29, 5);
+      request.integrator = integrator;
+      request.options.light_samples = 2;
+      const Film film = Render(MakeJob(LitRoom(lights), request, "lights"));
+      const auto sums = film.sums(), groups = film.light_group_sums();
+      ASSERT_EQ(groups.size() % sums.size(), 0u);
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        std::uint64_t sum = 0;
+        for (std::size_t at = i; at < groups.size(); at += sums.size()) sum += groups[at];
+        ASSERT_EQ(sum, sums[i]) << i;
+      }
+    }
+  }
+}
+
+// The group of a light is the picture that it makes alone.
+TEST(LightGroups, AreWhatTheirLightMakesAlone) {
+  constexpr int kRuns = 10;
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = SmallRequest(12, 9, 96);
+    request.integrator = integrator;
+    const auto mean_of = [](const std::vector<float>& values) {
+      double sum = 0;
+      for (const float value : values) sum += value;
+      return sum / double(values.size());
+    };
+    const RenderJob all = MakeJob(LitRoom(kSky | kLamp | kPoint | kSun), request, "lights");
+    for (const auto& [name, light] : kRoomGroups) {
+      const RenderJob alone = MakeJob(LitRoom(light), request, "lights");
+      std::vector<double> differences;
+      double level = 0;
+      for (std::uint32_t run = 0; run < kRuns; ++run) {
+        FrameView one = alone.frame(), every = all.frame();
+        one.options.seed = 100 + run, every.options.seed = 200 + run;
+        const std::string channel = std::string("lights-") + name + ".R";
+        const double expected = mean_of(ByName(Render(alone, one).ResolveAovs(96)).at(channel));
+        const double found = mean_of(ByName(Render(all, every).ResolveAovs(96)).at(channel));
+        differences.push_back(found - expected), level += expected / kRuns;
+      }
+      double mean = 0, square = 0;
+      for (const double d : differences) mean += d / kRuns, square += d * d / kRuns;
+      const double error = std::sqrt((square - mean * mean) / (kRuns - 1));
+      // Student's t of 9 degrees leaves 5 in one of 1400 cases of 8; and the test says something.
+      EXPECT_LT(std::abs(mean), 5 * error) << name << " " << level;
+      EXPECT_LT(5 * error, 0.2 * level) << name;
+    }
+  }
+}
+
+TEST(LightGroups, AreBoundedInNumber) {
+  Scene scene = LitRoom(kSky);
+  for (int i = 0; i < 40; ++i) {
+    scene.lights.push_back({.name = "l" + std::to_string(i % 36),
+                            .emission = glm::vec3(1),
+                            .position = {0.1f * float(i), 2, 1}});
+  }
+  const Layers layers = Resolve(MakeJob(scene, SmallRequest(4, 3, 1), "lights"));
+  EXPECT_EQ(layers.size(), 3 * kMaxLightGroups);
+  EXPECT_TRUE(layers.contains("lights-l29.G"));
+  EXPECT_TRUE(layers.contains("lights-others.G"));
+  EXPECT_FALSE(layers.contains("lights-l30.G"));
 }
 
 // A variance over runs, and the square of its standard error.

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "image/exr_header.h"
 #include "image/image.h"
+#include "lights/environment_map.h"
 #include "tests/support/program.h"
 #include "wavefront/aovs.h"
 
@@ -322,11 +323,42 @@ TEST_F(Cli, SquareMapsOfPbrtFourAreOctahedral) {
   }
 }
 
-TEST_F(Cli, FurtherInfiniteLightsAreMentioned) {
-  Put("two.pbrt", "WorldBegin LightSource \"infinite\" LightSource \"infinite\" Shape \"sphere\"");
-  const Result result = Run("render two.pbrt --size 8x8 --spp 1");
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_NE(result.err.find("of 2 infinite lights"), std::string::npos) << result.err;
+// Constants and maps, turned or not: what the light of each looks like, added.
+TEST_F(Cli, InfiniteLightsAreSummed) {
+  Image map(8, 4), fine(16, 8);
+  for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = float(i % 7);
+  for (std::size_t i = 0; i < fine.rgb.size(); ++i) fine.rgb[i] = float(i % 5) + 0.5f;
+  WriteExr(Path("map.exr"), map), WriteExr(Path("fine.exr"), fine);
+  const std::string begin =
+                        "Camera \"environment\" WorldBegin Translate 0 0 9 Shape \"sphere\" "
+                        "\"float radius\" .001\n",
+                    flat = "LightSource \"infinite\" \"rgb L\" [1 2 3]\n",
+                    coarse = "LightSource \"infinite\" \"string mapname\" \"map.exr\"\n",
+                    turned =
+                        "AttributeBegin Rotate 50 1 2 0\n"
+                        "LightSource \"infinite\" \"string mapname\" \"fine.exr\"\n"
+                        "AttributeEnd\n";
+  const auto mean = [&](const std::string& lights) {
+    Put("sum.pbrt", begin + lights);
+    const Result result = Run("render sum.pbrt --strict --size 64x32 --spp 4 -o sum.exr");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("are summed") != std::string::npos,
+              lights.find("LightSource") != lights.rfind("LightSource"))
+        << result.err;
+    return SphereMean(ReadImage(Path("sum.exr")));
+  };
+  const auto one = mean(flat), two = mean(coarse), three = mean(turned);
+  const auto expect_sum = [&](const std::string& lights, double a, double b, double c) {
+    const auto sum = mean(lights);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double expected = a * one[i] + b * two[i] + c * three[i];
+      EXPECT_NEAR(sum[i], expected, 2e-3 * expected) << lights;
+    }
+  };
+  expect_sum(flat + flat, 2, 0, 0);
+  expect_sum(flat + coarse, 1, 1, 0);
+  expect_sum(coarse + flat + coarse, 1, 2, 0);
+  expect_sum(flat + coarse + turned, 1, 1, 1);
 }
 
 TEST_F(Cli, BadPixelsOfAMapAreReported) {

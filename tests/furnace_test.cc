@@ -6,6 +6,7 @@
 #include <ostream>
 #include <string>
 
+#include "scene/mesh.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
@@ -110,6 +111,31 @@ std::vector<FurnaceCase> Cases() {
 
 INSTANTIATE_TEST_SUITE_P(White, Furnace, testing::ValuesIn(Cases()),
                          [](const auto& test) { return test.param.name; });
+
+// A slab of the index of air: what it takes is what the way through it costs (Beer and Lambert).
+TEST(AbsorbingGlass, TakesWhatItsThicknessDoes) {
+  const glm::vec3 absorption(0.7f, 0, 2.5f);
+  for (const BsdfKind bsdf : {BsdfKind::kDielectric, BsdfKind::kLambert}) {
+    Scene scene;
+    Material glass = White(bsdf);
+    glass.ior = 1, glass.absorption = absorption;
+    scene.materials = {glass};
+    const Mesh face = Facetted(Quad(9));
+    Place(scene, face, 0, {0, 0.4f, 0});
+    Mesh below = face;
+    FlipOrientation(below);
+    Place(scene, below, 0, {0, -0.4f, 0});
+    SetConstantLight(scene, kRadiance);
+    scene.camera = LookAtCamera({0, 3, 4}, glm::vec3(0), {0, 1, 0}, 0.01f, false);
+    const RenderJob job(scene, SmallRequest(4, 4, 16));
+    const PictureEstimate whole = MeanOfBlocks(EstimateFromEngine(job, 2, 5), 4);
+    for (int c = 0; c < 3; ++c) {
+      // The middle ray crosses 0.8 at a slope of 3 in 5.
+      const double passes = bsdf == BsdfKind::kLambert ? 1 : std::exp(-absorption[c] * 0.8 * 5 / 3);
+      EXPECT_NEAR(whole.mean[c] / kRadiance, passes, bsdf == BsdfKind::kLambert ? 0.05 : 1e-3);
+    }
+  }
+}
 
 TEST(SmoothNormals, LoseLessOnFinerMeshes) {
   double before = 1;

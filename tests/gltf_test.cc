@@ -250,6 +250,58 @@ TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
   EXPECT_NE(ErrorOf(document), "");
 }
 
+// Three or four channels, floats or normalized bytes.
+TEST_F(Gltf, ColoursOfVertices) {
+  json document = Document();
+  document["bufferViews"].push_back(View(0, 48));
+  json& primitive = document["meshes"][0]["primitives"][0];
+  primitive["attributes"]["COLOR_0"] = 4;
+  // The positions again: (0 0 0), (2 0 0), (0 2 0), clamped to [0, 1].
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].colors[0], glm::vec3(0, 0, 0));
+  EXPECT_EQ(scene.meshes[0].colors[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.meshes[0].colors[2], glm::vec3(0, 1, 0));
+  document["accessors"][4] = {{"bufferView", 4},
+                              {"componentType", 5121},
+                              {"normalized", true},
+                              {"count", 3},
+                              {"type", "VEC4"}};
+  // From the last two bytes of a 2.0f on: 0, 64, then zeros.
+  document["bufferViews"][4] = View(14, 12);
+  const Scene four = Read(document);
+  ASSERT_EQ(four.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(four.meshes[0].colors[0], glm::vec3(0, 64.0f / 255, 0));
+  EXPECT_EQ(four.meshes[0].colors[1], glm::vec3(0));
+  EXPECT_TRUE(four.warnings.empty());
+  document["materials"][0]["alphaMode"] = "BLEND";
+  EXPECT_EQ(Read(document).warnings.size(), 1u) << "their alpha";
+  document["accessors"][4]["count"] = 2;
+  EXPECT_NE(ErrorOf(document), "");
+}
+
+TEST_F(Gltf, VolumesAbsorb) {
+  json document = Document();
+  document["extensionsRequired"] = {"KHR_materials_volume"};
+  document["materials"][0]["extensions"] = {
+      {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 1},
+        {"attenuationDistance", 2.0},
+        {"attenuationColor", {0.25, 1.0, 0.5}}}}};
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  const glm::vec3 absorption = scene.materials[0].absorption;
+  EXPECT_FLOAT_EQ(absorption.x, float(std::log(4.0) / 2));
+  EXPECT_EQ(absorption.y, 0);
+  EXPECT_FLOAT_EQ(absorption.z, float(std::log(2.0) / 2));
+  document["materials"][0]["extensions"]["KHR_materials_volume"].erase("attenuationDistance");
+  EXPECT_EQ(Read(document).materials[0].absorption, glm::vec3(0));
+}
+
 TEST_F(Gltf, GlassAndIndices) {
   json document = Document();
   document["materials"][0]["extensions"] = {
@@ -279,6 +331,15 @@ TEST_F(Gltf, LayersAndSpecular) {
   EXPECT_FLOAT_EQ(coated.coat, 0.5f);
   EXPECT_FLOAT_EQ(coated.coat_alpha, 0.09f);
   EXPECT_EQ(coated.sheen, glm::vec3(0));
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["normalTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
+  extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
+  EXPECT_TRUE(Read(document).warnings.empty());
+  extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatTexture"), std::string::npos);
   extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
   EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
   extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},

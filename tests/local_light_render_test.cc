@@ -346,6 +346,37 @@ TEST(LocalLightEstimators, EveryStrategyLeavesLocalLightsAlone) {
   }
 }
 
+// A wide lamp, of which a corner shines, over the balls.
+Scene PaintedLamp() {
+  constexpr int kSide = 8;
+  Scene scene = LitBalls(kPoint);
+  Image image(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      float* texel = image.Pixel(x, y);
+      texel[0] = x + y < 5 ? 1.0f : 0.0f;
+      texel[1] = x < 3 ? 0.25f * float(y % 4) : 0.0f;
+      texel[2] = 0.03125f;
+    }
+  }
+  scene.images = {image};
+  scene.textures = {{.image = 0, .transform = {1, 0.25f, 0, 1, 0.125f, 0}}};
+  AddLamp(scene, 3, 3, {0, 2.6f, 0}, {3, 5, 2});
+  scene.meshes.back().uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  scene.materials.back().emission_texture = 0;
+  return scene;
+}
+
+// Both techniques look the texture up: with the mean in one of them the pictures would differ.
+TEST(LocalLightEstimators, TexturesOfLampsAreTheOracles) {
+  const Scene scene = PaintedLamp();
+  ExpectOracles(scene, Request(Integrator::kDirect, 3));
+  JobRequest request = Request(Integrator::kPath, 2);
+  ExpectOracles(scene, request);
+  request.options.mis = false;
+  ExpectOracles(scene, request);
+}
+
 TEST(LocalLightEstimators, OracleFindsWhatIsWrong) {
   Scene scene = LitBalls(kLamp | kPoint);
   const JobRequest request = Request(Integrator::kDirect, 3);

@@ -155,7 +155,7 @@ TEST(LocalLightTables, AScenesWithoutThemHasNone) {
 }
 
 // Both triangles of a square whose texture is red in the lower left half and black elsewhere.
-TEST(LocalLightTables, TrianglesShineWithTheMeanOfTheirTexture) {
+TEST(LocalLightTables, MeanOfTheTextureIsTheirPower) {
   constexpr int kSide = 64;
   Scene scene;
   Image image(kSide, kSide);
@@ -168,21 +168,29 @@ TEST(LocalLightTables, TrianglesShineWithTheMeanOfTheirTexture) {
   scene.materials[lamp].emission = {2, 1, 1};
   scene.materials[lamp].emission_texture = 0;
   Mesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 1, 3}};
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0.5f, 0.1f}, {0.9f, 0.1f}, {0.9f, 0.4f}};
+  for (const glm::vec2& uv : mesh.uvs) mesh.positions.push_back({uv.x, uv.y, 0});
+  mesh.triangles = {{4, 5, 6}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}};
   mesh.material = lamp;
   scene.meshes = {mesh};
-  const LocalLights lights(scene, Geometry(scene, "test", 1), "test", 1, 0);
+  const Geometry geometry(scene, "test", 1);
+  const LocalLights lights(scene, geometry, "test", 1, 0);
   const LocalLightView view = lights.view();
-  // The first triangle lies in the black half: it is no light.
-  ASSERT_EQ(view.count, 2u);
+  // The first triangle lies in the black half: it is no light. The last one sees the edge of the
+  // light, so it must be one, however dim.
+  ASSERT_EQ(view.count, 3u);
   EXPECT_EQ(view.light_of_triangle[0], kNoLight);
-  EXPECT_EQ(view.light_of_triangle[1], 0u);
-  EXPECT_EQ(view.light_of_triangle[2], 1u);
-  EXPECT_NEAR(view.lights[0].emission[0], 1.6, 0.03);
-  EXPECT_NEAR(view.lights[1].emission[0], 0.8, 0.03);
-  EXPECT_EQ(view.lights[1].emission[1], 0);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(view.light_of_triangle[i + 1], i);
+    EXPECT_EQ(view.emission_texture[i], 1u);
+    EXPECT_EQ(view.lights[i].emission[0], 2);
+  }
+  const auto units = [&](std::uint32_t i) {
+    return double(view.alone.first[i + 1]) - view.alone.first[i];
+  };
+  EXPECT_NEAR(units(1) / units(0), 0.5, 0.02);
+  EXPECT_LT(units(2), 0.02 * units(0));
+  EXPECT_GE(lights.brightest(), 1.6f);
 }
 
 // ---- Samples ----

@@ -271,5 +271,40 @@ TEST(Tangents, LieInTheSurface) {
   EXPECT_EQ(s.varying_1[0], 0);
 }
 
+// Rows seen from behind lose exp(-k t), the others and those behind the last nothing.
+TEST(Absorption, IsThatOfTheWayInside) {
+  constexpr std::uint32_t kRows = 1000;
+  soa::Table<SurfaceColumns> surfaces(kRows);
+  const SurfaceColumns& s = surfaces;
+  Random random(118);
+  std::vector<MaterialRecord> materials(5);
+  for (MaterialRecord& material : materials) {
+    for (float& k : material.k) k = float(random.Between(0, 3));
+  }
+  materials[0].k[0] = 0;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    s.t[i] = float(random.Between(0, 8));
+    s.material[i] = random.Word() % 5 | (i % 3 == 0 ? kBackFace : 0);
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : {0u, 1u, 17u, kRows}) {
+      for (float* column : {s.throughput_r, s.throughput_g, s.throughput_b}) {
+        std::fill_n(column, kRows, 0.7f);
+      }
+      AbsorbInside(materials.data(), n, surfaces);
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        const MaterialRecord& material = materials[s.material[i] & kMaterialMask];
+        const double way = i < n && i % 3 == 0 ? s.t[i] : 0;
+        const float* const seen[3] = {s.throughput_r, s.throughput_g, s.throughput_b};
+        for (int c = 0; c < 3; ++c) {
+          // An exponent of up to 35 is rounded to 2^-24 of it.
+          const double expected = 0.7f * std::exp(-material.k[c] * way);
+          ASSERT_NEAR(seen[c][i], expected, 5e-6 * expected) << "row " << i << " of " << n;
+        }
+      }
+    }
+  });
+}
+
 }  // namespace
 }  // namespace skywave

@@ -93,6 +93,24 @@ TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
   EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
+// One name, two textures: who uses it says which.
+TEST_F(PbrtTextureFiles, OfFloatsAndOfColoursHaveNamesOfTheirOwn) {
+  const std::string both =
+      "Texture \"t\" \"float\" \"constant\" \"float value\" .25\n"
+      "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.9 .5 .1]\n";
+  const Scene scene = Read(both,
+                           "Material \"coateddiffuse\" \"texture reflectance\" \"t\" "
+                           "\"texture roughness\" \"t\" \"bool remaproughness\" false");
+  const Material& coated = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_EQ(coated.reflectance, glm::vec3(0.9f, 0.5f, 0.1f));
+  EXPECT_EQ(coated.alpha, 0.25f);
+  const std::string one = both.substr(0, both.find('\n'));
+  EXPECT_THROW(Read(one, "Material \"matte\" \"texture Kd\" \"t\""), InputError);
+  EXPECT_THROW(Read(both.substr(one.size()), "Material \"matte\" \"texture sigma\" \"t\""),
+               InputError);
+  EXPECT_THROW(Read("Texture \"t\" \"vector\" \"constant\"", ""), InputError);
+}
+
 TEST_F(PbrtTextureFiles, AlphaOfShapesMakesMaterialsOfTheirOwn) {
   const std::string sphere = "Shape \"sphere\" ";
   const Scene scene = ReadScene(folder_.Write(
@@ -198,8 +216,8 @@ TEST_F(ComputedTextures, CheckersAreWhereTheirCoordinatesAreOdd) {
       Expect(board, {u, v}, odd ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0));
     }
   }
-  Expect("Texture \"x\" \"float\" \"checkerboard\"", {0.5, 0.5}, {1, 1, 1});
-  Expect("Texture \"x\" \"float\" \"checkerboard\"", {1.5, 0.5}, {0, 0, 0});
+  Expect("Texture \"x\" \"spectrum\" \"checkerboard\"", {0.5, 0.5}, {1, 1, 1});
+  Expect("Texture \"x\" \"spectrum\" \"checkerboard\"", {1.5, 0.5}, {0, 0, 0});
 }
 
 TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
@@ -210,17 +228,18 @@ TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
   Expect("Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0]", {0, 0},
          {0.5, 0.5, 0}, 1e-6);
   // The image's green picks between red and blue.
-  Expect(t + "Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [.5 .5 .5] \"rgb tex2\" [1 1 1] "
+  Expect("Texture \"t\" \"float\" " + kImage +
+             "Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [.5 .5 .5] \"rgb tex2\" [1 1 1] "
              "\"texture amount\" \"t\"",
          {0.75, 0.75}, {0.5, 1, 0.5});
-  for (const std::string names : {"\"texture tex1\" \"t\" \"texture tex2\" \"u\"",
-                                  "\"texture tex\" \"t\" \"texture scale\" \"u\""}) {
-    const std::string product = "Texture \"x\" \"color\" \"scale\" " + names;
+  for (const auto& [type, names] :
+       {std::pair("color", "\"texture tex1\" \"t\" \"texture tex2\" \"u\""),
+        std::pair("float", "\"texture tex\" \"t\" \"texture scale\" \"u\"")}) {
+    const std::string product = std::string("Texture \"x\" \"color\" \"scale\" ") + names;
+    const std::string u = std::string("Texture \"u\" \"") + type + "\" " + kImage;
     // White times white, halved; red times green.
-    Expect(t + "Texture \"u\" \"color\" " + kImage + "\"float scale\" .5 " + product, {0.75, 0.25},
-           glm::dvec3(0.5));
-    Expect(t + "Texture \"u\" \"color\" " + kImage + "\"float udelta\" .5 " + product, {0.25, 0.75},
-           glm::dvec3(0));
+    Expect(t + u + "\"float scale\" .5 " + product, {0.75, 0.25}, glm::dvec3(0.5));
+    Expect(t + u + "\"float udelta\" .5 " + product, {0.25, 0.75}, glm::dvec3(0));
   }
   // Of different scales: over the unit square. (0.125, 0.875) is red in one, red in the other.
   const std::string finer = t + "Texture \"u\" \"color\" " + kImage +
@@ -244,7 +263,7 @@ TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
 }
 
 TEST_F(ComputedTextures, WhatDoesNotFitTogetherIsNamed) {
-  const std::string text = "Texture \"t\" \"color\" " + kImage + "Texture \"u\" \"color\" " +
+  const std::string text = "Texture \"t\" \"color\" " + kImage + "Texture \"u\" \"float\" " +
                            kImage +
                            "\"float uscale\" 1.5\nTexture \"x\" \"color\" \"scale\" "
                            "\"texture tex\" \"t\" \"texture scale\" \"u\"";

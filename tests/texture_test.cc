@@ -229,6 +229,63 @@ TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
+TEST_F(TextureRows, ColoursOfVerticesAreInterpolated) {
+  const SurfaceColumns& s = surfaces_;
+  Random random(64);
+  std::vector<std::uint32_t> colors;
+  for (std::uint32_t i = 0; i < 3 * kTriangles; ++i) {
+    const float rgb[3] = {random.Float(), random.Float(), random.Float()};
+    colors.push_back(PackTexel(rgb));
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      std::fill_n(s.color_r, kFullWave, 0.9f), std::fill_n(s.color_g, kFullWave, 0.5f);
+      TintByVertices(colors.data(), n, s);
+      for (std::uint32_t i = 0; i < kFullWave; ++i) {
+        double red = 1, green = 1;
+        if (i < n) {
+          const std::uint32_t* corner = &colors[3 * s.triangle[i]];
+          const double b[3] = {1.0 - s.u[i] - s.v[i], s.u[i], s.v[i]};
+          red = green = 0;
+          for (int c = 0; c < 3; ++c) {
+            red += b[c] * double(Unpack(corner[c])[0]),
+                green += b[c] * double(Unpack(corner[c])[1]);
+          }
+        }
+        // Rounding of three products and sums of numbers below 1.
+        ASSERT_NEAR(s.color_r[i], 0.9f * red, 5e-7) << n << " rows, row " << i;
+        ASSERT_NEAR(s.color_g[i], 0.5f * green, 5e-7) << n << " rows, row " << i;
+      }
+    }
+  });
+}
+
+// In the order of the record, also where that is turned; white where a mesh has none.
+TEST(TextureTables, ColoursOfVerticesGoWithTheirCorners) {
+  Scene scene;
+  Mesh mesh = Quad(1);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    mesh.colors.push_back(glm::vec3(0.25f * float(i), 0, 1));
+  }
+  for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+  const std::uint32_t floor = AddLambert(scene, "floor", glm::vec3(1));
+  Place(scene, Quad(1), floor, glm::vec3(3));
+  EXPECT_EQ(Geometry(scene, "test").vertex_colors(), nullptr);
+  Place(scene, mesh, floor, glm::vec3(0));
+  const Geometry geometry(scene, "test");
+  const float white[3] = {1, 1, 1};
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(geometry.vertex_colors()[i], PackTexel(white));
+  for (std::size_t t = 0; t < 2; ++t) {
+    const glm::uvec3& wound = mesh.triangles[t];
+    const std::uint32_t corners[3] = {wound.x, wound.z, wound.y};
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(geometry.vertex_colors()[6 + 3 * t + i], PackTexel(&mesh.colors[corners[i]].x));
+    }
+  }
+  scene.meshes[1].colors.pop_back();
+  EXPECT_THROW(Geometry(scene, "test"), InputError);
+}
+
 TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
   Scene scene;
   scene.images.emplace_back(1, 1);

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "wavefront/frame.h"
 
@@ -52,8 +53,9 @@ float ToFloat(double value) {
 
 }  // namespace
 
-AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent)
-    : aovs_(aovs), pixels_(pixels) {
+AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
+                 std::vector<std::string> light_groups)
+    : aovs_(aovs), pixels_(pixels), light_groups_(std::move(light_groups)) {
   for (std::size_t i = 0; i < Aovs().size(); ++i) {
     const Aov& aov = Aovs()[i];
     if ((aovs >> i & 1) == 0 || aov.read == nullptr) continue;
@@ -66,6 +68,7 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent)
   if (ReadsHits(aovs)) hits_.resize(pixels);
   if (Sums(aovs, AovSum::kNearestHit)) nearest_.resize(pixels, kNoSample);
   if (Sums(aovs, AovSum::kVariance)) squares_.resize(pixels * 3);
+  if (Sums(aovs, AovSum::kLightGroups)) lit_.resize(light_groups_.size() * pixels * 3);
   if (Sums(aovs, AovSum::kDirect) || Sums(aovs, AovSum::kIndirect)) direct_.resize(pixels * 3);
 }
 
@@ -129,6 +132,26 @@ void AovFilm::AddDirect(const PathColumns& paths, std::uint32_t n, const FilmSca
   if (!direct_.empty()) AddToFilm(paths, n, scale, direct_.data());
 }
 
+void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
+                          const FilmScale& scale, const GroupColumns& given) {
+  // As AddToFilm rounds.
+  const auto units = [&](float value) {
+    const double kept = value > 0 ? double(std::min(value, scale.limit)) : 0.0;
+    return std::uint64_t(std::llrint(kept * scale.units));
+  };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t path = rows[i];
+    const std::size_t at = (given.group[i] * pixels_ + paths.pixel[path]) * 3;
+    const float now[3] = {paths.r[path], paths.g[path], paths.b[path]};
+    float* const before[3] = {&given.r[path], &given.g[path], &given.b[path]};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint64_t all = units(now[c]), old = units(*before[c]);
+      if (all > old) lit_[at + c] = SaturatingSum(lit_[at + c], all - old);
+      *before[c] = now[c];
+    }
+  }
+}
+
 void AovFilm::Merge(const AovFilm& other) {
   assert(aovs_ == other.aovs_ && pixels_ == other.pixels_);
   for (std::size_t k = 0; k < layers_.size(); ++k) {
@@ -150,6 +173,7 @@ void AovFilm::Merge(const AovFilm& other) {
   for (std::size_t i = 0; i < direct_.size(); ++i) {
     direct_[i] = SaturatingSum(direct_[i], other.direct_[i]);
   }
+  for (std::size_t i = 0; i < lit_.size(); ++i) lit_[i] = SaturatingSum(lit_[i], other.lit_[i]);
 }
 
 std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& radiance,
@@ -161,7 +185,8 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
                         [&](const HitLayer& layer) { return layer.aov == &aov; });
   };
   // Value i of a layer: channel i % channels of pixel i / channels.
-  const auto value = [&](const Aov& aov, std::size_t pixel, std::size_t i) -> double {
+  const auto value = [&](const Aov& aov, std::size_t group, std::size_t pixel,
+                         std::size_t i) -> double {
     switch (aov.sum) {
       case AovSum::kMeanOfHits: {
         const HitLayer& layer = *layer_of(aov);
@@ -180,6 +205,8 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
         return double(direct_[i]) * unit_of_mean;
       case AovSum::kIndirect:
         return double(radiance[i] - std::min(radiance[i], direct_[i])) * unit_of_mean;
+      case AovSum::kLightGroups:
+        return double(lit_[group * pixels_ * 3 + i]) * unit_of_mean;
     }
     return 0;
   };
@@ -188,13 +215,18 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
     if ((aovs_ >> k & 1) == 0) continue;
     const Aov& aov = Aovs()[k];
     const std::size_t channels = aov.channels.size();
-    for (std::size_t c = 0; c < channels; ++c) {
-      NamedChannel channel = {std::string(aov.name) + "." + aov.channels[c], {}};
-      channel.values.resize(pixels_);
-      for (std::size_t pixel = 0; pixel < pixels_; ++pixel) {
-        channel.values[pixel] = ToFloat(value(aov, pixel, pixel * channels + c));
+    const bool split = aov.sum == AovSum::kLightGroups;
+    for (std::size_t group = 0; group < (split ? light_groups_.size() : 1); ++group) {
+      const std::string layer =
+          std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
+      for (std::size_t c = 0; c < channels; ++c) {
+        NamedChannel channel = {layer + "." + aov.channels[c], {}};
+        channel.values.resize(pixels_);
+        for (std::size_t pixel = 0; pixel < pixels_; ++pixel) {
+          channel.values[pixel] = ToFloat(value(aov, group, pixel, pixel * channels + c));
+        }
+        resolved.push_back(std::move(channel));
       }
-      resolved.push_back(std::move(channel));
     }
   }
   return resolved;

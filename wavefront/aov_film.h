@@ -5,12 +5,14 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "image/image.h"
 #include "kernels/accumulate.h"
 #include "kernels/columns.h"
 #include "wavefront/aovs.h"
+#include "wavefront/light_groups.h"
 
 namespace skywave {
 
@@ -25,13 +27,19 @@ struct FirstHits {
 
 class AovFilm {
  public:
-  // `world_extent`: no position or depth is larger.
-  AovFilm(AovSet aovs, std::size_t pixels, float world_extent);
+  // `world_extent`: no position or depth is larger. `light_groups`: their names.
+  AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
+          std::vector<std::string> light_groups);
 
   void AddFirstHits(const FirstHits& hits);
   // The radiance of paths [0, n) when all of it is there, and when all direct light is.
   void AddRadiance(const PathColumns& paths, std::uint32_t n, const FilmScale& scale);
   void AddDirect(const PathColumns& paths, std::uint32_t n, const FilmScale& scale);
+  // Gives what paths rows[0, n) have more than `given` to the light groups given.group[0, n).
+  void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
+                   const FilmScale& scale, const GroupColumns& given);
+
+  const std::vector<std::uint64_t>& light_group_sums() const { return lit_; }
 
   // Adds what `other` holds of other samples.
   void Merge(const AovFilm& other);
@@ -60,6 +68,8 @@ class AovFilm {
   std::vector<std::uint64_t> nearest_;  // key of the sample nearest to the centre, by pixel
   std::vector<Uint128> squares_;        // of radiance, three a pixel [1 / scale.units^2]
   std::vector<std::uint64_t> direct_;   // three a pixel [1 / scale.units]
+  std::vector<std::string> light_groups_;
+  std::vector<std::uint64_t> lit_;  // three a pixel and group, group by group [1 / scale.units]
 };
 
 }  // namespace skywave

@@ -101,6 +101,7 @@ constexpr Aov kAovs[] = {
     {"variance", "RGB", AovSum::kVariance, "of one sample of the beauty"},
     {"direct", "RGB", AovSum::kDirect, "light that met at most one surface"},
     {"indirect", "RGB", AovSum::kIndirect, "the rest of the beauty"},
+    {"lights", "RGB", AovSum::kLightGroups, "the beauty by lights: a layer lights-NAME a group"},
 };
 static_assert(std::size(kAovs) < 32);
 

@@ -25,6 +25,7 @@ enum class AovSum {
   kVariance,     // of one sample of the beauty, unbiased if samples are independent
   kDirect,       // radiance of light that met at most one surface
   kIndirect,     // the rest of the beauty
+  kLightGroups,  // the beauty by groups of lights, a layer each (wavefront/light_groups.h)
 };
 
 // What a mean can hold without being clamped: decides the unit of its sums.

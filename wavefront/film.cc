@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "kernels/accumulate.h"
 
@@ -15,12 +16,13 @@ constexpr double kHeadroom = 64;         // of a sample over the brightest texel
 }  // namespace
 
 Film::Film(int width, int height, float brightest_radiance, AovSet aovs, float world_extent,
-           bool shared)
+           bool shared, std::vector<std::string> light_groups)
     : width_(width), height_(height), sums_(std::size_t(width) * height * 3), shared_(shared) {
   int exponent = 0;
   if (brightest_radiance > 0) std::frexp(brightest_radiance * kHeadroom, &exponent);
   unit_ = std::ldexp(1 / kSampleUnits, std::max(exponent, 20));
-  if (aovs != 0) aovs_.emplace(aovs, std::size_t(width) * height, world_extent);
+  if (aovs != 0)
+    aovs_.emplace(aovs, std::size_t(width) * height, world_extent, std::move(light_groups));
 }
 
 FilmScale Film::scale() const { return {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)}; }
@@ -50,6 +52,11 @@ void Film::AddDirect(const PathColumns& paths, std::uint32_t n) {
   if (aovs_) aovs_->AddDirect(paths, n, scale());
 }
 
+void Film::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
+                       const GroupColumns& given) {
+  if (aovs_) aovs_->AddToGroups(paths, rows, n, scale(), given);
+}
+
 void Film::Merge(const Film& other) {
   assert(sums_.size() == other.sums_.size() && unit_ == other.unit_);
   assert(has_aovs() == other.has_aovs());
@@ -61,6 +68,11 @@ void Film::Merge(const Film& other) {
 std::vector<NamedChannel> Film::ResolveAovs(std::uint64_t samples) const {
   if (!aovs_) return {};
   return aovs_->Resolve(sums_, scale(), samples);
+}
+
+std::span<const std::uint64_t> Film::light_group_sums() const {
+  if (!aovs_) return {};
+  return aovs_->light_group_sums();
 }
 
 Image Film::Resolve(std::uint64_t samples) const {

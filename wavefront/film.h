@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "image/image.h"
@@ -27,9 +28,10 @@ namespace skywave {
 
 class Film {
  public:
-  // `aovs`: what it keeps beside radiance; `world_extent`: see AovFilm. `shared`: it gets splats.
+  // `aovs`: what it keeps beside radiance; `world_extent`, `light_groups`: see AovFilm. `shared`:
+  // it gets splats.
   Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
-       bool shared = false);
+       bool shared = false, std::vector<std::string> light_groups = {});
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -50,6 +52,9 @@ class Film {
   void AddFirstHits(const FirstHits& hits);
   // The radiance of paths [0, n) when all their direct light is in it.
   void AddDirect(const PathColumns& paths, std::uint32_t n);
+  // What paths rows[0, n) have gained, to the groups of lights; see AovFilm.
+  void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
+                   const GroupColumns& given);
 
   // Adds the sums of `other`, a film of the same size for the same brightest radiance that holds
   // other samples: afterwards it is as if all had been added to this one.
@@ -62,6 +67,8 @@ class Film {
 
   // The sums as they are kept, three a pixel [units].
   std::span<const std::uint64_t> sums() const { return sums_; }
+  // Those of the groups of lights, three a pixel and group, group by group; empty if not kept.
+  std::span<const std::uint64_t> light_group_sums() const;
   double unit() const { return unit_; }  // [scene radiance], a power of two
 
  private:

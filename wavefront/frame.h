@@ -15,6 +15,7 @@
 #include "scene/geometry.h"
 #include "scene/scene.h"
 #include "wavefront/aovs.h"
+#include "wavefront/light_groups.h"
 #include "wavefront/trace.h"
 
 namespace skywave {
@@ -98,7 +99,8 @@ struct FrameView {
   FilterView filter = {};   // for splats
   // What light paths of `photon` start with: `strategy`, or importance where that cannot emit.
   const EnvStrategy* emitter = nullptr;
-  const PhotonMaps* photons = nullptr;  // of the pass at hand
+  const PhotonMaps* photons = nullptr;        // of the pass at hand
+  const LightGroups* light_groups = nullptr;  // null: nobody asks for them
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};

@@ -11,6 +11,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  StartGroups(frame, range.count, film, w);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count, bounce = 0;

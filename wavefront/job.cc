@@ -10,9 +10,9 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
-#include "lights/projections.h"
 #include "scene/ground.h"
 #include "scene/reader.h"
+#include "wavefront/sky.h"
 
 namespace skywave {
 namespace {
@@ -25,67 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 double SecondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// The map of the frame, as the request or else the scene has it; black where only local lights are.
-EnvironmentLight ChooseLight(const Scene& scene, const JobRequest& request,
-                             std::vector<std::string>& notes) {
-  const EnvironmentRequest& wish = request.environment;
-  if (!wish.path.empty()) {
-    EnvironmentLight light;
-    light.map_path = wish.path;
-    light.world_from_map =
-        EnvironmentFrame(scene.up_axis, scene.left_handed, wish.rotation_degrees);
-    return light;
-  }
-  if (scene.environments.empty() && HasLocalLights(scene)) return {.scale = glm::vec3(0)};
-  if (scene.environments.empty()) {
-    throw InputError(InputPosition::File(request.scene),
-                     "has no light; give an illumination map with --env MAP");
-  }
-  if (scene.environments.size() > 1) {
-    const std::string text =
-        fmt::format("of {} infinite lights only the first is used", scene.environments.size());
-    if (request.read.strict) throw InputError(InputPosition::File(request.scene), text);
-    notes.push_back(request.scene + ": " + text);
-  }
-  EnvironmentLight light = scene.environments.front();
-  light.world_from_map = EnvironmentTurn(scene.up_axis, scene.left_handed, wish.rotation_degrees) *
-                         light.world_from_map;
-  return light;
-}
-
-// Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it.
-void LoadMap(EnvironmentLight& light, const EnvironmentRequest& wish,
-             std::vector<std::string>& notes) {
-  if (!light.map && light.map_path.empty()) {
-    light.map = Image(1, 1);
-    light.map->rgb = {1, 1, 1};
-  }
-  if (!light.map) {
-    Image image = ReadImage(light.map_path, wish.limits);
-    const bool equal_area = light.equal_area_square && image.width == image.height;
-    const Projection projection = wish.projection ? *wish.projection
-                                  : equal_area    ? Projection::kOctahedral
-                                                  : DetectProjection(image, light.map_path);
-    notes.push_back(fmt::format("{}: {} x {}, {} {}", light.map_path, image.width, image.height,
-                                wish.projection ? "read as" : "taken for", ToString(projection)));
-    const BadPixels bad = RepairRadiance(image);
-    if (bad.total() > 0) {
-      notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels set to 0",
-                                  light.map_path, bad.nan, bad.infinite, bad.negative));
-    }
-    light.map = ToLatLong(std::move(image), projection);
-  }
-  for (std::size_t i = 0; i < light.map->rgb.size(); ++i) {
-    light.map->rgb[i] *= light.scale[int(i % 3)] * wish.intensity;
-  }
-  light.scale = glm::vec3(1);
-  if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {
-    notes.push_back(
-        fmt::format("{}: {} pixels exceed all bounds at this intensity and are set to 0",
-                    light.map_path, bad.total()));
-  }
 }
 
 // Luminance of what a map sends through the disk of a sphere around the scene.
@@ -252,6 +191,14 @@ void CheckBidirectional(const RenderOptions& options) {
 }
 
 void CheckIntegrator(const RenderOptions& options) {
+  const bool one_start =
+      (options.integrator == Integrator::kPath || options.integrator == Integrator::kDirect) &&
+      options.split == 0;
+  if (Sums(options.aovs, AovSum::kLightGroups) && !one_start) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
+                     "light groups are kept by --integrator path, without --split, and direct",
+                     kExitUsage);
+  }
   CheckSplit(options);
   CheckBidirectional(options);
   if (options.integrator == Integrator::kPhoton) CheckPhotons(options);
@@ -366,8 +313,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   CheckIntegrator(options_);
 
   const auto load_start = Clock::now();
-  EnvironmentLight light = ChooseLight(scene, request, notes_);
-  LoadMap(light, request.environment, notes_);
+  EnvironmentLight light = LoadSky(scene, request, notes_);
   times_.load += SecondsSince(load_start);
 
   const Bounds bounds = SceneBounds(scene, request.scene);
@@ -395,6 +341,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   }
   sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
   if (HasLightPaths(options_.integrator)) CheckLightPaths();
+  if (Sums(options_.aovs, AovSum::kLightGroups)) {
+    light_groups_ = MakeLightGroups(scene, *geometry_, local_lights_.view());
+  }
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
@@ -449,7 +398,8 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
           .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
           .emitter = CanEmit(strategy) ? &strategy
                      : emitter_        ? emitter_.get()
-                                       : strategy_.get()};
+                                       : strategy_.get(),
+          .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
 }
 
 bool RenderJob::has_sky() const {
@@ -471,7 +421,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 
 Film RenderJob::MakeFilm(Integrator integrator) const {
   return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
-              HasSplats(integrator));
+              HasSplats(integrator), light_groups_.names);
 }
 
 std::optional<CameraKind> ParseCameraKind(std::string_view name) {

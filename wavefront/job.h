@@ -102,6 +102,7 @@ class RenderJob {
   std::unique_ptr<Geometry> geometry_;
   EnvironmentMap map_;  // strategies read its pixels
   LocalLights local_lights_;
+  LightGroups light_groups_;  // where they are asked for
   std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
   std::unique_ptr<EnvStrategy> emitter_;  // of light paths, for strategies that cannot emit
   std::vector<float> filter_offsets_, filter_densities_;

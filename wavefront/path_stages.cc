@@ -49,6 +49,38 @@ Departure FromOwnSurfaces(const FrameView& frame, const Worker& w) {
   return {.frame = frame, .points = Points(frame, w), .paths = w.paths};
 }
 
+void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w) {
+  if (frame.light_groups == nullptr) return;
+  w.groups->film = &film;
+  const GroupColumns& given = w.groups->given;
+  for (float* column : {given.r, given.g, given.b}) std::fill_n(column, n, 0.0f);
+}
+
+namespace {
+
+// What paths have gained in a stage, to the groups of their lights, where somebody asks for them.
+// The rays or surfaces at hand are of paths rows[0, n); `write` writes their groups.
+template <class Write>
+void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t n, Worker& w,
+                const Write& write) {
+  if (frame.light_groups == nullptr) return;
+  write(w.groups->given->group);
+  w.groups->film->AddToGroups(w.paths, rows, n, w.groups->given);
+}
+
+// Adds what rays [0, n) that have been traced see of the sky, `escaped` of them, and of lamps.
+void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t escaped, const Departure& from, Worker& w) {
+  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  KeepGroups(frame, rays.path, n, w,
+             [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
+  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
+  KeepGroups(frame, rays.path, n, w,
+             [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
+}
+
+}  // namespace
+
 std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                            std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
                            SurfaceRanges& ranges, StageClock& clock) {
@@ -90,8 +122,7 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
   // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
-  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
+  SeeLights(frame, rays, n, escaped, from, w);
   clock.Lap(Stage::kEscape);
   PrepareHits(frame, kCameraEnd, rays, n, escaped, ranges, w, clock);
 }
@@ -114,8 +145,7 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
   MoveEscaped(rays, w.queue->queue, n, w.escaped);
   CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
-  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
+  SeeLights(frame, rays, n, escaped, from, w);
   clock.Lap(Stage::kEscape);
 }
 
@@ -143,6 +173,9 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     clock.Lap(Stage::kShadow, RayKind::kShadow);
     CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
+    KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
+      GroupsOfLightSamples(frame, shares, index, w.uniforms->u, n, group);
+    });
     clock.Lap(Stage::kAccumulate);
   }
 }

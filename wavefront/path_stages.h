@@ -21,6 +21,10 @@ std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 // The surfaces of the bounce at hand, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w);
 
+// Light groups of the paths [0, n) that begin have nothing yet; `film` will get what they gain.
+// Nothing where nobody asks for groups.
+void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w);
+
 // Traces rays [0, n) that arrive at a bounce and writes their queues; returns how many hit nothing.
 // `ranges`: where the hits will be in the surface table. `only_delta`: see SortHits.
 std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,

@@ -32,6 +32,11 @@ float PixelAngle(const CameraView& camera) {
   return length(camera.right) / length(camera.forward);
 }
 
+// Whether light goes through the material itself, and may be lost on its way.
+bool HasInside(BsdfKind kind) {
+  return kind == BsdfKind::kDielectric || kind == BsdfKind::kRoughDielectric;
+}
+
 // Walks the samples of `range` without dividing per row: runs of samples of one pixel.
 // Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
 void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
@@ -105,6 +110,9 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
   if (!textures.empty()) {
     TextureColors(textures, materials, angle, ranges.total(), surfaces);
   }
+  if (const std::uint32_t* const colors = frame.geometry->vertex_colors()) {
+    TintByVertices(colors, ranges.total(), surfaces);
+  }
   if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
     BendNormals(textures, maps, angle, ranges.total(), surfaces);
   }
@@ -112,6 +120,7 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
     const std::uint32_t n = ranges.count(kind);
     if (n == 0) continue;
     const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
+    if (frame.geometry->absorbs() && HasInside(BsdfKind(kind))) AbsorbInside(materials, n, rows);
     switch (Bsdfs()[kind].varying) {
       case Varying::kNothing:
         break;

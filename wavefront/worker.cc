@@ -24,6 +24,7 @@ std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   if (options.integrator == Integrator::kPhoton) {
     worker->photon.emplace(options.wave, options.photons.neighbors);
   }
+  if (Sums(options.aovs, AovSum::kLightGroups)) worker->groups.emplace(options.wave);
   if (options.split > 0) worker->continuations = std::make_unique<Continuations>(options.wave);
   return worker;
 }

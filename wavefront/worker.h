@@ -13,10 +13,13 @@
 #include "kernels/point_tree.h"
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/frame.h"
+#include "wavefront/light_groups.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
 namespace skywave {
+
+class Film;
 
 struct QueueColumns {
   // Of each ray after partition, see kernels/partition.h. While rays are traced in scenes with
@@ -62,6 +65,13 @@ struct PhotonTables {
   soa::Table<BsdfValueColumns> values;
 };
 
+// Where light goes that is kept apart by groups of lights.
+struct GroupTables {
+  explicit GroupTables(std::uint32_t wave) : given(wave) {}
+  soa::Table<GroupColumns> given;
+  Film* film = nullptr;  // of the wave at hand
+};
+
 struct Continuations;
 
 struct Worker {
@@ -83,6 +93,7 @@ struct Worker {
   std::optional<LightPathTables> light;
   std::optional<BidirectionalTables> bidirectional;
   std::optional<PhotonTables> photon;
+  std::optional<GroupTables> groups;
   std::unique_ptr<Continuations> continuations;
 };
 

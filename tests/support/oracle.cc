@@ -123,6 +123,16 @@ bool Oracle::IsThere(std::uint32_t triangle, double u, double v, OracleRandom& r
   return random() < OracleOpacity(scene_textures_, material, uv);
 }
 
+// What a triangle shines with there.
+dvec3 Oracle::Emission(std::uint32_t triangle, double u, double v) const {
+  const Triangle& t = triangles_[triangle];
+  const Material& material = scene_textures_.materials[t.material];
+  if (!material.emission_texture) return t.light.radiance;
+  const glm::dvec2 uv =
+      (1 - u - v) * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
+  return t.light.radiance * LookUpTexture(scene_textures_, *material.emission_texture, uv);
+}
+
 // The nearest triangle up to `reach` that stops the ray, which tries them one after the other.
 bool Oracle::FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const {
   RTCIntersectContext context;
@@ -168,6 +178,7 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
   }
   hit.distance = query.ray.tfar;
   hit.light = t.light.radiance == dvec3(0) ? nullptr : &t.light;
+  hit.emission = Emission(query.hit.primID, u, v);
   hit.light_cosine = (back ? -1 : 1) * glm::dot(ng, wo);
   if (t.light.two_sided) hit.light_cosine = std::abs(hit.light_cosine);
   hit.surface = {&materials_[t.material], wo, ng, ns, back};
@@ -233,12 +244,12 @@ double Oracle::LocalShare() const { return local_lights_.empty() ? 0 : has_sky_ 
 // What a ray that ends in a shining triangle sees of it; `pdf` as above.
 dvec3 Oracle::LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const {
   if (!hit.light || !(hit.light_cosine > 0)) return dvec3(0);
-  if (pdf == 0) return hit.light->radiance;
+  if (pdf == 0) return hit.emission;
   if (!options.mis) return dvec3(0);
   const double samples = options.integrator == Integrator::kDirect ? options.light_samples : 1;
   const double light_pdf =
       samples * LocalShare() * local_lights_.Pdf(*hit.light, hit.distance, hit.light_cosine);
-  return hit.light->radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
+  return hit.emission * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
 }
 
 // One light sample, not yet divided by their number.
@@ -249,6 +260,7 @@ dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
     const auto local = local_lights_.Sample(LeaveFrom(hit, hit.surface.ng).origin, random);
     if (!local) return dvec3(0);
     light = *local;
+    if (light.triangle) light.radiance = Emission(*light.triangle, light.u, light.v);
     light.pdf *= LocalShare();
     if (light.pdf == 0) light.radiance /= LocalShare();
   } else {

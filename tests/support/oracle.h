@@ -57,6 +57,7 @@ class Oracle {
     double lift;  // distance between the point and origins of rays that leave it
     double distance;
     const OracleLocalLights::Triangle* light;
+    glm::dvec3 emission;
     double light_cosine;  // <= 0: not on its shining side
   };
 
@@ -67,6 +68,7 @@ class Oracle {
   void ApplyTextures(const Triangle& triangle, const glm::dvec3& weights, Hit& hit) const;
   bool Occluded(const Ray& ray, double distance, OracleRandom& random) const;
   bool IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const;
+  glm::dvec3 Emission(std::uint32_t triangle, double u, double v) const;
   Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
   glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
                           const RenderOptions& options) const;
