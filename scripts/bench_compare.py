@@ -134,7 +134,7 @@ def main():
     parser.add_argument("--programs", action="store_true", help="base and new are programs")
     parser.add_argument("--pairs", type=int, default=10, help="runs of each (default: 10)")
     parser.add_argument("--repetitions", type=int, default=9,
-                        help="renders of a scene in a run, of which the median counts (default: 9)")
+                        help="renders of a scene in a run, of which the least counts (default: 9)")
     parser.add_argument("--threshold", type=float, default=5,
                         help="percent that new may be slower (default: 5)")
     parser.add_argument("--jobs", type=int, default=2, help="of the builds (default: 2)")

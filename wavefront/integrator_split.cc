@@ -58,8 +58,8 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
   from.paths.r = c.direct->r, from.paths.g = c.direct->g, from.paths.b = c.direct->b;
   for (std::uint32_t index = 0; index < frame.options.split; ++index) {
     NumberContinuations(w.paths, paths, frame.options.split, index, c.wave.paths);
-    const std::uint32_t n = Scatter(frame, c.wave.paths, w.surfaces, ranges, first_kind, bounce,
-                                    c.wave.uniforms, c.wave.lobe, c.wave.rays[0]);
+    const std::uint32_t n = Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind,
+                                    bounce, c.wave.uniforms, c.wave.lobe, c.wave.rays[0]);
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
     FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
@@ -90,8 +90,8 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     ContinuePaths(frame, of_continuations, range.count, bounce, w, c, clock);
-    n = Scatter(frame, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, bounce, w.uniforms, w.lobe,
-                *next);
+    n = Scatter(frame, kCameraEnd, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, bounce,
+                w.uniforms, w.lobe, *next);
     CountScattering(w.ranges, kFirstDeltaBsdf, w.stats.lanes);
     clock.Lap(Stage::kScatter);
     std::swap(rays, next);
