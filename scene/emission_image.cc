@@ -31,15 +31,27 @@ float Wrap(TextureWrap how, float x) {
 }
 
 // The texels [first, last] of a line of `count` that bilinear lookups between two coordinates may
-// see; all of them where they are wrapped.
+// see; all of them where the way between them crosses a border that is no end.
 struct TexelRange {
   int first, last;
 };
-TexelRange Touched(float low, float high, int count) {
-  const double first = std::floor(double(low) * count - 0.5);
-  const double last = std::floor(double(high) * count - 0.5) + 1;
-  if (!(first >= 0 && last < count)) return {0, count - 1};
-  return {int(first), int(last)};
+TexelRange Touched(TextureWrap wrap, double low, double high, int count) {
+  if (wrap == TextureWrap::kClamp) {
+    low = std::clamp(low, 0.0, 1.0), high = std::clamp(high, 0.0, 1.0);
+  } else {
+    const double period = wrap == TextureWrap::kMirror ? 2 : 1;
+    const double turns = period * std::floor(low / period);
+    low -= turns, high -= turns;
+    if (wrap == TextureWrap::kMirror && low >= 1 && high <= 2) {
+      const double turned = 2 - high;
+      high = 2 - low, low = turned;
+    }
+  }
+  const double first = std::floor(low * count - 0.5), last = std::floor(high * count - 0.5) + 1;
+  if (wrap == TextureWrap::kRepeat ? first >= 0 && last < count : low >= 0 && high <= 1) {
+    return {std::max(int(first), 0), std::min(int(last), count - 1)};
+  }
+  return {0, count - 1};
 }
 
 }  // namespace
@@ -74,8 +86,8 @@ glm::vec3 EmissionImage::Nearest(const glm::vec2& at) const {
 bool EmissionImage::IsLit(const std::array<glm::vec2, 3>& at) const {
   const glm::vec2 low = glm::min(at[0], glm::min(at[1], at[2]));
   const glm::vec2 high = glm::max(at[0], glm::max(at[1], at[2]));
-  const TexelRange x = Touched(low.x, high.x, image_.width);
-  const TexelRange y = Touched(low.y, high.y, image_.height);
+  const TexelRange x = Touched(texture_.wrap_u, low.x, high.x, image_.width);
+  const TexelRange y = Touched(texture_.wrap_v, low.y, high.y, image_.height);
   const auto sum = [&](int column, int row) {
     return lit_[std::size_t(row) * (std::size_t(image_.width) + 1) + std::size_t(column)];
   };

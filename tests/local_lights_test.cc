@@ -185,6 +185,13 @@ TEST(LocalLightTables, MeanOfTheTextureIsTheirPower) {
     EXPECT_EQ(view.emission_texture[i], 1u);
     EXPECT_EQ(view.lights[i].emission[0], 2);
   }
+  // Coordinates beyond the square are those inside it: the same triangle stays dark.
+  for (const float turns : {3.0f, -2.0f}) {
+    Scene beyond = scene;
+    for (glm::vec2& uv : beyond.meshes[0].uvs) uv += turns;
+    const Geometry moved(beyond, "test", 1);
+    EXPECT_EQ(LocalLights(beyond, moved, "test", 1, 0).view().count, 3u) << turns;
+  }
   const auto units = [&](std::uint32_t i) {
     return double(view.alone.first[i + 1]) - view.alone.first[i];
   };
