@@ -10,6 +10,9 @@
 
 namespace skywave {
 
+// The same where sub-paths are joined: every worker keeps the light vertices of every bounce.
+inline constexpr std::uint32_t kMaxJoinedDepth = 64;
+
 struct IndexColumns {
   std::uint32_t* index;
 

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "scene/ground.h"
 #include "scene/reader.h"
+#include "wavefront/option_checks.h"
 #include "wavefront/sky.h"
 
 namespace skywave {
@@ -61,35 +62,6 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
                      kExitUsage);
   }
   return strategy;
-}
-
-void CheckSplit(const RenderOptions& options) {
-  if (options.split > 0 && options.integrator != Integrator::kPath) {
-    throw InputError(
-        InputPosition::File(fmt::format("--split {}", options.split)),
-        fmt::format("splits paths: --integrator {} has none", ToString(options.integrator)),
-        kExitUsage);
-  }
-}
-
-void CheckPhotons(const RenderOptions& options) {
-  const PhotonOptions& photons = options.photons;
-  const auto refuse = [](const std::string& flag, const std::string& why) {
-    throw InputError(InputPosition::File(flag), why, kExitUsage);
-  };
-  if (photons.indirect == 0 && photons.caustic == 0) {
-    refuse("--photons 0 --caustic-photons 0",
-           "--integrator photon needs photons; for direct light alone use --integrator direct");
-  }
-  if (photons.passes > options.samples_per_pixel) {
-    refuse(fmt::format("--progressive {}", photons.passes),
-           fmt::format("each pass needs a sample a pixel, and --spp is {}",
-                       options.samples_per_pixel));
-  }
-  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
-    refuse("--aovs " + ToString(options.aovs),
-           "--integrator photon does not keep direct and indirect light apart");
-  }
 }
 
 // The camera of the scene, or else one that sees all of it, changed as the flags have it.
@@ -158,59 +130,6 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
                     crop->width, crop->height, crop->x, crop->y, options.width, options.height));
   }
   return crop;
-}
-
-// What only makes sense of paths whose sub-paths are joined, and what does not of them.
-void CheckBidirectional(const RenderOptions& options) {
-  const bool joins = options.integrator == Integrator::kBdpt;
-  if (options.way && !joins) {
-    throw InputError(InputPosition::File("--paths"),
-                     fmt::format("--integrator {} has one way to make a path; use bdpt",
-                                 ToString(options.integrator)),
-                     kExitUsage);
-  }
-  if (options.way && (options.way->eye == 0 || options.way->light + options.way->eye < 2 ||
-                      (options.way->light == 1 && options.way->eye == 1))) {
-    throw InputError(InputPosition::File("--paths"),
-                     "there are paths of light vertices S and eye vertices T, the eye counted, for "
-                     "T >= 2, and for T = 1 and S >= 2",
-                     kExitUsage);
-  }
-  if (joins && !options.mis && !options.way) {
-    throw InputError(InputPosition::File("--no-mis"),
-                     "--integrator bdpt would add every path in all ways to make it; with --paths "
-                     "S,T it shows one way, unweighted",
-                     kExitUsage);
-  }
-  if (joins && options.max_depth > kMaxJoinedDepth) {
-    throw InputError(
-        InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
-        fmt::format("--integrator bdpt keeps a table a bounce, for at most {}", kMaxJoinedDepth),
-        kExitUsage);
-  }
-}
-
-void CheckIntegrator(const RenderOptions& options) {
-  const bool one_start =
-      (options.integrator == Integrator::kPath || options.integrator == Integrator::kDirect) &&
-      options.split == 0;
-  if (Sums(options.aovs, AovSum::kLightGroups) && !one_start) {
-    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
-                     "light groups are kept by --integrator path, without --split, and direct",
-                     kExitUsage);
-  }
-  CheckSplit(options);
-  CheckBidirectional(options);
-  if (options.integrator == Integrator::kPhoton) CheckPhotons(options);
-  if (HasSplats(options.integrator) &&
-      (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kDirect) ||
-       Sums(options.aovs, AovSum::kIndirect))) {
-    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
-                     fmt::format("variance, direct and indirect are of samples of a pixel, which "
-                                 "the splats of --integrator {} are not",
-                                 ToString(options.integrator)),
-                     kExitUsage);
-  }
 }
 
 // Of all surfaces; larger than need be by what floats may lose of its disk.
@@ -422,94 +341,6 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 Film RenderJob::MakeFilm(Integrator integrator) const {
   return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
               HasSplats(integrator), light_groups_.names);
-}
-
-std::optional<CameraKind> ParseCameraKind(std::string_view name) {
-  for (const CameraKind kind : kCameraKinds) {
-    if (name == ToString(kind)) return kind;
-  }
-  return std::nullopt;
-}
-
-std::string_view ToString(CameraKind kind) {
-  switch (kind) {
-    case CameraKind::kPerspective:
-      return "perspective";
-    case CameraKind::kOrthographic:
-      return "orthographic";
-    case CameraKind::kLatLong:
-      return "latlong";
-    case CameraKind::kEqualArea:
-      return "equal-area";
-    case CameraKind::kFisheye:
-      return "fisheye";
-  }
-  return "";
-}
-
-std::optional<Integrator> ParseIntegrator(std::string_view name) {
-  for (const Integrator integrator : kIntegrators) {
-    if (name == ToString(integrator)) return integrator;
-  }
-  return std::nullopt;
-}
-
-std::string_view ToString(Integrator integrator) {
-  switch (integrator) {
-    case Integrator::kDirect:
-      return "direct";
-    case Integrator::kPath:
-      return "path";
-    case Integrator::kLight:
-      return "light";
-    case Integrator::kBdpt:
-      return "bdpt";
-    case Integrator::kPhoton:
-      return "photon";
-  }
-  return "";
-}
-
-std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name) {
-  for (const PhotonKernel kernel :
-       {PhotonKernel::kConstant, PhotonKernel::kCone, PhotonKernel::kEpanechnikov}) {
-    if (name == ToString(kernel)) return kernel;
-  }
-  return std::nullopt;
-}
-
-std::string_view ToString(PhotonKernel kernel) {
-  switch (kernel) {
-    case PhotonKernel::kConstant:
-      return "constant";
-    case PhotonKernel::kCone:
-      return "cone";
-    case PhotonKernel::kEpanechnikov:
-      return "epanechnikov";
-  }
-  return "";
-}
-
-std::optional<PixelFilter> ParsePixelFilter(std::string_view name) {
-  for (const PixelFilter filter : {PixelFilter::kBox, PixelFilter::kTriangle,
-                                   PixelFilter::kGaussian, PixelFilter::kBlackmanHarris}) {
-    if (name == ToString(filter)) return filter;
-  }
-  return std::nullopt;
-}
-
-std::string_view ToString(PixelFilter filter) {
-  switch (filter) {
-    case PixelFilter::kBox:
-      return "box";
-    case PixelFilter::kTriangle:
-      return "triangle";
-    case PixelFilter::kGaussian:
-      return "gaussian";
-    case PixelFilter::kBlackmanHarris:
-      return "blackman-harris";
-  }
-  return "";
 }
 
 }  // namespace skywave

@@ -14,13 +14,12 @@
 #include "scene/scene.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 
 // Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).
 inline constexpr std::uint32_t kMaxDepth = 16384;
-// The same where sub-paths are joined: every worker keeps the light vertices of every bounce.
-inline constexpr std::uint32_t kMaxJoinedDepth = 64;
 
 // The map of the command line and how it lies in the world.
 struct EnvironmentRequest {
@@ -115,14 +114,5 @@ class RenderJob {
   std::vector<std::string> notes_;
   std::string scene_name_;  // for errors
 };
-
-std::optional<CameraKind> ParseCameraKind(std::string_view name);
-std::string_view ToString(CameraKind kind);
-std::optional<Integrator> ParseIntegrator(std::string_view name);
-std::string_view ToString(Integrator integrator);
-std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name);
-std::string_view ToString(PhotonKernel kernel);
-std::optional<PixelFilter> ParsePixelFilter(std::string_view name);
-std::string_view ToString(PixelFilter filter);
 
 }  // namespace skywave

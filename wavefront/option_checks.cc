@@ -1,0 +1,96 @@
+#include "wavefront/option_checks.h"
+
+#include <fmt/format.h>
+
+#include "base/error.h"
+#include "wavefront/bidirectional_tables.h"
+#include "wavefront/option_names.h"
+
+namespace skywave {
+namespace {
+
+void CheckSplit(const RenderOptions& options) {
+  if (options.split > 0 && options.integrator != Integrator::kPath) {
+    throw InputError(
+        InputPosition::File(fmt::format("--split {}", options.split)),
+        fmt::format("splits paths: --integrator {} has none", ToString(options.integrator)),
+        kExitUsage);
+  }
+}
+
+void CheckPhotons(const RenderOptions& options) {
+  const PhotonOptions& photons = options.photons;
+  const auto refuse = [](const std::string& flag, const std::string& why) {
+    throw InputError(InputPosition::File(flag), why, kExitUsage);
+  };
+  if (photons.indirect == 0 && photons.caustic == 0) {
+    refuse("--photons 0 --caustic-photons 0",
+           "--integrator photon needs photons; for direct light alone use --integrator direct");
+  }
+  if (photons.passes > options.samples_per_pixel) {
+    refuse(fmt::format("--progressive {}", photons.passes),
+           fmt::format("each pass needs a sample a pixel, and --spp is {}",
+                       options.samples_per_pixel));
+  }
+  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
+    refuse("--aovs " + ToString(options.aovs),
+           "--integrator photon does not keep direct and indirect light apart");
+  }
+}
+
+// What only makes sense of paths whose sub-paths are joined, and what does not of them.
+void CheckBidirectional(const RenderOptions& options) {
+  const bool joins = options.integrator == Integrator::kBdpt;
+  if (options.way && !joins) {
+    throw InputError(InputPosition::File("--paths"),
+                     fmt::format("--integrator {} has one way to make a path; use bdpt",
+                                 ToString(options.integrator)),
+                     kExitUsage);
+  }
+  if (options.way && (options.way->eye == 0 || options.way->light + options.way->eye < 2 ||
+                      (options.way->light == 1 && options.way->eye == 1))) {
+    throw InputError(InputPosition::File("--paths"),
+                     "there are paths of light vertices S and eye vertices T, the eye counted, for "
+                     "T >= 2, and for T = 1 and S >= 2",
+                     kExitUsage);
+  }
+  if (joins && !options.mis && !options.way) {
+    throw InputError(InputPosition::File("--no-mis"),
+                     "--integrator bdpt would add every path in all ways to make it; with --paths "
+                     "S,T it shows one way, unweighted",
+                     kExitUsage);
+  }
+  if (joins && options.max_depth > kMaxJoinedDepth) {
+    throw InputError(
+        InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
+        fmt::format("--integrator bdpt keeps a table a bounce, for at most {}", kMaxJoinedDepth),
+        kExitUsage);
+  }
+}
+
+}  // namespace
+
+void CheckIntegrator(const RenderOptions& options) {
+  const bool one_start =
+      (options.integrator == Integrator::kPath || options.integrator == Integrator::kDirect) &&
+      options.split == 0;
+  if (Sums(options.aovs, AovSum::kLightGroups) && !one_start) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
+                     "light groups are kept by --integrator path, without --split, and direct",
+                     kExitUsage);
+  }
+  CheckSplit(options);
+  CheckBidirectional(options);
+  if (options.integrator == Integrator::kPhoton) CheckPhotons(options);
+  if (HasSplats(options.integrator) &&
+      (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kDirect) ||
+       Sums(options.aovs, AovSum::kIndirect))) {
+    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
+                     fmt::format("variance, direct and indirect are of samples of a pixel, which "
+                                 "the splats of --integrator {} are not",
+                                 ToString(options.integrator)),
+                     kExitUsage);
+  }
+}
+
+}  // namespace skywave
