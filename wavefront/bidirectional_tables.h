@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// The same where sub-paths are joined: every worker keeps the light vertices of every bounce.
+// Deepest path whose sub-paths are joined: a worker keeps the light vertices of every bounce.
 inline constexpr std::uint32_t kMaxJoinedDepth = 64;
 
 struct IndexColumns {
