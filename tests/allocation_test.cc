@@ -10,6 +10,7 @@
 #include "lights/strategy.h"
 #include "scene/builtin.h"
 #include "tests/support/painted_scene.h"
+#include "tests/support/photon_maps.h"
 #include "tests/support/screens_scene.h"
 #include "wavefront/integrator.h"
 #include "wavefront/render.h"
@@ -87,6 +88,9 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
   FrameView frame = job.frame(integrator, job.strategy());
   frame.options.split = split;
   frame.options.wave = 600;  // the last wave is smaller
+  PhotonMaps maps;
+  if (integrator == Integrator::kPhoton) maps = MapsOf(frame);
+  frame.photons = &maps;
   Film film = job.MakeFilm(integrator);
   const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
   const Tile tile = {0, 0, 32, 24};
@@ -111,10 +115,12 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.max_depth = 12;
     request.options.backend = backend;
     request.options.light_samples = 3;
+    request.options.photons.indirect = request.options.photons.caustic = 1000;
     const RenderJob job(scene, request);
     ExpectNoAllocations(job, Integrator::kPath);
     ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);
     ExpectNoAllocations(job, Integrator::kDirect);
+    ExpectNoAllocations(job, Integrator::kPhoton);
     if (!CanEmit(job.strategy())) continue;
     ExpectNoAllocations(job, Integrator::kLight);
     ExpectNoAllocations(job, Integrator::kBdpt);

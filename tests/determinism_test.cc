@@ -11,6 +11,7 @@
 #include "lights/strategy.h"
 #include "scene/builtin.h"
 #include "tests/support/painted_scene.h"
+#include "tests/support/photon_maps.h"
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
@@ -92,8 +93,10 @@ TEST_P(Determinism, ThreadsDoNotMatter) {
 // RenderFrame leaves it to TBB and Embree how many threads there are: no more than cores. Here they
 // are the operating system's, each with a worker of its own, and take the tiles in any order.
 TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
-  if (job().options().integrator == Integrator::kPhoton) GTEST_SKIP() << "see photon_test";
-  const FrameView frame = job().frame();
+  FrameView frame = job().frame();
+  PhotonMaps maps;
+  if (frame.options.integrator == Integrator::kPhoton) maps = MapsOf(frame);
+  frame.photons = &maps;
   const std::vector<Tile> tiles = CutTiles(frame.options.width, frame.options.height, 5, 16);
   ASSERT_GT(tiles.size(), 16u);
   Film film = job().MakeFilm();

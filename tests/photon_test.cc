@@ -1,6 +1,5 @@
 // Photon mapping against closed forms, against path tracing, and against itself.
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <cstdio>
@@ -11,10 +10,10 @@
 #include "base/error.h"
 #include "scene/builtin.h"
 #include "scene/mesh.h"
+#include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
-#include "wavefront/photon_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -45,16 +44,7 @@ std::array<double, 3> MeanOf(const Image& image) {
   return mean;
 }
 
-PhotonMaps MapsOf(const RenderJob& job) {
-  const FrameView frame = job.frame();
-  PhotonMaps maps;
-  tbb::task_arena arena(2);
-  arena.execute([&] {
-    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-    maps = TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
-  });
-  return maps;
-}
+PhotonMaps MapsOf(const RenderJob& job) { return MapsOf(job.frame()); }
 
 // The flux of all photons that have met `depth` surfaces, 0: of all.
 double FluxOf(const PhotonMap& map, int channel, std::uint32_t depth) {

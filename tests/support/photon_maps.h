@@ -1,0 +1,24 @@
+// The photon maps of a frame, for tests that render its waves themselves.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <memory>
+#include <vector>
+
+#include "wavefront/photon_pass.h"
+
+namespace skywave {
+
+// Those of the first pass.
+inline PhotonMaps MapsOf(const FrameView& frame) {
+  PhotonMaps maps;
+  tbb::task_arena arena(2);
+  arena.execute([&] {
+    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+    maps = TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
+  });
+  return maps;
+}
+
+}  // namespace skywave
