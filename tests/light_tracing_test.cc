@@ -156,6 +156,24 @@ TEST(LightTracing, IsPathTracingUnderGlass) {
   ExpectSame(scene, request);
 }
 
+// A floor whose shading normals lean by 20 degrees, and a ball over it, low enough that nobody
+// looks along the floor: Veach's factor counts where flux is connected and where it is scattered.
+TEST(LightTracing, IsPathTracingOnBentNormals) {
+  for (const float alpha : {0.0f, 0.4f}) {
+    Scene scene;
+    Mesh floor = Quad(1);
+    floor.normals.assign(floor.positions.size(), glm::normalize(glm::vec3(0.364f, 1, 0)));
+    const std::uint32_t material =
+        alpha > 0 ? AddGloss(scene, alpha) : AddLambert(scene, "floor", glm::vec3(0.9f));
+    Place(scene, floor, material, glm::vec3(0));
+    Place(scene, Facetted(Sphere(0.5f, 4)), AddLambert(scene, "ball", glm::vec3(0.9f)),
+          {0, 1.6f, 0});
+    AddLamp(scene, 0.4f, {-0.6f, 3, 0.5f}, {40, 30, 20});
+    scene.camera = LookAtCamera({1.5f, 3, 3}, {0, 0.7f, 0}, {0, 1, 0}, 45, false);
+    ExpectSame(scene, Request(4, 96));
+  }
+}
+
 // Lights in place of a map, which stand for the same directions in both.
 TEST(LightTracing, IsPathTracingUnderDirectionalLights) {
   Scene scene = Things();
