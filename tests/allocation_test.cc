@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <memory>
 
 #include "lights/strategy.h"
 #include "scene/builtin.h"

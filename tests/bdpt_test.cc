@@ -189,7 +189,8 @@ Scene Apart(const Material& material) {
 TEST(Bdpt, EveryWayAloneFindsAllLight) {
   for (const BsdfKind kind : {BsdfKind::kLambert, BsdfKind::kRoughDielectric}) {
     const RenderJob job(Apart(Of(kind, 0.5f)), Request(Integrator::kBdpt, 3));
-    for (const std::uint32_t surfaces : {1u, 2u, 3u}) {
+    // Three surfaces can be facets of one ball of glass, with corners between them.
+    for (std::uint32_t surfaces = 1; surfaces <= (kind == BsdfKind::kLambert ? 3 : 2); ++surfaces) {
       PictureEstimate expected;
       std::uint32_t seed = 100;
       for (const PathWay& way : WaysOf(surfaces)) {
