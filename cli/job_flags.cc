@@ -112,7 +112,7 @@ void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
       CLI::Range(0u, 4096u));
   add("--photon-neighbors", p.neighbors, "of a lookup, at most", CLI::Range(2u, 1u << 16));
   add("--photon-distance", p.distance,
-      "of a lookup, at most; progressive: radius of the first pass (0: by extent and counts)",
+      "of a lookup, at most; progressive: radius of the first pass (0: by the photons)",
       FiniteNumber(0, 1e12));
   AddParsed(command, "--photon-kernel", "weights of a lookup (default: epanechnikov)",
             "constant|cone|epanechnikov", p.kernel, ParsePhotonKernel);

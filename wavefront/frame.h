@@ -44,10 +44,10 @@ struct PhotonMaps;
 struct PhotonOptions {
   std::uint32_t indirect = 200000, caustic = 20000;
   std::uint32_t neighbors = 50;  // of a lookup, at most
-  float distance = 0;            // of a lookup, at most [world space]; 0: by extent and counts
+  float distance = 0;            // of a lookup, at most [world space]; 0: by the photons
   PhotonKernel kernel = PhotonKernel::kEpanechnikov;
-  std::uint32_t gather =
-      1;  // rays of a final gather a surface; 0: photons are looked up where they are seen
+  // Rays of a final gather a surface; 0: photons are looked up where they are seen.
+  std::uint32_t gather = 1;
   // More than 1: progressive, everything within a radius that shrinks from pass to pass.
   std::uint32_t passes = 1;
   float alpha = 2.0f / 3;  // how slowly it shrinks
