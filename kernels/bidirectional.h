@@ -7,7 +7,8 @@
 // Conventions. Densities of vertices are areal [1/length^2], measured with geometric normals; those
 // of a vertex infinitely far away are in solid angle. A delta BSDF counts as density 1 in both
 // directions, and no way joins at it. A light sub-path is one a path; a picture has `light_paths`
-// of them for every sample of a pixel. Roulette does not count.
+// of them for every sample of a pixel. Roulette does not count. Without multiple importance
+// sampling (MisPolicy) every weight is 1, and each way alone is an estimate of what it can find.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +22,11 @@ namespace skywave {
 // What a sub-path knows of the other ways to make it: ratios of densities, theirs over its own,
 // joined by the root of the sum of squares, which floats hold where the sum itself would overflow.
 struct SubpathColumns {
-  // Of the way that joins at the vertex before: between two vertices [length^2 sr^-1] (Georgiev's
-  // dVCM); negative: the vertex before is infinitely far, and distance does not count.
+  // Of the way that joins at the vertex before (dVCM); at a vertex [length^2], on the way to it
+  // [sr], or negative: of an end infinitely far away, and then distance does not count.
   float* joined_before;
-  // Of all ways that join farther back, but for the density that the next vertex will have for
-  // sampling back (dVC).
+  // Of all ways that join farther back, but for the density with which the vertex at hand samples
+  // back (dVC).
   float* joined_earlier;
 
   template <class Self, class F>
@@ -47,18 +48,12 @@ struct TurnedColumns {
   }
 };
 
-// Without multiple importance sampling (MisPolicy) every weight below is 1, and each way alone is
-// an estimate of what it can find.
-
 inline constexpr std::uint32_t kNoRow = 0xFFFFFFFFu;
 
 // Rows [0, n) of `surfaces` as they look from where dir of `lights` points to: turned where that is
 // behind them.
 void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
                   const TurnedColumns& turned);
-
-// The sub-paths of rows [0, n) leave their lights: writes `paths`, row by row.
-void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths);
 
 // Clears values and densities of rows [0, n) of `values` whose wo is below the surface as it is or
 // as it is shaded, where BSDFs, which take wo for being above, mean nothing.
@@ -68,6 +63,9 @@ void ClearUnseen(const SurfaceColumns& surfaces, std::uint32_t n, const BsdfValu
 // or, of parallel rays, across them [1/length^2].
 void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,
               const SubpathColumns& paths);
+
+// The sub-paths of rows [0, n) leave their lights: writes `paths`, row by row.
+void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const SubpathColumns& paths);
 
 // The sub-paths in rows surfaces.path of `paths` have arrived at surfaces [0, n): writes `at`.
 void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const SubpathColumns& paths,

@@ -8,7 +8,7 @@
 
 #include "tests/support/path_densities.h"
 #include "tests/support/targets.h"
-#include "wavefront/bidirectional.h"
+#include "wavefront/bidirectional_tables.h"
 
 namespace skywave {
 namespace {
