@@ -114,7 +114,7 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 
 std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
                            const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met) {
+                           float samples, const EscapeColumns& met, float* arrival) {
   std::uint32_t to = 0;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
@@ -155,6 +155,10 @@ std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice
     rows.Append(radiance.z, met.radiance_b + to);
     rows.Append(SolidAngleDensity(probability, light.area(), hn::Mul(t, t), cosine),
                 met.light_pdf + to);
+    if (arrival != nullptr) {
+      const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
+      rows.Append(hn::Div(cosine, hn::Mul(sides, hn::Mul(t, t))), arrival + to);
+    }
     to += rows.count();
   }
   return to;
@@ -183,8 +187,8 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 }
 std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
                            const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met) {
-  return HWY_DYNAMIC_DISPATCH(MeetEmitters)(view, choice, rays, hits, n, samples, met);
+                           float samples, const EscapeColumns& met, float* arrival) {
+  return HWY_DYNAMIC_DISPATCH(MeetEmitters)(view, choice, rays, hits, n, samples, met, arrival);
 }
 
 }  // namespace skywave

@@ -65,9 +65,9 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 
 // Appends to `met` (from its row 0) those of rays [0, n) that hit the shining side of a triangle,
 // in order, with its radiance and the density of SampleLocalLights there; returns their number.
-// There is a triangle that shines.
+// There is a triangle that shines. `arrival`, where it is not null: see kernels/arrival.h.
 std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
                            const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met);
+                           float samples, const EscapeColumns& met, float* arrival = nullptr);
 
 }  // namespace skywave

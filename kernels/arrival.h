@@ -1,0 +1,23 @@
+// How likely light paths (kernels/emission.h) are to arrive where light samples are taken or light
+// is met: their density given where on their light they start, but for the cosine at the surface
+// where they arrive [1/length^2]. What weights of bidirectional paths need of lights.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+#include "kernels/emission.h"
+#include "kernels/local_lights.h"
+
+namespace skywave {
+
+// Of light that comes from infinitely far away: even over the disk of the sphere.
+float DistantArrival(const SceneSphere& sphere);
+
+// Rows [0, n) whose u picks a light: of the sample that SampleLocalLights (for one pick a surface)
+// has put into `samples`. The others have a sample of something infinitely far away.
+void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
+                    const SceneSphere& sphere, const SurfaceColumns& surfaces, const float* u,
+                    const LightColumns& samples, std::uint32_t n, float* arrival);
+
+}  // namespace skywave

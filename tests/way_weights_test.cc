@@ -1,0 +1,304 @@
+// The weights that bidirectional paths get from two numbers a sub-path, against those by definition
+// in double (support/path_densities.h): random paths of all kinds of lights, with and without delta
+// BSDFs, joined in all ways.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/path_densities.h"
+#include "tests/support/targets.h"
+#include "wavefront/bidirectional_tables.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kPaths = 96;
+constexpr std::size_t kMostSurfaces = 5;
+constexpr float kLightPaths = 700;
+
+BidirectionalPath RandomPath(Random& random, std::size_t surfaces, double delta_share) {
+  BidirectionalPath path;
+  const auto density = [&] { return std::exp(random.Between(-3, 4)); };
+  const auto point = [&] { return random.Between(0.5, 3) * random.Direction(); };
+  path.eye = point();
+  path.eye_pdf = std::exp(random.Between(0, 12));
+  path.light_paths = kLightPaths;
+  for (std::size_t i = 0; i < surfaces; ++i) {
+    PathSurface surface = {point(), random.Direction(), random.Float() < delta_share, 1, 1};
+    if (!surface.delta) surface.pdf_to_light = density(), surface.pdf_to_eye = density();
+    path.surfaces.push_back(surface);
+  }
+  path.light = PathLight(random.Word() % 4);
+  path.light_point = path.distant() ? random.Direction() : point();
+  path.light_normal = random.Direction();
+  path.light_pdf = density();
+  path.emission_pdf = 0.1 * density();
+  return path;
+}
+
+void Fill(float value, std::uint32_t row, float* r, float* g, float* b) {
+  r[row] = g[row] = b[row] = value;
+}
+
+// Many paths with the same number of surfaces, a row each, as stages see them. Rows of the light's
+// vertices are in reverse, so that an index that is dropped is seen.
+class Subpaths {
+ public:
+  explicit Subpaths(std::vector<BidirectionalPath> paths) : paths_(std::move(paths)) {
+    for (std::size_t i = 0; i < surfaces(); ++i)
+      eye_.emplace_back(kPaths), light_.emplace_back(kPaths);
+    WalkFromEye();
+    WalkFromLight();
+  }
+  std::size_t surfaces() const { return paths_[0].surfaces.size(); }
+
+  // Weights of the way with that many vertices from the light, by the kernels.
+  std::vector<double> Weights(std::size_t lights) {
+    if (lights == 0) return MetLight();
+    if (lights == 1) return LightSamples();
+    return lights == surfaces() + 1 ? Splats() : Connections(lights - 2);
+  }
+
+ private:
+  static std::uint32_t LightRow(std::uint32_t path) { return kPaths - 1 - path; }
+
+  // The surface as a sub-path sees it that comes from `from`, `distance` away along `wo`.
+  static void Set(const PathSurface& surface, Vec wo, double distance, std::uint32_t path,
+                  std::uint32_t row, const LightVertices& vertices) {
+    const SurfaceColumns& s = vertices.surfaces;
+    const Vec ng = Dot(surface.normal, wo) < 0 ? -surface.normal : surface.normal;
+    Put(wo, row, s.wo_x, s.wo_y, s.wo_z);
+    Put(ng, row, s.ng_x, s.ng_y, s.ng_z);
+    constexpr float kLift = 0x1p-12f;
+    Put(surface.point + kLift * ng, row, s.org_x, s.org_y, s.org_z);
+    s.lift[row] = kLift, s.t[row] = float(distance), s.path[row] = path;
+    Fill(1, row, s.throughput_r, s.throughput_g, s.throughput_b);
+    vertices.row_of_path->index[path] = row;
+  }
+  // Rays that leave in all rows, and the density for sampling back.
+  struct Leaving {
+    Leaving() : rays(kPaths), back(kPaths) {}
+    void Set(std::uint32_t i, std::uint32_t row, const PathSurface& surface, Vec dir, double pdf,
+             double back_pdf) {
+      Put(dir, i, rays->dir_x, rays->dir_y, rays->dir_z);
+      rays->pdf[i] = surface.delta ? 0 : float(pdf);
+      rays->path[i] = i, rays->from[i] = row;
+      back->u[row] = float(back_pdf);
+    }
+    soa::Table<RayColumns> rays;
+    soa::Table<UniformColumns> back;
+  };
+
+  Vec ToLight(const BidirectionalPath& path, std::size_t surface) const {
+    if (surface + 1 < surfaces()) {
+      return path.surfaces[surface + 1].point - path.surfaces[surface].point;
+    }
+    return path.distant() ? path.light_point : path.light_point - path.surfaces[surface].point;
+  }
+  Vec ToEye(const BidirectionalPath& path, std::size_t surface) const {
+    return (surface == 0 ? path.eye : path.surfaces[surface - 1].point) -
+           path.surfaces[surface].point;
+  }
+
+  void WalkFromEye() {
+    const soa::Table<UniformColumns> density(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) density->u[i] = float(paths_[i].eye_pdf);
+    LeaveEye(density->u, kLightPaths, /*parallel=*/false, kPaths, eye_flying_);
+    for (std::size_t j = 0; j < surfaces(); ++j) {
+      Leaving leaving;
+      for (std::uint32_t i = 0; i < kPaths; ++i) {
+        const PathSurface& surface = paths_[i].surfaces[j];
+        const Vec back = ToEye(paths_[i], j);
+        Set(surface, Unit(back), Length(back), i, i, eye_[j]);
+        leaving.Set(i, i, surface, Unit(ToLight(paths_[i], j)), surface.pdf_to_light,
+                    surface.pdf_to_eye);
+      }
+      ArriveAtSurfaces(eye_[j].surfaces, kPaths, eye_flying_, eye_[j].at);
+      LeaveSurfaces(eye_[j].surfaces, eye_[j].at, leaving.back->u, leaving.rays, kPaths,
+                    eye_flying_);
+    }
+  }
+
+  void WalkFromLight() {
+    const soa::Table<SubpathColumns> flying(kPaths);
+    const soa::Table<EmissionColumns> emission(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      const BidirectionalPath& path = paths_[i];
+      const Vec dir = Unit(ToLight(path, surfaces() - 1));
+      emission->pdf[i] = float(path.light_pdf * path.emission_pdf);
+      emission->light_pdf[i] = float(path.light_pdf);
+      emission->cosine[i] =
+          path.light == PathLight::kArea ? float(std::fabs(Dot(path.light_normal, dir))) : 1;
+      emission->light[i] = path.light == PathLight::kSky ? kNoLight : 3;
+      emission->delta[i] = path.light == PathLight::kPosition    ? kDeltaPosition
+                           : path.light == PathLight::kDirection ? kDeltaDirection
+                                                                 : 0;
+    }
+    LeaveLights(emission, kPaths, flying);
+    for (std::size_t j = surfaces(); j-- > 0;) {
+      Leaving leaving;
+      for (std::uint32_t i = 0; i < kPaths; ++i) {
+        const PathSurface& surface = paths_[i].surfaces[j];
+        const Vec back = ToLight(paths_[i], j);
+        // Light from infinitely far away comes in over any distance.
+        Set(surface, Unit(back), paths_[i].distant() && j + 1 == surfaces() ? 1e3 : Length(back), i,
+            LightRow(i), light_[j]);
+        leaving.Set(i, LightRow(i), surface, Unit(ToEye(paths_[i], j)), surface.pdf_to_eye,
+                    surface.pdf_to_light);
+      }
+      ArriveAtSurfaces(light_[j].surfaces, kPaths, flying, light_[j].at);
+      LeaveSurfaces(light_[j].surfaces, light_[j].at, leaving.back->u, leaving.rays, kPaths,
+                    flying);
+    }
+  }
+
+  // As the kernels want it of a light, seen from the last surface.
+  double Arrival(const BidirectionalPath& path) const {
+    const Vec way = ToLight(path, surfaces() - 1);
+    return path.distant() ? path.emission_pdf : path.emission_pdf / Dot(way, way);
+  }
+  // Density of light samples in solid angle; infinite for lights that nothing can hit.
+  double LightPdf(const BidirectionalPath& path) const {
+    if (path.light == PathLight::kSky) return path.light_pdf;
+    if (path.light != PathLight::kArea) return std::numeric_limits<double>::infinity();
+    const Vec way = ToLight(path, surfaces() - 1);
+    return path.light_pdf * Dot(way, way) / std::fabs(Dot(path.light_normal, Unit(way)));
+  }
+
+  std::vector<double> MetLight() {
+    const soa::Table<EscapeColumns> met(kPaths);
+    const soa::Table<UniformColumns> arrival(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      Fill(1, i, met->throughput_r, met->throughput_g, met->throughput_b);
+      met->path[i] = i, met->light_pdf[i] = float(LightPdf(paths_[i]));
+      arrival->u[i] = float(Arrival(paths_[i]));
+    }
+    MarkPartners(eye_flying_, kPaths, met);
+    WeighMetLight(eye_flying_, arrival->u, kPaths, MisPolicy(), met);
+    return {met->throughput_g, met->throughput_g + kPaths};
+  }
+
+  std::vector<double> LightSamples() {
+    const LightVertices& last = eye_.back();
+    const soa::Table<LightColumns> lights(kPaths);
+    const soa::Table<UniformColumns> arrival(kPaths);
+    const BothWays seen(kPaths);
+    std::vector<double> weights(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      const PathSurface& surface = paths_[i].surfaces.back();
+      Put(Unit(ToLight(paths_[i], surfaces() - 1)), i, lights->dir_x, lights->dir_y, lights->dir_z);
+      Fill(1, i, lights->r, lights->g, lights->b);
+      Fill(1, i, seen.forward->r, seen.forward->g, seen.forward->b);
+      lights->pdf[i] = float(LightPdf(paths_[i]));
+      seen.forward->pdf[i] = float(surface.pdf_to_light);
+      seen.backward->pdf[i] = float(surface.pdf_to_eye);
+      arrival->u[i] = float(Arrival(paths_[i]));
+    }
+    WeighLightSamples(last.surfaces, last.at, seen.forward, seen.backward, arrival->u, kPaths,
+                      MisPolicy(), lights);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      const double pdf = LightPdf(paths_[i]);
+      weights[i] = lights->g[i] * (std::isinf(pdf) ? 1 : pdf);
+    }
+    return weights;
+  }
+
+  std::vector<double> Splats() {
+    const LightVertices& first = light_.front();
+    const soa::Table<LightColumns> to_eye(kPaths);
+    const soa::Table<UniformColumns> arrival(kPaths), back(kPaths);
+    std::vector<double> weights(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      const std::uint32_t row = LightRow(i);
+      const Vec way = ToEye(paths_[i], 0);
+      Put(Unit(way), row, to_eye->dir_x, to_eye->dir_y, to_eye->dir_z);
+      Fill(1, row, to_eye->r, to_eye->g, to_eye->b);
+      arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way));
+      back->u[row] = float(paths_[i].surfaces[0].pdf_to_light);
+    }
+    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, MisPolicy(),
+                to_eye);
+    for (std::uint32_t i = 0; i < kPaths; ++i) weights[i] = to_eye->g[LightRow(i)];
+    return weights;
+  }
+
+  // `light_surfaces` more than one from the light's side.
+  std::vector<double> Connections(std::size_t light_surfaces) {
+    const std::size_t j = surfaces() - 1 - light_surfaces;  // the light's end; the eye's is j - 1
+    const LightVertices &eye = eye_[j - 1], &light = light_[j];
+    const soa::Table<LightColumns> to_light(kPaths), to_eye(kPaths);
+    const soa::Table<IndexColumns> partner(kPaths);
+    const BothWays at_eye(kPaths), at_light(kPaths);
+    AimAtVertices(eye.surfaces, kPaths, light.view(), partner->index, to_light, to_eye);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      const std::uint32_t row = LightRow(i);
+      const PathSurface &z = paths_[i].surfaces[j - 1], &y = paths_[i].surfaces[j];
+      EXPECT_EQ(partner->index[i], row);
+      const Vec dir = Unit(ToLight(paths_[i], j - 1));
+      const Vec aimed = Get(i, to_light->dir_x, to_light->dir_y, to_light->dir_z);
+      const Vec aimed_back = Get(row, to_eye->dir_x, to_eye->dir_y, to_eye->dir_z);
+      EXPECT_LT(Angle(aimed, dir) + Angle(-aimed_back, dir), 1e-4);
+      Fill(1, i, at_eye.forward->r, at_eye.forward->g, at_eye.forward->b);
+      Fill(1, row, at_light.backward->r, at_light.backward->g, at_light.backward->b);
+      at_eye.forward->pdf[i] = float(z.pdf_to_light);
+      at_eye.backward->pdf[i] = float(z.pdf_to_eye);
+      at_light.forward->pdf[row] = float(y.pdf_to_eye);
+      at_light.backward->pdf[row] = float(y.pdf_to_light);
+    }
+    JoinVertices(eye.surfaces, eye.at, kPaths, MisPolicy(), light.view(), partner->index,
+                 {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward}, to_light);
+    std::vector<double> weights(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      const PathSurface& y = paths_[i].surfaces[j];
+      const Vec way = ToEye(paths_[i], j), in = Unit(ToLight(paths_[i], j));
+      const double geometry =
+          std::fabs(Dot(y.normal, Unit(way))) / Dot(way, way) / std::fabs(Dot(y.normal, in));
+      weights[i] = to_light->g[i] / geometry;
+    }
+    return weights;
+  }
+
+  std::vector<BidirectionalPath> paths_;
+  std::vector<LightVertices> eye_, light_;  // by surface from the eye
+  soa::Table<SubpathColumns> eye_flying_{kPaths};
+};
+
+TEST(WayWeights, AreThoseByDefinitionAndSumToOne) {
+  Random random(5);
+  for (std::size_t surfaces = 1; surfaces <= kMostSurfaces; ++surfaces) {
+    for (const double delta_share : {0.0, 0.4, 1.0}) {
+      SCOPED_TRACE(testing::Message() << surfaces << " surfaces, delta " << delta_share);
+      std::vector<BidirectionalPath> paths;
+      for (std::uint32_t i = 0; i < kPaths; ++i) {
+        paths.push_back(RandomPath(random, surfaces, delta_share));
+      }
+      ForEachTarget([&] {
+        Subpaths subpaths(paths);
+        std::vector<double> sum(kPaths);
+        for (std::size_t lights = 0; lights <= surfaces + 1; ++lights) {
+          const std::vector<double> weights = subpaths.Weights(lights);
+          for (std::uint32_t i = 0; i < kPaths; ++i) {
+            // Ways that there are not: stages do not walk them, their weights mean nothing.
+            if (WayDensity(paths[i], lights) == 0) continue;
+            EXPECT_NEAR(weights[i], WayWeights(paths[i])[lights], 2e-4)
+                << "path " << i << ", light " << int(paths[i].light) << ", " << lights
+                << " vertices from the light";
+            sum[i] += weights[i];
+          }
+        }
+        for (std::uint32_t i = 0; i < kPaths; ++i) {
+          double densities = 0;
+          for (std::size_t lights = 0; lights <= surfaces + 1; ++lights) {
+            densities += WayDensity(paths[i], lights);
+          }
+          if (densities == 0) continue;
+          EXPECT_NEAR(sum[i], 1, 1e-3) << "path " << i;
+        }
+      });
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skywave

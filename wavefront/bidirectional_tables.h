@@ -1,0 +1,67 @@
+// What integrators that join sub-paths from the eye and from lights keep besides the tables of all.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/bidirectional.h"
+#include "kernels/columns.h"
+#include "wavefront/soa.h"
+
+namespace skywave {
+
+struct IndexColumns {
+  std::uint32_t* index;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.index);
+  }
+};
+
+// Both directions of a surface and another point, as its BSDF sees them.
+struct BothWays {
+  explicit BothWays(std::uint32_t wave) : forward(wave), backward(wave) {}
+  soa::Table<BsdfValueColumns> forward, backward;  // of dir given wo; of wo given dir
+};
+
+// The surfaces of one bounce of the light sub-paths of a wave.
+struct LightVertices {
+  explicit LightVertices(std::uint32_t wave) : surfaces(wave), at(wave), row_of_path(wave) {}
+  VertexView view() const { return {surfaces, at, row_of_path->index}; }
+
+  soa::Table<SurfaceColumns> surfaces;
+  SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
+  soa::Table<SubpathColumns> at;
+  soa::Table<IndexColumns> row_of_path;  // a path's row in `surfaces`, or kNoRow
+};
+
+struct BidirectionalTables {
+  // `depth`: surfaces of the longest path.
+  BidirectionalTables(std::uint32_t wave, std::uint32_t depth)
+      : eye_rays(wave),
+        eye(wave),
+        light(wave),
+        at(wave),
+        arrival(wave),
+        to_eye(wave),
+        partner(wave),
+        turned(wave),
+        seen(wave),
+        seen_by_light(wave) {
+    vertices.reserve(depth);
+    for (std::uint32_t i = 0; i < depth; ++i) vertices.emplace_back(wave);
+  }
+
+  std::vector<LightVertices> vertices;    // by bounce
+  soa::Table<RayColumns> eye_rays;        // while light sub-paths are traced
+  soa::Table<SubpathColumns> eye, light;  // on their way, one row a path
+  soa::Table<SubpathColumns> at;          // of the eye's surfaces at hand
+  soa::Table<UniformColumns> arrival;     // u: see kernels/arrival.h
+  soa::Table<LightColumns> to_eye;        // from light vertices
+  soa::Table<IndexColumns> partner;       // of the eye's surfaces
+  soa::Table<TurnedColumns> turned;       // room
+  BothWays seen, seen_by_light;           // ends of connections
+};
+
+}  // namespace skywave
