@@ -49,6 +49,19 @@ std::optional<CropWindow> ParseCrop(const std::string& text) {
   return next == end ? std::optional(crop) : std::nullopt;
 }
 
+// S,T
+std::optional<PathWay> ParseWay(const std::string& text) {
+  PathWay way;
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  const char *begin = text.data(), *middle = begin + comma, *end = begin + text.size();
+  const auto light = std::from_chars(begin, middle, way.light);
+  const auto eye = std::from_chars(middle + 1, end, way.eye);
+  const bool whole = light.ptr == middle && eye.ptr == end;
+  if (light.ec != std::errc() || eye.ec != std::errc() || !whole) return std::nullopt;
+  return way;
+}
+
 void AddCameraFlags(CLI::App& command, JobRequest& r) {
   const auto group = "Camera";
   CameraRequest& c = r.camera;
@@ -147,7 +160,11 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
-            "direct|path|light", r.integrator, ParseIntegrator);
+            "direct|path|light|bdpt", r.integrator, ParseIntegrator);
+  AddParsed(command, "--paths",
+            "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
+            "weight is 1",
+            "S,T", o.way, ParseWay);
   command.add_option("--light-samples", o.light_samples, "light samples a hit (direct)")
       ->check(CLI::Range(1, 1 << 16))
       ->capture_default_str();
@@ -196,6 +213,7 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   }
   text += fmt::format(" --max-depth {} --filter {} --filter-radius {} --seed {}", o.max_depth,
                       ToString(o.filter), o.filter_radius, o.seed);
+  if (o.way) text += fmt::format(" --paths {},{}", o.way->light, o.way->eye);
   if (!o.mis) text += " --no-mis";
   if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);
   return text;

@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <memory>
 
 #include "lights/strategy.h"
 #include "scene/builtin.h"
@@ -88,17 +89,18 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator) {
   FrameView frame = job.frame();
   frame.options.integrator = integrator;
   Film film = job.MakeFilm();
-  Worker worker(600, HasLightPaths(integrator));  // the last wave is smaller
+  frame.options.wave = 600;  // the last wave is smaller
+  const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
   const Tile tile = {0, 0, 32, 24};
   const auto waves = [&] {
     for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
       const auto left = std::uint32_t(32 * 24 * 4 - first);
-      RenderWave(frame, {tile, first, std::min(600u, left)}, worker, film);
+      RenderWave(frame, {tile, first, std::min(600u, left)}, *worker, film);
     }
   };
   // From the first wave on: there is nothing to warm up.
   EXPECT_EQ(AllocationsOf(waves), 0u);
-  EXPECT_EQ(worker.stats.samples, 32u * 24 * 4);
+  EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
 }
 
 void ExpectNoAllocations(Scene scene, Backend backend) {
@@ -115,8 +117,10 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     ExpectNoAllocations(job, Integrator::kPath);
     ExpectNoAllocations(job, Integrator::kDirect);
     if (!CanEmit(job.strategy())) continue;
-    request.integrator = Integrator::kLight;
-    ExpectNoAllocations(RenderJob(scene, request), Integrator::kLight);
+    for (const Integrator integrator : {Integrator::kLight, Integrator::kBdpt}) {
+      request.integrator = integrator;
+      ExpectNoAllocations(RenderJob(scene, request), integrator);
+    }
   }
 }
 

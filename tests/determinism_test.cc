@@ -18,6 +18,7 @@
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/render.h"
+#include "wavefront/worker.h"
 
 namespace skywave {
 namespace {
@@ -96,12 +97,14 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
     const FlushDenormals flush;  // as RenderFrame does
-    Worker worker(64, HasLightPaths(frame.options.integrator));
+    RenderOptions options = frame.options;
+    options.wave = 64;
+    const std::unique_ptr<Worker> worker = MakeWorker(options);
     for (std::size_t i = next++; i < tiles.size(); i = next++) {
       const std::uint32_t total = tiles[i].width * tiles[i].height * 5;
       for (std::uint32_t first = 0; first < total; first += 64) {
         const WaveRange range = {tiles[i], first, std::min(64u, total - first)};
-        RenderWave(frame, range, worker, film);
+        RenderWave(frame, range, *worker, film);
       }
       std::this_thread::yield();
     }
@@ -159,7 +162,7 @@ TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
     const RenderJob of_path(scene, request);
     const bool emits = CanEmit(of_path.strategy());
     for (const Integrator integrator :
-         {Integrator::kPath, Integrator::kDirect, Integrator::kLight}) {
+         {Integrator::kPath, Integrator::kDirect, Integrator::kLight, Integrator::kBdpt}) {
       if (HasLightPaths(integrator) && !emits) continue;
       request.integrator = integrator;
       request.options.light_samples = 2;
@@ -189,7 +192,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"screens", Integrator::kPath}, Case{"screens", Integrator::kDirect},
                     Case{"lamps", Integrator::kPath}, Case{"lamps", Integrator::kDirect},
                     Case{"gallery", Integrator::kLight}, Case{"painted", Integrator::kLight},
-                    Case{"screens", Integrator::kLight}, Case{"lamps", Integrator::kLight}),
+                    Case{"screens", Integrator::kLight}, Case{"lamps", Integrator::kLight},
+                    Case{"gallery", Integrator::kBdpt}, Case{"painted", Integrator::kBdpt},
+                    Case{"screens", Integrator::kBdpt}, Case{"lamps", Integrator::kBdpt}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });

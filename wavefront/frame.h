@@ -18,9 +18,16 @@
 
 namespace skywave {
 
-enum class Integrator { kDirect, kPath, kLight };
+enum class Integrator { kDirect, kPath, kLight, kBdpt };
 // Whether its paths start at lights too, and bring splats to the film.
-constexpr bool HasLightPaths(Integrator integrator) { return integrator == Integrator::kLight; }
+constexpr bool HasLightPaths(Integrator integrator) {
+  return integrator == Integrator::kLight || integrator == Integrator::kBdpt;
+}
+
+// A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
+struct PathWay {
+  std::uint32_t light = 0, eye = 2;
+};
 
 struct RenderOptions {
   int width = 640, height = 480;        // of the picture
@@ -32,6 +39,7 @@ struct RenderOptions {
   std::uint32_t max_depth = 5;      // surfaces a path scatters at
   std::uint32_t light_samples = 1;  // a hit (direct)
   bool mis = true;
+  std::optional<PathWay> way;  // bdpt: only this one; unset: all
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
   float filter_radius = 0;    // [pixels]; 0: the filter's own
@@ -70,13 +78,17 @@ struct FrameView {
   // under multiple importance sampling, else mirrors and glass.
   std::uint32_t first_bsdf_that_sees_light() const {
     const bool shines = has_emitters() || (has_sky() && strategy->shines_on_bsdf_samples());
-    return options.mis && shines ? 0 : kFirstDeltaBsdf;
+    return (options.mis || options.way) && shines ? 0 : kFirstDeltaBsdf;
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
     return options.integrator == Integrator::kDirect ? options.light_samples : 1;
   }
   LightShares light_shares() const;
+  // Whether the picture shows what sub-paths with so many vertices bring.
+  bool shows(std::uint32_t light, std::uint32_t eye) const {
+    return !options.way || (options.way->light == light && options.way->eye == eye);
+  }
   // Light paths that stand for one sample of every pixel.
   std::uint64_t light_paths() const {
     return std::uint64_t(options.width) * std::uint64_t(options.height);

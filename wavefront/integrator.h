@@ -27,4 +27,10 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& wo
 // a path; roulette from the third one on.
 void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
+// Bidirectional path tracing (Lafortune and Willems 1993; Veach and Guibas 1995): each path has a
+// sub-path from the camera and one from a light; all their vertices are connected with each other,
+// with light samples and with the camera, and weighted by the power heuristic over all of that
+// (kernels/bidirectional.h). At most max_depth surfaces over both; roulette as in path tracing.
+void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
 }  // namespace skywave

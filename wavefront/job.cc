@@ -192,6 +192,36 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
   return crop;
 }
 
+// What only makes sense of paths whose sub-paths are joined, and what does not of them.
+void CheckBidirectional(const RenderOptions& options) {
+  const bool joins = options.integrator == Integrator::kBdpt;
+  if (options.way && !joins) {
+    throw InputError(InputPosition::File("--paths"),
+                     fmt::format("--integrator {} has one way to make a path; use bdpt",
+                                 ToString(options.integrator)),
+                     kExitUsage);
+  }
+  if (options.way && (options.way->eye == 0 || options.way->light + options.way->eye < 2 ||
+                      (options.way->light == 1 && options.way->eye == 1))) {
+    throw InputError(InputPosition::File("--paths"),
+                     "there are paths of light vertices S and eye vertices T, the eye counted, for "
+                     "T >= 2, and for T = 1 and S >= 2",
+                     kExitUsage);
+  }
+  if (joins && !options.mis && !options.way) {
+    throw InputError(InputPosition::File("--no-mis"),
+                     "--integrator bdpt would add every path in all ways to make it; with --paths "
+                     "S,T it shows one way, unweighted",
+                     kExitUsage);
+  }
+  if (joins && options.max_depth > kMaxJoinedDepth) {
+    throw InputError(
+        InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
+        fmt::format("--integrator bdpt keeps a table a bounce, for at most {}", kMaxJoinedDepth),
+        kExitUsage);
+  }
+}
+
 // Of all surfaces; larger than need be by what floats may lose of its disk.
 SceneSphere BoundingSphere(const Bounds& bounds) {
   const glm::vec3 center = 0.5f * (bounds.low + bounds.high);
@@ -280,6 +310,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
                      "at --max-depth 0 no surface is looked at", kExitUsage);
   }
 
+  CheckBidirectional(options_);
   if (HasLightPaths(options_.integrator) &&
       (Sums(options_.aovs, AovSum::kVariance) || Sums(options_.aovs, AovSum::kDirect) ||
        Sums(options_.aovs, AovSum::kIndirect))) {
@@ -403,7 +434,8 @@ std::string_view ToString(CameraKind kind) {
 }
 
 std::optional<Integrator> ParseIntegrator(std::string_view name) {
-  for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath, Integrator::kLight}) {
+  for (const Integrator integrator :
+       {Integrator::kDirect, Integrator::kPath, Integrator::kLight, Integrator::kBdpt}) {
     if (name == ToString(integrator)) return integrator;
   }
   return std::nullopt;
@@ -417,6 +449,8 @@ std::string_view ToString(Integrator integrator) {
       return "path";
     case Integrator::kLight:
       return "light";
+    case Integrator::kBdpt:
+      return "bdpt";
   }
   return "";
 }

@@ -19,6 +19,8 @@ namespace skywave {
 
 // Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).
 inline constexpr std::uint32_t kMaxDepth = 16384;
+// The same where sub-paths are joined: every worker keeps the light vertices of every bounce.
+inline constexpr std::uint32_t kMaxJoinedDepth = 64;
 
 // The map of the command line and how it lies in the world.
 struct EnvironmentRequest {

@@ -9,6 +9,7 @@
 
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
+#include "wavefront/worker.h"
 
 namespace skywave {
 namespace {
@@ -36,7 +37,15 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
       return RenderPathWave(frame, range, worker, film);
     case Integrator::kLight:
       return RenderLightWave(frame, range, worker, film);
+    case Integrator::kBdpt:
+      return RenderBdptWave(frame, range, worker, film);
   }
+}
+
+std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
+  std::optional<std::uint32_t> joined_depth;
+  if (options.integrator == Integrator::kBdpt) joined_depth = options.max_depth;
+  return std::make_unique<Worker>(options.wave, HasLightPaths(options.integrator), joined_depth);
 }
 
 int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
@@ -73,8 +82,7 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
         [&](const tbb::blocked_range<std::size_t>& range) {
           const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
           if (!workers[slot]) {
-            workers[slot] =
-                std::make_unique<Worker>(options.wave, HasLightPaths(options.integrator));
+            workers[slot] = MakeWorker(options);
           }
           FrameView view = frame;
           view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "wavefront/film.h"
@@ -12,6 +13,8 @@
 #include "wavefront/stats.h"
 
 namespace skywave {
+
+struct Worker;
 
 // Counts finished samples while a frame renders; read by whoever shows progress.
 using Progress = std::atomic<std::uint64_t>;
@@ -27,6 +30,10 @@ struct FrameResult {
 // frame, tile after tile, for a replay.
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
+
+// A worker with the tables that the integrator of `options` needs, for waves of its size. To be
+// called by the thread that will use it.
+std::unique_ptr<Worker> MakeWorker(const RenderOptions& options);
 
 // Threads that `threads` = 0 stands for: those the process may run on.
 int AvailableThreads();

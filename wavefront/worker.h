@@ -9,6 +9,7 @@
 #include "kernels/camera_connection.h"
 #include "kernels/columns.h"
 #include "kernels/emission.h"
+#include "wavefront/bidirectional_tables.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
@@ -34,7 +35,9 @@ struct LightPathTables {
 };
 
 struct Worker {
-  explicit Worker(std::uint32_t wave, bool has_light_paths = false)
+  // `joined_depth`: surfaces of the longest path whose sub-paths are joined; unset: none are.
+  explicit Worker(std::uint32_t wave, bool has_light_paths = false,
+                  std::optional<std::uint32_t> joined_depth = std::nullopt)
       : paths(wave),
         rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
         hits(wave),
@@ -45,6 +48,7 @@ struct Worker {
         uniforms(wave),
         lobe(wave) {
     if (has_light_paths) light.emplace(wave);
+    if (joined_depth) bidirectional.emplace(wave, *joined_depth);
   }
 
   soa::Table<PathColumns> paths;
@@ -57,6 +61,7 @@ struct Worker {
   soa::Table<LightColumns> lights;
   soa::Table<UniformColumns> uniforms, lobe;
   std::optional<LightPathTables> light;
+  std::optional<BidirectionalTables> bidirectional;
   RenderStats stats;
 };
 
