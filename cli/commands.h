@@ -11,6 +11,7 @@ using Run = std::function<int()>;
 
 void AddRenderCommand(CLI::App& program, Run& run);
 void AddInfoCommand(CLI::App& program, Run& run);
+void AddPathsCommand(CLI::App& program, Run& run);
 void AddCompareCommand(CLI::App& program, Run& run);
 void AddStrategiesCommand(CLI::App& program, Run& run);
 void AddConvergeCommand(CLI::App& program, Run& run);

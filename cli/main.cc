@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   skywave::Run run;
   skywave::AddRenderCommand(program, run);
   skywave::AddInfoCommand(program, run);
+  skywave::AddPathsCommand(program, run);
   skywave::AddCompareCommand(program, run);
   skywave::AddStrategiesCommand(program, run);
   skywave::AddConvergeCommand(program, run);

@@ -181,7 +181,9 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --wave 0", kExitUsage, {"--wave"}},
       {"render scene.pbrt --threads -1", kExitUsage, {"--threads"}},
       {"render scene.pbrt --seed 99999999999", kExitUsage, {"--seed"}},
-      {"render scene.pbrt --integrator bdpt", kExitUsage, {"--integrator", "bdpt", "direct|path"}},
+      {"render scene.pbrt --integrator nosuch",
+       kExitUsage,
+       {"--integrator", "nosuch", "direct|path"}},
       {"render scene.pbrt --filter cubic", kExitUsage, {"--filter", "cubic", "gaussian"}},
       {"render scene.pbrt --filter-radius nan", kExitUsage, {"--filter-radius", "nan"}},
       {"render scene.pbrt --filter-radius -1", kExitUsage, {"--filter-radius"}},
@@ -226,6 +228,12 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --integrator light --env map.exr --env-intensity 0",
        kExitBadInput,
        {"scene.pbrt", "black", "light"}},
+      {"render scene.pbrt --integrator bdpt --no-mis", kExitUsage, {"--no-mis", "--paths"}},
+      {"render scene.pbrt --integrator bdpt --max-depth 65", kExitUsage, {"--max-depth 65", "64"}},
+      {"render scene.pbrt --paths 1,2", kExitUsage, {"--paths", "bdpt"}},
+      {"render scene.pbrt --integrator bdpt --paths 1,1", kExitUsage, {"--paths", "T >= 2"}},
+      {"render scene.pbrt --integrator bdpt --paths 1x2", kExitUsage, {"1x2", "S,T"}},
+      {"paths scene.pbrt --max-depth 9", kExitUsage, {"--max-depth 9", "layers"}},
       {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
       {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
   };
@@ -415,6 +423,9 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
       "--fov 31.5 --lens-radius 0.1 --focal-distance 2.25",
       "render good.ply --env map.exr --size 8x4 --spp 2 --camera latlong --target 0.1,0.2,-0.3",
       "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator light --wave 7",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator bdpt --wave 7",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator bdpt --paths 2,1 "
+      "--no-mis",
   };
   for (const std::string& command : commands) {
     SCOPED_TRACE(command);
@@ -432,6 +443,24 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
     EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
     EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
   }
+}
+
+// Every way to join sub-paths on a sheet, and in layers of its own.
+TEST_F(Cli, PathsShowsEveryWay) {
+  const std::string common = "good.ply --env map.exr --ground --size 12x9 --spp 2 --max-depth 2 -q";
+  ASSERT_EQ(Run("paths " + common + " -o ways.exr").exit_code, 0);
+  ASSERT_EQ(Run("render " + common + " --integrator bdpt -o whole.exr").exit_code, 0);
+  EXPECT_TRUE(ReadImage(Path("ways.exr")).rgb == ReadImage(Path("whole.exr")).rgb);
+  const std::string bytes = Bytes("ways.exr");
+  for (const char* const way : {"s0t2", "s0t3", "s1t2", "s2t1", "s0t4", "s1t3", "s2t2", "s3t1"}) {
+    EXPECT_TRUE(Contains(bytes, std::string("unweighted_") + way + ".G")) << way;
+    EXPECT_TRUE(Contains(bytes, std::string("weighted_") + way + ".R")) << way;
+  }
+  EXPECT_FALSE(Contains(bytes, "weighted_s1t1"));
+  // Four columns and six rows of 12 x 9 with gaps of 2.
+  const Image sheet = ReadTexture(Path("ways.png"), Encoding::kSrgb);
+  EXPECT_EQ(sheet.width, 4 * 14 - 2);
+  EXPECT_EQ(sheet.height, 6 * 11 - 2);
 }
 
 // A part of the film has the pixels that the whole has there, to the last bit.
