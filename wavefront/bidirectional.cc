@@ -26,14 +26,8 @@ void SpreadDirections(const RayColumns& rays, std::uint32_t n, const LightColumn
 // Traces the shadow rays of w.lights, one for each of the eye's surfaces that take light samples,
 // and adds what arrives.
 void TraceAndAdd(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {
-  const std::uint32_t n = w.ranges.light_sampled();
-  const std::uint32_t open = CountOpen(w.lights, n);
-  w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
-  clock.Lap(Stage::kEvaluate);
-  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
-  clock.Lap(Stage::kShadow, RayKind::kShadow);
-  CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
-  AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
+  TraceLights(frame, keys, w, clock);
+  AddUnoccludedRadiance(w.lights, w.surfaces->path, w.ranges.light_sampled(), w.paths);
   clock.Lap(Stage::kAccumulate);
 }
 

@@ -109,12 +109,7 @@ void SplatConnections(const FrameView& frame, std::uint32_t bounce, Worker& w, F
   if (n == 0) return;
   const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
                                             LightPair(bounce, SampleUse::kLight), w.queue->queue);
-  const std::uint32_t open = CountOpen(w.lights, n);
-  w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
-  clock.Lap(Stage::kEvaluate);
-  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
-  clock.Lap(Stage::kShadow, RayKind::kShadow);
-  CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
+  TraceLights(frame, keys, w, clock);
   film.AddSplats(w.lights, w.light->cameras->pixel, n, float(1 / double(frame.light_paths())),
                  w.stats);
   clock.Lap(Stage::kFilm);

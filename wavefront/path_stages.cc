@@ -149,6 +149,16 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
   clock.Lap(Stage::kEscape);
 }
 
+void TraceLights(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {
+  const std::uint32_t n = w.ranges.light_sampled();
+  const std::uint32_t open = CountOpen(w.lights, n);
+  w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  clock.Lap(Stage::kEvaluate);
+  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
+  clock.Lap(Stage::kShadow, RayKind::kShadow);
+  CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
+}
+
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const ShadePoints points = Points(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
@@ -166,12 +176,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
         RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
     if (reach != nullptr && frame.local_lights.holes)
       CloseHoles(frame, w.hits, keys, n, w.lights->t_far);
-    const std::uint32_t open = CountOpen(w.lights, n);
-    w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
-    clock.Lap(Stage::kEvaluate);
-    TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
-    clock.Lap(Stage::kShadow, RayKind::kShadow);
-    CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
+    TraceLights(frame, keys, w, clock);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
       GroupsOfLightSamples(frame, shares, index, w.uniforms->u, n, group);

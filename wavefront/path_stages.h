@@ -61,6 +61,10 @@ void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
 void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock);
 
+// Traces the shadow rays of w.lights, one a surface that takes light samples, as TraceShadows does,
+// and counts them. What came before on the clock was evaluation.
+void TraceLights(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock);
+
 // The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
 // lights come light by light, so that a stream of shadow rays has one direction.
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
