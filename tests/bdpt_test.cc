@@ -160,6 +160,17 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
   }
 }
 
+// Surfaces that rays pass by chance, a lamp among them.
+TEST(Bdpt, VeilsAreThoseOfPaths) {
+  Material veil = Of(BsdfKind::kLambert);
+  veil.opacity = 0.4f;
+  Scene scene = Room(veil, kSky | kLamp | kPoint);
+  for (Material& material : scene.materials) {
+    if (material.name == "lamp") material.opacity = 0.7f;
+  }
+  ExpectPaths(scene, Request(Integrator::kBdpt, 4));
+}
+
 std::vector<PathWay> WaysOf(std::uint32_t surfaces) {
   std::vector<PathWay> ways;
   for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
