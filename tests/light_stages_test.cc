@@ -55,7 +55,8 @@ JobRequest Request() {
 }
 
 struct LightWave {
-  LightWave(const FrameView& frame, std::uint64_t first, std::uint32_t n) : worker(kWave, true) {
+  LightWave(const FrameView& frame, std::uint64_t first, std::uint32_t n) : worker(kWave) {
+    worker.light.emplace(kWave);
     StageClock clock(worker.stats);
     StartLightPaths(frame.options, first, n, worker.paths);
     EmitRays(frame, n, worker.rays[0], worker, clock);
