@@ -121,8 +121,8 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     ExpectNoAllocations(job, Integrator::kPath);
     ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);
     ExpectNoAllocations(job, Integrator::kDirect);
-    ExpectNoAllocations(job, Integrator::kPhoton);
     if (!CanEmit(job.strategy())) continue;
+    ExpectNoAllocations(job, Integrator::kPhoton);
     ExpectNoAllocations(job, Integrator::kLight);
     ExpectNoAllocations(job, Integrator::kBdpt);
   }

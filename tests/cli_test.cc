@@ -439,7 +439,7 @@ TEST_F(Cli, StatisticsHaveThePromisedKeys) {
     EXPECT_GE(json.at("rays").at(key).at("mrays_per_s").get<double>(), 0) << key;
   }
   double share = 0;
-  EXPECT_EQ(json.at("stages").size(), 11u);
+  EXPECT_EQ(json.at("stages").size(), 12u);
   for (const auto& stage : json.at("stages")) share += stage.at("share").get<double>();
   EXPECT_NEAR(share, 1, 1e-9);
   EXPECT_GE(json.at("waves").get<int>(), 1);

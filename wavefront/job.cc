@@ -300,6 +300,10 @@ void RenderJob::CheckLightPaths() const {
 FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
   RenderOptions options = options_;
   options.integrator = integrator;
+  const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
+                                     : emitter_        ? emitter_.get()
+                                                       : strategy_.get();
+  assert(!HasLightPaths(integrator) || !has_sky() || CanEmit(*emitter));
   return {.options = options,
           .geometry = geometry_.get(),
           .strategy = &strategy,
@@ -315,9 +319,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
                                              : std::nullopt},
           .sphere = sphere_,
           .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
-          .emitter = CanEmit(strategy) ? &strategy
-                     : emitter_        ? emitter_.get()
-                                       : strategy_.get(),
+          .emitter = emitter,
           .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
 }
 

@@ -75,7 +75,8 @@ class RenderJob {
 
   FrameView frame() const { return frame(options_.integrator, *strategy_); }
   Film MakeFilm() const { return MakeFilm(options_.integrator); }
-  // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy.
+  // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy
+  // for it. Where light paths start, that strategy or the job's can emit (CanEmit).
   FrameView frame(Integrator integrator, const EnvStrategy& strategy) const;
   Film MakeFilm(Integrator integrator) const;
   // A strategy for the same map; it must not outlive the job. Throws InputError like the
