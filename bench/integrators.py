@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""Which integrator wins where: `skywave converge` on built-in scenes, one table of Markdown.
+
+    bench/integrators.py [--program build/release/skywave] [-o FOLDER] [--time SECONDS] ...
+
+Every scene stands for a kind of light transport. All integrators get the same time; the table has
+error and time of `path` and, for the others, error times time of `path` over their own: how many
+times less work the same error takes, where all of the error is noise. Where a bias is found, that
+is the share of the squared error that more samples do not remove. Standard library only.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+SCENES = {
+    "many-shapes": "open, matt",
+    "room": "an interior, one window",
+    "three-spheres": "caustics of the sun",
+    "materials": "glossy and rough, open",
+    "lamps": "small lamps in a room",
+    "many-materials": "every BSDF, open",
+}
+INTEGRATORS = ["path", "light", "bdpt", "photon"]
+
+
+def converge(arguments, scene, file):
+    command = [arguments.program, "converge", scene, "-q", "--measure", "relative_mse",
+               "--size", arguments.size, "--max-depth", str(arguments.depth),
+               "--time", str(arguments.time), "--repeats", str(arguments.repeats),
+               "--reference-spp", str(arguments.reference_spp), "--json", str(file),
+               "--integrators", *INTEGRATORS]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+
+
+def cell(first, other):
+    """Of two lists of budgets, by their last ones."""
+    path, last = first["budgets"][-1], other["budgets"][-1]
+    text = f"{path['error'] * path['seconds'] / (last['error'] * last['seconds']):.2g}"
+    if last["biased"]:
+        text += f" ({max(0, 100 * last['squared_bias'] / last['error']):.0f} % bias)"
+    return text
+
+
+def table(results):
+    lines = ["| scene | | error of `path` | its time [s] | " +
+             " | ".join(f"`{name}`" for name in INTEGRATORS[1:]) + " |",
+             "| --- | --- | --- | --- |" + " --- |" * (len(INTEGRATORS) - 1)]
+    for scene, result in results.items():
+        first, *others = result["strategies"]
+        last = first["budgets"][-1]
+        lines.append(f"| {scene} | {SCENES[scene]} | {last['error']:.2g} | {last['seconds']:.2g} | " +
+                     " | ".join(cell(first, other) for other in others) + " |")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default="build/release/skywave")
+    parser.add_argument("-o", "--output", type=pathlib.Path, default=pathlib.Path("integrators"))
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
+    parser.add_argument("--size", default="160x120")
+    parser.add_argument("--depth", type=int, default=8)
+    parser.add_argument("--time", type=float, default=1.0, help="longest render [s]")
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--reference-spp", type=int, default=8192)
+    arguments = parser.parse_args()
+    arguments.output.mkdir(parents=True, exist_ok=True)
+    results = {}
+    for scene in arguments.scenes:
+        file = arguments.output / f"{scene}.json"
+        print(f"{scene} ...", file=sys.stderr, flush=True)
+        converge(arguments, scene, file)
+        results[scene] = json.loads(file.read_text())
+        for warning in results[scene]["warnings"]:
+            print(f"  {warning}", file=sys.stderr)
+    print(table(results))
+
+
+if __name__ == "__main__":
+    main()
