@@ -38,8 +38,7 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const TexturedLanes<2> textured(maps.records, 0, s, i, n);
     if (!textured.any) continue;
-    const V3 seen =
-        LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i, UnpackNormalTexel);
+    const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackNormalTexel);
     const VU record = hn::ShiftLeft<2>(textured.material);
     VF scale = AsFloat(Gather(records, hn::Add(record, SetU(1))));
     const VU per_texel = Gather(records, hn::Add(record, SetU(2)));

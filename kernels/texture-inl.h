@@ -99,27 +99,6 @@ HWY_INLINE VF TexelsALength(const TextureView& view, VU texture, VU triangle) {
                  TextureLanes(view, texture).Number(10));
 }
 
-// Looks up one texture a lane, at the level that the ray's cone asks for; `texture` and `triangle`
-// must be inside their tables.
-template <class Unpack>
-HWY_INLINE V3 LookUp(const TextureView& view, VU texture, VU triangle, float pixel_angle,
-                     const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
-  const TextureLanes record(view, texture);
-  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
-  const VF cosine = hn::Max(
-      Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
-      Set(0.01f));
-  const VF width =
-      hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)), TexelsALength(view, texture, triangle));
-  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
-  const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
-  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
-  const VU level = hn::Add(record.Word(0), hn::Min(wanted, hn::Sub(record.Word(1), SetU(1))));
-  return LookUpLevel(view, record, level, triangle, Load(s.u + i), Load(s.v + i), unpack);
-}
-
-HWY_INLINE V3 UnpackColor(VU packed) { return UnpackRadiance(packed, 1.0f); }
-
 // The lanes of rows below n whose material has a texture in word `field` of its record of
 // 2^kLogWords words, and what they look up; the others look up texture 0 at triangle 0.
 template <int kLogWords>
@@ -140,6 +119,29 @@ struct TexturedLanes {
   MF lanes;
   VU material, texture, triangle;
 };
+
+// Looks up one texture a lane (TexturedLanes), at the level that the ray's cone asks for.
+template <class Textured, class Unpack>
+HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pixel_angle,
+                     const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
+  const TextureLanes record(view, textured.texture);
+  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
+  const VF cosine = hn::Max(
+      Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
+      Set(0.01f));
+  const VF width = hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)),
+                           TexelsALength(view, textured.texture, textured.triangle));
+  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
+  const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
+  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
+  const VU level = hn::Add(record.Word(0), hn::Min(wanted, hn::Sub(record.Word(1), SetU(1))));
+  // Behind the last row may stand anything, which is no place on an image.
+  const VF b1 = hn::IfThenElseZero(textured.lanes, Load(s.u + i));
+  const VF b2 = hn::IfThenElseZero(textured.lanes, Load(s.v + i));
+  return LookUpLevel(view, record, level, textured.triangle, b1, b2, unpack);
+}
+
+HWY_INLINE V3 UnpackColor(VU packed) { return UnpackRadiance(packed, 1.0f); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave

@@ -21,8 +21,7 @@ void TextureColors(const TextureView& view, const MaterialRecord* materials, flo
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const TexturedLanes<4> textured(materials, kColorField, s, i, n);
     if (!textured.any) continue;
-    const V3 seen =
-        LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i, UnpackColor);
+    const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
     Store3(IfThen(textured.lanes, Mul(color, seen), color), s.color_r + i, s.color_g + i,
            s.color_b + i);
@@ -57,8 +56,7 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
     if (view.records != nullptr) {
       const TexturedLanes<4> textured(materials, kRoughnessField, s, i, n);
       if (textured.any) {
-        const V3 seen =
-            LookUp(view, textured.texture, textured.triangle, pixel_angle, s, i, UnpackColor);
+        const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
         const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
         alpha = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), alpha);
         metallic = IfThen(textured.lanes, Clamp(hn::Mul(metallic, seen.z), 0.0f, 1.0f), metallic);
