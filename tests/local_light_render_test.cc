@@ -208,19 +208,8 @@ Scene LitBalls(int lights) {
   if (lights & kPoint) {
     scene.lights.push_back({.emission = {1, 2, 3}, .position = {-1.6f, 2.1f, 1.1f}});
   }
-  if (lights & kSpot) {
-    scene.lights.push_back({.kind = LocalLightKind::kSpot,
-                            .emission = {9, 5, 4},
-                            .position = {1.8f, 3, 0.6f},
-                            .direction = glm::normalize(glm::vec3(-0.7f, -1, 0)),
-                            .cos_full = 0.97f,
-                            .cos_dark = 0.85f});
-  }
-  if (lights & kDistant) {
-    scene.lights.push_back({.kind = LocalLightKind::kDistant,
-                            .emission = {0.5f, 0.4f, 0.3f},
-                            .direction = glm::normalize(glm::vec3(-1, 2, 0.5f))});
-  }
+  if (lights & kSpot) scene.lights.push_back(SlantingSpot());
+  if (lights & kDistant) scene.lights.push_back(SlantingSun());
   if (lights & kSky) SetLight(scene, SkyWithSun(32, 16, 3, 0.5));
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
   return scene;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "scene/geometry.h"
@@ -225,6 +226,27 @@ TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
           ASSERT_EQ(some[at], i < n ? all[at] : untouched) << n << " rows, row " << i;
         }
       }
+    }
+  });
+}
+
+// Behind the last row a table may hold whatever other stages have left there: no place on an image.
+TEST_F(TextureRows, PlacesBehindTheLastRowAreNotLookedUp) {
+  constexpr std::uint32_t kRows = 3;
+  const SurfaceColumns& s = surfaces_;
+  for (std::uint32_t i = 0; i < kFullWave; ++i) s.material[i] = 1;
+  const auto colors = [&] {
+    std::fill_n(s.color_r, kFullWave, 0.9f);
+    TextureColors(tables_.view(), materials_.data(), kAngle, kRows, s);
+    return std::vector<float>(s.color_r, s.color_r + kRows);
+  };
+  ForEachTarget([&] {
+    const std::vector<float> expected = colors();
+    for (const float left : {1e9f, -1e9f, 1e30f, -1e30f, std::numeric_limits<float>::infinity(),
+                             std::numeric_limits<float>::quiet_NaN()}) {
+      std::fill_n(s.u + kRows, kFullWave - kRows, left);
+      std::fill_n(s.v + kRows, kFullWave - kRows, left);
+      EXPECT_EQ(colors(), expected) << left;
     }
   });
 }

@@ -2,6 +2,7 @@
 // the cases that it gets here.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "tests/support/shading_rows.h"
@@ -29,5 +30,12 @@ struct FormulaValue {
   bool known = true;
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
+
+// Index near over far, 1 where nothing is bent; none where light does not pass through.
+inline std::optional<double> TransmissionRatio(const MaterialCase& material) {
+  if (material.kind == BsdfKind::kDiffuseTransmission) return 1;
+  if (material.kind != BsdfKind::kRoughDielectric) return std::nullopt;
+  return material.back ? double(material.record.ior) : 1.0 / material.record.ior;
+}
 
 }  // namespace skywave

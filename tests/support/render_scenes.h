@@ -72,4 +72,19 @@ inline JobRequest SmallRequest(int width, int height, std::uint32_t samples_per_
   return request;
 }
 
+// Lights for small rooms about the origin: a spot from the upper right, a sun from the upper left.
+inline PunctualLight SlantingSpot() {
+  return {.kind = LocalLightKind::kSpot,
+          .emission = {9, 5, 4},
+          .position = {1.8f, 3, 0.6f},
+          .direction = glm::normalize(glm::vec3(-0.7f, -1, 0)),
+          .cos_full = 0.97f,
+          .cos_dark = 0.85f};
+}
+inline PunctualLight SlantingSun() {
+  return {.kind = LocalLightKind::kDistant,
+          .emission = {0.5f, 0.4f, 0.3f},
+          .direction = glm::normalize(glm::vec3(-1, 2, 0.5f))};
+}
+
 }  // namespace skywave
