@@ -16,31 +16,64 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE VU BlockOf(const InversionView& inversion, VU column, VU row) {
-  return hn::Add(hn::Mul(row, SetU(inversion.blocks)), hn::ShiftRight<5>(column));
+// Block of a texel of the packed tables.
+HWY_INLINE VU BlockOf(VU at) {
+  static_assert(kBlockTexels == 1u << 3);
+  return hn::ShiftRight<3>(at);
 }
 
-// Mass of a texel in its leaf. Starts stand in pairs in 32-bit words: of an even child both ends
-// are in one word, of an odd one in two.
-HWY_INLINE VU LeafMass(const InversionView& inversion, VU block, VU column) {
-  const SearchTreeView& trees = inversion.columns;
-  const auto* words = reinterpret_cast<const std::uint32_t*>(trees.level[trees.levels - 1]);
-  const VU child = hn::And(column, SetU(kNodeFan - 1));
-  const VU at = hn::Add(hn::ShiftLeft<4>(block), hn::ShiftRight<1>(child));
-  const VU word = Gather(words, at);
-  const VU next = Gather(words, hn::Add(at, SetU(1)));
-  const VU odd_span = hn::Or(hn::ShiftRight<16>(word), hn::ShiftLeft<16>(next));
-  const VU span = IfThen(hn::TestBit(child, SetU(1)), odd_span, word);
-  // Not SpanEnd: in front of the first child with mass the next one starts at 0 too.
-  const VU end =
-      IfThen(hn::Eq(child, SetU(kNodeFan - 1)), SetU(kNodeMass), hn::ShiftRight<16>(span));
-  return hn::Sub(end, SpanStart(span));
+// What packed texels weigh, without their solid angle.
+HWY_INLINE VF WeighTexels(VU packed, float base) {
+  const VF luminance = Dot(UnpackRadiance(packed, 1.0f), Set3(kLuminance));
+  return hn::Max(hn::Sub(luminance, Set(base)), hn::Zero(F()));
+}
+
+// Texel k of the block of each row of a chunk.
+struct BlockColumns {
+  alignas(64) PackedRadiance texel[kBlockTexels][kChunk];
+};
+
+struct TexelPick {
+  VU packed, texel;  // the texel, and its number in the block
+  VF probability;    // in the block
+  VF x;              // position inside, in [0, 1)
+};
+
+// The texels of the blocks of rows i and on, of which the first `used` are in the map, on which
+// positions x of the blocks' weights fall. The sum over a block forgets a texel that weighs 2^-24
+// of those in front of it: it is drawn too rarely, and the light that is lost is no more than that.
+HWY_INLINE TexelPick PickTexels(const BlockColumns& blocks, std::uint32_t i, VU used, float base,
+                                VF x) {
+  const VF below_one = Set(0x1.fffffep-1f);
+  VF weight[kBlockTexels], end[kBlockTexels];
+  for (std::uint32_t k = 0; k < kBlockTexels; ++k) {
+    const MF inside = hn::RebindMask(F(), hn::Lt(SetU(k), used));
+    weight[k] = hn::IfThenElseZero(inside, WeighTexels(Load(blocks.texel[k] + i), base));
+    end[k] = k == 0 ? weight[0] : hn::Add(end[k - 1], weight[k]);
+  }
+  const VF total = end[kBlockTexels - 1];
+  // Below the end even after rounding, so that what is found weighs something.
+  const VF target = hn::Min(hn::Mul(x, total), hn::Mul(total, below_one));
+  TexelPick pick = {Load(blocks.texel[0] + i), hn::Zero(U()), weight[0], hn::Zero(F())};
+  VF begin = hn::Zero(F());
+  for (std::uint32_t k = 1; k < kBlockTexels; ++k) {
+    const MF behind = hn::Ge(target, end[k - 1]);
+    const MU behind_u = hn::RebindMask(U(), behind);
+    pick.packed = IfThen(behind_u, Load(blocks.texel[k] + i), pick.packed);
+    pick.texel = IfThen(behind_u, SetU(k), pick.texel);
+    pick.probability = IfThen(behind, weight[k], pick.probability);
+    begin = IfThen(behind, end[k - 1], begin);
+  }
+  pick.x = hn::Min(hn::Div(hn::Sub(target, begin), pick.probability), below_one);
+  pick.probability = hn::Div(pick.probability, total);
+  return pick;
 }
 
 void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
                   const UniformColumns& uniforms, std::uint32_t n, float samples,
                   const LightColumns& out) {
   SearchColumns down, across;
+  BlockColumns blocks;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
     std::copy_n(uniforms.v + begin, rows, down.x);
@@ -48,20 +81,27 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
     Search(inversion.rows, rows, down);
     std::copy_n(uniforms.u + begin, rows, across.x);
     std::copy_n(down.item, rows, across.item);
-    Search(inversion.columns, rows, across);
+    Search(inversion.blocks, rows, across);
+    const auto block = [&](std::uint32_t i) HWY_ATTR {
+      return inversion.packed + std::size_t(down.item[i]) * map.stride +
+             across.item[i] * kBlockTexels;
+    };
+    for (std::uint32_t i = 0; i < rows; ++i) hwy::Prefetch(block(i));
     for (std::uint32_t i = 0; i < rows; ++i) {
-      hwy::Prefetch(map.packed + std::size_t(down.item[i]) * map.width + across.item[i]);
+      const PackedRadiance* const texels = block(i);
+      for (std::uint32_t k = 0; k < kBlockTexels; ++k) blocks.texel[k][i] = texels[k];
     }
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       // Rows behind the last are unspecified: keep the gathers inside the tables.
-      const MU inside = RowsBelow(i, rows);
-      const VU row = hn::IfThenElseZero(inside, Load(down.item + i));
-      const VU column = hn::IfThenElseZero(inside, Load(across.item + i));
-      const VU span = Load(across.span + i);
-      const VF mass = ToFloat(hn::Sub(SpanEnd(span), SpanStart(span)));
-      const VF block = Gather(inversion.block_density, BlockOf(inversion, column, row));
-      EmitTexels(map, column, row, Load(across.x + i), Load(down.x + i),
-                 hn::Mul(hn::Mul(block, mass), Set(samples)), out, begin + i);
+      const VU row = hn::IfThenElseZero(RowsBelow(i, rows), Load(down.item + i));
+      const VU first = hn::Mul(Load(across.item + i), SetU(kBlockTexels));
+      const TexelPick pick = PickTexels(blocks, i, hn::Sub(SetU(map.width), first), inversion.base,
+                                        Load(across.x + i));
+      const VF of_block = hn::Mul(hn::Mul(Load(down.mass + i), Load(across.mass + i)),
+                                  Gather(inversion.row_density, row));
+      EmitTexels(map, hn::Add(first, pick.texel), row, pick.x, Load(down.x + i),
+                 UnpackRadiance(pick.packed, inversion.radiance_unit),
+                 hn::Mul(hn::Mul(of_block, pick.probability), Set(samples)), out, begin + i);
     }
   }
 }
@@ -115,14 +155,12 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& densi
     Store(CellOf(v, map.height), lookup.row + i);
   }
   for (std::uint32_t i = 0; i < rows; ++i) {
-    hwy::Prefetch(map.packed + std::size_t(lookup.row[i]) * map.width + lookup.column[i]);
+    hwy::Prefetch(map.packed + std::size_t(lookup.row[i]) * map.stride + lookup.column[i]);
   }
   if (density.inversion != nullptr) {
-    const SearchTreeView& trees = density.inversion->columns;
-    const SearchNode* leaves = trees.level[trees.levels - 1];
     for (std::uint32_t i = 0; i < rows; ++i) {
-      hwy::Prefetch(leaves + std::size_t(lookup.row[i]) * density.inversion->blocks +
-                    lookup.column[i] / kNodeFan);
+      const std::size_t at = std::size_t(lookup.row[i]) * map.stride + lookup.column[i];
+      hwy::Prefetch(density.inversion->block_density + at / kBlockTexels);
     }
   } else if (density.table != nullptr) {
     for (std::uint32_t i = 0; i < rows; ++i) {
@@ -131,14 +169,17 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& densi
   }
 }
 
+// Density of the texels whose packed form is given, too.
 HWY_INLINE VF DensityOf(const EnvironmentView& map, const TexelDensity& density, float samples,
-                        VU column, VU row) {
+                        VU column, VU row, VU packed) {
   const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
   VF sum = hn::Zero(F());
   if (density.inversion != nullptr) {
-    const VU block = BlockOf(*density.inversion, column, row);
-    sum = hn::Mul(Gather(density.inversion->block_density, block),
-                  ToFloat(LeafMass(*density.inversion, block, column)));
+    const InversionView& inversion = *density.inversion;
+    const VU at = PackedIndex(map, column, row);
+    if (inversion.packed != map.packed) packed = Gather(inversion.packed, at);
+    sum =
+        hn::Mul(Gather(inversion.block_density, BlockOf(at)), WeighTexels(packed, inversion.base));
   } else if (density.table != nullptr) {
     sum = Gather(density.table, texel);
   }
@@ -161,8 +202,9 @@ void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, st
       VF light_pdf = zero;
       if (!hn::AllTrue(F(), seen)) {
         const VU column = Load(lookup.column + i), row = Load(lookup.row + i);
-        radiance = FetchTexels(map, column, row);
-        light_pdf = DensityOf(map, density, samples, column, row);
+        const VU packed = Gather(map.packed, PackedIndex(map, column, row));
+        radiance = UnpackRadiance(packed, map.radiance_unit);
+        light_pdf = DensityOf(map, density, samples, column, row, packed);
       }
       if (!hn::AllFalse(F(), seen)) {
         radiance =

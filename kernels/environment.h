@@ -37,14 +37,6 @@ struct RowArea {
   float start, step;
 };
 
-struct InversionView {
-  SearchTreeView rows;     // one tree over the rows
-  SearchTreeView columns;  // one tree a row over its columns
-  // Density of a texel [1/sr] = block_density[row * blocks + column / 32] * mass in its leaf.
-  const float* block_density;
-  std::uint32_t blocks;  // leaves a row: ceil(width / 32)
-};
-
 // Radiance of a texel in four bytes, because lookups are random accesses and pay by the cache line:
 // three mantissas of kMantissaBits bits, r lowest, and a common exponent above them (as in
 // Radiance's RGBE): channel = mantissa * 2^(exponent - 31) * EnvironmentView::radiance_unit.
@@ -52,18 +44,39 @@ using PackedRadiance = std::uint32_t;
 inline constexpr std::uint32_t kMantissaBits = 9;
 inline constexpr std::uint32_t kMaxExponent = 31;
 
+// A block, half a cache line of texels of one row, is the last step of an inversion: the texels
+// themselves say what they weigh, so the line that a sample has to read for its radiance is the
+// only one of the large table that it reads.
+inline constexpr std::uint32_t kBlockTexels = 8;
+
+// A texel weighs max(0, luminance - base), luminance in units of radiance_unit, times its solid
+// angle.
+struct InversionView {
+  SearchTreeView rows;    // one tree over the rows
+  SearchTreeView blocks;  // one tree a row over its blocks
+  const PackedRadiance*
+      packed;           // what weighs: the map's own texels or, laid out alike, a part of them
+  float radiance_unit;  // theirs
+  float base;           // below 0: all texels weigh the same, for maps without light
+  // Density of a texel [1/sr] over max(0, luminance - base), a value a block, row after row.
+  const float* block_density;
+  // One over the solid angle of a texel and all kNodeMass on the way to its block, a value a row.
+  const float* row_density;
+};
+
 struct EnvironmentView {
-  const PackedRadiance* packed;  // row-major from the top: the map as a light
+  const PackedRadiance* packed;  // from the top, row after row of `stride`: the map as a light
   float radiance_unit;           // power of two [scene radiance]
   const float* rgb;              // three floats a texel: the map as it is seen
   std::uint32_t width, height;
+  std::uint32_t stride;  // width in whole blocks [texels]; the packed texels behind width are black
   float map_from_world[9];  // rows: right, forward, up
   const RowArea* row_area;  // height entries
 };
 
-// Density of light samples over the texels [1/sr]: for each sample that a surface draws that of an
-// inversion or of a table with a value a texel, and once more, whatever the number of samples, that
-// of the fixed ones.
+// Density of light samples over the texels [1/sr], tables row-major of `width`: for each sample
+// that a surface draws that of an inversion or of a table with a value a texel, and once more,
+// whatever the number of samples, that of the fixed ones.
 struct TexelDensity {
   const InversionView* inversion = nullptr;
   const float* table = nullptr;

@@ -18,12 +18,13 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 // Columns of a search in flight. A chunk stays in the first-level cache.
-constexpr std::uint32_t kChunk = 256;
+constexpr std::uint32_t kChunk = 128;
 struct SearchColumns {
   alignas(64) float x[kChunk];               // in: uniform; out: position inside the item found
   alignas(64) std::uint32_t item[kChunk];    // in: tree; out: item, counted through all trees
   alignas(64) std::uint32_t target[kChunk];  // position on the line of the node
   alignas(64) std::uint32_t span[kChunk];    // start of the child, and of the next one << 16
+  alignas(64) float mass[kChunk];  // out: product of the masses on the way, of kNodeMass a level
 };
 
 // The last child that does not start behind `target`. A node is one cache line.
@@ -62,7 +63,9 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t n, SearchCol
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU span = Load(s.span + i);
     const VF start = ToFloat(SpanStart(span)), end = ToFloat(SpanEnd(span));
-    Store(hn::Div(hn::Sub(Load(s.x + i), start), hn::Sub(end, start)), s.x + i);
+    const VF mass = hn::Sub(end, start);
+    Store(hn::Div(hn::Sub(Load(s.x + i), start), mass), s.x + i);
+    Store(hn::Mul(Load(s.mass + i), mass), s.mass + i);
   }
 }
 
@@ -72,6 +75,7 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t n, SearchCol
 HWY_INLINE void Search(const SearchTreeView& trees, std::uint32_t n, SearchColumns& s) {
   alignas(64) std::uint32_t tree[kChunk];
   std::copy_n(s.item, n, tree);
+  std::fill_n(s.mass, n, 1.0f);
   for (std::uint32_t level = 0; level < trees.levels; ++level) {
     if (level > 0) {
       // Child c of node (tree, k) is node tree * nodes + (k * fan + c) of the next level.

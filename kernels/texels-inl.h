@@ -25,9 +25,11 @@ HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
                scale);
 }
 
+HWY_INLINE VU PackedIndex(const EnvironmentView& map, VU column, VU row) {
+  return hn::Add(hn::Mul(row, SetU(map.stride)), column);
+}
 HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
-  const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
-  return UnpackRadiance(Gather(map.packed, texel), map.radiance_unit);
+  return UnpackRadiance(Gather(map.packed, PackedIndex(map, column, row)), map.radiance_unit);
 }
 
 HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {
@@ -54,9 +56,10 @@ HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
 }
 
 // Writes row `to` and on of `out`: directions inside texels at (fx, fy) in [0, 1)^2, uniform in
-// solid angle, the texels' radiance, and the given density. column and row must be inside the map.
-HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx, VF fy, VF density,
-                           const LightColumns& out, std::uint32_t to) {
+// solid angle, the texels' radiance and the given density. column and row must be inside the map.
+HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx, VF fy,
+                           const V3& radiance, VF density, const LightColumns& out,
+                           std::uint32_t to) {
   const auto* areas = reinterpret_cast<const float*>(map.row_area);
   const VU area = hn::ShiftLeft<1>(row);
   const VF w = hn::Add(Gather(areas, area), hn::Mul(Gather(areas, hn::Add(area, SetU(1))), fy));
@@ -70,8 +73,12 @@ HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx,
   SinCosTurn(u, sin_turn, cos_turn);
   const V3 direction = {hn::Neg(hn::Mul(sine, sin_turn)), hn::Neg(hn::Mul(sine, cos_turn)), up};
   Store3(WorldFromMap(map, direction), out.dir_x + to, out.dir_y + to, out.dir_z + to);
-  Store3(FetchTexels(map, column, row), out.r + to, out.g + to, out.b + to);
+  Store3(radiance, out.r + to, out.g + to, out.b + to);
   Store(density, out.pdf + to);
+}
+HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx, VF fy, VF density,
+                           const LightColumns& out, std::uint32_t to) {
+  EmitTexels(map, column, row, fx, fy, FetchTexels(map, column, row), density, out, to);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -58,11 +58,11 @@ CellSampler::CellSampler(int width, int height, const std::vector<double>& impor
     energy[cell] += importance[i];
   }
   std::vector<std::uint16_t> mass(cells);
-  std::vector<double> block(tree_.blocks());
-  tree_.Set(0, energy.data(), mass.data(), block.data());
+  std::vector<double> leaf(tree_.leaves());
+  tree_.Set(0, energy.data(), mass.data(), leaf.data());
   for (std::uint32_t cell = 0; cell < cells; ++cell) {
     BuildAlias(weight, begin_[cell], begin_[cell + 1], slots_);
-    const double probability = block[cell / kNodeFan] * mass[cell];
+    const double probability = leaf[cell / kNodeFan] * mass[cell];
     scale_[cell] = probability > 0 ? float(1 / probability) : 0;
     for (std::uint32_t slot = begin_[cell]; slot < begin_[cell + 1]; ++slot) {
       const double solid_angle =

@@ -20,10 +20,10 @@ DirectionalLights::DirectionalLights(std::span<const DirectionalLight> lights,
     records_.push_back(record);
   }
   std::vector<std::uint16_t> mass(tree_.items());
-  std::vector<double> block(tree_.blocks());
-  tree_.Set(0, energy.data(), mass.data(), block.data());
+  std::vector<double> leaf(tree_.leaves());
+  tree_.Set(0, energy.data(), mass.data(), leaf.data());
   for (std::size_t i = 0; i < records_.size(); ++i) {
-    records_[i].probability = float(block[i / kNodeFan] * mass[i]);
+    records_[i].probability = float(leaf[i / kNodeFan] * mass[i]);
   }
 }
 

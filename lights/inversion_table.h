@@ -4,23 +4,33 @@
 #include <vector>
 
 #include "lights/search_tree.h"
+#include "lights/texels.h"
 
 namespace skywave {
 
+// The luminance that importance sampling subtracts from all texels: `compensate` (0 to 1) times the
+// mean over the sphere. A map that nowhere rises above it has nothing to compensate: then
+// `compensate` becomes 0. A black map gets -1, so all its texels weigh the same.
+float BaseLuminance(const Texels& texels, double& compensate);
+
 class InversionTable {
  public:
-  // Directions are drawn with the probability importance[row * width + column] over the sum, except
-  // for a rounding that the density knows. importance >= 0, not all 0.
-  InversionTable(std::uint32_t width, std::uint32_t height, const std::vector<double>& importance);
+  // Directions are drawn with a probability proportional to max(0, luminance - base) times solid
+  // angle, except for a rounding that the density knows. Some texel must rise above the base.
+  // `texels` must outlive it.
+  InversionTable(const Texels& texels, float base);
 
   InversionView view() const;
   std::size_t bytes() const {
-    return rows_.bytes() + columns_.bytes() + block_density_.size() * sizeof(float);
+    return rows_.bytes() + blocks_.bytes() +
+           (block_density_.size() + row_density_.size()) * sizeof(float);
   }
 
  private:
-  SearchTrees rows_, columns_;
-  std::vector<float> block_density_;  // [1/sr], height * blocks
+  const Texels* texels_;
+  float base_;  // in units of the texels
+  SearchTrees rows_, blocks_;
+  std::vector<float> block_density_, row_density_;
 };
 
 }  // namespace skywave

@@ -48,7 +48,7 @@ SearchTrees::SearchTrees(std::uint32_t items, std::uint32_t trees) : items_(item
 }
 
 void SearchTrees::Set(std::uint32_t tree, const double* weights, std::uint16_t* leaf_mass,
-                      double* block) {
+                      double* leaf) {
   // Weights of the nodes of each level: sums of their children's.
   std::vector<double> sums[4];
   sums[levels_].assign(weights, weights + items_);
@@ -72,7 +72,7 @@ void SearchTrees::Set(std::uint32_t tree, const double* weights, std::uint16_t* 
         next[begin + c] = probability[k] * mass[c] / kNodeMass;
         if (level + 1 == levels_) leaf_mass[begin + c] = std::uint16_t(mass[c]);
       }
-      if (level + 1 == levels_) block[k] = probability[k] / kNodeMass;
+      if (level + 1 == levels_) leaf[k] = probability[k] / kNodeMass;
     }
     probability = std::move(next);
   }

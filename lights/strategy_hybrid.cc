@@ -14,15 +14,15 @@ namespace {
 constexpr std::string_view kDivisions[] = {"variation", "p", "lights"};
 constexpr std::string_view kRests[] = {"importance", "presampled"};
 
-// Luminance of the light times solid angle over one stratum; solid angle alone where that is black.
-std::vector<double> StratumImportance(const Texels& light, const SphereMap& map,
-                                      const Strata& strata, bool a) {
+// Luminance of the light times solid angle over A; solid angle alone where that is black.
+std::vector<double> ImportanceOfA(const Texels& light, const SphereMap& map,
+                                  const Strata& strata) {
   std::vector<double> importance(map.texels());
   double total = 0;
   for (int y = 0; y < map.height; ++y) {
     for (int x = 0; x < map.width; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(map.width) + std::size_t(x);
-      if ((strata.in_a[i] != 0) != a) continue;
+      if (strata.in_a[i] == 0) continue;
       total += importance[i] =
           light.Luminance(std::uint32_t(x), std::uint32_t(y)) * map.solid_angle[std::size_t(y)];
     }
@@ -60,15 +60,17 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
     texels_.emplace(map, options.inside ? a : Image(width, height));
   } else {
     texels_.emplace(map, options.inside ? held : b);
-    rest_table_.emplace(std::uint32_t(width), std::uint32_t(height),
-                        StratumImportance(*texels_, sphere, strata, false));
+    if (options.inside) rest_texels_.emplace(map, b);
+    const Texels& rest = rest_texels_ ? *rest_texels_ : *texels_;
+    double compensate = 0;
+    rest_table_.emplace(rest, BaseLuminance(rest, compensate));
   }
   if (options.inside && !lights.lights.empty()) {
     CellMap cells = lights.cell_of_texel;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (strata.in_a[i] == 0) cells[i] = kNoCell;
     }
-    cells_.emplace(width, height, StratumImportance(*texels_, sphere, strata, true), cells,
+    cells_.emplace(width, height, ImportanceOfA(*texels_, sphere, strata), cells,
                    lights_->size());
     cell_density_ = cells_->DensityInCells(cells);
   }
@@ -77,7 +79,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
 std::size_t HybridStrategy::table_bytes() const {
   return texels_->bytes() + lights_->bytes() + (cells_ ? cells_->bytes() : 0) +
          cell_density_.size() * sizeof(float) + (rest_table_ ? rest_table_->bytes() : 0) +
-         (rest_lights_ ? rest_lights_->bytes() : 0);
+         (rest_texels_ ? rest_texels_->bytes() : 0) + (rest_lights_ ? rest_lights_->bytes() : 0);
 }
 
 bool HybridStrategy::RestIsDark() const {

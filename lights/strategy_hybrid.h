@@ -63,6 +63,7 @@ class HybridStrategy final : public EnvStrategy {
   std::optional<DirectionalLights> lights_;       // of A
   std::optional<CellSampler> cells_;              // of A, where inside
   std::vector<float> cell_density_;               // of A's samples, where inside [1/sr]
+  std::optional<Texels> rest_texels_;             // B, where texels_ hold A too
   std::optional<InversionTable> rest_table_;      // of B
   std::optional<DirectionalLights> rest_lights_;  // of B, where presampled
 };

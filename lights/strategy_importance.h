@@ -12,7 +12,7 @@
 //                   --no-mis.
 //
 // Densities are exact: whatever rounding the tables have, the density that is reported is the one
-// that is drawn. A black map is sampled uniformly over the sphere.
+// that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexel). A black map is sampled uniformly over the sphere.
 #pragma once
 
 #include "lights/inversion_table.h"
@@ -39,8 +39,7 @@ class ImportanceStrategy final : public EnvStrategy {
   InversionTable table_;
 };
 
-// Luminance times solid angle of every texel, less the share `compensate` of the mean over the
-// sphere (set to 0 where the map nowhere rises above it); solid angle alone for a black map.
-std::vector<double> TexelImportance(const Texels& texels, double& compensate);
+// Luminance times solid angle of every texel, row-major; solid angle alone for a black map.
+std::vector<double> TexelImportance(const Texels& texels);
 
 }  // namespace skywave

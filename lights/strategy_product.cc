@@ -80,8 +80,7 @@ ProductStrategy::ProductStrategy(const EnvironmentMap& map, int cells) : texels_
   const SphereMap sphere = MakeSphereMap(held);
   const LightSet set = CutCells(sphere, cells);
   cells_ = MakeLightCells(sphere, set, map.map_from_world);
-  double compensate = 0;
-  sampler_.emplace(held.width, held.height, TexelImportance(texels_, compensate), set.cell_of_texel,
+  sampler_.emplace(held.width, held.height, TexelImportance(texels_), set.cell_of_texel,
                    std::uint32_t(cells_.size()));
   density_ = sampler_->DensityInCells(set.cell_of_texel);
   // Where no light is the density is 0 whatever the cell.

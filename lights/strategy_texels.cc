@@ -10,11 +10,6 @@
 namespace skywave {
 namespace {
 
-std::vector<double> PlainImportance(const Texels& texels) {
-  double compensate = 0;
-  return TexelImportance(texels, compensate);
-}
-
 // A pyramid level: sums over regions, row-major.
 struct Sums {
   std::uint32_t width, height;
@@ -35,7 +30,7 @@ std::uint16_t Share(double first, double second) {
 
 WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
   const std::uint32_t width = texels_.width(), height = texels_.height();
-  const std::vector<double> importance = PlainImportance(texels_);
+  const std::vector<double> importance = TexelImportance(texels_);
   std::vector<Sums> pyramid = {{std::bit_ceil(width), std::bit_ceil(height), {}}};
   pyramid[0].value.resize(std::size_t(pyramid[0].width) * pyramid[0].height);
   for (std::uint32_t y = 0; y < height; ++y) {
@@ -125,7 +120,7 @@ CellStrategy::CellStrategy(std::string_view name, const EnvironmentMap& map,
                            const CellMap& cell_of_texel, std::uint32_t cells)
     : name_(name),
       texels_(map),
-      sampler_(map.latlong.width, map.latlong.height, PlainImportance(texels_), cell_of_texel,
+      sampler_(map.latlong.width, map.latlong.height, TexelImportance(texels_), cell_of_texel,
                cells) {}
 
 void CellStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,

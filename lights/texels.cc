@@ -56,8 +56,9 @@ RowArea AreaOfRow(std::uint32_t row, std::uint32_t height) {
 Texels::Texels(const EnvironmentMap& map, const Image& light)
     : width_(std::uint32_t(map.latlong.width)),
       height_(std::uint32_t(map.latlong.height)),
+      stride_((width_ + kBlockTexels - 1) / kBlockTexels * kBlockTexels),
       map_from_world_(map.map_from_world),
-      packed_(std::size_t(width_) * height_),
+      blocks_(std::size_t(stride_) / kBlockTexels * height_),
       rgb_(map.latlong.rgb.data()),
       row_area_(height_) {
   for (std::uint32_t row = 0; row < height_; ++row) row_area_[row] = AreaOfRow(row, height_);
@@ -73,19 +74,19 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
   // down, so nothing is ever taken from a texel: a sun spills over, it casts no darkness.
   const float inverse_unit = 1 / unit_;
   // Packs `wanted` and adds to `lost` what does not fit.
-  const auto pack = [&](std::size_t texel, const float* wanted, float* lost) {
+  const auto pack = [&](PackedRadiance& texel, const float* wanted, float* lost) {
     float room[3], held[3];
     for (int c = 0; c < 3; ++c) room[c] = std::clamp(wanted[c] + lost[c], 0.0f, most);
-    packed_[texel] = Pack(room, inverse_unit);
-    Unpack(packed_[texel], unit_, held);
+    texel = Pack(room, inverse_unit);
+    Unpack(texel, unit_, held);
     for (int c = 0; c < 3; ++c) lost[c] += wanted[c] - held[c];
   };
   std::vector<std::array<float, 3>> handed_on(height_);
   tbb::parallel_for(0u, height_, [&](std::uint32_t row) {
-    const std::size_t begin = std::size_t(row) * width_;
+    PackedRadiance* const texels = packed() + std::size_t(row) * stride_;
     handed_on[row] = {};
-    for (std::size_t i = begin; i < begin + width_; ++i) {
-      pack(i, &light.rgb[3 * i], handed_on[row].data());
+    for (std::uint32_t i = 0; i < width_; ++i) {
+      pack(texels[i], light.Pixel(int(i), int(row)), handed_on[row].data());
     }
   });
   // The ends of rows hand on to the beginnings of the next ones, where a few texels take it.
@@ -95,12 +96,12 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
                          RowSolidAngle(int(width_), int(height_), int(row));
     std::array<float, 3> lost = handed_on[row - 1];
     for (float& channel : lost) channel *= float(ratio);
-    const std::size_t begin = std::size_t(row) * width_;
-    for (std::size_t i = begin; i < begin + width_; ++i) {
+    PackedRadiance* const texels = packed() + std::size_t(row) * stride_;
+    for (std::uint32_t i = 0; i < width_; ++i) {
       if (std::max({lost[0], lost[1], lost[2]}) <= nothing) break;
       float held[3];
-      Unpack(packed_[i], unit_, held);
-      pack(i, held, lost.data());
+      Unpack(texels[i], unit_, held);
+      pack(texels[i], held, lost.data());
     }
     for (int c = 0; c < 3; ++c) handed_on[row][c] += lost[c];
   }
@@ -108,22 +109,28 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
 
 float Texels::Luminance(std::uint32_t column, std::uint32_t row) const {
   float rgb[3];
-  Unpack(packed_[std::size_t(row) * width_ + column], unit_, rgb);
+  Unpack(packed()[std::size_t(row) * stride_ + column], unit_, rgb);
   return skywave::Luminance(rgb);
 }
 
 Image Texels::Held() const {
   Image held(static_cast<int>(width_), static_cast<int>(height_));
-  for (std::size_t i = 0; i < packed_.size(); ++i) Unpack(packed_[i], unit_, &held.rgb[3 * i]);
+  for (std::uint32_t row = 0; row < height_; ++row) {
+    const PackedRadiance* const texels = packed() + std::size_t(row) * stride_;
+    for (std::uint32_t i = 0; i < width_; ++i) {
+      Unpack(texels[i], unit_, held.Pixel(int(i), int(row)));
+    }
+  }
   return held;
 }
 
 EnvironmentView Texels::view() const {
-  EnvironmentView view = {.packed = packed_.data(),
+  EnvironmentView view = {.packed = packed(),
                           .radiance_unit = unit_,
                           .rgb = rgb_,
                           .width = width_,
                           .height = height_,
+                          .stride = stride_,
                           .map_from_world = {},
                           .row_area = row_area_.data()};
   std::copy(map_from_world_.begin(), map_from_world_.end(), view.map_from_world);

@@ -28,14 +28,23 @@ class Texels {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  std::size_t bytes() const { return packed_.size() * sizeof(PackedRadiance); }
+  std::uint32_t stride() const { return stride_; }
+  float unit() const { return unit_; }
+  std::size_t bytes() const { return blocks_.size() * sizeof(Block); }
   EnvironmentView view() const;
 
  private:
-  std::uint32_t width_, height_;
+  struct alignas(kBlockTexels * sizeof(PackedRadiance)) Block {
+    PackedRadiance texel[kBlockTexels] = {};
+  };
+  // Row after row of `stride` texels.
+  const PackedRadiance* packed() const { return blocks_.data()->texel; }
+  PackedRadiance* packed() { return blocks_.data()->texel; }
+
+  std::uint32_t width_, height_, stride_;
   float unit_;
   std::array<float, 9> map_from_world_;
-  std::vector<PackedRadiance> packed_;
+  std::vector<Block> blocks_;
   const float* rgb_;  // the map's
   std::vector<RowArea> row_area_;
 };

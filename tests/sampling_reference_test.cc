@@ -90,7 +90,7 @@ void ExpectDrawn(const std::function<void(const UniformColumns&, const LightColu
 TEST(SamplingReference, Inversion) {
   const Texels texels(Map());
   const Image held = texels.Held();
-  const InversionTable table(texels.width(), texels.height(), Importance(held));
+  const InversionTable table(texels, 0);
   const InversionView view = table.view();
   const auto probability = [&](const SearchTreeView& trees, std::uint32_t tree,
                                std::uint32_t item) {
@@ -109,9 +109,17 @@ TEST(SamplingReference, Inversion) {
       },
       [&](double u, double v) {
         const std::uint32_t row = WalkTree(view.rows, 0, v);
-        const std::uint32_t column = WalkTree(view.columns, row, u);
-        const double p = probability(view.rows, 0, row) * probability(view.columns, row, column);
-        return Drawn{int(column), int(row), u, v,
+        const std::uint32_t block = WalkTree(view.blocks, row, u);
+        const int first = int(block * kBlockTexels);
+        const int end = std::min(first + int(kBlockTexels), held.width);
+        const auto weight = [&](int x) { return Luminance(held.Pixel(x, int(row))); };
+        double total = 0;
+        for (int x = first; x < end; ++x) total += weight(x);
+        int column = first;
+        for (u *= total; u >= weight(column); ++column) u -= weight(column);
+        const double p = probability(view.rows, 0, row) * probability(view.blocks, row, block) *
+                         weight(column) / total;
+        return Drawn{column, int(row), u / weight(column), v,
                      kSamples * p / RowSolidAngle(held.width, held.height, int(row))};
       },
       3e-4);

@@ -41,15 +41,15 @@ std::vector<Weights> WeightsOf(std::uint32_t items) {
 struct Built {
   SearchTrees trees;
   std::vector<std::uint16_t> leaf_mass;
-  std::vector<double> block;
+  std::vector<double> leaf;
   // As reported.
-  double Probability(std::uint32_t item) const { return block[item / kNodeFan] * leaf_mass[item]; }
+  double Probability(std::uint32_t item) const { return leaf[item / kNodeFan] * leaf_mass[item]; }
 };
 Built Build(const std::vector<double>& weights) {
   const auto items = std::uint32_t(weights.size());
   Built built = {SearchTrees(items, 1), std::vector<std::uint16_t>(items), {}};
-  built.block.resize(built.trees.blocks());
-  built.trees.Set(0, weights.data(), built.leaf_mass.data(), built.block.data());
+  built.leaf.resize(built.trees.leaves());
+  built.trees.Set(0, weights.data(), built.leaf_mass.data(), built.leaf.data());
   return built;
 }
 
@@ -115,14 +115,14 @@ TEST(SearchTrees, TreesAreIndependent) {
   constexpr std::uint32_t kItems = 1100, kTrees = 3;
   SearchTrees trees(kItems, kTrees);
   std::vector<std::uint16_t> mass[kTrees];
-  std::vector<double> block[kTrees];
+  std::vector<double> leaf[kTrees];
   for (const std::uint32_t tree : {2u, 0u, 1u}) {
-    mass[tree].resize(kItems), block[tree].resize(trees.blocks());
-    trees.Set(tree, WeightsOf(kItems)[tree].values.data(), mass[tree].data(), block[tree].data());
+    mass[tree].resize(kItems), leaf[tree].resize(trees.leaves());
+    trees.Set(tree, WeightsOf(kItems)[tree].values.data(), mass[tree].data(), leaf[tree].data());
   }
   for (std::uint32_t tree = 0; tree < kTrees; ++tree) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
-      const double p = block[tree][i / kNodeFan] * mass[tree][i];
+      const double p = leaf[tree][i / kNodeFan] * mass[tree][i];
       ASSERT_NEAR(p, WalkedProbability(trees.view(), tree, i), 1e-14 * p);
     }
   }

@@ -11,9 +11,6 @@
 #include "kernels/sampler.h"
 #include "kernels/surface.h"
 #include "kernels/texture.h"
-#ifdef SKYWAVE_SLOWDOWN
-#include "wavefront/slowdown.h"
-#endif
 
 namespace skywave {
 namespace {
@@ -60,6 +57,39 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
   std::fill_n(paths.r, range.count, 0.0f);
   std::fill_n(paths.g, range.count, 0.0f);
   std::fill_n(paths.b, range.count, 0.0f);
+}
+
+// Light samples of the first `n` rows.
+const float* SampleRows(const FrameView& frame, const ShadePoints& points,
+                        const LightShares& shares, LightCall call, std::uint32_t n,
+                        const UniformColumns& uniforms, const UniformColumns& rest,
+                        const LightColumns& lights, const HitColumns& places) {
+  const LightPlan& plan = shares.plan;
+  if (call.index >= plan.fixed) {
+    DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
+                 {.stride = plan.drawn, .offset = call.index - plan.fixed}, uniforms);
+  } else if (plan.random_fixed) {
+    // Every fixed sample is an integral of its own, so it has a sequence of its own.
+    call.pair += kPairBlock * (call.index + 1);
+    DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
+  }
+  const bool local = call.index >= plan.fixed && shares.local.share > 0;
+  UniformColumns of_strategy = uniforms;
+  if (local && shares.local.share < 1) {
+    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
+    // more than that wastes.
+    SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
+    of_strategy.u = rest.u;
+  }
+  if (!local || shares.local.share < 1) {
+    frame.strategy->Sample(points, of_strategy, n, call, lights);
+  }
+  if (local) {
+    SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
+                      float(plan.drawn), lights, rest.v,
+                      frame.local_lights.holes ? &places : nullptr);
+  }
+  return local ? rest.v : nullptr;
 }
 
 }  // namespace
@@ -156,39 +186,19 @@ const float* SampleLights(const FrameView& frame, const ShadePoints& points,
                           const UniformColumns& uniforms, const UniformColumns& rest,
                           const LightColumns& lights, const HitColumns& places) {
   const std::uint32_t n = points.ranges.light_sampled();
-  const LightPlan& plan = shares.plan;
-  LightCall call = {.index = index,
-                    .requested = frame.light_samples(),
-                    .pair = SamplePair(bounce, SampleUse::kLight),
-                    .share = shares.of_strategy};
-  if (index >= plan.fixed) {
-    DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
-                 {.stride = plan.drawn, .offset = index - plan.fixed}, uniforms);
-  } else if (plan.random_fixed) {
-    // Every fixed sample is an integral of its own, so it has a sequence of its own.
-    call.pair += kPairBlock * (index + 1);
-    DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
-  }
-  const bool local = index >= plan.fixed && shares.local.share > 0;
-  UniformColumns of_strategy = uniforms;
-  if (local && shares.local.share < 1) {
-    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
-    // more than that wastes.
-    SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
-    of_strategy.u = rest.u;
-  }
-  if (!local || shares.local.share < 1) {
-    frame.strategy->Sample(points, of_strategy, n, call, lights);
-  }
-  if (local) {
-    SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
-                      float(plan.drawn), lights, rest.v,
-                      frame.local_lights.holes ? &places : nullptr);
-  }
+  const LightCall call = {.index = index,
+                          .requested = frame.light_samples(),
+                          .pair = SamplePair(bounce, SampleUse::kLight),
+                          .share = shares.of_strategy};
 #ifdef SKYWAVE_SLOWDOWN
-  SlowDown(n);
+  // For scripts/gate_selftest.sh: that many percent of the rows in vain, by other random numbers,
+  // so that they read other texels and cost what samples cost, whatever the scene and the machine.
+  LightCall wasted = call;
+  wasted.pair += kPairBlock * 4096;
+  SampleRows(frame, points, shares, wasted, n * SKYWAVE_SLOWDOWN / 100, uniforms, rest, lights,
+             places);
 #endif
-  return local ? rest.v : nullptr;
+  return SampleRows(frame, points, shares, call, n, uniforms, rest, lights, places);
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
