@@ -53,7 +53,7 @@ std::vector<NamedMap> MakeMaps() {
                   })});
   maps.push_back({"OneByOne", Paint(1, 1, [](int, int) { return Radiance{3, 2, 1}; })});
   maps.push_back({"TwoByOne", Paint(2, 1, [](int x, int) { return Radiance{1.0 + 9 * x, 2, 1}; })});
-  maps.push_back({"Black", Paint(16, 8, [](int, int) { return Radiance{0, 0, 0}; })});
+  maps.push_back({"Black", Paint(19, 9, [](int, int) { return Radiance{0, 0, 0}; })});
   maps.push_back({"Constant", Paint(32, 16, [](int, int) { return Radiance{0.5, 0.5, 0.5}; })});
   maps.push_back({"Odd", Noise(45, 23, 1, 1)});
   maps.push_back({"Sun", Paint(128, 64, [](int x, int y) {
@@ -62,7 +62,7 @@ std::vector<NamedMap> MakeMaps() {
                     return sun ? Radiance{1e6, 9e5, 7e5} : Radiance{0.4 * sky, 0.6 * sky, sky};
                   })});
   maps.push_back({"Noise", Noise(64, 32, 6, 2)});
-  // More than 1024 columns: search trees of three levels.
+  // More than 256 columns: search trees of two levels.
   maps.push_back({"Wide", Noise(1100, 40, 3, 3)});
   return maps;
 }
