@@ -190,6 +190,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   }
   options_.integrator = request.integrator.value_or(
       ParseIntegrator(said.integrator.value_or("")).value_or(options_.integrator));
+  if (said.photons_each_sample && options_.integrator == Integrator::kPhoton) {
+    PhotonOptions& photons = options_.photons;
+    if (photons.passes == 0) photons.passes = options_.samples_per_pixel;
+    if (photons.distance <= 0) photons.distance = said.photon_distance.value_or(0);
+  }
   options_.filter = request.filter.value_or(said.filter.value_or(options_.filter));
   if (options_.filter_radius <= 0) {
     options_.filter_radius =
