@@ -1,7 +1,10 @@
-// The first pass of `photon`: light paths in waves until the maps are full.
+// The first passes of `photon` and `vcm`: light paths in waves until the maps are full, or all of
+// them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -12,6 +15,17 @@
 
 namespace skywave {
 
+// What the first passes of `photon` or `vcm` have made.
+struct PhotonCounts {
+  std::uint64_t caustic = 0, indirect = 0;  // stored
+  std::uint64_t light_paths = 0;            // that the fuller wish needed
+  std::size_t bytes = 0;                    // of the maps of a pass, the most
+  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
+  double seconds = 0;                       // wall clock
+
+  void Add(const PhotonMaps& maps, double pass_seconds);
+};
+
 // One pass of a frame: samples [first_sample, first_sample + samples) of every pixel, and photons
 // of their own.
 struct PhotonPass {
@@ -19,9 +33,9 @@ struct PhotonPass {
   float shrink;  // its radius over that of the first pass
 };
 
-// The passes of a frame: one, or options.photons.passes with radii that shrink as Knaus and Zwicker
-// 2011 (eq. 15) have it: r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the mean of
-// all passes then both vanish.
+// The passes of a frame: options.photons.passes of them, with radii that shrink as Knaus and
+// Zwicker 2011 (eq. 15) have it: r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the
+// mean of all passes then both vanish.
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
 // Traces light paths of `pass`, in progressive frames numbered from 2^32 first_sample on, and
@@ -34,5 +48,24 @@ inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders);
+
+// What all passes of vertex connection and merging have in common: weights need to know beforehand
+// how many light paths there will be and within which distance their vertices are merged.
+struct MergePlan {
+  std::uint64_t light_paths;  // of a pass
+  float radius;               // of the first pass
+};
+
+// One light path for each path of a pass, but no more than store options.photons.indirect vertices.
+// If options.photons.distance is 0, the radius is where a vertex has options.photons.neighbors
+// others. Both are found out by light paths that are not used otherwise.
+MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                      std::vector<RayRecorder>* recorders);
+
+// For each pass of a frame whose integrator has them (HasPhotons): traces its light paths and calls
+// `render` with the frame as its samples see it. Other parameters as above.
+void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
+                 const std::function<void(const FrameView&)>& render);
 
 }  // namespace skywave

@@ -65,14 +65,6 @@ void RenderTiles(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
 
 }  // namespace
 
-void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
-  caustic += maps.caustic.size(), indirect += maps.indirect.size();
-  light_paths += std::max(maps.caustic.light_paths(), maps.indirect.light_paths());
-  bytes = std::max(bytes, maps.caustic.bytes() + maps.indirect.bytes());
-  radius = maps.indirect.radius, caustic_radius = maps.caustic.radius;
-  seconds += pass_seconds;
-}
-
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
   switch (frame.options.integrator) {
     case Integrator::kDirect:
@@ -83,6 +75,7 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
     case Integrator::kLight:
       return RenderLightWave(frame, range, worker, film);
     case Integrator::kBdpt:
+    case Integrator::kVcm:
       return RenderBdptWave(frame, range, worker, film);
     case Integrator::kPhoton:
       return RenderPhotonWave(frame, range, worker, film);
@@ -124,25 +117,13 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
-    if (options.integrator != Integrator::kPhoton) {
+    if (!HasPhotons(options.integrator)) {
       RenderTiles(frame, workers, film, progress, recorders);
       return;
     }
-    float caustic_radius = 0, indirect_radius = 0;  // of the first pass
-    for (const PhotonPass& pass : PhotonPasses(options)) {
-      const auto pass_start = std::chrono::steady_clock::now();
-      PhotonMaps maps = TracePhotons(frame, pass, workers, recorders);
-      if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
-      if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
-      maps.caustic.radius = caustic_radius * pass.shrink;
-      maps.indirect.radius = indirect_radius * pass.shrink;
-      result.photons.Add(maps, SecondsSince(pass_start));
-      FrameView view = frame;
-      view.photons = &maps;
-      view.options.first_sample = pass.first_sample;
-      view.options.samples_per_pixel = pass.samples;
+    ForEachPass(frame, workers, recorders, result.photons, [&](const FrameView& view) {
       RenderTiles(view, workers, film, progress, recorders);
-    }
+    });
   });
   result.seconds = SecondsSince(start);
   result.processor_seconds = ProcessorSeconds() - processor_start;

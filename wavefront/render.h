@@ -8,7 +8,7 @@
 
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
-#include "wavefront/photon_map.h"
+#include "wavefront/photon_pass.h"
 #include "wavefront/ray_recorder.h"
 #include "wavefront/stages.h"
 #include "wavefront/stats.h"
@@ -19,17 +19,6 @@ struct Worker;
 
 // Counts finished samples while a frame renders; read by whoever shows progress.
 using Progress = std::atomic<std::uint64_t>;
-
-// What the first passes of `photon` have made.
-struct PhotonCounts {
-  std::uint64_t caustic = 0, indirect = 0;  // stored
-  std::uint64_t light_paths = 0;            // that the fuller wish needed
-  std::size_t bytes = 0;                    // of the maps of a pass, the most
-  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
-  double seconds = 0;                       // wall clock
-
-  void Add(const PhotonMaps& maps, double pass_seconds);
-};
 
 struct FrameResult {
   RenderStats stats;

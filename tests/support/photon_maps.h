@@ -1,8 +1,9 @@
-// The photon maps of a frame, for tests that render its waves themselves.
+// The photons of a frame, for tests that render its waves themselves.
 #pragma once
 
 #include <tbb/task_arena.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,18 @@ inline PhotonMaps MapsOf(const FrameView& frame) {
     maps = TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
   });
   return maps;
+}
+
+// Calls `render` with the frame, or where light paths are stored, with each of its passes.
+inline void EachPassOf(const FrameView& frame,
+                       const std::function<void(const FrameView&)>& render) {
+  if (!HasPhotons(frame.options.integrator)) return render(frame);
+  tbb::task_arena arena(2);
+  arena.execute([&] {
+    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+    PhotonCounts counts;
+    ForEachPass(frame, workers, nullptr, counts, render);
+  });
 }
 
 }  // namespace skywave
