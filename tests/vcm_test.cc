@@ -217,7 +217,9 @@ TEST(Vcm, PassesConverge) {
       sum += std::pow(double(picture.rgb[i]) - double(reference.rgb[i]), 2);
     }
     std::printf("%3u passes: %.3g\n", passes, sum);
-    if (before > 0) EXPECT_LT(sum, 0.5 * before);
+    if (before > 0) {
+      EXPECT_LT(sum, 0.5 * before);
+    }
     before = sum;
   }
 }

@@ -121,6 +121,29 @@ PhotonMaps TraceMaps(const FrameView& frame, const Goal& goal,
 // Where the light paths of a pass begin that has its own.
 std::uint64_t FirstOf(const PhotonPass& pass) { return std::uint64_t(pass.first_sample) << 32; }
 
+// What all passes of vertex connection and merging have in common: weights need to know beforehand
+// how many light paths there will be and within which distance their vertices are merged.
+struct MergePlan {
+  std::uint64_t light_paths;  // of a pass
+  float radius;               // of the first pass
+};
+
+// Found out by light paths that are not used otherwise.
+MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                      std::vector<RayRecorder>* recorders) {
+  const RenderOptions& options = frame.options;
+  const PhotonOptions& wish = options.photons;
+  const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
+  const Goal goal = {.first = kPlanningPaths,
+                     .most = options.max_depth > 0 ? frame.light_paths() * samples : 0,
+                     .caustic = 0,
+                     .indirect = wish.indirect};
+  const PhotonMaps maps = TraceMaps(frame, goal, workers, recorders);
+  return {
+      .light_paths = maps.indirect.light_paths(),
+      .radius = wish.distance > 0 ? wish.distance : maps.indirect.TypicalDistance(wish.neighbors)};
+}
+
 // WayPolicy::merged of a pass whose radius is `shrink` of the first one's.
 float MergedArea(const MergePlan& plan, float shrink) {
   const float radius = plan.radius * shrink;
@@ -192,21 +215,6 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
     map->radius = ChooseRadius(*map, wish);
   }
   return maps;
-}
-
-MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                      std::vector<RayRecorder>* recorders) {
-  const RenderOptions& options = frame.options;
-  const PhotonOptions& wish = options.photons;
-  const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
-  const Goal goal = {.first = kPlanningPaths,
-                     .most = options.max_depth > 0 ? frame.light_paths() * samples : 0,
-                     .caustic = 0,
-                     .indirect = wish.indirect};
-  const PhotonMaps maps = TraceMaps(frame, goal, workers, recorders);
-  return {
-      .light_paths = maps.indirect.light_paths(),
-      .radius = wish.distance > 0 ? wish.distance : maps.indirect.TypicalDistance(wish.neighbors)};
 }
 
 void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,

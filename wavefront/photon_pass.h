@@ -49,21 +49,11 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders);
 
-// What all passes of vertex connection and merging have in common: weights need to know beforehand
-// how many light paths there will be and within which distance their vertices are merged.
-struct MergePlan {
-  std::uint64_t light_paths;  // of a pass
-  float radius;               // of the first pass
-};
-
-// One light path for each path of a pass, but no more than store options.photons.indirect vertices.
-// If options.photons.distance is 0, the radius is where a vertex has options.photons.neighbors
-// others. Both are found out by light paths that are not used otherwise.
-MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                      std::vector<RayRecorder>* recorders);
-
 // For each pass of a frame whose integrator has them (HasPhotons): traces its light paths and calls
-// `render` with the frame as its samples see it. Other parameters as above.
+// `render` with the frame as its samples see it. Other parameters as above. Of vcm, the first pass
+// has the radius options.photons.distance; if that is 0, where a vertex has
+// options.photons.neighbors others. Every pass has one light path for each of its paths, but no
+// more than store options.photons.indirect vertices.
 void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
                  std::vector<RayRecorder>* recorders, PhotonCounts& counts,
                  const std::function<void(const FrameView&)>& render);
