@@ -1,10 +1,7 @@
-// The first passes of `photon` and `vcm`: light paths in waves until the maps are full, or all of
-// them.
+// The first pass of `photon`: light paths in waves until the maps are full.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -14,17 +11,6 @@
 #include "wavefront/worker.h"
 
 namespace skywave {
-
-// What the first passes of `photon` or `vcm` have made.
-struct PhotonCounts {
-  std::uint64_t caustic = 0, indirect = 0;  // stored
-  std::uint64_t light_paths = 0;            // that the fuller wish needed
-  std::size_t bytes = 0;                    // of the maps of a pass, the most
-  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
-  double seconds = 0;                       // wall clock
-
-  void Add(const PhotonMaps& maps, double pass_seconds);
-};
 
 // One pass of a frame: samples [first_sample, first_sample + samples) of every pixel, and photons
 // of their own.
@@ -48,14 +34,5 @@ inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders);
-
-// For each pass of a frame whose integrator has them (HasPhotons): traces its light paths and calls
-// `render` with the frame as its samples see it. Other parameters as above. Of vcm, the first pass
-// has the radius options.photons.distance; if that is 0, where a vertex has
-// options.photons.neighbors others. Every pass has one light path for each of its paths, but no
-// more than store options.photons.indirect vertices.
-void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
-                 const std::function<void(const FrameView&)>& render);
 
 }  // namespace skywave

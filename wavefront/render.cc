@@ -10,6 +10,7 @@
 
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
+#include "wavefront/merging_pass.h"
 #include "wavefront/photon_pass.h"
 #include "wavefront/worker.h"
 
@@ -65,6 +66,14 @@ void RenderTiles(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
 
 }  // namespace
 
+void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
+  caustic += maps.caustic.size(), indirect += maps.indirect.size();
+  light_paths += std::max(maps.caustic.light_paths(), maps.indirect.light_paths());
+  bytes = std::max(bytes, maps.caustic.bytes() + maps.indirect.bytes());
+  radius = maps.indirect.radius, caustic_radius = maps.caustic.radius;
+  seconds += pass_seconds;
+}
+
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
   switch (frame.options.integrator) {
     case Integrator::kDirect:
@@ -104,6 +113,35 @@ std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<
   return slot;
 }
 
+void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
+                 const std::function<void(const FrameView&)>& render) {
+  if (!HasPhotons(frame.options.integrator)) return render(frame);
+  const bool merges = frame.options.integrator == Integrator::kVcm;
+  const MergePlan plan = merges ? PlanMerging(frame, workers, recorders) : MergePlan{};
+  float caustic_radius = 0, indirect_radius = 0;  // of the first pass
+  for (const PhotonPass& pass : PhotonPasses(frame.options)) {
+    const auto start = std::chrono::steady_clock::now();
+    FrameView view = frame;
+    PhotonMaps maps;
+    if (merges) {
+      view.merged = plan.MergedArea(pass);
+      maps.indirect = TraceVertices(view, plan, pass, workers, recorders);
+    } else {
+      maps = TracePhotons(frame, pass, workers, recorders);
+      if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
+      if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
+      maps.caustic.radius = caustic_radius * pass.shrink;
+      maps.indirect.radius = indirect_radius * pass.shrink;
+    }
+    counts.Add(maps, SecondsSince(start));
+    view.photons = &maps;
+    view.options.first_sample = pass.first_sample;
+    view.options.samples_per_pixel = pass.samples;
+    render(view);
+  }
+}
+
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
   const RenderOptions& options = frame.options;
@@ -117,10 +155,6 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
-    if (!HasPhotons(options.integrator)) {
-      RenderTiles(frame, workers, film, progress, recorders);
-      return;
-    }
     ForEachPass(frame, workers, recorders, result.photons, [&](const FrameView& view) {
       RenderTiles(view, workers, film, progress, recorders);
     });

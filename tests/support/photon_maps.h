@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "wavefront/photon_pass.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 
@@ -25,7 +26,6 @@ inline PhotonMaps MapsOf(const FrameView& frame) {
 // Calls `render` with the frame, or where light paths are stored, with each of its passes.
 inline void EachPassOf(const FrameView& frame,
                        const std::function<void(const FrameView&)>& render) {
-  if (!HasPhotons(frame.options.integrator)) return render(frame);
   tbb::task_arena arena(2);
   arena.execute([&] {
     std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
