@@ -23,6 +23,11 @@ constexpr std::uint64_t kPlanningPaths = 1 << 14,
 // photons would be looked up within.
 constexpr float kMergedDistance = 0.5f;
 
+// Surfaces near each other are merged with the same light paths, so the noise of merges does not
+// average out over pixels as that of other ways does, and weights by densities alone think too much
+// of them (Grittmann, Yazici, Georgiev and Slusallek 2021). They count as so many of them.
+constexpr float kMergeWorth = 0.3f;
+
 // The vertices of light paths [first, first + count) of the frame.
 PhotonMap TraceLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t count,
                           std::vector<std::unique_ptr<Worker>>& workers,
@@ -53,7 +58,7 @@ PhotonMap TraceLightPaths(const FrameView& frame, std::uint64_t first, std::uint
 
 float MergePlan::MergedArea(const PhotonPass& pass) const {
   const float r = radius * pass.shrink;
-  return std::numbers::pi_v<float> * r * r * float(light_paths);
+  return kMergeWorth * std::numbers::pi_v<float> * r * r * float(light_paths);
 }
 
 MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
