@@ -23,7 +23,7 @@ SCENES = {
     "lamps": "small lamps in a room",
     "many-materials": "every BSDF, open",
 }
-INTEGRATORS = ["path", "light", "bdpt", "photon"]
+INTEGRATORS = ["path", "light", "bdpt", "photon", "vcm"]
 
 
 def converge(arguments, scene, file):

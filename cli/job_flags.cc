@@ -99,39 +99,46 @@ std::string CameraFlags(const CameraRequest& c) {
 }
 
 void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
-  const auto group = "Photon mapping (--integrator photon)";
+  const auto group = "Photon mapping, vertex merging (--integrator photon, vcm)";
   // More have no place in an index of 31 bits beside what a light path may add.
   constexpr std::uint32_t kMostPhotons = 1000000000;
   const auto add = [&](const char* name, auto& value, const char* help, CLI::Validator check) {
     command.add_option(name, value, help)->check(check)->capture_default_str()->group(group);
   };
-  add("--photons", p.indirect, "to store for indirect light", CLI::Range(0u, kMostPhotons));
+  add("--photons", p.indirect,
+      "to store for indirect light; vcm: light vertices of a pass, at most",
+      CLI::Range(0u, kMostPhotons));
   add("--caustic-photons", p.caustic, "to store for light from mirrors and glass",
       CLI::Range(0u, kMostPhotons));
   add("--gather", p.gather, "rays of a final gather a hit; 0: photons are seen directly",
       CLI::Range(0u, 4096u));
   add("--photon-neighbors", p.neighbors, "of a lookup, at most", CLI::Range(2u, 1u << 16));
   add("--photon-distance", p.distance,
-      "of a lookup, at most; progressive: radius of the first pass (0: by the photons)",
+      "of a lookup, at most; progressive, vcm: radius of the first pass (0: by the photons)",
       FiniteNumber(0, 1e12));
   AddParsed(command, "--photon-kernel", "weights of a lookup (default: epanechnikov)",
             "constant|cone|epanechnikov", p.kernel, ParsePhotonKernel);
   command.get_option("--photon-kernel")->group(group);
-  add("--progressive", p.passes,
-      "passes over --spp, each with photons of its own and a smaller radius",
-      CLI::Range(1u, 1u << 20));
+  command
+      .add_option("--progressive", p.passes,
+                  "passes over --spp, each with photons of its own and a smaller radius (default: "
+                  "photon 1, vcm one a sample)")
+      ->check(CLI::Range(1u, 1u << 20))
+      ->group(group);
   add("--progressive-alpha", p.alpha, "of (i + alpha) / (i + 1), by which squared radii shrink",
       FiniteNumber(0.01, 1));
 }
 
-std::string PhotonFlags(const PhotonOptions& p) {
-  std::string text = fmt::format(
-      " --photons {} --caustic-photons {} --gather {} --photon-neighbors {} --photon-distance {} "
-      "--photon-kernel {}",
-      p.indirect, p.caustic, p.gather, p.neighbors, p.distance, ToString(p.kernel));
-  if (p.progressive()) {
-    text += fmt::format(" --progressive {} --progressive-alpha {}", p.passes, p.alpha);
-  }
+std::string PhotonFlags(const RenderOptions& options) {
+  const PhotonOptions& p = options.photons;
+  const bool merges = options.integrator == Integrator::kVcm;
+  std::string text = fmt::format(" --photons {}", p.indirect);
+  if (!merges) text += fmt::format(" --caustic-photons {} --gather {}", p.caustic, p.gather);
+  text += fmt::format(" --photon-neighbors {} --photon-distance {} --photon-kernel {}", p.neighbors,
+                      p.distance, ToString(p.kernel));
+  if (p.passes > 0) text += fmt::format(" --progressive {}", p.passes);
+  if (p.progressive() || (merges && p.passes == 0))
+    text += fmt::format(" --progressive-alpha {}", p.alpha);
   return text;
 }
 
@@ -197,7 +204,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
-            "direct|path|light|bdpt|photon", r.integrator, ParseIntegrator);
+            "direct|path|light|bdpt|photon|vcm", r.integrator, ParseIntegrator);
   AddParsed(command, "--paths",
             "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
             "weight is 1",
@@ -258,7 +265,7 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   if (o.integrator == Integrator::kDirect || o.integrator == Integrator::kPhoton || o.split > 0) {
     text += fmt::format(" --light-samples {}", o.light_samples);
   }
-  if (o.integrator == Integrator::kPhoton) text += PhotonFlags(o.photons);
+  if (HasPhotons(o.integrator)) text += PhotonFlags(o);
   if (o.split > 0) text += fmt::format(" --split {}", o.split);
   if (!r.continuation_strategy.empty()) {
     text += " --continuation-strategy " + Quoted(r.continuation_strategy);

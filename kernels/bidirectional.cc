@@ -69,6 +69,14 @@ void ClearUnseen(const SurfaceColumns& s, std::uint32_t n, const BsdfValueColumn
   }
 }
 
+// What the ways that join at a vertex or farther back count together, against the one that reaches
+// past it: each by the density `back` of what reaches it from there, but for the last.
+HWY_INLINE VF JoinWays(VF before, VF earlier, VF back, VF merged) {
+  const VF farther = hn::Mul(earlier, back);
+  const VF joined = hn::Add(hn::Mul(farther, farther), hn::Mul(before, before));
+  return hn::Sqrt(hn::Add(joined, hn::Mul(merged, merged)));
+}
+
 // A cosine that is divided by.
 HWY_INLINE VF Divisor(VF cosine) { return hn::Max(cosine, Set(1e-9f)); }
 
@@ -113,8 +121,9 @@ void ArriveAtSurfaces(const SurfaceColumns& s, std::uint32_t n, const SubpathCol
 }
 
 void LeaveSurfaces(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
-                   const RayColumns& rays, std::uint32_t n, const SubpathColumns& paths) {
-  const VF zero = hn::Zero(F()), one = Set(1.0f);
+                   const WayPolicy& ways, const RayColumns& rays, std::uint32_t n,
+                   const SubpathColumns& paths) {
+  const VF zero = hn::Zero(F()), one = Set(1.0f), merged = Set(ways.merged);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU from = LoadRows(rays.from, i, n);
     const V3 dir = Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
@@ -123,7 +132,7 @@ void LeaveSurfaces(const SurfaceColumns& s, const SubpathColumns& at, const floa
     const VF pdf = Load(rays.pdf + i);
     const MF delta = hn::Eq(pdf, zero);
     const VF density = IfThen(delta, one, pdf);
-    const VF joined = Join(hn::Mul(earlier, Gather(back_pdf, from)), before);
+    const VF joined = JoinWays(before, earlier, Gather(back_pdf, from), merged);
     const VF farther = hn::Mul(hn::Div(cosine, density), IfThen(delta, earlier, joined));
     const VF here = IfThen(delta, zero, hn::Div(one, density));
     Scatter({Bounded(here), Bounded(farther)}, rays.path + i, LanesLeft(i, n), paths.joined_before,
@@ -158,7 +167,7 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
 
 void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const MisPolicy& mis,
+                       const float* arrival, std::uint32_t n, const WayPolicy& ways,
                        const LightColumns& lights) {
   const VF zero = hn::Zero(F()), one = Set(1.0f),
            infinity = Set(std::numeric_limits<float>::infinity());
@@ -170,9 +179,10 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
     const VF density = IfThen(hn::And(extended, hn::Gt(pdf, zero)), pdf, one);
     const VF by_bsdf = hn::IfThenElseZero(extended, hn::Div(Load(forward.pdf + i), density));
     const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));
-    const VF joined = Join(hn::Mul(Load(at.joined_earlier + i), Load(backward.pdf + i)),
-                           Load(at.joined_before + i));
-    const VF factor = hn::Div(HeuristicWeight(mis, by_bsdf, hn::Mul(from_light, joined)), density);
+    const VF joined = JoinWays(Load(at.joined_before + i), Load(at.joined_earlier + i),
+                               Load(backward.pdf + i), Set(ways.merged));
+    const VF weight = HeuristicWeight(ways.mis, by_bsdf, hn::Mul(from_light, joined));
+    const VF factor = hn::Div(weight, density);
     const V3 gain = Scale(Mul(Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i),
                                   Load3(forward.r + i, forward.g + i, forward.b + i)),
                               Load3(lights.r + i, lights.g + i, lights.b + i)),
@@ -184,15 +194,15 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
 }
 
 void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n, const MisPolicy& mis,
+                 const float* arrival, float light_paths, std::uint32_t n, const WayPolicy& ways,
                  const LightColumns& to_eye) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
-    const VF joined =
-        Join(hn::Mul(Load(at.joined_earlier + i), Load(back_pdf + i)), Load(at.joined_before + i));
+    const VF joined = JoinWays(Load(at.joined_before + i), Load(at.joined_earlier + i),
+                               Load(back_pdf + i), Set(ways.merged));
     const VF others =
         hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), joined);
-    const VF weight = HeuristicWeight(mis, others, hn::Zero(F()));
+    const VF weight = HeuristicWeight(ways.mis, others, hn::Zero(F()));
     const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
     Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
   }
@@ -231,9 +241,9 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
 }
 
 void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32_t n,
-                  const MisPolicy& mis, const VertexView& vertices, const std::uint32_t* partner,
+                  const WayPolicy& ways, const VertexView& vertices, const std::uint32_t* partner,
                   const ConnectionEnds& ends, const LightColumns& to_light) {
-  const VF zero = hn::Zero(F());
+  const VF zero = hn::Zero(F()), merged = Set(ways.merged);
   const SurfaceColumns& v = vertices.surfaces;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU found = LoadRows(partner, i, n);
@@ -262,11 +272,12 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
     const VF to_there = hn::Mul(hn::Mul(Load(ends.eye_forward.pdf + i), light_cosine), inverse2);
     const VF to_here = hn::Mul(hn::Mul(Gather(ends.light_forward.pdf, row), eye_cosine), inverse2);
     const VF of_light =
-        Join(hn::Mul(Gather(vertices.at.joined_earlier, row), Gather(ends.light_backward.pdf, row)),
-             Gather(vertices.at.joined_before, row));
-    const VF of_eye = Join(hn::Mul(Load(at.joined_earlier + i), Load(ends.eye_backward.pdf + i)),
-                           Load(at.joined_before + i));
-    const VF weight = HeuristicWeight(mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
+        JoinWays(Gather(vertices.at.joined_before, row), Gather(vertices.at.joined_earlier, row),
+                 Gather(ends.light_backward.pdf, row), merged);
+    const VF of_eye = JoinWays(Load(at.joined_before + i), Load(at.joined_earlier + i),
+                               Load(ends.eye_backward.pdf + i), merged);
+    const VF weight =
+        HeuristicWeight(ways.mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
     const V3 gain = Scale(Mul(eye, light), hn::Mul(geometry, weight));
     const MF counts = hn::And(hn::RebindMask(F(), joined), hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), to_light.r + i, to_light.g + i,
@@ -278,6 +289,30 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
     Store3(Scale(way, hn::Div(Set(1.0f), reach)), to_light.dir_x + i, to_light.dir_y + i,
            to_light.dir_z + i);
     Store(IfThen(counts, reach, Set(-1.0f)), to_light.t_far + i);
+  }
+}
+
+void MergeVertices(const SurfaceColumns& s, const SubpathColumns& at,
+                   const BsdfValueColumns& forward, const float* backward,
+                   const SubpathColumns& light, const std::uint32_t* vertex, std::uint32_t n,
+                   const WayPolicy& ways, const LightColumns& lights) {
+  const VF zero = hn::Zero(F()), per_merge = Set(1 / ways.merged);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU row = LoadRows(vertex, i, n);
+    // Both sub-paths end here, so each could have gone on as the other one came.
+    const VF of_light = Join(hn::Mul(Gather(light.joined_earlier, row), Load(forward.pdf + i)),
+                             Gather(light.joined_before, row));
+    const VF of_eye =
+        Join(hn::Mul(Load(at.joined_earlier + i), Load(backward + i)), Load(at.joined_before + i));
+    const VF weight =
+        HeuristicWeight(ways.mis, hn::Mul(of_light, per_merge), hn::Mul(of_eye, per_merge));
+    const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+    const V3 value = Load3(forward.r + i, forward.g + i, forward.b + i);
+    const V3 arriving = Load3(lights.r + i, lights.g + i, lights.b + i);
+    const V3 gain = Scale(Mul(Mul(throughput, value), arriving), weight);
+    Store3(gain, lights.r + i, lights.g + i, lights.b + i);
+    const MF counts = hn::Gt(MaxComponent(gain), zero);
+    Store(IfThen(counts, zero, Set(-1.0f)), lights.t_far + i);
   }
 }
 
@@ -300,6 +335,7 @@ HWY_EXPORT(WeighLightSamples);
 HWY_EXPORT(WeighSplats);
 HWY_EXPORT(AimAtVertices);
 HWY_EXPORT(JoinVertices);
+HWY_EXPORT(MergeVertices);
 
 void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
                   const TurnedColumns& turned) {
@@ -320,8 +356,9 @@ void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const Sub
   HWY_DYNAMIC_DISPATCH(ArriveAtSurfaces)(surfaces, n, paths, at);
 }
 void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                   const RayColumns& rays, std::uint32_t n, const SubpathColumns& paths) {
-  HWY_DYNAMIC_DISPATCH(LeaveSurfaces)(surfaces, at, back_pdf, rays, n, paths);
+                   const WayPolicy& ways, const RayColumns& rays, std::uint32_t n,
+                   const SubpathColumns& paths) {
+  HWY_DYNAMIC_DISPATCH(LeaveSurfaces)(surfaces, at, back_pdf, ways, rays, n, paths);
 }
 void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColumns& rows) {
   HWY_DYNAMIC_DISPATCH(MarkPartners)(paths, n, rows);
@@ -332,15 +369,15 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
 }
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const MisPolicy& mis,
+                       const float* arrival, std::uint32_t n, const WayPolicy& ways,
                        const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(WeighLightSamples)
-  (surfaces, at, forward, backward, arrival, n, mis, lights);
+  (surfaces, at, forward, backward, arrival, n, ways, lights);
 }
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n, const MisPolicy& mis,
+                 const float* arrival, float light_paths, std::uint32_t n, const WayPolicy& ways,
                  const LightColumns& to_eye) {
-  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, light_paths, n, mis, to_eye);
+  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, light_paths, n, ways, to_eye);
 }
 void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const VertexView& vertices,
                    std::uint32_t* partner, const LightColumns& to_light,
@@ -348,10 +385,17 @@ void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const Vertex
   HWY_DYNAMIC_DISPATCH(AimAtVertices)(surfaces, n, vertices, partner, to_light, to_eye);
 }
 void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                  const MisPolicy& mis, const VertexView& vertices, const std::uint32_t* partner,
+                  const WayPolicy& ways, const VertexView& vertices, const std::uint32_t* partner,
                   const ConnectionEnds& ends, const LightColumns& to_light) {
   HWY_DYNAMIC_DISPATCH(JoinVertices)
-  (surfaces, at, n, mis, vertices, partner, ends, to_light);
+  (surfaces, at, n, ways, vertices, partner, ends, to_light);
+}
+void MergeVertices(const SurfaceColumns& surfaces, const SubpathColumns& at,
+                   const BsdfValueColumns& forward, const float* backward,
+                   const SubpathColumns& light, const std::uint32_t* vertex, std::uint32_t n,
+                   const WayPolicy& ways, const LightColumns& lights) {
+  HWY_DYNAMIC_DISPATCH(MergeVertices)
+  (surfaces, at, forward, backward, light, vertex, n, ways, lights);
 }
 
 }  // namespace skywave

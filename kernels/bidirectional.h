@@ -4,6 +4,10 @@
 // numbers, so that no vertex but the last one is looked at (Georgiev 2012, "Implementing Vertex
 // Connection and Merging", dVCM and dVC).
 //
+// Ways that merge the ends of two sub-paths, where they are near each other, take part if there are
+// such (WayPolicy). The third number of that report, dVM, is dVC over `merged`, squared, at every
+// vertex, so two numbers are enough for them as well.
+//
 // Conventions. Densities of vertices are areal [1/length^2], measured with geometric normals; those
 // of a vertex infinitely far away are in solid angle. A delta BSDF counts as density 1 in both
 // directions, and no way joins at it. A light sub-path is one a path; a picture has `light_paths`
@@ -50,6 +54,15 @@ struct TurnedColumns {
 
 inline constexpr std::uint32_t kNoRow = 0xFFFFFFFFu;
 
+// How the ways to make a path share it.
+struct WayPolicy {
+  MisPolicy mis;
+  // Light sub-paths that a vertex of the eye is merged with, times the area around it in which they
+  // are (Georgiev's eta_VCM) [length^2]: the density of a merge over that of a connection before it
+  // is this times the density that it leaves out. 0: sub-paths are not merged.
+  float merged = 0;
+};
+
 // Rows [0, n) of `surfaces` as they look from where dir of `lights` points to: turned where that is
 // behind them.
 void TurnSurfaces(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
@@ -74,7 +87,8 @@ void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const Sub
 // Rays [0, n) leave the surfaces in rows rays.from of `surfaces`, whose density for sampling back
 // is `back_pdf` [1/sr]: writes rows rays.path of `paths`.
 void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                   const RayColumns& rays, std::uint32_t n, const SubpathColumns& paths);
+                   const WayPolicy& ways, const RayColumns& rays, std::uint32_t n,
+                   const SubpathColumns& paths);
 
 // Whether any other way makes the paths of rays that met light: pdf of rows [0, n) becomes 1, or 0
 // where there is none, and they may see what no light sample shows (EscapeColumns).
@@ -90,7 +104,7 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
 // light's own sub-paths at the surface.
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const MisPolicy& mis,
+                       const float* arrival, std::uint32_t n, const WayPolicy& ways,
                        const LightColumns& lights);
 
 // Vertices [0, n) of light sub-paths that are connected to the eye: r, g, b of `to_eye`, what the
@@ -98,7 +112,7 @@ void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
 // density with which the eye's own rays arrive here, one sample a pixel, but for the cosine here
 // [1/length^2].
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n, const MisPolicy& mis,
+                 const float* arrival, float light_paths, std::uint32_t n, const WayPolicy& ways,
                  const LightColumns& to_eye);
 
 // The vertices of one bounce of a wave's light sub-paths.
@@ -126,7 +140,16 @@ struct ConnectionEnds {
 // nothing is in between, direction and reach. Origins at both ends are on the side of the other one
 // (MoveToSide). `partner`, `to_light`: as AimAtVertices left them.
 void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                  const MisPolicy& mis, const VertexView& vertices, const std::uint32_t* partner,
+                  const WayPolicy& ways, const VertexView& vertices, const std::uint32_t* partner,
                   const ConnectionEnds& ends, const LightColumns& to_light);
+
+// Vertices of the eye in rows [0, n) that are merged with vertices of light sub-paths, those in
+// rows `vertex` of `light`: r, g, b of `lights`, which have light from dir as LoadPhotons leaves
+// it, become what the path gains, and t_far tells whether that is anything. `forward`, `backward`:
+// of dir given wo and of wo given dir. Where paths are merged, ways.merged is not 0.
+void MergeVertices(const SurfaceColumns& surfaces, const SubpathColumns& at,
+                   const BsdfValueColumns& forward, const float* backward,
+                   const SubpathColumns& light, const std::uint32_t* vertex, std::uint32_t n,
+                   const WayPolicy& ways, const LightColumns& lights);
 
 }  // namespace skywave

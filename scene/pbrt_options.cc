@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <string_view>
 
 #include "base/error.h"
 #include "scene/pbrt_state.h"
@@ -196,17 +198,40 @@ void ReadSampler(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) 
   Note(reader, parameters, "only the number of samples is taken; the sampler is Skywave's own");
 }
 
+// Stochastic progressive photon mapping: a sample of a pixel is an iteration.
+void ReadPhotons(PbrtReader& reader, PbrtParameters& parameters) {
+  RenderSettings& settings = reader.scene.settings;
+  settings.photons_each_sample = true;
+  // As pbrt-v3 says it.
+  for (const char* const name : {"iterations", "numiterations"}) {
+    const auto found = FindInt(parameters, name);
+    if (found) settings.samples_per_pixel = RequirePositive(parameters, name, *found);
+  }
+  if (const auto radius = FindFloat(parameters, "radius")) {
+    if (!(*radius > 0)) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"radius\" is {}", parameters.directive, *radius));
+    }
+    settings.photon_distance = float(*radius);
+  }
+  for (const char* const name : {"photonsperiteration", "imagewritefrequency"}) {
+    if (!FindInt(parameters, name)) continue;
+    Note(reader, parameters, fmt::format("\"{}\" is ignored: --photons says how many", name));
+  }
+}
+
 void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   auto [type, parameters] = ReadImplementation(reader, source, word);
   RenderSettings& settings = reader.scene.settings;
-  if (type == "path" || type == "volpath") {
-    settings.integrator = "path";
-  } else if (type == "directlighting" || type == "direct") {
-    settings.integrator = "direct";
-  } else {
-    settings.integrator = "path";
-    Warn(reader, parameters, "is not supported: rendered with path");
-  }
+  static const std::map<std::string_view, const char*> kNames = {
+      {"path", "path"},       {"volpath", "path"},
+      {"direct", "direct"},   {"directlighting", "direct"},
+      {"lightpath", "light"}, {"bdpt", "bdpt"},
+      {"sppm", "photon"}};
+  const auto known = kNames.find(type);
+  settings.integrator = known != kNames.end() ? known->second : "path";
+  if (known == kNames.end()) Warn(reader, parameters, "is not supported: rendered with path");
+  if (type == "sppm") ReadPhotons(reader, parameters);
   if (const auto depth = FindInt(parameters, "maxdepth")) {
     if (*depth < 0) {
       throw InputError(parameters.position,

@@ -155,7 +155,10 @@ struct CropFractions {
 // What the file says of the rendering; flags of the command line come before it.
 struct RenderSettings {
   std::optional<int> width, height, samples_per_pixel, max_depth;
-  std::optional<std::string> integrator;  // "direct" or "path"
+  std::optional<std::string> integrator;  // as the command line names it
+  // Of photons: each sample of a pixel is a pass with its own; radius of the first pass.
+  bool photons_each_sample = false;
+  std::optional<float> photon_distance;
   std::optional<PixelFilter> filter;
   std::optional<float> filter_radius;  // [pixels]
   std::optional<CropFractions> crop;   // the part that is rendered

@@ -89,20 +89,20 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
   FrameView frame = job.frame(integrator, job.strategy());
   frame.options.split = split;
   frame.options.wave = 600;  // the last wave is smaller
-  PhotonMaps maps;
-  if (integrator == Integrator::kPhoton) maps = MapsOf(frame);
-  frame.photons = &maps;
+  frame.options.photons.passes = 1;
   Film film = job.MakeFilm(integrator);
   const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
   const Tile tile = {0, 0, 32, 24};
-  const auto waves = [&] {
-    for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
-      const auto left = std::uint32_t(32 * 24 * 4 - first);
-      RenderWave(frame, {tile, first, std::min(600u, left)}, *worker, film);
-    }
-  };
-  // From the first wave on: there is nothing to warm up.
-  EXPECT_EQ(AllocationsOf(waves), 0u);
+  EachPassOf(frame, [&](const FrameView& pass) {
+    const auto waves = [&] {
+      for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
+        const auto left = std::uint32_t(32 * 24 * 4 - first);
+        RenderWave(pass, {tile, first, std::min(600u, left)}, *worker, film);
+      }
+    };
+    // From the first wave on: there is nothing to warm up.
+    EXPECT_EQ(AllocationsOf(waves), 0u);
+  });
   EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
 }
 
@@ -125,6 +125,7 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     ExpectNoAllocations(job, Integrator::kPhoton);
     ExpectNoAllocations(job, Integrator::kLight);
     ExpectNoAllocations(job, Integrator::kBdpt);
+    ExpectNoAllocations(job, Integrator::kVcm);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scene/mesh.h"
+#include "tests/support/matt_room.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
@@ -19,58 +20,6 @@ namespace {
 constexpr int kRuns = 12;
 // Pictures that this program compares.
 const double kLevel = SidakLevel(60);
-
-enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kSky = 32 };
-constexpr int kLocal = kLamp | kBall | kPoint | kSpot | kDistant;
-
-// A rectangle parallel to the floor that shines downwards.
-void AddLamp(Scene& scene, float size, const glm::vec3& centre, const glm::vec3& radiance) {
-  const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0.3f));
-  scene.materials[lamp].emission = radiance;
-  Mesh mesh = Facetted(Quad(size / 2));
-  FlipOrientation(mesh);
-  Place(scene, mesh, lamp, centre);
-}
-
-// A matt floor and wall, and three balls of facets, of the material in the middle. Facets: at the
-// rim of smooth balls paths that come from the other side may see another normal (design.md).
-Scene Room(const Material& material, int lights) {
-  Scene scene;
-  Place(scene, Facetted(Quad(4)), AddLambert(scene, "floor", {0.7f, 0.6f, 0.5f}), glm::vec3(0));
-  Mesh wall = Facetted(Quad(3));
-  for (glm::vec3& p : wall.positions) p = {p.x, p.z + 2, -2};
-  Place(scene, wall, AddLambert(scene, "wall", {0.3f, 0.6f, 0.7f}), glm::vec3(0));
-  scene.materials.push_back(material);
-  const auto index = std::uint32_t(scene.materials.size() - 1);
-  Place(scene, Facetted(Sphere(0.6f, 4)), index, {0, 0.65f, 0.2f});
-  Place(scene, Facetted(Sphere(0.45f, 3)), AddLambert(scene, "red", {0.8f, 0.2f, 0.2f}),
-        {-1.2f, 0.5f, 0});
-  Place(scene, Facetted(Sphere(0.45f, 3)), index, {1.2f, 0.5f, 0.4f}, 30);
-  if (lights & kLamp) AddLamp(scene, 1.2f, {0.2f, 2.6f, 0}, {5, 4, 3});
-  if (lights & kBall) {
-    const std::uint32_t ball = AddLambert(scene, "ball", glm::vec3(0.3f));
-    scene.materials[ball].emission = {2, 5, 3};
-    scene.materials[ball].emits_on_both_sides = true;
-    Place(scene, Facetted(Sphere(0.2f, 2)), ball, {-0.5f, 0.35f, 1.2f});
-  }
-  if (lights & kPoint) scene.lights.push_back({.emission = {2, 2, 3}, .position = {-1.6f, 2, 1}});
-  if (lights & kSpot) scene.lights.push_back(SlantingSpot());
-  if (lights & kDistant) scene.lights.push_back(SlantingSun());
-  // Constant in parts: the eye sees a map interpolated, light paths do not (design.md).
-  if (lights & kSky) SetConstantLight(scene, 0.5f);
-  scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
-  return scene;
-}
-
-Material Of(BsdfKind bsdf, float alpha = 0.3f) {
-  return {
-      .name = "tested",
-      .bsdf = bsdf,
-      .reflectance = {0.8f, 0.7f, 0.6f},
-      .eta = bsdf == BsdfKind::kDiffuseTransmission ? glm::vec3(0.2f, 0.25f, 0.3f) : glm::vec3(0),
-      .alpha = alpha,
-      .ior = 1.5f};
-}
 
 JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
   JobRequest request = SmallRequest(24, 18, 32);
@@ -94,7 +43,7 @@ void ExpectPaths(const Scene& scene, JobRequest request) {
 class BdptLights : public testing::TestWithParam<int> {};
 
 TEST_P(BdptLights, PicturesAreThoseOfPaths) {
-  ExpectPaths(Room(Of(BsdfKind::kLambert), GetParam()), Request(Integrator::kBdpt, 4));
+  ExpectPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()), Request(Integrator::kBdpt, 4));
 }
 INSTANTIATE_TEST_SUITE_P(Bdpt, BdptLights,
                          testing::Values(kSky, kLamp, kBall, kPoint, kSpot, kDistant, kSky | kLamp,
@@ -110,7 +59,7 @@ class BdptBsdfs : public testing::TestWithParam<BsdfCase> {};
 
 TEST_P(BdptBsdfs, PicturesAreThoseOfPaths) {
   const BsdfCase& test = GetParam();
-  ExpectPaths(Room(Of(test.kind, test.alpha), kSky | kLamp), Request(Integrator::kBdpt, 5));
+  ExpectPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp), Request(Integrator::kBdpt, 5));
 }
 INSTANTIATE_TEST_SUITE_P(
     Bdpt, BdptBsdfs,
@@ -127,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(Bdpt, EveryDepthIsThatOfPaths) {
-  const Scene scene = Room(Of(BsdfKind::kConductor), kSky | kLamp | kPoint);
+  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLamp | kPoint);
   for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 7u}) {
     SCOPED_TRACE(depth);
     ExpectPaths(scene, Request(Integrator::kBdpt, depth));
@@ -136,7 +85,7 @@ TEST(Bdpt, EveryDepthIsThatOfPaths) {
 
 // Lenses and every kind of camera.
 TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
-  const Scene scene = Room(Of(BsdfKind::kDielectric), kSky | kLamp);
+  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp);
   for (const CameraKind kind : kCameraKinds) {
     for (const float lens : {0.0f, 0.3f}) {
       if (lens > 0 && !HasPlaneFilm(kind)) continue;
@@ -153,7 +102,7 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
 TEST(Bdpt, VeilsAreThoseOfPaths) {
   Material veil = Of(BsdfKind::kLambert);
   veil.opacity = 0.4f;
-  Scene scene = Room(veil, kSky | kLamp | kPoint);
+  Scene scene = MattRoom(veil, kSky | kLamp | kPoint);
   for (Material& material : scene.materials) {
     if (material.name == "lamp") material.opacity = 0.7f;
   }
@@ -211,7 +160,7 @@ TEST(Bdpt, EveryWayAloneFindsAllLight) {
 }
 
 TEST(Bdpt, WeightedWaysAddUpToThePicture) {
-  const RenderJob job(Room(Of(BsdfKind::kDielectric), kSky | kLocal),
+  const RenderJob job(MattRoom(Of(BsdfKind::kDielectric), kSky | kLocal),
                       Request(Integrator::kBdpt, 4));
   const auto render = [&](const std::optional<PathWay>& way) {
     FrameView frame = job.frame();
@@ -232,7 +181,7 @@ TEST(Bdpt, WeightedWaysAddUpToThePicture) {
 }
 
 TEST(Bdpt, WhatItCannotDoIsRefused) {
-  const Scene scene = Room(Of(BsdfKind::kLambert), kSky | kLamp);
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kSky | kLamp);
   const auto refused = [&](auto change) {
     JobRequest request = Request(Integrator::kBdpt, 3);
     change(request);

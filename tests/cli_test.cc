@@ -233,6 +233,17 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render scene.pbrt --paths 1,2", kExitUsage, {"--paths", "bdpt"}},
       {"render scene.pbrt --integrator bdpt --paths 1,1", kExitUsage, {"--paths", "T >= 2"}},
       {"render scene.pbrt --integrator bdpt --paths 1x2", kExitUsage, {"1x2", "S,T"}},
+      {"render scene.pbrt --integrator vcm --paths 1,2", kExitUsage, {"--paths", "vcm", "bdpt"}},
+      {"render scene.pbrt --integrator vcm --photon-distance -1",
+       kExitUsage,
+       {"--photon-distance"}},
+      {"render scene.pbrt --integrator vcm --photon-distance 1e9",
+       kExitUsage,
+       {"--photon-distance 1000000000", "radius"}},
+      {"render scene.pbrt --integrator vcm --photons 0", kExitUsage, {"--photons 0", "bdpt"}},
+      {"render scene.pbrt --integrator vcm --env map.exr --env-intensity 0",
+       kExitBadInput,
+       {"scene.pbrt", "black", "light"}},
       {"paths scene.pbrt --max-depth 9", kExitUsage, {"--max-depth 9", "layers"}},
       {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
       {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
@@ -474,6 +485,9 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
       "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator bdpt --wave 7",
       "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator bdpt --paths 2,1 "
       "--no-mis",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator vcm --wave 7",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 6 --integrator vcm --progressive 3 "
+      "--photons 100 --progressive-alpha 0.5 --photon-kernel cone",
   };
   for (const std::string& command : commands) {
     SCOPED_TRACE(command);

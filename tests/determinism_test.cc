@@ -93,31 +93,31 @@ TEST_P(Determinism, ThreadsDoNotMatter) {
 // RenderFrame leaves it to TBB and Embree how many threads there are: no more than cores. Here they
 // are the operating system's, each with a worker of its own, and take the tiles in any order.
 TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
-  FrameView frame = job().frame();
-  PhotonMaps maps;
-  if (frame.options.integrator == Integrator::kPhoton) maps = MapsOf(frame);
-  frame.photons = &maps;
-  const std::vector<Tile> tiles = CutTiles(frame.options.width, frame.options.height, 5, 16);
-  ASSERT_GT(tiles.size(), 16u);
   Film film = job().MakeFilm();
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    const FlushDenormals flush;  // as RenderFrame does
-    RenderOptions options = frame.options;
-    options.wave = 64;
-    const std::unique_ptr<Worker> worker = MakeWorker(options);
-    for (std::size_t i = next++; i < tiles.size(); i = next++) {
-      const std::uint32_t total = tiles[i].width * tiles[i].height * 5;
-      for (std::uint32_t first = 0; first < total; first += 64) {
-        const WaveRange range = {tiles[i], first, std::min(64u, total - first)};
-        RenderWave(frame, range, *worker, film);
+  EachPassOf(job().frame(), [&](const FrameView& frame) {
+    const std::uint32_t samples = frame.options.samples_per_pixel;
+    const std::vector<Tile> tiles =
+        CutTiles(frame.options.width, frame.options.height, samples, 16);
+    ASSERT_GE(tiles.size(), 16u);
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      const FlushDenormals flush;  // as RenderFrame does
+      RenderOptions options = frame.options;
+      options.wave = 64;
+      const std::unique_ptr<Worker> worker = MakeWorker(options);
+      for (std::size_t i = next++; i < tiles.size(); i = next++) {
+        const std::uint32_t total = tiles[i].width * tiles[i].height * samples;
+        for (std::uint32_t first = 0; first < total; first += 64) {
+          const WaveRange range = {tiles[i], first, std::min(64u, total - first)};
+          RenderWave(frame, range, *worker, film);
+        }
+        std::this_thread::yield();
       }
-      std::this_thread::yield();
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int i = 0; i < 8; ++i) threads.emplace_back(work);
-  for (std::thread& thread : threads) thread.join();
+    };
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 8; ++i) threads.emplace_back(work);
+    for (std::thread& thread : threads) thread.join();
+  });
   EXPECT_EQ(std::vector<std::uint64_t>(film.sums().begin(), film.sums().end()), Reference());
 }
 
@@ -167,8 +167,8 @@ TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
     request.strategy = factory.name;
     const RenderJob of_path(scene, request);
     const bool emits = CanEmit(of_path.strategy());
-    for (const Integrator integrator :
-         {Integrator::kPath, Integrator::kDirect, Integrator::kLight, Integrator::kBdpt}) {
+    for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect, Integrator::kLight,
+                                        Integrator::kBdpt, Integrator::kVcm}) {
       if (HasLightPaths(integrator) && !emits) continue;
       request.integrator = integrator;
       request.options.light_samples = 2;
@@ -202,7 +202,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"gallery", Integrator::kBdpt}, Case{"painted", Integrator::kBdpt},
                     Case{"screens", Integrator::kBdpt}, Case{"lamps", Integrator::kBdpt},
                     Case{"painted", Integrator::kPhoton}, Case{"screens", Integrator::kPhoton},
-                    Case{"lamps", Integrator::kPhoton}),
+                    Case{"lamps", Integrator::kPhoton}, Case{"painted", Integrator::kVcm},
+                    Case{"screens", Integrator::kVcm}, Case{"lamps", Integrator::kVcm}),
     [](const auto& test) {
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });

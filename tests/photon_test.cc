@@ -13,6 +13,7 @@
 #include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
 
@@ -53,29 +54,6 @@ double FluxOf(const PhotonMap& map, int channel, std::uint32_t depth) {
   double sum = 0;
   for (std::uint32_t i = 0; i < map.size(); ++i) {
     if (depth == 0 || photons.depth[i] == depth) sum += double(flux[channel][i]);
-  }
-  return sum;
-}
-
-// The inside of a ball of radius 1 that shines and reflects alike everywhere: a surface sees the
-// radiance that all others send. `turn`: away from axes.
-constexpr float kWallRadiance = 0.5f;
-const glm::vec3 kWallAlbedo(0.8f, 0.5f, 0.2f);
-Scene ShiningCave() {
-  Scene scene;
-  const std::uint32_t wall = AddLambert(scene, "wall", kWallAlbedo);
-  scene.materials[wall].emission = glm::vec3(kWallRadiance);
-  Mesh cave = Facetted(Sphere(1, 16));
-  FlipOrientation(cave);
-  Place(scene, cave, wall, glm::vec3(0), 20);
-  scene.camera = LookAtCamera({0.3f, 0.1f, -0.4f}, {0, 0, 1}, {0, 1, 0}, 70, false);
-  return scene;
-}
-
-double CaveRadiance(int channel, std::uint32_t max_depth) {
-  double sum = 0;
-  for (std::uint32_t i = 0; i <= max_depth; ++i) {
-    sum += kWallRadiance * std::pow(double(kWallAlbedo[channel]), i);
   }
   return sum;
 }
@@ -127,9 +105,9 @@ TEST(Photon, MapsHoldTheFluxOfTheLights) {
     area += 0.5 * double(glm::length(glm::cross(b - a, c - a)));
   }
   for (int c = 0; c < 3; ++c) {
-    const double emitted = kPi * double(kWallRadiance) * area;
+    const double emitted = kPi * double(kCaveEmission) * area;
     for (std::uint32_t depth = 1; depth <= 4; ++depth) {
-      const double expected = emitted * std::pow(double(kWallAlbedo[c]), depth - 1);
+      const double expected = emitted * std::pow(double(kCaveAlbedo[c]), depth - 1);
       EXPECT_NEAR(FluxOf(maps.indirect, c, depth) / expected, 1, depth < 4 ? 0.002 : 0.04)
           << "channel " << c << ", depth " << depth;
     }

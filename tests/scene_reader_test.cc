@@ -229,11 +229,25 @@ TEST(Options, FillTheSettings) {
                                 "\"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 3")
                                 .settings;
   EXPECT_EQ(v4.integrator, "path");
+  EXPECT_FALSE(v4.photons_each_sample);
   EXPECT_EQ(v4.filter, PixelFilter::kTriangle);
   EXPECT_EQ(v4.filter_radius, 1.5f);
   EXPECT_EQ(v4.samples_per_pixel, 12);
   EXPECT_FALSE(Parse("WorldBegin").settings.width);
   EXPECT_EQ(Parse("PixelFilter \"box\"").settings.filter, PixelFilter::kBox);
+}
+
+TEST(Options, NameTheIntegrator) {
+  EXPECT_EQ(Parse("Integrator \"bdpt\"").settings.integrator, "bdpt");
+  EXPECT_EQ(Parse("Integrator \"lightpath\"").settings.integrator, "light");
+  EXPECT_EQ(Parse("Integrator \"mlt\"").settings.integrator, "path");
+  const RenderSettings sppm =
+      Parse("Integrator \"sppm\" \"integer numiterations\" 24 \"float radius\" 0.25").settings;
+  EXPECT_EQ(sppm.integrator, "photon");
+  EXPECT_EQ(sppm.samples_per_pixel, 24);
+  EXPECT_TRUE(sppm.photons_each_sample);
+  EXPECT_EQ(sppm.photon_distance, 0.25f);
+  EXPECT_THROW(Parse("Integrator \"sppm\" \"float radius\" 0"), InputError);
 }
 
 TEST(Materials, BothVersionsNames) {
@@ -540,7 +554,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
   for (const char* text : {"Camera \"realistic\"",
                            "Camera \"perspective\" \"float shutteropen\" 1",
                            "Sampler \"sobol\"",
-                           "Integrator \"bdpt\"",
+                           "Integrator \"mlt\"",
                            "Integrator \"path\" \"bool regularize\" true",
                            "PixelFilter \"mitchell\"",
                            "PixelFilter \"gaussian\" \"float sigma\" 1",

@@ -1,6 +1,6 @@
 // The weights that bidirectional paths get from two numbers a sub-path, against those by definition
 // in double (support/path_densities.h): random paths of all kinds of lights, with and without delta
-// BSDFs, joined in all ways.
+// BSDFs, joined and merged in all ways.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +17,10 @@ constexpr std::uint32_t kPaths = 96;
 constexpr std::size_t kMostSurfaces = 5;
 constexpr float kLightPaths = 700;
 
-BidirectionalPath RandomPath(Random& random, std::size_t surfaces, double delta_share) {
+BidirectionalPath RandomPath(Random& random, std::size_t surfaces, double delta_share,
+                             double merged) {
   BidirectionalPath path;
+  path.merged = merged;
   const auto density = [&] { return std::exp(random.Between(-3, 4)); };
   const auto point = [&] { return random.Between(0.5, 3) * random.Direction(); };
   path.eye = point();
@@ -60,7 +62,26 @@ class Subpaths {
     return lights == surfaces() + 1 ? Splats() : Connections(lights - 2);
   }
 
+  // Of the way that merges both sub-paths at a surface.
+  std::vector<double> MergeWeights(std::size_t surface) {
+    const LightVertices &eye = eye_[surface], &light = light_[surface];
+    const soa::Table<LightColumns> lights(kPaths);
+    const soa::Table<IndexColumns> vertex(kPaths);
+    const BothWays seen(kPaths);
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      Fill(1, i, lights->r, lights->g, lights->b);
+      Fill(1, i, seen.forward->r, seen.forward->g, seen.forward->b);
+      seen.forward->pdf[i] = float(paths_[i].surfaces[surface].pdf_to_light);
+      seen.backward->pdf[i] = float(paths_[i].surfaces[surface].pdf_to_eye);
+      vertex->index[i] = LightRow(i);
+    }
+    MergeVertices(eye.surfaces, eye.at, seen.forward, seen.backward->pdf, light.at, vertex->index,
+                  kPaths, ways(), lights);
+    return {lights->g, lights->g + kPaths};
+  }
+
  private:
+  WayPolicy ways() const { return {.mis = {}, .merged = float(paths_[0].merged)}; }
   static std::uint32_t LightRow(std::uint32_t path) { return kPaths - 1 - path; }
 
   // The surface as a sub-path sees it that comes from `from`, `distance` away along `wo`.
@@ -115,7 +136,7 @@ class Subpaths {
                     surface.pdf_to_eye);
       }
       ArriveAtSurfaces(eye_[j].surfaces, kPaths, eye_flying_, eye_[j].at);
-      LeaveSurfaces(eye_[j].surfaces, eye_[j].at, leaving.back->u, leaving.rays, kPaths,
+      LeaveSurfaces(eye_[j].surfaces, eye_[j].at, leaving.back->u, ways(), leaving.rays, kPaths,
                     eye_flying_);
     }
   }
@@ -148,7 +169,7 @@ class Subpaths {
                     surface.pdf_to_light);
       }
       ArriveAtSurfaces(light_[j].surfaces, kPaths, flying, light_[j].at);
-      LeaveSurfaces(light_[j].surfaces, light_[j].at, leaving.back->u, leaving.rays, kPaths,
+      LeaveSurfaces(light_[j].surfaces, light_[j].at, leaving.back->u, ways(), leaving.rays, kPaths,
                     flying);
     }
   }
@@ -196,7 +217,7 @@ class Subpaths {
       arrival->u[i] = float(Arrival(paths_[i]));
     }
     WeighLightSamples(last.surfaces, last.at, seen.forward, seen.backward, arrival->u, kPaths,
-                      MisPolicy(), lights);
+                      ways(), lights);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const double pdf = LightPdf(paths_[i]);
       weights[i] = lights->g[i] * (std::isinf(pdf) ? 1 : pdf);
@@ -217,8 +238,7 @@ class Subpaths {
       arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way));
       back->u[row] = float(paths_[i].surfaces[0].pdf_to_light);
     }
-    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, MisPolicy(),
-                to_eye);
+    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, ways(), to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) weights[i] = to_eye->g[LightRow(i)];
     return weights;
   }
@@ -246,7 +266,7 @@ class Subpaths {
       at_light.forward->pdf[row] = float(y.pdf_to_eye);
       at_light.backward->pdf[row] = float(y.pdf_to_light);
     }
-    JoinVertices(eye.surfaces, eye.at, kPaths, MisPolicy(), light.view(), partner->index,
+    JoinVertices(eye.surfaces, eye.at, kPaths, ways(), light.view(), partner->index,
                  {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward}, to_light);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -264,38 +284,51 @@ class Subpaths {
   soa::Table<SubpathColumns> eye_flying_{kPaths};
 };
 
-TEST(WayWeights, AreThoseByDefinitionAndSumToOne) {
+// `merged`: 0 for paths that are only joined.
+void ExpectWeights(std::size_t surfaces, double delta_share, double merged) {
+  SCOPED_TRACE(testing::Message() << surfaces << " surfaces, delta " << delta_share << ", merged "
+                                  << merged);
   Random random(5);
+  std::vector<BidirectionalPath> paths;
+  std::vector<WayWeights> expected;
+  for (std::uint32_t i = 0; i < kPaths; ++i) {
+    paths.push_back(RandomPath(random, surfaces, delta_share, merged));
+    expected.emplace_back(paths.back());
+  }
+  ForEachTarget([&] {
+    Subpaths subpaths(paths);
+    std::vector<double> sum(kPaths);
+    // Ways that there are not: stages do not walk them, their weights mean nothing.
+    const auto compare = [&](std::uint32_t i, double weight, double density, double exact) {
+      if (density == 0) return;
+      EXPECT_NEAR(weight, exact, 2e-4) << "path " << i << ", light " << int(paths[i].light);
+      sum[i] += weight;
+    };
+    for (std::size_t lights = 0; lights <= surfaces + 1; ++lights) {
+      SCOPED_TRACE(testing::Message() << lights << " vertices from the light");
+      const std::vector<double> weights = subpaths.Weights(lights);
+      for (std::uint32_t i = 0; i < kPaths; ++i) {
+        compare(i, weights[i], WayDensity(paths[i], lights), expected[i].joined[lights]);
+      }
+    }
+    for (std::size_t surface = 0; merged > 0 && surface < surfaces; ++surface) {
+      SCOPED_TRACE(testing::Message() << "merged at surface " << surface);
+      const std::vector<double> weights = subpaths.MergeWeights(surface);
+      for (std::uint32_t i = 0; i < kPaths; ++i) {
+        compare(i, weights[i], MergeDensity(paths[i], surface), expected[i].merged[surface]);
+      }
+    }
+    for (std::uint32_t i = 0; i < kPaths; ++i) {
+      if (sum[i] == 0) continue;
+      EXPECT_NEAR(sum[i], 1, 1e-3) << "path " << i;
+    }
+  });
+}
+
+TEST(WayWeights, AreThoseByDefinitionAndSumToOne) {
   for (std::size_t surfaces = 1; surfaces <= kMostSurfaces; ++surfaces) {
     for (const double delta_share : {0.0, 0.4, 1.0}) {
-      SCOPED_TRACE(testing::Message() << surfaces << " surfaces, delta " << delta_share);
-      std::vector<BidirectionalPath> paths;
-      for (std::uint32_t i = 0; i < kPaths; ++i) {
-        paths.push_back(RandomPath(random, surfaces, delta_share));
-      }
-      ForEachTarget([&] {
-        Subpaths subpaths(paths);
-        std::vector<double> sum(kPaths);
-        for (std::size_t lights = 0; lights <= surfaces + 1; ++lights) {
-          const std::vector<double> weights = subpaths.Weights(lights);
-          for (std::uint32_t i = 0; i < kPaths; ++i) {
-            // Ways that there are not: stages do not walk them, their weights mean nothing.
-            if (WayDensity(paths[i], lights) == 0) continue;
-            EXPECT_NEAR(weights[i], WayWeights(paths[i])[lights], 2e-4)
-                << "path " << i << ", light " << int(paths[i].light) << ", " << lights
-                << " vertices from the light";
-            sum[i] += weights[i];
-          }
-        }
-        for (std::uint32_t i = 0; i < kPaths; ++i) {
-          double densities = 0;
-          for (std::size_t lights = 0; lights <= surfaces + 1; ++lights) {
-            densities += WayDensity(paths[i], lights);
-          }
-          if (densities == 0) continue;
-          EXPECT_NEAR(sum[i], 1, 1e-3) << "path " << i;
-        }
-      });
+      for (const double merged : {0.0, 0.1, 4.0}) ExpectWeights(surfaces, delta_share, merged);
     }
   }
 }

@@ -95,7 +95,7 @@ std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const 
   SpreadDirections(rays, n, w.lights);
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                    b.seen.backward);
-  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, rays, n, flying);
+  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, frame.ways(), rays, n, flying);
   clock.Lap(Stage::kScatter);
   return n;
 }
@@ -142,8 +142,8 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   }
   clock.Lap(Stage::kLightSample);
   EvaluateBothWays(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned, b.seen);
-  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n, frame.mis(),
-                    w.lights);
+  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n,
+                    frame.ways(), w.lights);
   if (reach != nullptr) LimitShadows(reach, n, w.lights);
   const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
                                             SamplePair(bounce, SampleUse::kLight), w.queue->queue);
@@ -166,7 +166,8 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
                    b.seen_by_light);
   const ConnectionEnds ends = {b.seen.forward, b.seen.backward, b.seen_by_light.forward,
                                b.seen_by_light.backward};
-  JoinVertices(w.surfaces, b.at, n, frame.mis(), vertices.view(), b.partner->index, ends, w.lights);
+  JoinVertices(w.surfaces, b.at, n, frame.ways(), vertices.view(), b.partner->index, ends,
+               w.lights);
   // Behind the event of the light sample.
   const std::uint32_t event =
       SamplePair(bounce, SampleUse::kLight) + kPairBlock * (light_bounce + 1);
@@ -180,7 +181,7 @@ void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Wo
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                    b.seen.backward);
   WeighSplats(w.surfaces, at, b.seen.backward->pdf, w.light->cameras->importance,
-              float(frame.light_paths()), n, frame.mis(), w.lights);
+              float(frame.light_paths()), n, frame.ways(), w.lights);
   clock.Lap(Stage::kEvaluate);
 }
 

@@ -1,4 +1,5 @@
-// What integrators that join sub-paths from the eye and from lights keep besides the tables of all.
+// What integrators that join or merge sub-paths from the eye and from lights keep besides the
+// tables of all.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +7,7 @@
 
 #include "kernels/bidirectional.h"
 #include "kernels/columns.h"
+#include "kernels/point_tree.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
@@ -65,6 +67,17 @@ struct BidirectionalTables {
   soa::Table<IndexColumns> partner;       // of the eye's surfaces
   soa::Table<TurnedColumns> turned;       // room
   BothWays seen, seen_by_light;           // ends of connections
+};
+
+// Pairs of vertices that are merged: of a surface of the eye and a vertex of a light sub-path.
+struct MergeTables {
+  static constexpr std::uint32_t kRows = 512;
+  soa::Table<NeighborColumns> found{kRows};    // rows of the light vertices
+  soa::Table<LightColumns> lights{kRows};      // what arrives there
+  soa::Table<SurfaceColumns> surfaces{kRows};  // copies of the eye's
+  soa::Table<SubpathColumns> at{kRows};        // and of its sub-paths
+  soa::Table<TurnedColumns> turned{kRows};     // room
+  BothWays seen{kRows};
 };
 
 }  // namespace skywave

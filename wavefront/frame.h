@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/bidirectional.h"
 #include "kernels/bsdf.h"
 #include "kernels/camera.h"
 #include "kernels/camera_connection.h"
@@ -20,17 +21,25 @@
 
 namespace skywave {
 
-enum class Integrator { kDirect, kPath, kLight, kBdpt, kPhoton };
+enum class Integrator { kDirect, kPath, kLight, kBdpt, kPhoton, kVcm };
 inline constexpr Integrator kIntegrators[] = {Integrator::kDirect, Integrator::kPath,
-                                              Integrator::kLight, Integrator::kBdpt,
-                                              Integrator::kPhoton};
+                                              Integrator::kLight,  Integrator::kBdpt,
+                                              Integrator::kPhoton, Integrator::kVcm};
 // Whether paths start at lights too.
 constexpr bool HasLightPaths(Integrator integrator) {
   return integrator != Integrator::kDirect && integrator != Integrator::kPath;
 }
+// Whether sub-paths from both ends are joined.
+constexpr bool JoinsSubpaths(Integrator integrator) {
+  return integrator == Integrator::kBdpt || integrator == Integrator::kVcm;
+}
 // Whether light paths bring splats to the film.
 constexpr bool HasSplats(Integrator integrator) {
-  return integrator == Integrator::kLight || integrator == Integrator::kBdpt;
+  return integrator == Integrator::kLight || JoinsSubpaths(integrator);
+}
+// Whether light paths are stored in passes of their own.
+constexpr bool HasPhotons(Integrator integrator) {
+  return integrator == Integrator::kPhoton || integrator == Integrator::kVcm;
 }
 
 // A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
@@ -40,7 +49,8 @@ struct PathWay {
 
 struct PhotonMaps;
 
-// Photon mapping. Counts are of photons that are stored, as pbrt's are.
+// Photon mapping. Counts are of photons that are stored, as pbrt's are. Vertex connection and
+// merging: light vertices are indirect photons.
 struct PhotonOptions {
   std::uint32_t indirect = 200000, caustic = 20000;
   std::uint32_t neighbors = 50;  // of a lookup, at most
@@ -48,8 +58,9 @@ struct PhotonOptions {
   PhotonKernel kernel = PhotonKernel::kEpanechnikov;
   // Rays of a final gather a surface; 0: photons are looked up where they are seen.
   std::uint32_t gather = 1;
-  // More than 1: progressive, everything within a radius that shrinks from pass to pass.
-  std::uint32_t passes = 1;
+  // More than 1: progressive, everything within a radius that shrinks from pass to pass. 0: one;
+  // of vcm, one for each sample of a pixel.
+  std::uint32_t passes = 0;
   float alpha = 2.0f / 3;  // how slowly it shrinks
   bool progressive() const { return passes > 1; }
 };
@@ -100,11 +111,13 @@ struct FrameView {
   // What light paths of `photon` start with: `strategy`, or importance where that cannot emit.
   const EnvStrategy* emitter = nullptr;
   const PhotonMaps* photons = nullptr;        // of the pass at hand
+  float merged = 0;                           // of the pass at hand, see WayPolicy
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
   }
+  WayPolicy ways() const { return {.mis = mis(), .merged = merged}; }
   bool splits() const { return options.split > 0; }
   // Whether light comes from beyond the scene; where it does not, the strategy is not asked.
   bool has_sky() const { return local_lights.count == 0 || local_lights.shared.share < 1; }

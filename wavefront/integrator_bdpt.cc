@@ -5,6 +5,7 @@
 #include "wavefront/checks.h"
 #include "wavefront/integrator.h"
 #include "wavefront/light_stages.h"
+#include "wavefront/merging.h"
 #include "wavefront/path_stages.h"
 
 namespace skywave {
@@ -67,6 +68,7 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     PrepareHits(frame, kCameraEnd, *rays, n, escaped, ranges, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     ArriveAtSurfaces(w.surfaces, ranges.total(), b.eye, b.at);
+    if (frame.merged > 0) MergeSurfaces(frame, bounce, w, clock);
     if (frame.shows(1, eye)) ConnectLights(frame, bounce, w, clock);
     for (std::uint32_t light = 0; bounce + light + 2 <= max_depth; ++light) {
       if (frame.shows(light + 2, eye)) ConnectVertices(frame, bounce, light, w, clock);

@@ -190,6 +190,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   }
   options_.integrator = request.integrator.value_or(
       ParseIntegrator(said.integrator.value_or("")).value_or(options_.integrator));
+  if (said.photons_each_sample && options_.integrator == Integrator::kPhoton) {
+    PhotonOptions& photons = options_.photons;
+    if (photons.passes == 0) photons.passes = options_.samples_per_pixel;
+    if (photons.distance <= 0) photons.distance = said.photon_distance.value_or(0);
+  }
   options_.filter = request.filter.value_or(said.filter.value_or(options_.filter));
   if (options_.filter_radius <= 0) {
     options_.filter_radius =
@@ -259,7 +264,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
     brightest_ = std::max(brightest_, local_lights_.brightest());
   }
   sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
-  if (HasLightPaths(options_.integrator)) CheckLightPaths();
+  CheckLightPaths(options_.integrator);
   if (Sums(options_.aovs, AovSum::kLightGroups)) {
     light_groups_ = MakeLightGroups(scene, *geometry_, local_lights_.view());
   }
@@ -283,8 +288,9 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
 }
 
-// Throws InputError where no light path can start.
-void RenderJob::CheckLightPaths() const {
+// Throws InputError where no light path can start or is merged with everything.
+void RenderJob::CheckLightPaths(Integrator integrator) const {
+  if (!HasLightPaths(integrator)) return;
   if (!(brightest_ > 0)) {
     throw InputError(InputPosition::File(scene_name_),
                      "nothing shines: the map is black and there are no lights, so no light path "
@@ -294,6 +300,14 @@ void RenderJob::CheckLightPaths() const {
     throw InputError(
         InputPosition::File(scene_name_),
         fmt::format("its bounds, of radius {}, are no place for light paths", sphere_.radius));
+  }
+  if (integrator == Integrator::kVcm && options_.photons.distance > sphere_.radius) {
+    throw InputError(
+        InputPosition::File(fmt::format("--photon-distance {}", options_.photons.distance)),
+        fmt::format("--integrator vcm would merge what is farther apart than half of the scene, "
+                    "whose radius is {}",
+                    sphere_.radius),
+        kExitUsage);
   }
 }
 
@@ -333,7 +347,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   RenderOptions options = options_;
   options.integrator = integrator;
   CheckIntegrator(options);
-  if (HasLightPaths(integrator)) CheckLightPaths();
+  CheckLightPaths(integrator);
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options_.threads,
                [&] { strategy = MakeUsableStrategy(specification, map_, has_sky(), options); });

@@ -96,7 +96,7 @@ class RenderJob {
   void BuildOnThreads(Scene scene, const JobRequest& request);
   void Build(Scene scene, const JobRequest& request);
   bool has_sky() const;
-  void CheckLightPaths() const;
+  void CheckLightPaths(Integrator integrator) const;
 
   RenderOptions options_;
   std::unique_ptr<Geometry> geometry_;

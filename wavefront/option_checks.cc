@@ -18,11 +18,18 @@ void CheckSplit(const RenderOptions& options) {
   }
 }
 
+// Of passes that store photons or light vertices.
 void CheckPhotons(const RenderOptions& options) {
   const PhotonOptions& photons = options.photons;
   const auto refuse = [](const std::string& flag, const std::string& why) {
     throw InputError(InputPosition::File(flag), why, kExitUsage);
   };
+  const bool merges = options.integrator == Integrator::kVcm;
+  if (merges && photons.indirect == 0) {
+    refuse("--photons 0",
+           "--integrator vcm merges with light vertices, which are its photons; without them it is "
+           "--integrator bdpt");
+  }
   if (photons.indirect == 0 && photons.caustic == 0) {
     refuse("--photons 0 --caustic-photons 0",
            "--integrator photon needs photons; for direct light alone use --integrator direct");
@@ -40,10 +47,11 @@ void CheckPhotons(const RenderOptions& options) {
 
 // What only makes sense of paths whose sub-paths are joined, and what does not of them.
 void CheckBidirectional(const RenderOptions& options) {
-  const bool joins = options.integrator == Integrator::kBdpt;
-  if (options.way && !joins) {
+  const bool joins = JoinsSubpaths(options.integrator);
+  if (options.way && options.integrator != Integrator::kBdpt) {
     throw InputError(InputPosition::File("--paths"),
-                     fmt::format("--integrator {} has one way to make a path; use bdpt",
+                     fmt::format("shows single ways to join sub-paths, which --integrator {} does "
+                                 "not; use bdpt",
                                  ToString(options.integrator)),
                      kExitUsage);
   }
@@ -55,16 +63,18 @@ void CheckBidirectional(const RenderOptions& options) {
                      kExitUsage);
   }
   if (joins && !options.mis && !options.way) {
-    throw InputError(InputPosition::File("--no-mis"),
-                     "--integrator bdpt would add every path in all ways to make it; with --paths "
-                     "S,T it shows one way, unweighted",
-                     kExitUsage);
+    throw InputError(
+        InputPosition::File("--no-mis"),
+        fmt::format("--integrator {} would add every path in all ways to make it; bdpt "
+                    "with --paths S,T shows one way, unweighted",
+                    ToString(options.integrator)),
+        kExitUsage);
   }
   if (joins && options.max_depth > kMaxJoinedDepth) {
-    throw InputError(
-        InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
-        fmt::format("--integrator bdpt keeps a table a bounce, for at most {}", kMaxJoinedDepth),
-        kExitUsage);
+    throw InputError(InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
+                     fmt::format("--integrator {} keeps a table a bounce, for at most {}",
+                                 ToString(options.integrator), kMaxJoinedDepth),
+                     kExitUsage);
   }
 }
 
@@ -81,7 +91,7 @@ void CheckIntegrator(const RenderOptions& options) {
   }
   CheckSplit(options);
   CheckBidirectional(options);
-  if (options.integrator == Integrator::kPhoton) CheckPhotons(options);
+  if (HasPhotons(options.integrator)) CheckPhotons(options);
   if (HasSplats(options.integrator) &&
       (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kDirect) ||
        Sums(options.aovs, AovSum::kIndirect))) {

@@ -44,6 +44,8 @@ std::string_view ToString(Integrator integrator) {
       return "bdpt";
     case Integrator::kPhoton:
       return "photon";
+    case Integrator::kVcm:
+      return "vcm";
   }
   return "";
 }

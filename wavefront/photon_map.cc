@@ -20,8 +20,12 @@ PointTree TreeOf(std::span<const Photon> photons) {
 
 }  // namespace
 
-PhotonMap::PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths)
-    : tree_(TreeOf(photons)), photons_(std::uint32_t(photons.size())), light_paths_(light_paths) {
+PhotonMap::PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths,
+                     std::span<const PhotonSubpath> subpaths)
+    : tree_(TreeOf(photons)),
+      photons_(std::uint32_t(photons.size())),
+      subpaths_(std::uint32_t(subpaths.size())),
+      light_paths_(light_paths) {
   const double share = light_paths > 0 ? 1 / double(light_paths) : 0;
   const PhotonColumns& to = photons_.columns();
   tbb::parallel_for(std::uint32_t{0}, size(), [&](std::uint32_t i) {
@@ -30,6 +34,11 @@ PhotonMap::PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths)
     to.g[i] = float(photon.flux[1] * share);
     to.b[i] = float(photon.flux[2] * share);
     to.dir[i] = photon.dir, to.normal[i] = photon.normal, to.depth[i] = photon.depth;
+  });
+  tbb::parallel_for(std::uint32_t{0}, subpaths_.rows(), [&](std::uint32_t i) {
+    const PhotonSubpath& subpath = subpaths[tree_.order()[i]];
+    subpaths_->joined_before[i] = subpath.joined_before;
+    subpaths_->joined_earlier[i] = subpath.joined_earlier;
   });
 }
 
@@ -52,7 +61,8 @@ float PhotonMap::TypicalDistance(std::uint32_t neighbors) const {
 }
 
 std::size_t PhotonMap::bytes() const {
-  return tree_.bytes() + soa::BytesPerRow<PhotonColumns>() * std::size_t(size());
+  return tree_.bytes() + soa::BytesPerRow<PhotonColumns>() * std::size_t(size()) +
+         soa::BytesPerRow<SubpathColumns>() * std::size_t(subpaths_.rows());
 }
 
 }  // namespace skywave

@@ -58,17 +58,27 @@ float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
 }  // namespace
 
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
-  const std::uint32_t passes = std::min(options.photons.passes, options.samples_per_pixel);
+  const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;
+  const bool each_sample = options.integrator == Integrator::kVcm && wanted == 0;
+  const std::uint32_t passes = each_sample ? samples : std::clamp(wanted, 1u, samples);
   const auto first_of = [&](std::uint32_t pass) {
-    return std::uint32_t(std::uint64_t(options.samples_per_pixel) * pass / passes);
+    return std::uint32_t(std::uint64_t(samples) * pass / passes);
   };
   std::vector<PhotonPass> list;
   double shrink2 = 1;
+  const auto shrink = [&](std::uint32_t pass) {
+    shrink2 *= (pass + 1 + double(options.photons.alpha)) / (pass + 2);
+  };
+  // Where a pass is a sample, the passes of a range of samples are those of the whole.
+  if (each_sample) {
+    for (std::uint32_t i = 0; i < options.first_sample; ++i) shrink(i);
+  }
+  const std::uint32_t before = each_sample ? options.first_sample : 0;
   for (std::uint32_t i = 0; i < passes; ++i) {
     list.push_back({.first_sample = options.first_sample + first_of(i),
                     .samples = first_of(i + 1) - first_of(i),
                     .shrink = float(std::sqrt(shrink2))});
-    shrink2 *= (i + 1 + double(options.photons.alpha)) / (i + 2);
+    shrink(before + i);
   }
   return list;
 }

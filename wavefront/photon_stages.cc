@@ -15,33 +15,9 @@ namespace {
 // What a light path has met, in PhotonTables::history.
 constexpr std::uint32_t kMetDense = 1, kMetDelta = 2;
 
-Photon PhotonAt(const SurfaceColumns& s, std::uint32_t row, std::uint32_t depth) {
-  return {.position = {s.org_x[row], s.org_y[row], s.org_z[row]},
-          .flux = {s.throughput_r[row], s.throughput_g[row], s.throughput_b[row]},
-          .dir = EncodeNormal(s.wo_x[row], s.wo_y[row], s.wo_z[row]),
-          .normal = EncodeNormal(s.ng_x[row], s.ng_y[row], s.ng_z[row]),
-          .depth = depth};
-}
-
 void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
   list.photons.push_back(photon);
   list.path.push_back(path);
-}
-
-// Copies a row `n` times: the BSDF of one surface is evaluated for a vector of photons at a time.
-// The columns are those that BsdfKernels::evaluate reads.
-void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
-                   const SurfaceColumns& to) {
-  const auto repeat = [row, n](const auto* column, auto* copies) {
-    std::fill_n(copies, n, column[row]);
-  };
-  repeat(from.wo_x, to.wo_x), repeat(from.wo_y, to.wo_y), repeat(from.wo_z, to.wo_z);
-  repeat(from.ng_x, to.ng_x), repeat(from.ng_y, to.ng_y), repeat(from.ng_z, to.ng_z);
-  repeat(from.ns_x, to.ns_x), repeat(from.ns_y, to.ns_y), repeat(from.ns_z, to.ns_z);
-  repeat(from.color_r, to.color_r), repeat(from.color_g, to.color_g);
-  repeat(from.color_b, to.color_b);
-  repeat(from.material, to.material);
-  repeat(from.varying_0, to.varying_0), repeat(from.varying_1, to.varying_1);
 }
 
 // One surface that looks photons up.
@@ -89,15 +65,39 @@ float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32
 
 }  // namespace
 
+Photon PhotonAt(const SurfaceColumns& s, std::uint32_t row, std::uint32_t depth) {
+  return {.position = {s.org_x[row], s.org_y[row], s.org_z[row]},
+          .flux = {s.throughput_r[row], s.throughput_g[row], s.throughput_b[row]},
+          .dir = EncodeNormal(s.wo_x[row], s.wo_y[row], s.wo_z[row]),
+          .normal = EncodeNormal(s.ng_x[row], s.ng_y[row], s.ng_z[row]),
+          .depth = depth};
+}
+
+void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
+                   const SurfaceColumns& to) {
+  const auto repeat = [row, n](const auto* column, auto* copies) {
+    std::fill_n(copies, n, column[row]);
+  };
+  repeat(from.wo_x, to.wo_x), repeat(from.wo_y, to.wo_y), repeat(from.wo_z, to.wo_z);
+  repeat(from.ng_x, to.ng_x), repeat(from.ng_y, to.ng_y), repeat(from.ng_z, to.ng_z);
+  repeat(from.ns_x, to.ns_x), repeat(from.ns_y, to.ns_y), repeat(from.ns_z, to.ns_z);
+  repeat(from.color_r, to.color_r), repeat(from.color_g, to.color_g);
+  repeat(from.color_b, to.color_b);
+  repeat(from.material, to.material);
+  repeat(from.varying_0, to.varying_0), repeat(from.varying_1, to.varying_1);
+}
+
 void PhotonList::SortByPath(std::uint32_t paths) {
   std::vector<std::uint32_t> first(paths + 1, 0);
   for (const std::uint32_t p : path) ++first[p + 1];
   for (std::uint32_t p = 0; p < paths; ++p) first[p + 1] += first[p];
   PhotonList sorted;
   sorted.photons.resize(photons.size()), sorted.path.resize(path.size());
+  sorted.subpath.resize(subpath.size());
   for (std::size_t i = 0; i < photons.size(); ++i) {
     const std::uint32_t to = first[path[i]]++;
     sorted.photons[to] = photons[i], sorted.path[to] = path[i];
+    if (!subpath.empty()) sorted.subpath[to] = subpath[i];
   }
   *this = std::move(sorted);
 }

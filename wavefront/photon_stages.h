@@ -14,7 +14,8 @@ namespace skywave {
 // traced, and then in that of paths.
 struct PhotonList {
   std::vector<Photon> photons;
-  std::vector<std::uint32_t> path;  // of each, its row in the wave
+  std::vector<std::uint32_t> path;     // of each, its row in the wave
+  std::vector<PhotonSubpath> subpath;  // of each, where paths are merged; else empty
 
   void SortByPath(std::uint32_t paths);
 };
@@ -27,6 +28,14 @@ struct PhotonLists {
 struct PhotonWishes {
   bool caustic = false, indirect = false, all_light = false;
 };
+
+// The photon that arrived at a surface, which is the `depth`-th of its path.
+Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t depth);
+
+// Copies of a surface in rows [0, n) of `to`: its BSDF is evaluated for a vector of photons at a
+// time. The columns are those that BsdfKernels::evaluate reads.
+void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
+                   const SurfaceColumns& to);
 
 // Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
 // that want them, and keeps in w.photon->history what kinds of surfaces each path has met.

@@ -10,6 +10,7 @@
 
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
+#include "wavefront/merging_pass.h"
 #include "wavefront/photon_pass.h"
 #include "wavefront/worker.h"
 
@@ -83,6 +84,7 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
     case Integrator::kLight:
       return RenderLightWave(frame, range, worker, film);
     case Integrator::kBdpt:
+    case Integrator::kVcm:
       return RenderBdptWave(frame, range, worker, film);
     case Integrator::kPhoton:
       return RenderPhotonWave(frame, range, worker, film);
@@ -111,6 +113,35 @@ std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<
   return slot;
 }
 
+void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
+                 const std::function<void(const FrameView&)>& render) {
+  if (!HasPhotons(frame.options.integrator)) return render(frame);
+  const bool merges = frame.options.integrator == Integrator::kVcm;
+  const MergePlan plan = merges ? PlanMerging(frame, workers, recorders) : MergePlan{};
+  float caustic_radius = 0, indirect_radius = 0;  // of the first pass
+  for (const PhotonPass& pass : PhotonPasses(frame.options)) {
+    const auto start = std::chrono::steady_clock::now();
+    FrameView view = frame;
+    PhotonMaps maps;
+    if (merges) {
+      view.merged = plan.MergedArea(pass);
+      maps.indirect = TraceVertices(view, plan, pass, workers, recorders);
+    } else {
+      maps = TracePhotons(frame, pass, workers, recorders);
+      if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
+      if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
+      maps.caustic.radius = caustic_radius * pass.shrink;
+      maps.indirect.radius = indirect_radius * pass.shrink;
+    }
+    counts.Add(maps, SecondsSince(start));
+    view.photons = &maps;
+    view.options.first_sample = pass.first_sample;
+    view.options.samples_per_pixel = pass.samples;
+    render(view);
+  }
+}
+
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
   const RenderOptions& options = frame.options;
@@ -124,25 +155,9 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
-    if (options.integrator != Integrator::kPhoton) {
-      RenderTiles(frame, workers, film, progress, recorders);
-      return;
-    }
-    float caustic_radius = 0, indirect_radius = 0;  // of the first pass
-    for (const PhotonPass& pass : PhotonPasses(options)) {
-      const auto pass_start = std::chrono::steady_clock::now();
-      PhotonMaps maps = TracePhotons(frame, pass, workers, recorders);
-      if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
-      if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
-      maps.caustic.radius = caustic_radius * pass.shrink;
-      maps.indirect.radius = indirect_radius * pass.shrink;
-      result.photons.Add(maps, SecondsSince(pass_start));
-      FrameView view = frame;
-      view.photons = &maps;
-      view.options.first_sample = pass.first_sample;
-      view.options.samples_per_pixel = pass.samples;
+    ForEachPass(frame, workers, recorders, result.photons, [&](const FrameView& view) {
       RenderTiles(view, workers, film, progress, recorders);
-    }
+    });
   });
   result.seconds = SecondsSince(start);
   result.processor_seconds = ProcessorSeconds() - processor_start;

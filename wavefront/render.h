@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct Worker;
 // Counts finished samples while a frame renders; read by whoever shows progress.
 using Progress = std::atomic<std::uint64_t>;
 
-// What the first passes of `photon` have made.
+// What the first passes of `photon` or `vcm` have made.
 struct PhotonCounts {
   std::uint64_t caustic = 0, indirect = 0;  // stored
   std::uint64_t light_paths = 0;            // that the fuller wish needed
@@ -44,6 +45,13 @@ struct FrameResult {
 // frame, tile after tile, for a replay.
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
+
+// Calls `render` for each pass of a frame, whose photons it traces before, with the frame as the
+// samples of the pass see it; once with the frame itself where there are none (HasPhotons). The
+// caller is in the arena whose threads the workers belong to.
+void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
+                 const std::function<void(const FrameView&)>& render);
 
 // The index of the calling thread's worker, which is made at its first call.
 std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<Worker>>& workers);

@@ -18,9 +18,10 @@ Worker::~Worker() = default;
 std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   auto worker = std::make_unique<Worker>(options.wave);
   if (HasLightPaths(options.integrator)) worker->light.emplace(options.wave);
-  if (options.integrator == Integrator::kBdpt) {
+  if (JoinsSubpaths(options.integrator)) {
     worker->bidirectional.emplace(options.wave, options.max_depth);
   }
+  if (options.integrator == Integrator::kVcm) worker->merging.emplace();
   if (options.integrator == Integrator::kPhoton) {
     worker->photon.emplace(options.wave, options.photons.neighbors);
   }

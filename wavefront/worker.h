@@ -93,6 +93,7 @@ struct Worker {
   std::optional<LightPathTables> light;
   std::optional<BidirectionalTables> bidirectional;
   std::optional<PhotonTables> photon;
+  std::optional<MergeTables> merging;
   std::optional<GroupTables> groups;
   std::unique_ptr<Continuations> continuations;
 };

@@ -11,34 +11,23 @@ double AreaPerSolidAngle(Vec from, Vec to, Vec normal) {
   return std::fabs(Dot(normal, Unit(way))) / Dot(way, way);
 }
 
-}  // namespace
-
-double WayDensity(const BidirectionalPath& path, std::size_t lights) {
+// Of the first `count` surfaces from the eye.
+double EyeDensity(const BidirectionalPath& path, std::size_t count) {
   const std::vector<PathSurface>& s = path.surfaces;
-  const std::size_t from_eye = s.size() + 1 - lights;  // surfaces of the sub-path of the eye, + 1
-  const bool hits_light = lights == 0;
-  const std::size_t eye_surfaces = hits_light ? s.size() : from_eye;
-  if (hits_light && (path.light == PathLight::kPosition || path.light == PathLight::kDirection)) {
-    return 0;
-  }
-  // Both ends of the connection scatter to where they are told.
-  if (!hits_light && eye_surfaces > 0 && s[eye_surfaces - 1].delta) return 0;
-  if (!hits_light && eye_surfaces < s.size() && s[eye_surfaces].delta) return 0;
-
-  double density = eye_surfaces == 0 ? path.light_paths : 1;
-  for (std::size_t i = 0; i < eye_surfaces; ++i) {
+  double density = 1;
+  for (std::size_t i = 0; i < count; ++i) {
     const double direction = i == 0 ? path.eye_pdf : s[i - 1].pdf_to_light;
     density *=
         direction * AreaPerSolidAngle(i == 0 ? path.eye : s[i - 1].point, s[i].point, s[i].normal);
   }
-  if (hits_light) {
-    const PathSurface& last = s.back();
-    return density * last.pdf_to_light *
-           (path.distant() ? 1
-                           : AreaPerSolidAngle(last.point, path.light_point, path.light_normal));
-  }
-  density *= path.light_pdf;
-  for (std::size_t i = s.size(); i-- > eye_surfaces;) {
+  return density;
+}
+
+// Of the light and the surfaces from the last one to `first`.
+double LightDensity(const BidirectionalPath& path, std::size_t first) {
+  const std::vector<PathSurface>& s = path.surfaces;
+  double density = path.light_pdf;
+  for (std::size_t i = s.size(); i-- > first;) {
     if (i + 1 < s.size()) {
       density *= s[i + 1].pdf_to_eye * AreaPerSolidAngle(s[i + 1].point, s[i].point, s[i].normal);
     } else if (path.distant()) {
@@ -50,15 +39,40 @@ double WayDensity(const BidirectionalPath& path, std::size_t lights) {
   return density;
 }
 
-std::vector<double> WayWeights(const BidirectionalPath& path) {
-  std::vector<double> weights;
-  double sum = 0;
-  for (std::size_t lights = 0; lights <= path.surfaces.size() + 1; ++lights) {
-    weights.push_back(Square(WayDensity(path, lights)));
-    sum += weights.back();
+}  // namespace
+
+double WayDensity(const BidirectionalPath& path, std::size_t lights) {
+  const std::vector<PathSurface>& s = path.surfaces;
+  if (lights == 0) {
+    if (path.light == PathLight::kPosition || path.light == PathLight::kDirection) return 0;
+    const PathSurface& last = s.back();
+    return EyeDensity(path, s.size()) * last.pdf_to_light *
+           (path.distant() ? 1
+                           : AreaPerSolidAngle(last.point, path.light_point, path.light_normal));
   }
-  for (double& weight : weights) weight /= sum;
-  return weights;
+  const std::size_t eye_surfaces = s.size() + 1 - lights;
+  // Both ends of the connection scatter to where they are told.
+  if (eye_surfaces > 0 && s[eye_surfaces - 1].delta) return 0;
+  if (eye_surfaces < s.size() && s[eye_surfaces].delta) return 0;
+  const double count = eye_surfaces == 0 ? path.light_paths : 1;
+  return count * EyeDensity(path, eye_surfaces) * LightDensity(path, eye_surfaces);
+}
+
+double MergeDensity(const BidirectionalPath& path, std::size_t surface) {
+  if (path.surfaces[surface].delta) return 0;
+  return path.merged * EyeDensity(path, surface + 1) * LightDensity(path, surface);
+}
+
+WayWeights::WayWeights(const BidirectionalPath& path) {
+  double sum = 0;
+  const auto add = [&sum](double density, std::vector<double>& weights) {
+    weights.push_back(Square(density));
+    sum += weights.back();
+  };
+  for (std::size_t i = 0; i <= path.surfaces.size() + 1; ++i) add(WayDensity(path, i), joined);
+  for (std::size_t i = 0; i < path.surfaces.size(); ++i) add(MergeDensity(path, i), merged);
+  for (double& weight : joined) weight /= sum;
+  for (double& weight : merged) weight /= sum;
 }
 
 }  // namespace skywave

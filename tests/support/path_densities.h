@@ -37,6 +37,9 @@ struct BidirectionalPath {
   // Of the first direction from the point [1/sr], or of points of the disk across the direction
   // [1/length^2].
   double emission_pdf;
+  // Light sub-paths that a surface of the eye is merged with, times the area that they are merged
+  // in; 0: there are no such ways.
+  double merged = 0;
 
   bool distant() const { return light == PathLight::kSky || light == PathLight::kDirection; }
 };
@@ -46,7 +49,15 @@ struct BidirectionalPath {
 // connected to the eye.
 double WayDensity(const BidirectionalPath& path, std::size_t lights);
 
-// The weight of every way, from lights = 0.
-std::vector<double> WayWeights(const BidirectionalPath& path);
+// Density of the way that merges both sub-paths at a surface, to which each of them leads; 0 if
+// there is no such way.
+double MergeDensity(const BidirectionalPath& path, std::size_t surface);
+
+// The weights of all ways.
+struct WayWeights {
+  explicit WayWeights(const BidirectionalPath& path);
+  std::vector<double> joined;  // by vertices on the sub-path from the light, from 0 on
+  std::vector<double> merged;  // by surface
+};
 
 }  // namespace skywave

@@ -1,12 +1,14 @@
-// The photon maps of a frame, for tests that render its waves themselves.
+// The photons of a frame, for tests that render its waves themselves.
 #pragma once
 
 #include <tbb/task_arena.h>
 
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "wavefront/photon_pass.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 
@@ -19,6 +21,17 @@ inline PhotonMaps MapsOf(const FrameView& frame) {
     maps = TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
   });
   return maps;
+}
+
+// Calls `render` with the frame, or where light paths are stored, with each of its passes.
+inline void EachPassOf(const FrameView& frame,
+                       const std::function<void(const FrameView&)>& render) {
+  tbb::task_arena arena(2);
+  arena.execute([&] {
+    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+    PhotonCounts counts;
+    ForEachPass(frame, workers, nullptr, counts, render);
+  });
 }
 
 }  // namespace skywave

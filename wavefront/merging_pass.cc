@@ -1,0 +1,95 @@
+#include "wavefront/merging_pass.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "wavefront/flush_denormals.h"
+#include "wavefront/integrator.h"
+#include "wavefront/photon_stages.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+// Light paths that say what others will store, and their first number: that of no pass, as samples
+// of a pixel end before.
+constexpr std::uint64_t kPlanningPaths = 1 << 14,
+                        kFirstPlanningPath = std::uint64_t{0xFFFFFFFF} << 32;
+
+// Merges blur light at edges, and connections find most of it without: half of the distance that
+// photons would be looked up within.
+constexpr float kMergedDistance = 0.5f;
+
+// Surfaces near each other are merged with the same light paths, so the noise of merges does not
+// average out over pixels as that of other ways does, and weights by densities alone think too much
+// of them (Grittmann, Yazici, Georgiev and Slusallek 2021). They count as so many of them.
+constexpr float kMergeWorth = 0.3f;
+
+// The vertices of light paths [first, first + count) of the frame.
+PhotonMap TraceLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t count,
+                          std::vector<std::unique_ptr<Worker>>& workers,
+                          std::vector<RayRecorder>* recorders) {
+  const std::uint32_t wave = frame.options.wave;
+  std::vector<PhotonList> waves((count + wave - 1) / wave);
+  tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
+    const FlushDenormals flush;
+    const std::size_t slot = OwnWorker(frame.options, workers);
+    FrameView view = frame;
+    view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
+    const std::uint64_t traced = i * wave;
+    TraceVertexWave(view, first + traced,
+                    std::uint32_t(std::min<std::uint64_t>(wave, count - traced)), *workers[slot],
+                    waves[i]);
+  });
+  std::vector<Photon> photons;
+  std::vector<PhotonSubpath> subpaths;
+  for (PhotonList& list : waves) {
+    photons.insert(photons.end(), list.photons.begin(), list.photons.end());
+    subpaths.insert(subpaths.end(), list.subpath.begin(), list.subpath.end());
+    list = {};
+  }
+  return PhotonMap(photons, count, subpaths);
+}
+
+}  // namespace
+
+float MergePlan::MergedArea(const PhotonPass& pass) const {
+  const float r = radius * pass.shrink;
+  return kMergeWorth * std::numbers::pi_v<float> * r * r * float(light_paths);
+}
+
+MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                      std::vector<RayRecorder>* recorders) {
+  const RenderOptions& options = frame.options;
+  const PhotonOptions& wish = options.photons;
+  if (options.max_depth == 0) return {.light_paths = 0, .radius = 0};
+  const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
+  const std::uint64_t most = frame.light_paths() * samples;
+  const std::uint64_t traced = std::min(most, kPlanningPaths);
+  const PhotonMap map = TraceLightPaths(frame, kFirstPlanningPath, traced, workers, recorders);
+  const double vertices = double(map.size()) / double(traced);  // of a light path
+  MergePlan plan = {.light_paths = most, .radius = wish.distance};
+  if (vertices * double(most) > wish.indirect) {
+    plan.light_paths = std::uint64_t(std::ceil(wish.indirect / vertices));
+  }
+  if (plan.radius <= 0) {
+    const float more = float(double(plan.light_paths) / double(traced));
+    plan.radius = kMergedDistance * map.TypicalDistance(wish.neighbors) / std::sqrt(more);
+  }
+  return plan;
+}
+
+PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
+                        std::vector<std::unique_ptr<Worker>>& workers,
+                        std::vector<RayRecorder>* recorders) {
+  const std::uint64_t first = std::uint64_t(pass.first_sample) << 32;
+  PhotonMap map =
+      TraceLightPaths(frame, first, frame.merged > 0 ? plan.light_paths : 0, workers, recorders);
+  map.radius = plan.radius * pass.shrink;
+  return map;
+}
+
+}  // namespace skywave
