@@ -10,17 +10,11 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE V3 DirectionOf(const LightColumns& lights, std::uint32_t i) {
-  return Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
-}
-
 void MakeFlux(bool refracts, const SurfaceColumns& s, const MaterialView& materials,
               const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& values) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const V3 ng = Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
-    const V3 ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
-    const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
-    const V3 wi = DirectionOf(lights, i);
+    const V3 ng = GeometricNormal(s, i), ns = ShadingNormal(s, i);
+    const V3 wo = Outgoing(s, i), wi = DirectionOf(lights, i);
     VF factor = ShadingNormalFactor(ns, ng, wo, wi);
     if (refracts) {
       const VF ratio = IndexRatio(s, materials, MaterialFields(s, i, n), i);

@@ -25,12 +25,6 @@ HWY_INLINE V3 UnpackNormalTexel(VU packed) {
           field(hn::ShiftRight<22>(packed), 511)};
 }
 
-HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-
 void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel_angle,
                  std::uint32_t n, const SurfaceColumns& s) {
   const auto* records = reinterpret_cast<const std::uint32_t*>(maps.records);
