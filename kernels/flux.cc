@@ -5,6 +5,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf-inl.h"
+#include "kernels/facing-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -29,6 +30,18 @@ void MakeFlux(bool refracts, const SurfaceColumns& s, const MaterialView& materi
   }
 }
 
+void FaceNormals(const SurfaceColumns& s, const LightColumns& lights, std::uint32_t n,
+                 const NormalColumns& normals) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const V3 dir = DirectionOf(lights, i);
+    const VF side = hn::CopySign(Set(1.0f), Dot(GeometricNormal(s, i), dir));
+    const V3 ns = Scale(ShadingNormal(s, i), side);
+    const MF away = hn::Lt(Dot(ns, dir), Set(kGrazing));
+    Store3(Scale(IfThen(away, FacingBentNormal(ns, dir), ns), side), normals.x + i, normals.y + i,
+           normals.z + i);
+  }
+}
+
 void MoveToSide(const LightColumns& lights, std::uint32_t n, const SurfaceColumns& s) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     MoveOrigins(s, ShadingLanes(s, i), DirectionOf(lights, i), i, n);
@@ -43,12 +56,17 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(MakeFlux);
+HWY_EXPORT(FaceNormals);
 HWY_EXPORT(MoveToSide);
 
 void MakeFlux(const BsdfKernels& bsdf, const SurfaceColumns& surfaces,
               const MaterialView& materials, const LightColumns& lights, std::uint32_t n,
               const BsdfValueColumns& values) {
   HWY_DYNAMIC_DISPATCH(MakeFlux)(bsdf.refracts, surfaces, materials, lights, n, values);
+}
+void FaceNormals(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
+                 const NormalColumns& normals) {
+  HWY_DYNAMIC_DISPATCH(FaceNormals)(surfaces, lights, n, normals);
 }
 void MoveToSide(const LightColumns& lights, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(MoveToSide)(lights, n, surfaces);
