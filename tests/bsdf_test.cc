@@ -182,7 +182,7 @@ class TangentFrame {
 constexpr double kArithmetic = 1e-5;
 
 TEST_P(DenseBsdf, WeightIsValueOverDensity) {
-  constexpr std::uint32_t kSamples = 1000;
+  constexpr std::uint32_t kSamples = 600;
   for (const Vec normal : kNormals) {
     const Vec wo = AtAngle(normal, cosine_);
     const ShadingRows rows(material_, kSamples, normal, wo);
