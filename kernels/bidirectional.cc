@@ -7,20 +7,12 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/heuristic-inl.h"
+#include "kernels/rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE V3 GeometricNormal(const SurfaceColumns& s, std::uint32_t i) {
-  return Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
-}
-HWY_INLINE V3 Outgoing(const SurfaceColumns& s, std::uint32_t i) {
-  return Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
-}
-HWY_INLINE V3 DirectionOf(const LightColumns& lights, std::uint32_t i) {
-  return Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
-}
 HWY_INLINE V3 Gather3(const float* x, const float* y, const float* z, VU row) {
   return {Gather(x, row), Gather(y, row), Gather(z, row)};
 }
@@ -47,7 +39,7 @@ HWY_INLINE std::uint32_t LanesLeft(std::uint32_t i, std::uint32_t n) {
 void TurnSurfaces(const SurfaceColumns& s, const LightColumns& lights, std::uint32_t n,
                   const TurnedColumns& turned) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const V3 ng = GeometricNormal(s, i), ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
+    const V3 ng = GeometricNormal(s, i), ns = ShadingNormal(s, i);
     const MF behind = hn::Lt(Dot(ng, DirectionOf(lights, i)), hn::Zero(F()));
     Store3(IfThen(behind, Neg(ng), ng), turned.ng_x + i, turned.ng_y + i, turned.ng_z + i);
     Store3(IfThen(behind, Neg(ns), ns), turned.ns_x + i, turned.ns_y + i, turned.ns_z + i);
@@ -59,7 +51,7 @@ void TurnSurfaces(const SurfaceColumns& s, const LightColumns& lights, std::uint
 void ClearUnseen(const SurfaceColumns& s, std::uint32_t n, const BsdfValueColumns& values) {
   const VF zero = hn::Zero(F());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const V3 wo = Outgoing(s, i), ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
+    const V3 wo = Outgoing(s, i), ns = ShadingNormal(s, i);
     const MF seen =
         hn::And(hn::Gt(Dot(GeometricNormal(s, i), wo), zero), hn::Gt(Dot(ns, wo), zero));
     if (hn::AllTrue(F(), seen)) continue;

@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "kernels/bsdf.h"
+#include "kernels/rows-inl.h"
 #include "kernels/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,9 +43,9 @@ HWY_INLINE BsdfSample SampleOf(const V3& wi, const BsdfValue& value) {
 // One vector of surfaces: what every BSDF sees of its rows.
 struct ShadingLanes {
   HWY_INLINE ShadingLanes(const SurfaceColumns& s, std::uint32_t i)
-      : frame(MakeFrame(Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i))),
-        ng(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i)),
-        wo(ToLocal(frame, Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i))) {}
+      : frame(MakeFrame(ShadingNormal(s, i))),
+        ng(GeometricNormal(s, i)),
+        wo(ToLocal(frame, Outgoing(s, i))) {}
   Frame frame;
   V3 ng;
   V3 wo;  // local
@@ -123,7 +124,7 @@ void EvaluateRows(const SurfaceColumns& s, const MaterialView& materials,
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const ShadingLanes lanes(s, i);
     const Bsdf bsdf(s, materials, i, n);
-    const V3 world = Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
+    const V3 world = DirectionOf(lights, i);
     const V3 wi = ToLocal(lanes.frame, world);
     const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
     const MF connects = Connects<Bsdf>(lanes, world, wi);
@@ -142,7 +143,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const ShadingLanes lanes(s, i);
     const Bsdf bsdf(s, materials, i, n);
-    const V3 world = Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
+    const V3 world = DirectionOf(lights, i);
     const V3 wi = ToLocal(lanes.frame, world);
     const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
     const VF pdf = Load(lights.pdf + i);
@@ -292,7 +293,7 @@ std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials
     const V3 world = ToWorld(lanes.frame, sample.wi);
     V3 weight = sample.weight;
     if (policy.transport == Transport::kFlux) {
-      const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
+      const V3 wo = Outgoing(s, i);
       VF factor = ShadingNormalFactor(lanes.frame.n, lanes.ng, wo, world);
       if constexpr (kRefracts<Bsdf>) {
         const MF through = hn::Lt(sample.wi.z, hn::Zero(F()));

@@ -3,16 +3,20 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "kernels/columns.h"
 #include "kernels/local_lights.h"
 
 namespace skywave {
 
-// A sphere that holds all surfaces of a scene, world space.
+// A sphere that holds all surfaces of a scene, and a box; world space, a little larger than need
+// be.
 struct SceneSphere {
+  static constexpr float kFar = std::numeric_limits<float>::infinity();
   float center[3] = {0, 0, 0};
-  float radius = 0;  // a little more than need be
+  float radius = 0;
+  float low[3] = {-kFar, -kFar, -kFar}, high[3] = {kFar, kFar, kFar};
 };
 
 // What a light has no extent in; its density there is left out (1), and no ray meets it by chance.
@@ -45,7 +49,8 @@ struct EmissionColumns {
 
 // Rows [0, n): light samples of the sky (dir, r, g, b, pdf of `samples`, as a strategy writes them
 // for one drawn sample) become rays from a disk that the sphere casts its shadow on, even over it:
-// density 1 / (pi R^2), outside the sphere. `disk`: where on it.
+// density 1 / (pi R^2). Origins are outside the sphere or, farther along the ray, where it enters
+// the box. `disk`: where on it.
 void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const UniformColumns& disk,
                  std::uint32_t n, const RayColumns& rays, const EmissionColumns& emission);
 

@@ -5,22 +5,17 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf-inl.h"
+#include "kernels/facing-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-HWY_INLINE V3 DirectionOf(const LightColumns& lights, std::uint32_t i) {
-  return Load3(lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
-}
-
 void MakeFlux(bool refracts, const SurfaceColumns& s, const MaterialView& materials,
               const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& values) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const V3 ng = Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
-    const V3 ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
-    const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
-    const V3 wi = DirectionOf(lights, i);
+    const V3 ng = GeometricNormal(s, i), ns = ShadingNormal(s, i);
+    const V3 wo = Outgoing(s, i), wi = DirectionOf(lights, i);
     VF factor = ShadingNormalFactor(ns, ng, wo, wi);
     if (refracts) {
       const VF ratio = IndexRatio(s, materials, MaterialFields(s, i, n), i);
@@ -32,6 +27,18 @@ void MakeFlux(bool refracts, const SurfaceColumns& s, const MaterialView& materi
     StoreBelow(hn::Mul(value.x, factor), values.r, i, n);
     StoreBelow(hn::Mul(value.y, factor), values.g, i, n);
     StoreBelow(hn::Mul(value.z, factor), values.b, i, n);
+  }
+}
+
+void FaceNormals(const SurfaceColumns& s, const LightColumns& lights, std::uint32_t n,
+                 const NormalColumns& normals) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const V3 dir = DirectionOf(lights, i);
+    const VF side = hn::CopySign(Set(1.0f), Dot(GeometricNormal(s, i), dir));
+    const V3 ns = Scale(ShadingNormal(s, i), side);
+    const MF away = hn::Lt(Dot(ns, dir), Set(kGrazing));
+    Store3(Scale(IfThen(away, FacingBentNormal(ns, dir), ns), side), normals.x + i, normals.y + i,
+           normals.z + i);
   }
 }
 
@@ -49,12 +56,17 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(MakeFlux);
+HWY_EXPORT(FaceNormals);
 HWY_EXPORT(MoveToSide);
 
 void MakeFlux(const BsdfKernels& bsdf, const SurfaceColumns& surfaces,
               const MaterialView& materials, const LightColumns& lights, std::uint32_t n,
               const BsdfValueColumns& values) {
   HWY_DYNAMIC_DISPATCH(MakeFlux)(bsdf.refracts, surfaces, materials, lights, n, values);
+}
+void FaceNormals(const SurfaceColumns& surfaces, const LightColumns& lights, std::uint32_t n,
+                 const NormalColumns& normals) {
+  HWY_DYNAMIC_DISPATCH(FaceNormals)(surfaces, lights, n, normals);
 }
 void MoveToSide(const LightColumns& lights, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(MoveToSide)(lights, n, surfaces);

@@ -14,6 +14,19 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
+// A visible normal of widths x and y (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023).
+HWY_INLINE V3 VisibleGgxNormal(const V3& wo, VF x, VF y, VF u, VF v) {
+  const V3 stretched = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
+  const VF one = Set(1.0f);
+  const VF cap = hn::Sub(one, hn::Mul(v, hn::Add(one, stretched.z)));
+  const VF radius = SafeSqrt(hn::Sub(one, hn::Mul(cap, cap)));
+  VF s, c;
+  SinCosTurn(u, s, c);
+  return Normalize({hn::Mul(hn::Add(hn::Mul(radius, c), stretched.x), x),
+                    hn::Mul(hn::Add(hn::Mul(radius, s), stretched.y), y),
+                    hn::Max(hn::Add(cap, stretched.z), Set(1e-7f))});
+}
+
 // One vector of widths and their rows in the tables.
 struct Ggx {
   HWY_INLINE explicit Ggx(VF width) : alpha(width) {
@@ -76,18 +89,8 @@ struct Ggx {
     return hn::Mul(hn::Min(g, Set(1.0f)), hn::Mul(d, quarter_over_cos));
   }
 
-  // A visible normal (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023).
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
-    const V3 stretched = Normalize({hn::Mul(wo.x, alpha), hn::Mul(wo.y, alpha), wo.z});
-    const VF one = Set(1.0f);
-    const VF cap = hn::Sub(one, hn::Mul(v, hn::Add(one, stretched.z)));
-    const VF radius = SafeSqrt(hn::Sub(one, hn::Mul(cap, cap)));
-    VF s, c;
-    SinCosTurn(u, s, c);
-    const V3 normal = {hn::Mul(hn::Add(hn::Mul(radius, c), stretched.x), alpha),
-                       hn::Mul(hn::Add(hn::Mul(radius, s), stretched.y), alpha),
-                       hn::Max(hn::Add(cap, stretched.z), Set(1e-7f))};
-    return Normalize(normal);
+    return VisibleGgxNormal(wo, alpha, alpha, u, v);
   }
   HWY_INLINE V3 Reflect(const V3& wo, VF u, VF v) const {
     const V3 h = VisibleNormal(wo, u, v);

@@ -93,12 +93,6 @@ HWY_INLINE TrianglePoint PointOf(VF x, VF y) {
   return {hn::Sub(Set(1.0f), root), hn::Mul(y, root)};
 }
 
-HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-
 HWY_INLINE VF LargestCoordinate(const V3& p) {
   return hn::Max(hn::Max(hn::Abs(p.x), hn::Abs(p.y)), hn::Abs(p.z));
 }

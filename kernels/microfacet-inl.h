@@ -52,17 +52,8 @@ struct AnisotropicGgx {
         hn::Sqrt(hn::Add(Set(1.0f), hn::Div(hn::Add(hn::Mul(a, a), hn::Mul(b, b)), z2)));
     return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
   }
-  // As Ggx::VisibleNormal.
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
-    const V3 stretched = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
-    const VF one = Set(1.0f);
-    const VF cap = hn::Sub(one, hn::Mul(v, hn::Add(one, stretched.z)));
-    const VF radius = SafeSqrt(hn::Sub(one, hn::Mul(cap, cap)));
-    VF s, c;
-    SinCosTurn(u, s, c);
-    return Normalize({hn::Mul(hn::Add(hn::Mul(radius, c), stretched.x), x),
-                      hn::Mul(hn::Add(hn::Mul(radius, s), stretched.y), y),
-                      hn::Max(hn::Add(cap, stretched.z), Set(1e-7f))});
+    return VisibleGgxNormal(wo, x, y, u, v);
   }
   VF x, y;
 };

@@ -7,14 +7,12 @@
 #define HWY_TARGET_INCLUDE "kernels/normal_map.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/facing-inl.h"
 #include "kernels/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
-
-// Cosine between the eye and a normal that would look away from it.
-inline constexpr float kGrazing = 0x1p-7f;
 
 HWY_INLINE V3 UnpackNormalTexel(VU packed) {
   const auto field = [](VU bits, float half) HWY_ATTR {
@@ -23,12 +21,6 @@ HWY_INLINE V3 UnpackNormalTexel(VU packed) {
   return {field(hn::And(packed, SetU(0x7FFu)), 1023),
           field(hn::And(hn::ShiftRight<11>(packed), SetU(0x7FFu)), 1023),
           field(hn::ShiftRight<22>(packed), 511)};
-}
-
-HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
 void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel_angle,
@@ -68,10 +60,7 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
                       Scale(outer, hn::Max(seen.z, Set(1e-3f)))));
 
     const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
-    const V3 front = IfThen(back, Neg(bent), bent);
-    const VF missing = hn::Sub(Set(kGrazing), Dot(front, wo));
-    // Normals that look at the eye stay as they are, others end at about kGrazing.
-    const V3 turned = Normalize(Add(front, Scale(wo, hn::Max(missing, hn::Zero(F())))));
+    const V3 turned = FacingBentNormal(IfThen(back, Neg(bent), bent), wo);
     Store3(IfThen(hn::And(textured.lanes, usable), turned, ns), s.ns_x + i, s.ns_y + i, s.ns_z + i);
   }
 }

@@ -103,6 +103,11 @@ HWY_INLINE V3 Neg(const V3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z
 HWY_INLINE VF Dot(const V3& a, const V3& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
+HWY_INLINE V3 Cross(const V3& a, const V3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
+          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
 HWY_INLINE V3 IfThen(MF mask, const V3& yes, const V3& no) {
   return {IfThen(mask, yes.x, no.x), IfThen(mask, yes.y, no.y), IfThen(mask, yes.z, no.z)};
 }

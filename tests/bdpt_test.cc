@@ -196,6 +196,9 @@ TEST(Bdpt, WhatItCannotDoIsRefused) {
     r.options.way = PathWay{.light = 1, .eye = 2};
     r.integrator = Integrator::kPath;
   });
+  // Of four surfaces, one more than the depth.
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = 2, .eye = 4}; });
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = ~0u, .eye = ~0u}; });
   JobRequest alone = Request(Integrator::kBdpt, 3);
   alone.options.mis = false;
   alone.options.way = PathWay{.light = 1, .eye = 2};

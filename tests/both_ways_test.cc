@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "kernels/flux.h"
 #include "tests/support/bsdf_cases.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/targets.h"
@@ -70,7 +71,7 @@ struct Pairs {
   BothWays seen;
 };
 
-// What a path that comes from wi makes of the same point: normals on its side, and the other face
+// What a path that comes from wi makes of the same point: normals that face it, and the other face
 // if that is another one.
 TEST(BothWays, BackwardsIsForwardsWithExchangedRoles) {
   std::uint32_t seed = 1;
@@ -80,15 +81,15 @@ TEST(BothWays, BackwardsIsForwardsWithExchangedRoles) {
       Pairs pairs(material, bent, seed++);
       ShadingRows exchanged(material, kRows, {0, 0, 1}, {0, 0, 1});
       soa::Table<LightColumns> back(kRows);
+      soa::Table<NormalColumns> facing(kRows);
+      FaceNormals(pairs.rows.surfaces, pairs.lights, kRows, facing);
       std::vector<bool> nothing(kRows);
       for (std::uint32_t i = 0; i < kRows; ++i) {
         const double side = Dot(pairs.wi[i], pairs.ng[i]) < 0 ? -1 : 1;
-        // Nothing comes from where one of the normals says below and the other one above, nor from
-        // below where nothing passes through.
-        const bool comes =
-            side * Dot(pairs.wi[i], pairs.ns[i]) > 0 && (side > 0 || Transmits(material));
-        nothing[i] = !comes;
-        exchanged.Set(i, side * pairs.ns[i], side * pairs.ng[i], pairs.wi[i]);
+        // Nothing comes from below where nothing passes through.
+        nothing[i] = side < 0 && !Transmits(material);
+        const Vec ns = Get(i, facing->x, facing->y, facing->z);
+        exchanged.Set(i, side * ns, side * pairs.ng[i], pairs.wi[i]);
         if (side < 0) exchanged.surfaces->material[i] ^= kBackFace;
         Put(pairs.wo[i], i, back->dir_x, back->dir_y, back->dir_z);
       }

@@ -73,7 +73,10 @@ TEST(BsdfReference, ValuesAndDensities) {
 TEST(BsdfReference, Formulae) {
   const Vec normal = {0, 0, 1};  // whose frame is the world's
   for (const MaterialCase& material : DenseCases()) {
-    if (!BsdfFormula(material, normal, normal).known && material.kind != BsdfKind::kMeasured) {
+    // Of these the oracle knows albedos that no table has rounded (ValuesAndDensities).
+    using enum BsdfKind;
+    if (material.kind == kLambert || material.kind == kConductor ||
+        material.kind == kMetallicRoughness) {
       continue;
     }
     ShadingRows rows(material, kRows, normal, normal);

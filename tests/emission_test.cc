@@ -315,6 +315,42 @@ TEST(SkyRays, AreWhatTheSamplesAre) {
       AreUniform(kSamples, [&](std::uint32_t i) { return OnDisk(e.Origin(i), -e.Direction(i)); }));
 }
 
+// Light from far away is as near as the box lets it be, and the same light: on the lines that it
+// would have come along.
+TEST(SkyRays, BeginWhereTheyEnterTheBox) {
+  SceneSphere boxed = kSphere;
+  const double low[3] = {-3, -0.1, -3.9}, high[3] = {3, 0.4, 3.9};
+  for (int axis = 0; axis < 3; ++axis) {
+    boxed.low[axis] = boxed.center[axis] + float(low[axis]);
+    boxed.high[axis] = boxed.center[axis] + float(high[axis]);
+  }
+  const SkySamples sky(kSamples);
+  const auto disk = RandomUniforms(kSamples, 222);
+  Emitted from_disk(kSamples), from_box(kSamples);
+  EmitFromSky(kSphere, sky.samples, disk, kSamples, from_disk.rays, from_disk.emission);
+  EmitFromSky(boxed, sky.samples, disk, kSamples, from_box.rays, from_box.emission);
+  std::uint32_t entered = 0;
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    const Vec dir = from_disk.Direction(i), before = from_disk.Origin(i);
+    const Vec way = from_box.Origin(i) - before;
+    ASSERT_EQ(Length(from_box.Direction(i) - dir), 0);
+    ASSERT_LT(Length(way - Dot(way, dir) * dir), 1e-5) << "row " << i;
+    ASSERT_GE(Dot(way, dir), -1e-5);
+    ASSERT_EQ(from_box.emission->pdf[i], from_disk.emission->pdf[i]);
+    double enters = 0, leaves = 10;
+    const double org[3] = {before.x, before.y, before.z}, along[3] = {dir.x, dir.y, dir.z};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double a = (double(boxed.low[axis]) - org[axis]) / along[axis];
+      const double b = (double(boxed.high[axis]) - org[axis]) / along[axis];
+      enters = std::max(enters, std::min(a, b)), leaves = std::min(leaves, std::max(a, b));
+    }
+    if (enters >= leaves) continue;
+    ASSERT_NEAR(Dot(way, dir), enters, 1e-5 / std::fabs(dir.y)) << "row " << i;
+    ++entered;
+  }
+  EXPECT_GT(entered, kSamples / 10);
+}
+
 TEST(Emission, BitsDoNotDependOnTargetOrNumberOfRows) {
   const SkySamples sky(kFullWave);
   const std::vector<LocalLight> lights = Lights();

@@ -239,6 +239,34 @@ TEST_P(Flux, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
+// Normals that would look away from where a path comes from are turned towards it, on either side.
+TEST(FaceNormals, FaceWhoeverLooks) {
+  ShadingRows rows(ExampleOf(BsdfKind::kLambert), kFullWave, kNormal, kNormal);
+  Random random(83);
+  std::vector<Vec> shading(kFullWave), dirs(kFullWave);
+  soa::Table<LightColumns> lights(kFullWave);
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    shading[i] = Unit(kNormal + 0.9 * random.Direction());
+    dirs[i] = random.Direction();
+    rows.Set(i, shading[i], kNormal, kNormal);
+    Put(dirs[i], i, lights->dir_x, lights->dir_y, lights->dir_z);
+  }
+  soa::Table<NormalColumns> normals(kFullWave);
+  ExpectSameOnEveryTarget([&] {
+    FaceNormals(rows.surfaces, lights, kFullWave, normals);
+    return ColumnBits(normals.columns(), kFullWave);
+  });
+  std::uint32_t turned = 0;
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    const double side = Dot(kNormal, dirs[i]) < 0 ? -1 : 1;
+    const double missing = 0x1p-7 - side * Dot(shading[i], dirs[i]);
+    const Vec expected = Unit(shading[i] + side * std::max(missing, 0.0) * dirs[i]);
+    turned += missing > 0;
+    ASSERT_LT(Length(Get(i, normals->x, normals->y, normals->z) - expected), 1e-6) << "row " << i;
+  }
+  EXPECT_GT(turned, kFullWave / 20);
+}
+
 // Origins go to the side of the connection, and back.
 TEST(MoveToSide, FollowsTheConnection) {
   for (const std::uint32_t n : kRowCounts) {

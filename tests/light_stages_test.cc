@@ -114,6 +114,29 @@ TEST(EmitRays, CarriesThePowerOfTheMapByEveryStrategyThatCan) {
             9u);  // importance, warp, alias, uniform, presampled; three sorts of lights, hybrid
 }
 
+// On a wide floor, too, a surface knows where it is as well as what is small on it needs: rays from
+// the sky begin no higher than the scene is.
+TEST(MeetSurfacesOfLight, LightOfTheSkyComesFromNearBy) {
+  Scene scene = LitFloor(true, false);
+  scene.meshes[0] = Quad(200);
+  Place(scene, Sphere(0.5f, 4), 0, {0, 0.5f, 0});
+  const RenderJob job(scene, Request());
+  const FrameView frame = job.frame();
+  LightWave wave(frame, 0, kWave);
+  Worker& w = wave.worker;
+  StageClock clock(w.stats);
+  MeetSurfacesOfLight(frame, w.rays[0], kWave, 1, w, clock);
+  std::uint32_t above = 0;
+  for (std::uint32_t i = 0; i < w.ranges.total(); ++i) {
+    if (w.surfaces->wo_y[i] < 0.1f) continue;
+    const float height = w.surfaces->t[i] * w.surfaces->wo_y[i];
+    ASSERT_LT(height, 1.5f) << "row " << i;
+    EXPECT_LT(w.surfaces->lift[i], 0x1p-16f * (200 + 15)) << "row " << i;
+    ++above;
+  }
+  EXPECT_GT(above, kWave / 8);
+}
+
 // The paths of a frame are numbered: a wave may begin anywhere, and behind 2^32 there are others.
 TEST(StartLightPaths, NumbersThePathsOfTheFrame) {
   const RenderJob job(LitFloor(true, true), Request());

@@ -42,11 +42,12 @@ void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfa
     if (n == 0) continue;
     SurfaceColumns rows = Slice(surfaces, begin);
     LightColumns to = Slice(lights, begin);
+    const TurnedColumns seen = Slice(turned, begin);
+    FaceNormals(rows, to, n, {seen.ns_x, seen.ns_y, seen.ns_z});
+    rows.ns_x = seen.ns_x, rows.ns_y = seen.ns_y, rows.ns_z = seen.ns_z;
     if (Bsdfs()[kind].transmits) {
-      const TurnedColumns seen = Slice(turned, begin);
       TurnSurfaces(rows, to, n, seen);
       rows.ng_x = seen.ng_x, rows.ng_y = seen.ng_y, rows.ng_z = seen.ng_z;
-      rows.ns_x = seen.ns_x, rows.ns_y = seen.ns_y, rows.ns_z = seen.ns_z;
       rows.material = seen.material;
     }
     std::swap(rows.wo_x, to.dir_x), std::swap(rows.wo_y, to.dir_y), std::swap(rows.wo_z, to.dir_z);

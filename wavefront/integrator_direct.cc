@@ -26,11 +26,9 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
-    n = Scatter(frame, kCameraEnd, w.paths, w.surfaces, w.ranges,
-                frame.first_bsdf_that_sees_light(), bounce, w.uniforms, w.lobe, *next);
-    CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
+    n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
+                        clock);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
-    clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
   FinishWave(range.count, bounce, w, film, clock);

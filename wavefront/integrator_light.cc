@@ -49,10 +49,7 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
     ConnectSurfaces(frame, bounce, w, clock);
     SplatConnections(frame, bounce, w, film, clock);
     if (bounce == frame.options.max_depth) break;
-    n = Scatter(frame, kLightEnd, w.paths, w.surfaces, w.ranges, 0, bounce, w.uniforms, w.lobe,
-                *next);
-    CountScattering(w.ranges, 0, w.stats.lanes);
-    clock.Lap(Stage::kScatter);
+    n = ScatterSurfaces(frame, kLightEnd, 0, bounce, *next, w, clock);
     std::swap(rays, next);
   }
 }

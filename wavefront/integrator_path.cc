@@ -25,10 +25,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;
     const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
-    n = Scatter(frame, kCameraEnd, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms,
-                w.lobe, *next);
-    CountScattering(w.ranges, first_kind, w.stats.lanes);
-    clock.Lap(Stage::kScatter);
+    n = ScatterSurfaces(frame, kCameraEnd, first_kind, bounce, *next, w, clock);
     std::swap(rays, next);
   }
   return bounce;

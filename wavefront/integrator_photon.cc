@@ -26,10 +26,7 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
     MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
     StorePhotons(wishes, bounce, w, lists, clock);
     if (bounce == frame.options.max_depth) break;
-    n = Scatter(frame, kLightEnd, w.paths, w.surfaces, w.ranges, first_kind, bounce, w.uniforms,
-                w.lobe, *next);
-    CountScattering(w.ranges, first_kind, w.stats.lanes);
-    clock.Lap(Stage::kScatter);
+    n = ScatterSurfaces(frame, kLightEnd, first_kind, bounce, *next, w, clock);
     std::swap(rays, next);
   }
   lists.caustic.SortByPath(count);
@@ -62,11 +59,9 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     } else {
       AddPhotons(frame, frame.photons->indirect, left, 1, w, clock);
     }
-    n = Scatter(frame, kCameraEnd, w.paths, w.surfaces, w.ranges,
-                frame.first_bsdf_that_sees_light(), bounce, w.uniforms, w.lobe, *next);
-    CountScattering(w.ranges, frame.first_bsdf_that_sees_light(), w.stats.lanes);
+    n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
+                        clock);
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
-    clock.Lap(Stage::kScatter);
     std::swap(rays, next);
   }
   FinishWave(range.count, bounce, w, film, clock);

@@ -90,10 +90,7 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     ContinuePaths(frame, of_continuations, range.count, bounce, w, c, clock);
-    n = Scatter(frame, kCameraEnd, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, bounce,
-                w.uniforms, w.lobe, *next);
-    CountScattering(w.ranges, kFirstDeltaBsdf, w.stats.lanes);
-    clock.Lap(Stage::kScatter);
+    n = ScatterSurfaces(frame, kCameraEnd, kFirstDeltaBsdf, bounce, *next, w, clock);
     std::swap(rays, next);
   }
   KeepDirectOfEnded(range.count, bounce, w, film);

@@ -135,8 +135,12 @@ std::optional<CropWindow> ChooseCrop(const JobRequest& request, const RenderSett
 // Of all surfaces; larger than need be by what floats may lose of its disk.
 SceneSphere BoundingSphere(const Bounds& bounds) {
   const glm::vec3 center = 0.5f * (bounds.low + bounds.high);
+  const float radius = BoundingRadius(bounds), margin = radius * 0x1p-10f;
+  const glm::vec3 low = bounds.low - margin, high = bounds.high + margin;
   return {.center = {center.x, center.y, center.z},
-          .radius = BoundingRadius(bounds) * (1 + 0x1p-10f)};
+          .radius = radius + margin,
+          .low = {low.x, low.y, low.z},
+          .high = {high.x, high.y, high.z}};
 }
 
 float WorldExtent(const Bounds& bounds, const Camera& camera) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kernels/bidirectional.h"
 #include "kernels/directional.h"
 #include "kernels/flux.h"
 #include "kernels/sampler.h"
@@ -24,9 +25,14 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
     const BsdfKernels& bsdf = Bsdfs()[kind];
     const SurfaceColumns surfaces = Slice(w.surfaces.columns(), begin);
     const LightColumns lights = Slice(w.lights.columns(), begin);
+    const NormalColumns normals = Slice(w.light->normals.columns(), begin);
+    SurfaceColumns seen = surfaces;
+    seen.ns_x = normals.x, seen.ns_y = normals.y, seen.ns_z = normals.z;
+    FaceNormals(surfaces, lights, n, normals);
     const BsdfValueColumns values = Slice(w.light->values.columns(), begin);
-    bsdf.evaluate(surfaces, materials, lights, n, values);
-    MakeFlux(bsdf, surfaces, materials, lights, n, values);
+    bsdf.evaluate(seen, materials, lights, n, values);
+    MakeFlux(bsdf, seen, materials, lights, n, values);
+    ClearUnseen(seen, n, values);
     if (bsdf.transmits) MoveToSide(lights, n, surfaces);
   }
 }

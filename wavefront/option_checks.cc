@@ -62,6 +62,15 @@ void CheckBidirectional(const RenderOptions& options) {
                      "T >= 2, and for T = 1 and S >= 2",
                      kExitUsage);
   }
+  if (options.way) {
+    const std::uint64_t vertices = std::uint64_t(options.way->light) + options.way->eye;
+    if (vertices - 2 > options.max_depth) {
+      throw InputError(InputPosition::File("--paths"),
+                       fmt::format("such paths scatter at {} surfaces, and --max-depth is {}",
+                                   vertices - 2, options.max_depth),
+                       kExitUsage);
+    }
+  }
   if (joins && !options.mis && !options.way) {
     throw InputError(
         InputPosition::File("--no-mis"),

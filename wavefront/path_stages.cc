@@ -185,6 +185,16 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   }
 }
 
+std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,
+                              std::uint32_t bounce, const RayColumns& rays, Worker& w,
+                              StageClock& clock) {
+  const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
+                                  w.uniforms, w.lobe, rays);
+  CountScattering(w.ranges, first_kind, w.stats.lanes);
+  clock.Lap(Stage::kScatter);
+  return n;
+}
+
 void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
               Film& film, StageClock& clock) {
   if (!film.has_aovs()) return;

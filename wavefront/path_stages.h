@@ -69,6 +69,11 @@ void TraceLights(const FrameView& frame, const std::uint32_t* keys, Worker& w, S
 // lights come light by light, so that a stream of shadow rays has one direction.
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
+// Scatters the surfaces at hand of BSDFs [first_kind, kBsdfKinds); returns how many rays go on.
+std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,
+                              std::uint32_t bounce, const RayColumns& rays, Worker& w,
+                              StageClock& clock);
+
 // What the film keeps of a bounce beside radiance, where it is asked to.
 void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
               Film& film, StageClock& clock);

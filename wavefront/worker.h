@@ -10,6 +10,7 @@
 #include "kernels/camera_connection.h"
 #include "kernels/columns.h"
 #include "kernels/emission.h"
+#include "kernels/flux.h"
 #include "kernels/point_tree.h"
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/frame.h"
@@ -34,10 +35,12 @@ struct QueueColumns {
 
 // What light paths need beside; integrators without them have none.
 struct LightPathTables {
-  explicit LightPathTables(std::uint32_t wave) : emission(wave), values(wave), cameras(wave) {}
+  explicit LightPathTables(std::uint32_t wave)
+      : emission(wave), values(wave), cameras(wave), normals(wave) {}
   soa::Table<EmissionColumns> emission;
   soa::Table<BsdfValueColumns> values;
   soa::Table<CameraColumns> cameras;
+  soa::Table<NormalColumns> normals;  // as the camera sees them
 };
 
 // Queries that are searched for at a time.

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <utility>
 
 #include "tests/support/oracle_bsdf.h"
 
@@ -310,17 +312,22 @@ FormulaValue SheenFormula(const FormulaValue& below, const MaterialRecord& m, Ve
                    wi.z / kPi, albedo(wo.z), albedo(wi.z));
 }
 
-// The BSDF under the layers, by the oracle.
+// BSDFs that the oracle has; layers lie over two of them.
 FormulaValue BaseFormula(BsdfKind base, const MaterialRecord& m, Vec wo, Vec wi) {
   const glm::dvec3 up(0, 0, 1), o(wo.x, wo.y, wo.z), i(wi.x, wi.y, wi.z);
-  const OracleMaterial exact =
-      MakeOracleMaterial({.bsdf = base,
-                          .reflectance = {m.color[0], m.color[1], m.color[2]},
-                          .eta = {m.eta[0], m.eta[1], m.eta[2]},
-                          .k = {m.k[0], m.k[1], m.k[2]},
-                          .alpha = m.alpha,
-                          .ior = m.ior,
-                          .metallic = m.eta[0]});
+  // Making one integrates what facets scatter: kept from call to call.
+  static std::optional<std::pair<BsdfKind, MaterialRecord>> last;
+  static OracleMaterial exact;
+  if (!last || last->first != base || std::memcmp(&last->second, &m, sizeof m) != 0) {
+    last = {base, m};
+    exact = MakeOracleMaterial({.bsdf = base,
+                                .reflectance = {m.color[0], m.color[1], m.color[2]},
+                                .eta = {m.eta[0], m.eta[1], m.eta[2]},
+                                .k = {m.k[0], m.k[1], m.k[2]},
+                                .alpha = m.alpha,
+                                .ior = m.ior,
+                                .metallic = m.eta[0]});
+  }
   const OracleValue value = EvaluateBsdf({&exact, o, up, up, false}, i);
   return {{value.value.x, value.value.y, value.value.z}, value.pdf};
 }
@@ -437,6 +444,10 @@ const float* MeasuredForTests() {
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
   const MaterialRecord& m = material.record;
   switch (material.kind) {
+    case BsdfKind::kLambert:
+    case BsdfKind::kConductor:
+    case BsdfKind::kMetallicRoughness:
+      return BaseFormula(material.kind, m, wo, wi);
     case BsdfKind::kOrenNayar:
       return OrenNayarFormula(m, wo, wi);
     case BsdfKind::kDiffuseTransmission:

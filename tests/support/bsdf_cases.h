@@ -23,7 +23,7 @@ double LobeWidth(const MaterialCase& material);
 std::vector<float> SyntheticMeasuredTable();
 
 // Value and density in double, from the formulae of the papers; local frame, z the normal, x the
-// tangent. Nothing for BSDFs that oracle_bsdf.h has.
+// tangent. Unknown where a table has a step.
 struct FormulaValue {
   double rgb[3] = {};
   double pdf = 0;
