@@ -13,13 +13,11 @@ namespace HWY_NAMESPACE {
 void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
                     const SceneSphere& sphere, const SurfaceColumns& s, const float* u,
                     const LightColumns& samples, std::uint32_t n, float* arrival) {
-  const VF one = Set(1.0f), distant = Set(skywave::DistantArrival(sphere));
+  // Of distant lights: even over the disk of the sphere.
+  const VF one = Set(1.0f), distant = Set(1 / (kPi * sphere.radius * sphere.radius));
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const LightPick pick(view, choice, u, i, n);
-    if (pick.none()) {
-      Store(distant, arrival + i);
-      continue;
-    }
+    if (pick.none()) continue;
     const LightLanes light(view, pick.light);
     // Triangles send light by the cosine over the squared distance, and that is what turns the
     // density of the sample's place into that of its direction.
@@ -35,7 +33,7 @@ void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
     value = IfThen(light.Is(LocalLightKind::kTriangle), hn::Div(places, pdf), value);
     value = IfThen(light.Is(LocalLightKind::kPoint), from_point, value);
     value = IfThen(light.Is(LocalLightKind::kSpot), from_spot, value);
-    Store(IfThen(pick.picked, value, distant), arrival + i);
+    Store(IfThen(pick.picked, value, Load(arrival + i)), arrival + i);
   }
 }
 
@@ -48,9 +46,6 @@ namespace skywave {
 
 HWY_EXPORT(SampleArrivals);
 
-float DistantArrival(const SceneSphere& sphere) {
-  return 1 / (3.14159265f * sphere.radius * sphere.radius);
-}
 void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
                     const SceneSphere& sphere, const SurfaceColumns& surfaces, const float* u,
                     const LightColumns& samples, std::uint32_t n, float* arrival) {

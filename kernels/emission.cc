@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/emission.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/disk-inl.h"
 #include "kernels/local_lights-inl.h"
-#include "kernels/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -39,16 +39,6 @@ HWY_INLINE void StoreEmitted(const Emitted& e, VU light, MF rows, std::uint32_t 
   store(e.pdf, out.pdf), store(e.light_pdf, out.light_pdf), store(e.cosine, out.cosine);
   Store(IfThen(rows_u, light, Load(out.light + i)), out.light + i);
   Store(IfThen(rows_u, e.delta, Load(out.delta + i)), out.delta + i);
-}
-
-// Where light that comes from `towards` enters the scene: a point of the disk that the sphere casts
-// its shadow on, before the sphere.
-HWY_INLINE V3 DiskPoint(const SceneSphere& sphere, const V3& towards, VF u, VF v) {
-  VF x, y;
-  SampleDisc(u, v, x, y);
-  const Frame frame = MakeFrame(towards);
-  const V3 from_center = Add(Add(Scale(frame.s, x), Scale(frame.t, y)), towards);
-  return Add(Set3(sphere.center), Scale(from_center, Set(sphere.radius)));
 }
 
 void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const UniformColumns& disk,

@@ -46,6 +46,10 @@ ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, double compens
       compensated_(compensate),
       table_(texels_.width(), texels_.height(), TexelImportance(texels_, compensated_)) {}
 
+ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map,
+                                       const std::vector<double>& importance)
+    : texels_(map), compensated_(0), table_(texels_.width(), texels_.height(), importance) {}
+
 void ImportanceStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                                 LightCall call, const LightColumns& out) const {
   SampleTexels(texels_.view(), table_.view(), uniforms, n, call.samples(), out);

@@ -24,6 +24,9 @@ namespace skywave {
 class ImportanceStrategy final : public EnvStrategy {
  public:
   ImportanceStrategy(const EnvironmentMap& map, double compensate);
+  // By another importance of every texel than its luminance: >= 0, not all 0, and not 0 where there
+  // is light.
+  ImportanceStrategy(const EnvironmentMap& map, const std::vector<double>& importance);
 
   std::string_view name() const override { return "importance"; }
   std::size_t table_bytes() const override { return texels_.bytes() + table_.bytes(); }

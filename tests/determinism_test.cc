@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "lights/strategy.h"
 #include "scene/builtin.h"
+#include "tests/support/emission_guides.h"
 #include "tests/support/painted_scene.h"
 #include "tests/support/photon_maps.h"
 #include "tests/support/program.h"
@@ -94,6 +95,8 @@ TEST_P(Determinism, ThreadsDoNotMatter) {
 // are the operating system's, each with a worker of its own, and take the tiles in any order.
 TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   FrameView frame = job().frame();
+  const EmissionGuide guide = GuideFor(frame);
+  if (!guide.empty()) frame.guide = &guide;
   PhotonMaps maps;
   if (frame.options.integrator == Integrator::kPhoton) maps = MapsOf(frame);
   frame.photons = &maps;

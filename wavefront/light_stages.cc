@@ -6,6 +6,7 @@
 #include "kernels/flux.h"
 #include "kernels/sampler.h"
 #include "wavefront/checks.h"
+#include "wavefront/emission_guide.h"
 #include "wavefront/path_stages.h"
 
 namespace skywave {
@@ -29,6 +30,20 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
     MakeFlux(bsdf, surfaces, materials, lights, n, values);
     if (bsdf.transmits) MoveToSide(lights, n, surfaces);
   }
+}
+
+// Where directions were not drawn by the strategy, it is asked how it would have drawn them.
+void GuideSkyRays(const FrameView& frame, const LightShares& shares, std::uint32_t n,
+                  const RayColumns& rays, const Worker& w) {
+  const float* light_pdf = nullptr;
+  if (frame.guide->directions) {
+    EscapeColumns seen = w.escaped;
+    seen.dir_x = w.lights->dir_x, seen.dir_y = w.lights->dir_y, seen.dir_z = w.lights->dir_z;
+    std::fill_n(seen.pdf, n, 1.0f);
+    frame.strategy->EvaluateEscaped(Points(frame, w), n, shares.of_strategy, seen);
+    light_pdf = seen.light_pdf;
+  }
+  GuideStarts(frame.sphere, frame.guide->view(), w.lobe, light_pdf, n, rays, w.light->emission);
 }
 
 }  // namespace
@@ -58,14 +73,17 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
       SplitUniforms(w.uniforms->u, n, shares.local.share, w.lobe->u);
       of_strategy.u = w.lobe->u;
     }
-    frame.strategy->Sample(Points(frame, w), of_strategy, n,
-                           {.pair = pair, .share = shares.of_strategy}, w.lights);
+    const bool redrawn = frame.guide != nullptr && frame.guide->directions;
+    const EnvStrategy& strategy = redrawn ? *frame.guide->directions : *frame.strategy;
+    strategy.Sample(Points(frame, w), of_strategy, n, {.pair = pair, .share = shares.of_strategy},
+                    w.lights);
     CheckLightSamples(w.lights, n);
   }
   DrawUniforms(w.paths, nullptr, n, LightPair(0, SampleUse::kScatter), {}, w.lobe);
   const EmissionColumns& emission = w.light->emission;
   if (shares.local.share < 1) {
     EmitFromSky(frame.sphere, w.lights, w.lobe, n, rays, emission);
+    if (frame.guide != nullptr) GuideSkyRays(frame, shares, n, rays, w);
   }
   if (shares.local.share > 0) {
     EmitFromLocalLights(frame.local_lights, shares.local, frame.sphere, w.uniforms, w.lobe, n, rays,

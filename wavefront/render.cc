@@ -111,8 +111,9 @@ std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<
   return slot;
 }
 
-FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
+FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
+  FrameView frame = wanted;
   const RenderOptions& options = frame.options;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.initialize();
@@ -124,6 +125,11 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
+    EmissionGuide guide;
+    if (options.guide && HasLightPaths(options.integrator) && frame.has_sky()) {
+      guide = LearnEmission(frame, workers, result.guide);
+      if (!guide.empty()) frame.guide = &guide;
+    }
     if (options.integrator != Integrator::kPhoton) {
       RenderTiles(frame, workers, film, progress, recorders);
       return;

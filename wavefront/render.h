@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "wavefront/emission_guide.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
 #include "wavefront/photon_map.h"
@@ -34,6 +35,7 @@ struct PhotonCounts {
 struct FrameResult {
   RenderStats stats;
   PhotonCounts photons;
+  GuideCounts guide;             // its seconds are among `seconds`
   double seconds = 0;            // wall clock, from the first wave to the last
   double processor_seconds = 0;  // of all threads of the process meanwhile
   int threads = 0;

@@ -1,0 +1,73 @@
+// Where light paths of the sky start if that is learnt (kernels/emission.h): a table over cells of
+// directions, each with a tree that cuts the disk of the scene's sphere into parts.
+//
+// The disk is the unit square, mapped by SampleDisc (kernels/sphere-inl.h), which keeps areas. A
+// tree cuts the square, in u and v by turns, and every one of its leaves gets the same share of
+// light paths: the pair of uniforms that places an origin is warped, digit by digit, so points that
+// are stratified stay so. Uniforms and trees together are the density; nothing is rejected.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/columns.h"
+#include "kernels/emission.h"
+
+namespace skywave {
+
+// Cells of directions, of equal solid angle: rows of equal height along the world's z, turns about
+// it. A boundary of rows lies at z = 0, where the frame of the disk (MakeFrame) jumps.
+inline constexpr std::uint32_t kGuideRows = 16, kGuideTurns = 16;
+inline constexpr std::uint32_t kGuideCells = kGuideRows * kGuideTurns;
+// Levels of a tree, and what it takes up.
+inline constexpr std::uint32_t kGuideLevels = 8, kGuideLeaves = 1u << kGuideLevels;
+
+struct EmissionGuideView {
+  // A tree a cell, kGuideLeaves words each, the first one unused: where node k, the root being 1,
+  // cuts the square, by u at even levels and by v at odd ones. Its lower part is node 2 k.
+  const float* cuts = nullptr;  // null: starts are even over the disk
+  // Of each cell: how much more often its directions start light paths than light samples.
+  const float* gain = nullptr;
+};
+
+// Directions towards the sky (unit) and points of the lines along them: those of surfaces
+// rows[0, n), of the surface in the same row where `rows` is null.
+struct SkyLines {
+  const float *dir_x, *dir_y, *dir_z;
+  const SurfaceColumns& surfaces;
+  const std::uint32_t* rows = nullptr;
+};
+
+struct DiskPlaceColumns {
+  std::uint32_t* cell;  // of the direction
+  float *u, *v;         // in the unit square
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.cell), f(self.u), f(self.v);
+  }
+};
+
+// Where on the disk lines [0, n) enter the scene.
+void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_t n,
+                  const DiskPlaceColumns& places);
+
+// The cells of directions [0, n).
+void FindGuideCells(const float* dir_x, const float* dir_y, const float* dir_z, std::uint32_t n,
+                    std::uint32_t* cell);
+
+// The density with which light paths of the sky arrive along lines [0, n), given their direction's
+// density as of light samples (kernels/arrival.h) [1/length^2].
+void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, const SkyLines& lines,
+                 std::uint32_t n, float* arrival);
+
+// Starts rays of the sky among [0, n), as EmitFromSky has left them, where their light is needed:
+// `disk` is warped to a new origin, and the flux divided by how crowded it is there. Makes the
+// record of the start what light samples and SkyArrivals say of the same direction and place:
+// weights of bidirectional paths add up to 1 only if both ends say the same. The flux has the
+// density that was drawn, which is another where the border of a cell cuts a texel. `light_pdf`: of
+// light samples in these directions [1/sr]; null: rays have started with light samples.
+void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
+                 const UniformColumns& disk, const float* light_pdf, std::uint32_t n,
+                 const RayColumns& rays, const EmissionColumns& emission);
+
+}  // namespace skywave
