@@ -1,10 +1,11 @@
 // Where light paths of the sky start if that is learnt (kernels/emission.h): a table over cells of
-// directions, each with a tree that cuts the disk of the scene's sphere into parts.
+// directions, each with a box on the disk of the scene's sphere and a tree that cuts it into parts.
 //
-// The disk is the unit square, mapped by SampleDisc (kernels/sphere-inl.h), which keeps areas. A
-// tree cuts the square, in u and v by turns, and every one of its leaves gets the same share of
-// light paths: the pair of uniforms that places an origin is warped, digit by digit, so points that
-// are stratified stay so. Uniforms and trees together are the density; nothing is rejected.
+// The disk is the unit square, mapped by SampleDisc (kernels/sphere-inl.h), which keeps areas. Some
+// light paths start evenly over all of it, some over the disk of a smaller sphere. For the others a
+// tree cuts the cell's box, in u and v by turns, and every one of its leaves gets the same share:
+// the pair of uniforms that places an origin is warped, digit by digit, so points that are
+// stratified stay so. Nothing is rejected.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +19,24 @@ namespace skywave {
 // it. A boundary of rows lies at z = 0, where the frame of the disk (MakeFrame) jumps.
 inline constexpr std::uint32_t kGuideRows = 16, kGuideTurns = 16;
 inline constexpr std::uint32_t kGuideCells = kGuideRows * kGuideTurns;
-// Levels of a tree, and what it takes up.
-inline constexpr std::uint32_t kGuideLevels = 8, kGuideLeaves = 1u << kGuideLevels;
+inline constexpr std::uint32_t kGuideLevels = 7, kGuideLeaves = 1u << kGuideLevels;
+
+struct GuideCell {
+  // How much more often directions of the cell start light paths than light samples.
+  float gain = 1;
+  float even = 1;                           // share of paths that start evenly over the disk
+  float focused = 0;                        // and over that of the focus
+  float low[2] = {0, 0}, high[2] = {1, 1};  // the box of the others in u and v
+  float unused = 0;
+};
+inline constexpr std::uint32_t kGuideCellFloats = sizeof(GuideCell) / sizeof(float);
 
 struct EmissionGuideView {
+  const GuideCell* cells = nullptr;  // null: starts are even over the disk
   // A tree a cell, kGuideLeaves words each, the first one unused: where node k, the root being 1,
-  // cuts the square, by u at even levels and by v at odd ones. Its lower part is node 2 k.
-  const float* cuts = nullptr;  // null: starts are even over the disk
-  // Of each cell: how much more often its directions start light paths than light samples.
-  const float* gain = nullptr;
+  // cuts the box, by u at even levels and by v at odd ones. Its lower part is node 2 k.
+  const float* cuts = nullptr;
+  SceneSphere focus = {};  // within the scene's; holds most of the surfaces that need light
 };
 
 // Directions towards the sky (unit) and points of the lines along them: those of surfaces

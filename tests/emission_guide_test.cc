@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "tests/support/random_rows.h"
@@ -34,6 +35,10 @@ std::vector<SkyNeed> SomeNeeds(std::uint32_t count) {
     } else {
       need.u = random.Float(), need.v = random.Float();
     }
+    // In a ball of radius 1 about (2, -2, 3), and a few anywhere.
+    const Vec point =
+        Vec{2, -2, 3} + (i % 50 == 0 ? 3.0 : 1.0) * random.Float() * random.Direction();
+    Put(point, 0, need.point, need.point + 1, need.point + 2);
     needs.push_back(need);
   }
   return needs;
@@ -46,7 +51,7 @@ std::vector<double> SomeShares() {
   return shares;
 }
 const EmissionGuide& Guide() {
-  static const EmissionGuide guide = MakeGuide(SomeNeeds(40000), SomeShares());
+  static const EmissionGuide guide = MakeGuide(SomeNeeds(40000), SomeShares(), kSphere);
   return guide;
 }
 
@@ -68,7 +73,9 @@ void AddLeaves(const float* cuts, std::uint32_t node, int axis, const Leaf& part
 }
 std::vector<Leaf> LeavesOf(const EmissionGuide& guide, std::uint32_t cell) {
   std::vector<Leaf> leaves;
-  AddLeaves(&guide.cuts[cell * kGuideLeaves], 1, 0, {}, leaves);
+  const GuideCell& c = guide.cells[cell];
+  AddLeaves(&guide.cuts[cell * kGuideLeaves], 1, 0, {{c.low[0], c.low[1]}, {c.high[0], c.high[1]}},
+            leaves);
   return leaves;
 }
 
@@ -105,6 +112,28 @@ void AxesOf(Vec n, Vec& s, Vec& t) {
   const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
   s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
   t = {b, sign + n.y * n.y * a, -n.y};
+}
+
+// Its inverse.
+void DiscOf(double u, double v, double& x, double& y) {
+  const double a = 2 * u - 1, b = 2 * v - 1;
+  const bool steep = std::fabs(b) > std::fabs(a);
+  const double major = steep ? b : a, minor = steep ? a : b;
+  const double angle = major == 0 ? 0 : minor / major * kPi / 4;
+  const double along = major * std::cos(angle), across = major * std::sin(angle);
+  x = steep ? across : along, y = steep ? along : across;
+}
+
+// Whether the focus is on the line along `towards` that enters at (u, v).
+bool MeetsFocus(Vec towards, double u, double v) {
+  double x, y;
+  DiscOf(u, v, x, y);
+  Vec s, t;
+  AxesOf(towards, s, t);
+  const SceneSphere& focus = Guide().focus;
+  const Vec center = Vec{focus.center[0], focus.center[1], focus.center[2]} -
+                     Vec{kSphere.center[0], kSphere.center[1], kSphere.center[2]};
+  return std::hypot(5 * x - Dot(center, s), 5 * y - Dot(center, t)) < double(focus.radius);
 }
 
 // Rays for samples of radiance 1 and density 1/4 in all directions, or in the middle of a cell.
@@ -204,9 +233,20 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
     const std::vector<Leaf> leaves = LeavesOf(Guide(), std::uint32_t(cell));
     ASSERT_EQ(leaves.size(), kGuideLeaves);
     std::vector<double> observed(kSide * kSide), expected(kSide * kSide);
-    double area = 0;
+    const GuideCell& c = Guide().cells[std::size_t(cell)];
+    const Vec towards = MiddleOf(std::uint32_t(cell));
+    const double even = c.even, focused = c.focused, boxed = 1 - even - focused;
+    const double narrower = std::pow(5 / double(Guide().focus.radius), 2);
+    constexpr int kFine = 32;  // points of a part, for the focus
+    for (int y = 0; y < kSide * kFine; ++y) {
+      for (int x = 0; x < kSide * kFine; ++x) {
+        const bool in_focus =
+            MeetsFocus(towards, (x + 0.5) / (kSide * kFine), (y + 0.5) / (kSide * kFine));
+        expected[std::size_t(y / kFine * kSide + x / kFine)] +=
+            kRows * (even + focused * narrower * in_focus) / std::pow(kSide * kFine, 2);
+      }
+    }
     for (const Leaf& leaf : leaves) {
-      area += leaf.Area();
       for (int y = 0; y < kSide; ++y) {
         for (int x = 0; x < kSide; ++x) {
           const auto shared = [&](int axis, int k) {
@@ -214,11 +254,10 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
             return std::max(0.0, std::min(leaf.high[axis], double(k + 1) / kSide) - low);
           };
           expected[std::size_t(y * kSide + x)] +=
-              kRows * shared(0, x) * shared(1, y) / leaf.Area() / kGuideLeaves;
+              kRows * boxed * shared(0, x) * shared(1, y) / leaf.Area() / kGuideLeaves;
         }
       }
     }
-    EXPECT_NEAR(area, 1, 1e-5);
     Moments inverse;
     std::uint32_t wrong = 0;  // where rounding has put a place into the next leaf
     for (std::uint32_t i = 0; i < kRows; ++i) {
@@ -228,8 +267,9 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
       const auto in = std::find_if(leaves.begin(), leaves.end(), [&](const Leaf& leaf) {
         return u >= leaf.low[0] && u <= leaf.high[0] && v >= leaf.low[1] && v <= leaf.high[1];
       });
-      ASSERT_NE(in, leaves.end());
-      wrong += std::fabs(s.crowding[i] * in->Area() * kGuideLeaves - 1) > 1e-4;
+      const double exact = even + focused * narrower * MeetsFocus(towards, u, v) +
+                           (in == leaves.end() ? 0 : boxed / (kGuideLeaves * in->Area()));
+      wrong += std::fabs(s.crowding[i] / exact - 1) > 1e-4;
       inverse.Add(1 / s.crowding[i]);
     }
     EXPECT_LT(wrong, kRows / 500);
@@ -239,15 +279,17 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
   }
 }
 
-// Points of a (0, 2)-sequence: one in each of 16 by 16 parts, so one in each leaf.
+// Points of a (0, 2)-sequence, one in each of 16 by 8 parts of what is guided: one in each leaf.
 TEST(GuideStarts, KeepsPointsStratified) {
-  const std::uint32_t n = kGuideLeaves;
+  const std::uint32_t n = kGuideLeaves, cell = 5;
+  const float even = Guide().cells[cell].even + Guide().cells[cell].focused;
   soa::Table<UniformColumns> disk(n);
   for (std::uint32_t i = 0; i < n; ++i) {
-    disk->u[i] = (float(i % 16) + 0.3f) / 16, disk->v[i] = (float(i / 16) + 0.6f) / 16;
+    disk->u[i] = even + (1 - even) * (float(i % 16) + 0.3f) / 16;
+    disk->v[i] = (float(i / 16) + 0.6f) / 8;
   }
-  const Starts s = StartAt(Guide(), disk, n, 5);
-  for (const Leaf& leaf : LeavesOf(Guide(), 5)) {
+  const Starts s = StartAt(Guide(), disk, n, int(cell));
+  for (const Leaf& leaf : LeavesOf(Guide(), cell)) {
     int inside = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       inside += s.u[i] > leaf.low[0] && s.u[i] < leaf.high[0] && s.v[i] > leaf.low[1] &&
@@ -305,26 +347,28 @@ TEST(EmissionGuide, BitsDoNotDependOnTargetOrNumberOfRows) {
 
 TEST(MakeGuide, DoesNotDependOnTheOrderOfNeeds) {
   std::vector<SkyNeed> needs = SomeNeeds(5000);
-  const EmissionGuide guide = MakeGuide(needs, SomeShares());
+  const EmissionGuide guide = MakeGuide(needs, SomeShares(), kSphere);
   std::reverse(needs.begin(), needs.end());
   std::swap(needs[7], needs[4000]);
-  const EmissionGuide other = MakeGuide(needs, SomeShares());
+  const EmissionGuide other = MakeGuide(needs, SomeShares(), kSphere);
   EXPECT_EQ(guide.cuts, other.cuts);
-  EXPECT_EQ(guide.gain, other.gain);
+  for (std::uint32_t i = 0; i < kGuideCells; ++i) {
+    EXPECT_EQ(std::memcmp(&guide.cells[i], &other.cells[i], sizeof(GuideCell)), 0);
+  }
 }
 
 // Directions are drawn with a probability, and no line is much rarer than it was.
 TEST(MakeGuide, LeavesEveryStartPossible) {
   const std::vector<double> shares = SomeShares();
   double sum = 0;
-  for (std::uint32_t cell = 0; cell < kGuideCells; ++cell) {
-    sum += shares[cell] * double(Guide().gain[cell]);
-    for (const Leaf& leaf : LeavesOf(Guide(), cell)) {
-      ASSERT_GT(leaf.Area(), 0);
-      const double density = 1 / (kGuideLeaves * leaf.Area());
-      // Halves are found in bins, so it may be a little less.
-      if (shares[cell] > 0) ASSERT_GT(density * double(Guide().gain[cell]), 0.9 * kUnguided);
+  for (std::uint32_t i = 0; i < kGuideCells; ++i) {
+    const GuideCell& cell = Guide().cells[i];
+    sum += shares[i] * double(cell.gain);
+    if (shares[i] > 0) {
+      ASSERT_GT(cell.gain * cell.even, 0.999 * kEvenShare);
+      ASSERT_GT(cell.gain * cell.focused, 0.999 * kFocusShare);
     }
+    for (const Leaf& leaf : LeavesOf(Guide(), i)) ASSERT_GT(leaf.Area(), 0);
   }
   // Where light samples never are no light path starts, whoever would need it.
   EXPECT_LT(sum, 1);
@@ -336,42 +380,63 @@ TEST(MakeGuide, CrowdsWhereNeedsAre) {
   std::vector<SkyNeed> needs;
   Random random(3);
   for (int i = 0; i < 4000; ++i) {
+    // Two places.
+    const float u = i % 4 == 0 ? 0.1f : 0.7f;
     needs.push_back({.cell = cell,
-                     .u = 0.7f + 0.01f * random.Float(),
+                     .u = u + 0.01f * random.Float(),
                      .v = 0.1f + 0.01f * random.Float(),
                      .weight = 100});
   }
-  std::vector<double> shares(kGuideCells, 1.0 / kGuideCells);
-  const EmissionGuide guide = MakeGuide(needs, shares);
-  EXPECT_NEAR(guide.gain[cell], kUnguided + (1 - kUnguided) * kGuideCells, 1e-3);
-  EXPECT_NEAR(guide.gain[cell + 1], kUnguided, 1e-6);
-  double inside = 0;
-  for (const Leaf& leaf : LeavesOf(guide, cell)) {
-    inside +=
-        leaf.low[0] > 0.68 && leaf.high[0] < 0.73 && leaf.low[1] > 0.08 && leaf.high[1] < 0.13;
-  }
-  EXPECT_GT(inside / kGuideLeaves, 0.9);
+  const auto share_inside = [&](const EmissionGuide& guide) {
+    double inside = 0;
+    for (const Leaf& leaf : LeavesOf(guide, cell)) {
+      inside += leaf.low[0] > 0.69 && leaf.high[0] < 0.72 && leaf.high[1] < 0.12;
+    }
+    return inside / kGuideLeaves;
+  };
+  const std::vector<double> shares(kGuideCells, 1.0 / kGuideCells);
+  const EmissionGuide guide = MakeGuide(needs, shares, kSphere);
+  constexpr double kUnguided = kEvenShare + kFocusShare;
+  EXPECT_NEAR(guide.cells[cell].gain, kUnguided + (1 - kUnguided) * kGuideCells, 1e-3);
+  EXPECT_NEAR(guide.cells[cell].even * guide.cells[cell].gain, kEvenShare, 1e-6);
+  EXPECT_NEAR(guide.cells[cell + 1].gain, kUnguided, 1e-6);
+  EXPECT_NEAR(guide.cells[cell + 1].even + guide.cells[cell + 1].focused, 1, 1e-6);
+  // Of three quarters, what the leaves at their borders do not take.
+  EXPECT_GT(share_inside(guide), 0.6);
+  EXPECT_LE(share_inside(guide), 0.75);
   // Without directions the even share is that of every cell.
-  const EmissionGuide places = MakeGuide(needs, {});
-  EXPECT_EQ(places.gain[cell], 1);
-  inside = 0;
-  for (const Leaf& leaf : LeavesOf(places, cell)) {
-    inside +=
-        leaf.low[0] > 0.68 && leaf.high[0] < 0.73 && leaf.low[1] > 0.08 && leaf.high[1] < 0.13;
-  }
-  EXPECT_NEAR(inside / kGuideLeaves, 1 - kUnguided, 0.05);
+  const EmissionGuide places = MakeGuide(needs, {}, kSphere);
+  EXPECT_EQ(places.cells[cell].gain, 1);
+  EXPECT_EQ(places.cells[cell].even, float(kEvenShare));
+  EXPECT_EQ(share_inside(places), share_inside(guide));
+}
+
+TEST(MakeGuide, FocusesOnMostOfWhatNeedsLight) {
+  const SceneSphere& focus = Guide().focus;
+  EXPECT_NEAR(focus.center[0], 2, 0.05);
+  EXPECT_NEAR(focus.center[1], -2, 0.05);
+  EXPECT_NEAR(focus.center[2], 3, 0.05);
+  EXPECT_NEAR(focus.radius, 0.92, 0.03);
+  // All over the scene: the focus is all of it.
+  std::vector<SkyNeed> needs = SomeNeeds(5000);
+  Random random(8);
+  for (SkyNeed& need : needs)
+    Put(8 * random.Direction(), 0, need.point, need.point + 1, need.point + 2);
+  EXPECT_EQ(MakeGuide(needs, {}, kSphere).focus.radius, kSphere.radius);
 }
 
 TEST(MakeGuide, SaysNothingOfWhatItDoesNotKnow) {
-  EXPECT_TRUE(MakeGuide({}, SomeShares()).empty());
-  EXPECT_EQ(EmissionGuide().view().cuts, nullptr);
+  EXPECT_TRUE(MakeGuide({}, SomeShares(), kSphere).empty());
+  EXPECT_EQ(EmissionGuide().view().cells, nullptr);
   // A few needs are no density: cells with them are even.
-  const EmissionGuide guide = MakeGuide({{5, 0.9f, 0.9f, 10}, {5, 0.9f, 0.8f, 10}}, {});
+  const EmissionGuide guide =
+      MakeGuide({{5, 0.9f, 0.9f, {}, 0, 10}, {5, 0.9f, 0.8f, {}, 0, 10}}, {}, kSphere);
+  EXPECT_NEAR(guide.cells[5].even + guide.cells[5].focused, 1, 1e-6);
   for (const Leaf& leaf : LeavesOf(guide, 5)) EXPECT_EQ(leaf.Area() * kGuideLeaves, 1);
   // All of them at one point, one of which outshines all others: parts get small, but stay parts.
-  std::vector<SkyNeed> same(100, {9, 0.25f, 0.75f, 3});
+  std::vector<SkyNeed> same(100, {9, 0.25f, 0.75f, {}, 0, 3});
   same[50].weight = std::uint64_t{1} << 40;
-  for (const Leaf& leaf : LeavesOf(MakeGuide(same, {}), 9)) EXPECT_GT(leaf.Area(), 0);
+  for (const Leaf& leaf : LeavesOf(MakeGuide(same, {}, kSphere), 9)) EXPECT_GT(leaf.Area(), 0);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <numbers>
 #include <numeric>
 
@@ -35,53 +36,131 @@ std::uint64_t SumOf(NeedSpan needs) {
 // A part of the unit square.
 struct Part {
   float low[2] = {0, 0}, high[2] = {1, 1};
-  double area() const { return (double(high[0]) - low[0]) * (double(high[1]) - low[1]); }
 };
 
-// Cuts a part and its parts in halves of what is needed there, of which the share `even` is spread
-// evenly over the square and a need of weight 1 counts `each`.
-class TreeCutter {
- public:
-  TreeCutter(double even, double each, float* cuts) : even_(even), each_(each), cuts_(cuts) {}
+float Along(const SkyNeed& need, std::uint32_t axis) { return axis == 0 ? need.u : need.v; }
 
-  void Cut(NeedSpan needs, const Part& part, std::uint32_t node = 1) {
-    if (node >= kGuideLeaves) return;
-    const std::uint32_t axis = std::uint32_t(std::bit_width(node) - 1) & 1;
-    // Where they say nothing, they are even, and so are all parts.
-    if (std::ssize(needs) < kLeastNeeds) needs = {};
-    const auto along = [axis](const SkyNeed& need) { return axis == 0 ? need.u : need.v; };
-    Part lower = part, upper = part;
-    const float cut = needs.empty() ? 0.5f * (part.low[axis] + part.high[axis])
-                                    : Median(needs, along, part, axis);
-    lower.high[axis] = upper.low[axis] = cuts_[node] = cut;
-    const auto middle = std::partition(needs.begin(), needs.end(),
-                                       [&](const SkyNeed& need) { return along(need) < cut; });
-    const auto below = std::size_t(middle - needs.begin());
-    Cut(needs.first(below), lower, 2 * node);
-    Cut(needs.subspan(below), upper, 2 * node + 1);
-  }
-
- private:
-  // Counts in bins, inside of which all is spread evenly: nothing is sorted.
-  template <class Along>
-  float Median(NeedSpan needs, const Along& along, const Part& part, std::uint32_t axis) const {
-    constexpr int kBins = 32;
-    const double low = part.low[axis], width = double(part.high[axis]) - low;
+// Where half of what is needed lies below. Counted in bins, then in those of the bin where that is,
+// inside of which all is spread evenly in the end: nothing is sorted.
+float Median(NeedSpan needs, std::uint32_t axis, double low, double high) {
+  constexpr std::uint32_t kBins = 32, kRounds = 4;
+  double left = 0.5 * double(SumOf(needs));
+  for (std::uint32_t round = 0; round < kRounds; ++round) {
     std::uint64_t bins[kBins] = {};
+    const double width = (high - low) / kBins;
     for (const SkyNeed& need : needs) {
-      bins[std::clamp(int((along(need) - low) / width * kBins), 0, kBins - 1)] += need.weight;
+      const double bin = std::floor((double(Along(need, axis)) - low) / width);
+      // The borders of a round count all that is on them.
+      if (bin >= 0 && bin < kBins) bins[std::uint32_t(bin)] += need.weight;
     }
-    const double even = even_ * part.area() / kBins;
-    double left = 0.5 * (double(SumOf(needs)) * each_ + kBins * even);
-    int bin = 0;
-    const auto mass = [&] { return double(bins[bin]) * each_ + even; };
-    for (; bin + 1 < kBins && mass() < left; ++bin) left -= mass();
-    return float(low + width * (bin + std::clamp(left / mass(), 0.0, 1.0)) / kBins);
+    std::uint32_t bin = 0;
+    for (; bin + 1 < kBins && double(bins[bin]) < left; ++bin) left -= double(bins[bin]);
+    low += bin * width, high = low + width;
+    if (round + 1 == kRounds) {
+      const double share = bins[bin] > 0 ? std::min(1.0, left / double(bins[bin])) : 0.5;
+      return float(low + share * width);
+    }
   }
+  return float(low);
+}
 
-  double even_, each_;
-  float* cuts_;
-};
+// Cuts a part and its parts in halves of what is needed there.
+void Cut(NeedSpan needs, const Part& part, std::uint32_t node, float* cuts) {
+  if (node >= kGuideLeaves) return;
+  const std::uint32_t axis = std::uint32_t(std::bit_width(node) - 1) & 1;
+  const float low = part.low[axis], high = part.high[axis];
+  // Where they say nothing, they are even, and so are all parts; and parts must stay parts.
+  constexpr float kLeastSide = 0x1p-13f;
+  if (std::ssize(needs) < kLeastNeeds || high - low < kLeastSide) needs = {};
+  float cut = 0.5f * (low + high);
+  if (!needs.empty()) {
+    const float margin = (high - low) / 64;
+    cut = std::clamp(Median(needs, axis, low, high), low + margin, high - margin);
+  }
+  cuts[node] = cut;
+  const auto middle = std::partition(needs.begin(), needs.end(),
+                                     [&](const SkyNeed& need) { return Along(need, axis) < cut; });
+  const auto below = std::size_t(middle - needs.begin());
+  Part lower = part, upper = part;
+  lower.high[axis] = upper.low[axis] = cut;
+  Cut(needs.first(below), lower, 2 * node, cuts);
+  Cut(needs.subspan(below), upper, 2 * node + 1, cuts);
+}
+
+// The box of needs, wider by what more of them would have made it.
+Part BoxOf(NeedSpan needs) {
+  Part box;
+  for (std::uint32_t axis = 0; axis < 2; ++axis) {
+    const auto [least, most] = std::minmax_element(
+        needs.begin(), needs.end(),
+        [axis](const SkyNeed& a, const SkyNeed& b) { return Along(a, axis) < Along(b, axis); });
+    const float low = Along(*least, axis), high = Along(*most, axis);
+    const float margin = (high - low) / float(needs.size()) + 1e-4f;
+    box.low[axis] = std::max(0.0f, low - margin), box.high[axis] = std::min(1.0f, high + margin);
+  }
+  return box;
+}
+
+// Counts what a pixel needs in parts of all that it needs, so that dark ones count as much as
+// bright ones: noise is seen against what it lies on. Pixels darker than the mean by more than
+// kDarkest do not.
+void MakeRelative(std::vector<SkyNeed>& needs, std::size_t pixels) {
+  constexpr std::uint64_t kDarkest = 16;
+  std::vector<std::uint64_t> sums(pixels);
+  for (const SkyNeed& need : needs) sums[need.pixel] += need.weight;
+  const std::uint64_t least = SumOf(needs) / pixels / kDarkest + 1;
+  for (SkyNeed& need : needs) {
+    need.weight =
+        std::uint64_t(double(need.weight) / double(sums[need.pixel] + least) * kNeedUnits);
+  }
+}
+
+// A sphere that most of the points that need light lie in. In whole numbers, so that the order of
+// needs does not matter.
+SceneSphere FocusOf(NeedSpan needs, const SceneSphere& sphere) {
+  constexpr double kSteps = 1 << 15;  // in a radius of the scene
+  constexpr int kRounds = 3, kRings = 512;
+  constexpr double kInside = 0.9;
+  double middle[3] = {};  // [steps]
+  double radius = 4 * kSteps;
+  const auto offset = [&](const SkyNeed& need, int axis) {
+    return std::round((double(need.point[axis]) - sphere.center[axis]) / sphere.radius * kSteps);
+  };
+  const auto distance = [&](const SkyNeed& need) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) sum += std::pow(offset(need, axis) - middle[axis], 2);
+    return std::sqrt(sum);
+  };
+  // The middle of those inside, and then the radius about it.
+  for (int round = 0; round < kRounds; ++round) {
+    std::int64_t sums[3] = {}, weight = 0;
+    for (const SkyNeed& need : needs) {
+      if (distance(need) > radius) continue;
+      weight += std::int64_t(need.weight);
+      for (int axis = 0; axis < 3; ++axis) {
+        sums[axis] += std::int64_t(need.weight) * std::int64_t(offset(need, axis));
+      }
+    }
+    if (weight == 0) break;
+    for (int axis = 0; axis < 3; ++axis) middle[axis] = double(sums[axis]) / double(weight);
+    std::uint64_t rings[kRings] = {}, all = 0;
+    for (const SkyNeed& need : needs) {
+      const int ring = int(distance(need) / (2 * kSteps) * kRings);
+      rings[std::min(ring, kRings - 1)] += need.weight, all += need.weight;
+    }
+    int ring = 0;
+    for (std::uint64_t inside = rings[0]; double(inside) < kInside * double(all);) {
+      inside += rings[++ring];
+    }
+    radius = 2 * kSteps * (ring + 1) / kRings;
+  }
+  if (!(radius < kSteps)) return sphere;
+  SceneSphere focus = {.radius = float(radius / kSteps * sphere.radius)};
+  for (int axis = 0; axis < 3; ++axis) {
+    focus.center[axis] = float(sphere.center[axis] + middle[axis] / kSteps * sphere.radius);
+  }
+  return focus;
+}
 
 // Puts needs in the order of their cells; cell c has [begin[c], begin[c + 1]).
 std::vector<std::size_t> SortByCell(std::vector<SkyNeed>& needs) {
@@ -171,16 +250,17 @@ std::vector<double> CellRadiance(const Image& image, std::span<const std::uint32
 }  // namespace
 
 std::size_t EmissionGuide::bytes() const {
-  return (cuts.size() + gain.size()) * sizeof(float) +
+  return cuts.size() * sizeof(float) + cells.size() * sizeof(GuideCell) +
          (directions ? directions->table_bytes() : 0) +
          (map ? map->latlong.rgb.size() * sizeof(float) : 0);
 }
 
 EmissionGuideView EmissionGuide::view() const {
-  return {.cuts = empty() ? nullptr : cuts.data(), .gain = gain.data()};
+  return {.cells = empty() ? nullptr : cells.data(), .cuts = cuts.data(), .focus = focus};
 }
 
-EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares) {
+EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,
+                        const SceneSphere& sphere) {
   EmissionGuide guide;
   if (needs.empty()) return guide;
   const std::uint64_t most =
@@ -188,20 +268,31 @@ EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shar
   for (SkyNeed& need : needs) need.weight = std::min(need.weight, most);
   const double all = double(SumOf(needs));
   const std::vector<std::size_t> begin = SortByCell(needs);
-  guide.cuts.assign(kGuideCells * kGuideLeaves, 0);
-  guide.gain.assign(kGuideCells, 1);
-  tbb::parallel_for(0u, kGuideCells, [&](std::uint32_t cell) {
-    const NeedSpan mine = NeedSpan(needs).subspan(begin[cell], begin[cell + 1] - begin[cell]);
-    const double needed = double(SumOf(mine));
-    // What is spread evenly is that of the whole: all the less, the more often a cell is drawn.
-    double even = kUnguided;
-    if (!shares.empty() && shares[cell] > 0) {
-      const double drawn = kUnguided * shares[cell] + (1 - kUnguided) * needed / all;
-      even = kUnguided * shares[cell] / drawn;
-      guide.gain[cell] = float(drawn / shares[cell]);
+  guide.focus = FocusOf(needs, sphere);
+  guide.cells.resize(kGuideCells);
+  guide.cuts.resize(kGuideCells * kGuideLeaves);
+  tbb::parallel_for(0u, kGuideCells, [&](std::uint32_t i) {
+    NeedSpan mine = NeedSpan(needs).subspan(begin[i], begin[i + 1] - begin[i]);
+    GuideCell& cell = guide.cells[i];
+    constexpr double kUnguided = kEvenShare + kFocusShare;
+    double unguided = kUnguided;
+    if (!shares.empty() && shares[i] > 0) {
+      // What starts evenly is that of the whole: all the less of a cell, the more often it is
+      // drawn.
+      const double drawn = kUnguided * shares[i] + (1 - kUnguided) * double(SumOf(mine)) / all;
+      unguided = kUnguided * shares[i] / drawn;
+      cell.gain = float(drawn / shares[i]);
     }
-    const double each = needed > 0 ? (1 - even) / needed : 0;
-    TreeCutter(even, each, &guide.cuts[cell * kGuideLeaves]).Cut(mine, {});
+    Part box;
+    if (std::ssize(mine) < kLeastNeeds) {
+      mine = {}, unguided = 1;
+    } else {
+      box = BoxOf(mine);
+    }
+    cell.even = float(unguided * kEvenShare / kUnguided);
+    cell.focused = float(unguided) - cell.even;
+    std::copy_n(box.low, 2, cell.low), std::copy_n(box.high, 2, cell.high);
+    Cut(mine, box, 1, &guide.cuts[i * kGuideLeaves]);
   });
   return guide;
 }
@@ -222,6 +313,11 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * pilot.options.samples_per_pixel;
   const std::uint64_t wave = pilot.options.wave;
+  // Light that a surface gets at once and shows to the eye is what light samples find; only `light`
+  // has none.
+  const PilotQuestion question = {
+      .radiance = radiance,
+      .least_surfaces = frame.options.integrator == Integrator::kLight ? 1u : 2u};
   std::vector<std::vector<SkyNeed>> waves((total + wave - 1) / wave);
   tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
     const FlushDenormals flush;
@@ -231,13 +327,14 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
         .tile = tile,
         .first = i * wave,
         .count = std::uint32_t(std::min<std::uint64_t>(wave, total - i * wave))};
-    TracePilotWave(pilot, range, radiance, worker, waves[i]);
+    TracePilotWave(pilot, range, question, worker, waves[i]);
     worker.stats = stats;
   });
   std::vector<SkyNeed> needs;
   for (const std::vector<SkyNeed>& some : waves) {
     needs.insert(needs.end(), some.begin(), some.end());
   }
+  MakeRelative(needs, std::size_t(tile.width) * tile.height);
   counts.paths = total, counts.needs = needs.size();
 
   // Lights that stand for parts of the map are drawn by nobody but their strategy.
@@ -248,10 +345,10 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
       shares[texels.cell[i]] += texels.probability[i];
     }
   }
-  EmissionGuide guide = MakeGuide(std::move(needs), shares);
+  EmissionGuide guide = MakeGuide(std::move(needs), shares, frame.sphere);
   if (!guide.empty() && strategy.unbiased()) {
     for (std::size_t i = 0; i < texels.cell.size(); ++i) {
-      texels.probability[i] *= double(guide.gain[texels.cell[i]]);
+      texels.probability[i] *= double(guide.cells[texels.cell[i]].gain);
     }
     guide.directions = std::make_unique<ImportanceStrategy>(map, texels.probability);
     guide.map = std::move(finer);

@@ -17,6 +17,7 @@
 #include "lights/environment_map.h"
 #include "lights/strategy.h"
 #include "wavefront/frame.h"
+#include "wavefront/guide_counts.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
@@ -25,35 +26,33 @@ namespace skywave {
 struct SkyNeed {
   std::uint32_t cell;    // of the direction
   float u, v;            // of the place (DiskPlaceColumns)
+  float point[3];        // where it came in, world space
+  std::uint32_t pixel;   // of the pilot's film
   std::uint64_t weight;  // [1/kNeedUnits of the mean radiance of the sky]
 };
 inline constexpr double kNeedUnits = 1 << 20;
 
-// Share of light paths that start as if nothing were known. What the pilot has missed is at most so
-// much rarer.
-inline constexpr double kUnguided = 1.0 / 8;
+// Shares of light paths that start evenly over the disk of the scene, as if nothing were known, and
+// over that of the focus: what the pilot has missed is at most so much rarer.
+inline constexpr double kEvenShare = 1.0 / 16, kFocusShare = 1.0 / 8;
 
 struct EmissionGuide {
-  std::vector<float> cuts, gain;  // see EmissionGuideView; empty: nothing was learnt
+  std::vector<GuideCell> cells;  // empty: nothing was learnt
+  std::vector<float> cuts;
+  SceneSphere focus;
   // Draws directions in place of the strategy; null: the strategy does, and every gain is 1.
   std::unique_ptr<EnvStrategy> directions;
   std::unique_ptr<EnvironmentMap> map;  // of `directions`, where it needs one of its own
 
-  bool empty() const { return cuts.empty(); }
+  bool empty() const { return cells.empty(); }
   std::size_t bytes() const;
   EmissionGuideView view() const;
 };
 
-// The trees, and the gain of each cell. `shares`: how often light samples are in a cell, if
+// The table, for a scene within `sphere`. `shares`: how often light samples are in a cell, if
 // directions are to be guided too; else empty. The order of `needs` does not matter, and is lost.
-EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares);
-
-// What FrameResult says of it.
-struct GuideCounts {
-  std::uint64_t paths = 0, needs = 0;  // of the pilot; what these found
-  std::size_t bytes = 0;               // of the tables
-  double seconds = 0;                  // wall clock
-};
+EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,
+                        const SceneSphere& sphere);
 
 // Traces the pilot of a frame whose light paths start with frame.emitter, and makes its guide; an
 // empty one where no camera path finds the sky. The caller is in the arena whose threads the

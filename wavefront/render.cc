@@ -8,6 +8,7 @@
 #include <chrono>
 #include <memory>
 
+#include "wavefront/emission_guide.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/photon_pass.h"

@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "wavefront/emission_guide.h"
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/guide_counts.h"
 #include "wavefront/photon_map.h"
 #include "wavefront/ray_recorder.h"
 #include "wavefront/stages.h"
