@@ -11,12 +11,11 @@
 
 namespace skywave {
 
-// Light of the sky has SkyArrivals (kernels/emission_guide.h).
-
-// Rows [0, n) whose u picks a light: of the sample that SampleLocalLights (for one pick a surface)
-// has put into `samples`. The others, which have a sample of the sky, are left as they are.
+// Rows [0, n) whose u picks a light that is somewhere: of the sample that SampleLocalLights (for
+// one pick a surface) has put into `samples`. The others, which have a sample of something
+// infinitely far away, keep what SkyArrivals (kernels/emission_guide.h) says of it.
 void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
-                    const SceneSphere& sphere, const SurfaceColumns& surfaces, const float* u,
-                    const LightColumns& samples, std::uint32_t n, float* arrival);
+                    const SurfaceColumns& surfaces, const float* u, const LightColumns& samples,
+                    std::uint32_t n, float* arrival);
 
 }  // namespace skywave

@@ -1,5 +1,7 @@
 #include "kernels/emission_guide.h"
 
+#include <limits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/emission_guide.cc"
 #include "hwy/foreach_target.h"
@@ -132,7 +134,8 @@ HWY_INLINE VF EvenDensity(const SceneSphere& sphere) {
 
 void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, const SkyLines& lines,
                  std::uint32_t n, float* arrival) {
-  const VF even = EvenDensity(sphere);
+  const VF even = EvenDensity(sphere), one = Set(1.0f);
+  const VF infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     if (guide.cells == nullptr) {
       Store(even, arrival + i);
@@ -143,7 +146,9 @@ void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, cons
     const Line line = LineOf(sphere, towards, lines.surfaces, RowOf(lines, i, n));
     const CellLanes c(guide, cell);
     const VF crowding = Crowding(sphere, guide, c, towards, line);
-    Store(hn::Mul(hn::Mul(even, c.gain), crowding), arrival + i);
+    VF gain = c.gain;
+    if (lines.pdf != nullptr) gain = IfThen(hn::Lt(Load(lines.pdf + i), infinity), gain, one);
+    Store(hn::Mul(hn::Mul(even, gain), crowding), arrival + i);
   }
 }
 
@@ -185,13 +190,15 @@ void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
                  const RayColumns& rays, const EmissionColumns& emission) {
   const VF even = EvenDensity(sphere);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const MU of_sky = hn::And(RowsBelow(i, n), hn::Eq(Load(emission.light + i), SetU(kNoLight)));
-    if (hn::AllFalse(U(), of_sky)) continue;
-    const MF rows = hn::RebindMask(F(), of_sky);
+    const MU of_sky = hn::Eq(Load(emission.light + i), SetU(kNoLight));
+    const MU directional = hn::TestBit(Load(emission.delta + i), SetU(kDeltaDirection));
+    const MU distant = hn::And(RowsBelow(i, n), hn::Or(of_sky, directional));
+    if (hn::AllFalse(U(), distant)) continue;
+    const MF rows = hn::RebindMask(F(), distant);
     const auto store = [&](VF value, float* to)
                            HWY_ATTR { Store(IfThen(rows, value, Load(to + i)), to + i); };
     const V3 towards = Neg(Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i));
-    const VU cell = hn::IfThenElseZero(of_sky, CellOf(towards));
+    const VU cell = hn::IfThenElseZero(distant, CellOf(towards));
     const CellLanes c(guide, cell);
     const Line line = Warp(sphere, guide, c, towards, Load(disk.u + i), Load(disk.v + i));
     const VF crowding = Crowding(sphere, guide, c, towards, line);
@@ -201,8 +208,12 @@ void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
     for (float* const flux : {rays.throughput_r, rays.throughput_g, rays.throughput_b}) {
       store(hn::Mul(Load(flux + i), factor), flux);
     }
-    const VF of_light = Load(light_pdf != nullptr ? light_pdf + i : emission.light_pdf + i);
-    const VF arrival = hn::Mul(hn::Mul(even, c.gain), crowding);
+    VF of_light = Load(emission.light_pdf + i);
+    if (light_pdf != nullptr) {
+      of_light = IfThen(hn::RebindMask(F(), of_sky), Load(light_pdf + i), of_light);
+    }
+    const VF gain = IfThen(hn::RebindMask(F(), directional), Set(1.0f), c.gain);
+    const VF arrival = hn::Mul(hn::Mul(even, gain), crowding);
     store(of_light, emission.light_pdf);
     store(hn::Mul(of_light, arrival), emission.pdf);
   }

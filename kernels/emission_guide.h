@@ -22,7 +22,8 @@ inline constexpr std::uint32_t kGuideCells = kGuideRows * kGuideTurns;
 inline constexpr std::uint32_t kGuideLevels = 7, kGuideLeaves = 1u << kGuideLevels;
 
 struct GuideCell {
-  // How much more often directions of the cell start light paths than light samples.
+  // How much more often directions of the cell start light paths than light samples; those of
+  // directional and distant lights are not drawn anew.
   float gain = 1;
   float even = 1;                           // share of paths that start evenly over the disk
   float focused = 0;                        // and over that of the focus
@@ -45,6 +46,7 @@ struct SkyLines {
   const float *dir_x, *dir_y, *dir_z;
   const SurfaceColumns& surfaces;
   const std::uint32_t* rows = nullptr;
+  const float* pdf = nullptr;  // of the directions as light samples (LightColumns); null: finite
 };
 
 struct DiskPlaceColumns {
@@ -65,17 +67,18 @@ void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_
 void FindGuideCells(const float* dir_x, const float* dir_y, const float* dir_z, std::uint32_t n,
                     std::uint32_t* cell);
 
-// The density with which light paths of the sky arrive along lines [0, n), given their direction's
-// density as of light samples (kernels/arrival.h) [1/length^2].
+// The density with which light paths from infinitely far away arrive along lines [0, n), given
+// their direction's density as of light samples (kernels/arrival.h) [1/length^2].
 void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, const SkyLines& lines,
                  std::uint32_t n, float* arrival);
 
-// Starts rays of the sky among [0, n), as EmitFromSky has left them, where their light is needed:
-// `disk` is warped to a new origin, and the flux divided by how crowded it is there. Makes the
-// record of the start what light samples and SkyArrivals say of the same direction and place:
-// weights of bidirectional paths add up to 1 only if both ends say the same. The flux has the
-// density that was drawn, which is another where the border of a cell cuts a texel. `light_pdf`: of
-// light samples in these directions [1/sr]; null: rays have started with light samples.
+// Starts rays among [0, n) that come from infinitely far away, as EmitFromSky and
+// EmitFromLocalLights have left them, where their light is needed: `disk` is warped to a new
+// origin, and the flux divided by how crowded it is there. Makes the record of the start what light
+// samples and SkyArrivals say of the same direction and place: weights of bidirectional paths add
+// up to 1 only if both ends say the same. The flux has the density that was drawn, which is another
+// where the border of a cell cuts a texel. `light_pdf`: of light samples of the sky in these
+// directions [1/sr]; null: rays of the sky have started with light samples.
 void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
                  const UniformColumns& disk, const float* light_pdf, std::uint32_t n,
                  const RayColumns& rays, const EmissionColumns& emission);

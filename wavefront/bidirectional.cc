@@ -145,13 +145,13 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const float* const reach = SampleLights(frame, Points(frame, w), shares, bounce, /*index=*/0,
                                           w.uniforms, w.lobe, w.lights, w.hits);
   CheckLightSamples(w.lights, n);
-  if (frame.has_sky()) {
-    SkyArrivals(frame.sphere, GuideOf(frame),
-                {w.lights->dir_x, w.lights->dir_y, w.lights->dir_z, w.surfaces}, n, b.arrival->u);
-  }
+  const LightColumns& lights = w.lights;
+  SkyArrivals(frame.sphere, GuideOf(frame),
+              {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces, nullptr, lights.pdf}, n,
+              b.arrival->u);
   if (reach != nullptr) {
-    SampleArrivals(frame.local_lights, shares.local, frame.sphere, w.surfaces, w.uniforms->u,
-                   w.lights, n, b.arrival->u);
+    SampleArrivals(frame.local_lights, shares.local, w.surfaces, w.uniforms->u, w.lights, n,
+                   b.arrival->u);
   }
   clock.Lap(Stage::kLightSample);
   EvaluateBothWays(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned, b.seen);

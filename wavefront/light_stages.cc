@@ -32,9 +32,9 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
   }
 }
 
-// Where directions were not drawn by the strategy, it is asked how it would have drawn them.
-void GuideSkyRays(const FrameView& frame, const LightShares& shares, std::uint32_t n,
-                  const RayColumns& rays, const Worker& w) {
+// Where the sky's directions were not drawn by the strategy, it is asked how it would have.
+void GuideDistantRays(const FrameView& frame, const LightShares& shares, std::uint32_t n,
+                      const RayColumns& rays, const Worker& w) {
   const float* light_pdf = nullptr;
   if (frame.guide->directions) {
     EscapeColumns seen = w.escaped;
@@ -83,7 +83,6 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
   const EmissionColumns& emission = w.light->emission;
   if (shares.local.share < 1) {
     EmitFromSky(frame.sphere, w.lights, w.lobe, n, rays, emission);
-    if (frame.guide != nullptr) GuideSkyRays(frame, shares, n, rays, w);
   }
   if (shares.local.share > 0) {
     EmitFromLocalLights(frame.local_lights, shares.local, frame.sphere, w.uniforms, w.lobe, n, rays,
@@ -94,6 +93,7 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
       CloseHoles(frame, w.hits, keys, n, rays.t_far);
     }
   }
+  if (frame.guide != nullptr) GuideDistantRays(frame, shares, n, rays, w);
   clock.Lap(Stage::kGenerate);
 }
 
