@@ -19,7 +19,7 @@ namespace skywave {
 // it. A boundary of rows lies at z = 0, where the frame of the disk (MakeFrame) jumps.
 inline constexpr std::uint32_t kGuideRows = 16, kGuideTurns = 16;
 inline constexpr std::uint32_t kGuideCells = kGuideRows * kGuideTurns;
-inline constexpr std::uint32_t kGuideLevels = 7, kGuideLeaves = 1u << kGuideLevels;
+inline constexpr std::uint32_t kGuideLevels = 10, kGuideLeaves = 1u << kGuideLevels;
 
 struct GuideCell {
   // How much more often directions of the cell start light paths than light samples; those of

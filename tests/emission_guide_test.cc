@@ -279,14 +279,14 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
   }
 }
 
-// Points of a (0, 2)-sequence, one in each of 16 by 8 parts of what is guided: one in each leaf.
+// Points of a (0, 2)-sequence, one in each of 32 by 32 parts of what is guided: one in each leaf.
 TEST(GuideStarts, KeepsPointsStratified) {
   const std::uint32_t n = kGuideLeaves, cell = 5;
   const float even = Guide().cells[cell].even + Guide().cells[cell].focused;
   soa::Table<UniformColumns> disk(n);
   for (std::uint32_t i = 0; i < n; ++i) {
-    disk->u[i] = even + (1 - even) * (float(i % 16) + 0.3f) / 16;
-    disk->v[i] = (float(i / 16) + 0.6f) / 8;
+    disk->u[i] = even + (1 - even) * (float(i % 32) + 0.3f) / 32;
+    disk->v[i] = (float(i / 32) + 0.6f) / 32;
   }
   const Starts s = StartAt(Guide(), disk, n, int(cell));
   for (const Leaf& leaf : LeavesOf(Guide(), cell)) {
