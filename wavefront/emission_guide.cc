@@ -262,7 +262,7 @@ EmissionGuideView EmissionGuide::view() const {
 EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,
                         const SceneSphere& sphere) {
   EmissionGuide guide;
-  if (needs.empty()) return guide;
+  if (SumOf(needs) == 0) return guide;
   const std::uint64_t most =
       std::max<std::uint64_t>(1, kMostMeans * (SumOf(needs) / std::uint64_t(needs.size())));
   for (SkyNeed& need : needs) need.weight = std::min(need.weight, most);
