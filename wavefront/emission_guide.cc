@@ -198,12 +198,18 @@ TexelCells FindTexelCells(const EnvironmentMap& map, const EnvStrategy& strategy
   TexelCells texels;
   texels.cell.resize(width * std::size_t(image.height));
   texels.probability.resize(texels.cell.size());
+  // Of every column the horizontal direction, which rows lift.
+  std::vector<Vector3> horizon;
+  for (std::size_t x = 0; x < width; ++x) {
+    horizon.push_back(DirectionOfUv((double(x) + 0.5) / image.width, 0.5));
+  }
   tbb::parallel_for(0, image.height, [&](int y) {
     const auto n = std::uint32_t(image.width);
     const soa::Table<EscapeColumns> rows(n);
+    const Vector3 row = DirectionOfUv(0.5, (y + 0.5) / image.height);  // forwards
     for (std::uint32_t x = 0; x < n; ++x) {
-      const auto world = WorldFromMap(
-          DirectionOfUv((x + 0.5) / image.width, (y + 0.5) / image.height), map.map_from_world);
+      const auto world =
+          WorldFromMap({row.y * horizon[x].x, row.y * horizon[x].y, row.z}, map.map_from_world);
       rows->dir_x[x] = world[0], rows->dir_y[x] = world[1], rows->dir_z[x] = world[2];
       rows->pdf[x] = 1;
     }
