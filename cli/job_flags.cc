@@ -229,6 +229,10 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
             "box|triangle|gaussian|blackman-harris", r.filter, ParsePixelFilter);
   command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")
       ->check(FiniteNumber(0, 100));
+  // It pays where light has to find its way in, and costs where it finds it anyway.
+  o.guide = false;
+  command.add_flag("--guide,!--no-guide", o.guide,
+                   "light paths of the sky start where a pilot of camera paths has needed them");
   AddPhotonFlags(command, o.photons);
   command.add_option("--seed", o.seed, "of the random numbers")->capture_default_str();
 
@@ -274,6 +278,7 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
                       ToString(o.filter), o.filter_radius, o.seed);
   if (o.way) text += fmt::format(" --paths {},{}", o.way->light, o.way->eye);
   if (!o.mis) text += " --no-mis";
+  if (o.guide && HasLightPaths(o.integrator)) text += " --guide";
   if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);
   return text;
 }

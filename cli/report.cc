@@ -36,6 +36,10 @@ std::string Table(const RenderReport& report) {
     line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
   }
+  if (const GuideCounts& guide = report.frame.guide; guide.paths > 0) {
+    line("  guide: {} lines of light needed by {} paths, in {:.3f} s, {:.1f} MiB", guide.needs,
+         guide.paths, guide.seconds, double(guide.bytes) / (1 << 20));
+  }
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
     line(
         "  photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, "
@@ -101,6 +105,12 @@ nlohmann::ordered_json Json(const RenderReport& report) {
     json["stages"][std::string(ToString(Stage(i)))] = {
         {"thread_seconds", stats.stage_seconds[i]},
         {"share", stats.stage_seconds[i] / std::max(stats.busy_seconds(), 1e-12)}};
+  }
+  if (const GuideCounts& guide = report.frame.guide; guide.paths > 0) {
+    json["guide"] = {{"paths", guide.paths},
+                     {"needs", guide.needs},
+                     {"table_bytes", guide.bytes},
+                     {"seconds", guide.seconds}};
   }
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
     json["photons"] = {

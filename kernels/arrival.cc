@@ -10,16 +10,12 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
-                    const SceneSphere& sphere, const SurfaceColumns& s, const float* u,
-                    const LightColumns& samples, std::uint32_t n, float* arrival) {
-  const VF one = Set(1.0f), distant = Set(skywave::DistantArrival(sphere));
+void SampleArrivals(const LocalLightView& view, const LightChoice& choice, const SurfaceColumns& s,
+                    const float* u, const LightColumns& samples, std::uint32_t n, float* arrival) {
+  const VF one = Set(1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const LightPick pick(view, choice, u, i, n);
-    if (pick.none()) {
-      Store(distant, arrival + i);
-      continue;
-    }
+    if (pick.none()) continue;
     const LightLanes light(view, pick.light);
     // Triangles send light by the cosine over the squared distance, and that is what turns the
     // density of the sample's place into that of its direction.
@@ -31,6 +27,7 @@ void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
     const VF cone = hn::Max(hn::Sub(one, light.Number(12)), Set(1e-7f));
     const VF from_point = hn::Mul(Set(0.25f * kInvPi), inverse2);
     const VF from_spot = hn::Mul(hn::Div(Set(0.5f * kInvPi), cone), inverse2);
+    const VF distant = Load(arrival + i);
     VF value = distant;
     value = IfThen(light.Is(LocalLightKind::kTriangle), hn::Div(places, pdf), value);
     value = IfThen(light.Is(LocalLightKind::kPoint), from_point, value);
@@ -48,13 +45,10 @@ namespace skywave {
 
 HWY_EXPORT(SampleArrivals);
 
-float DistantArrival(const SceneSphere& sphere) {
-  return 1 / (3.14159265f * sphere.radius * sphere.radius);
-}
 void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
-                    const SceneSphere& sphere, const SurfaceColumns& surfaces, const float* u,
-                    const LightColumns& samples, std::uint32_t n, float* arrival) {
-  HWY_DYNAMIC_DISPATCH(SampleArrivals)(view, choice, sphere, surfaces, u, samples, n, arrival);
+                    const SurfaceColumns& surfaces, const float* u, const LightColumns& samples,
+                    std::uint32_t n, float* arrival) {
+  HWY_DYNAMIC_DISPATCH(SampleArrivals)(view, choice, surfaces, u, samples, n, arrival);
 }
 
 }  // namespace skywave

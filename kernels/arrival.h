@@ -11,13 +11,11 @@
 
 namespace skywave {
 
-// Of light that comes from infinitely far away: even over the disk of the sphere.
-float DistantArrival(const SceneSphere& sphere);
-
-// Rows [0, n) whose u picks a light: of the sample that SampleLocalLights (for one pick a surface)
-// has put into `samples`. The others have a sample of something infinitely far away.
+// Rows [0, n) whose u picks a light that is somewhere: of the sample that SampleLocalLights (for
+// one pick a surface) has put into `samples`. The others, which have a sample of something
+// infinitely far away, keep what SkyArrivals (kernels/emission_guide.h) says of it.
 void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
-                    const SceneSphere& sphere, const SurfaceColumns& surfaces, const float* u,
-                    const LightColumns& samples, std::uint32_t n, float* arrival);
+                    const SurfaceColumns& surfaces, const float* u, const LightColumns& samples,
+                    std::uint32_t n, float* arrival);
 
 }  // namespace skywave

@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/emission.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/disk-inl.h"
 #include "kernels/local_lights-inl.h"
-#include "kernels/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -41,34 +41,6 @@ HWY_INLINE void StoreEmitted(const Emitted& e, VU light, MF rows, std::uint32_t 
   Store(IfThen(rows_u, e.delta, Load(out.delta + i)), out.delta + i);
 }
 
-// The ray from `org`, before the sphere, begins where it enters the box: a hit is known as well as
-// the way to it is short, and is lifted off its surface accordingly (PrepareSurfaces). Under a wide
-// floor that is a hundredth of what stands on it.
-HWY_INLINE V3 EnterBox(const SceneSphere& sphere, const V3& org, const V3& dir) {
-  const auto entry = [](VF from, VF along, float low, float high) HWY_ATTR {
-    const VF speed = hn::CopySign(hn::Max(hn::Abs(along), Set(1e-20f)), along);
-    const VF inverse = hn::Div(Set(1.0f), speed);
-    return hn::Min(hn::Mul(hn::Sub(Set(low), from), inverse),
-                   hn::Mul(hn::Sub(Set(high), from), inverse));
-  };
-  const V3 t = {entry(org.x, dir.x, sphere.low[0], sphere.high[0]),
-                entry(org.y, dir.y, sphere.low[1], sphere.high[1]),
-                entry(org.z, dir.z, sphere.low[2], sphere.high[2])};
-  // Rays that miss the box go anywhere along their line.
-  return Add(org, Scale(dir, Clamp(MaxComponent(t), 0.0f, 2 * sphere.radius)));
-}
-
-// Where light that comes from `towards` enters the scene: a point of the disk that the sphere casts
-// its shadow on, moved to the box.
-HWY_INLINE V3 DiskPoint(const SceneSphere& sphere, const V3& towards, VF u, VF v) {
-  VF x, y;
-  SampleDisc(u, v, x, y);
-  const Frame frame = MakeFrame(towards);
-  const V3 from_center = Add(Add(Scale(frame.s, x), Scale(frame.t, y)), towards);
-  const V3 before = Add(Set3(sphere.center), Scale(from_center, Set(sphere.radius)));
-  return EnterBox(sphere, before, Neg(towards));
-}
-
 void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const UniformColumns& disk,
                  std::uint32_t n, const RayColumns& rays, const EmissionColumns& out) {
   const VF zero = hn::Zero(F()), one = Set(1.0f);
@@ -82,7 +54,7 @@ void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const U
     const VF density = IfThen(hn::AndNot(directional, drawn), pdf, one);
     const VF worth = hn::IfThenElseZero(drawn, hn::Div(area, density));
     const Emitted emitted = {
-        .org = DiskPoint(sphere, towards, Load(disk.u + i), Load(disk.v + i)),
+        .org = EnterScene(sphere, towards, Load(disk.u + i), Load(disk.v + i)),
         .dir = Neg(towards),
         .flux = Scale(Load3(samples.r + i, samples.g + i, samples.b + i), worth),
         .pdf = hn::Div(density, area),
@@ -160,7 +132,7 @@ HWY_INLINE Emitted EmitFromDistant(const LightLanes& light, VF probability,
                                    const SceneSphere& sphere, VF u, VF v) {
   const VF area = Set(kPi * sphere.radius * sphere.radius);
   const V3 towards = light.axis();
-  return {.org = DiskPoint(sphere, towards, u, v),
+  return {.org = EnterScene(sphere, towards, u, v),
           .dir = Neg(towards),
           .flux = Scale(light.emission(), hn::Div(area, probability)),
           .pdf = hn::Div(probability, area),

@@ -99,8 +99,11 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
                                         Load(across.x + i));
       const VF of_block = hn::Mul(hn::Mul(Load(down.mass + i), Load(across.mass + i)),
                                   Gather(inversion.row_density, row));
-      EmitTexels(map, hn::Add(first, pick.texel), row, pick.x, Load(down.x + i),
-                 UnpackRadiance(pick.packed, inversion.radiance_unit),
+      const VU column = hn::IfThenElseZero(RowsBelow(i, rows), hn::Add(first, pick.texel));
+      const V3 radiance = inversion.packed == map.packed
+                              ? UnpackRadiance(pick.packed, map.radiance_unit)
+                              : FetchTexels(map, column, row);
+      EmitTexels(map, column, row, pick.x, Load(down.x + i), radiance,
                  hn::Mul(hn::Mul(of_block, pick.probability), Set(samples)), out, begin + i);
     }
   }

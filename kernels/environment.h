@@ -55,9 +55,8 @@ struct InversionView {
   SearchTreeView rows;    // one tree over the rows
   SearchTreeView blocks;  // one tree a row over its blocks
   const PackedRadiance*
-      packed;           // what weighs: the map's own texels or, laid out alike, a part of them
-  float radiance_unit;  // theirs
-  float base;           // below 0: all texels weigh the same, for maps without light
+      packed;  // what weighs: the map's own texels or, laid out alike, a part of them
+  float base;  // below 0: all texels weigh the same, for maps without light
   // Density of a texel [1/sr] over max(0, luminance - base), a value a block, row after row.
   const float* block_density;
   // One over the solid angle of a texel and all kNodeMass on the way to its block, a value a row.

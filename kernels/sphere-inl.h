@@ -45,6 +45,19 @@ HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
   y = IfThen(steep, along, across);
 }
 
+// Its inverse: u and v of a point of the unit disc.
+HWY_INLINE void DiscUniforms(VF x, VF y, VF& u, VF& v) {
+  const VF radius = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+  const MF steep = hn::Gt(hn::Abs(y), hn::Abs(x));
+  const VF along = IfThen(steep, y, x), across = IfThen(steep, x, y);
+  const VF major = hn::CopySign(radius, along);
+  const VF slope = hn::Mul(Atan2Turn(across, hn::Abs(along)), Set(8.0f));
+  const VF minor = hn::Mul(radius, slope);
+  const VF half = Set(0.5f);
+  u = hn::Add(hn::Mul(IfThen(steep, minor, major), half), half);
+  v = hn::Add(hn::Mul(IfThen(steep, major, minor), half), half);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();

@@ -89,7 +89,6 @@ InversionView InversionTable::view() const {
   return {.rows = rows_.view(),
           .blocks = blocks_.view(),
           .packed = texels_->view().packed,
-          .radiance_unit = texels_->unit(),
           .base = base_,
           .block_density = block_density_.data(),
           .row_density = row_density_.data()};

@@ -2,6 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace skywave {
 
 std::vector<double> TexelImportance(const Texels& texels) {
@@ -19,10 +22,34 @@ std::vector<double> TexelImportance(const Texels& texels) {
   return importance;
 }
 
+namespace {
+
+// Grey texels of the luminance that makes them as important.
+Image Weights(const EnvironmentMap& map, const std::vector<double>& importance) {
+  Image weights(map.latlong.width, map.latlong.height);
+  for (int y = 0; y < weights.height; ++y) {
+    const double solid_angle = RowSolidAngle(weights.width, weights.height, y);
+    for (int x = 0; x < weights.width; ++x) {
+      const std::size_t i = std::size_t(y) * std::size_t(weights.width) + std::size_t(x);
+      std::fill_n(weights.Pixel(x, y), 3, float(importance[i] / solid_angle));
+    }
+  }
+  return weights;
+}
+
+}  // namespace
+
 ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map, double compensate)
     : texels_(map),
       compensated_(compensate),
       table_(texels_, BaseLuminance(texels_, compensated_)) {}
+
+ImportanceStrategy::ImportanceStrategy(const EnvironmentMap& map,
+                                       const std::vector<double>& importance)
+    : texels_(map),
+      weights_(std::in_place, map, Weights(map, importance)),
+      compensated_(0),
+      table_(*weights_, 0) {}
 
 void ImportanceStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
                                 LightCall call, const LightColumns& out) const {

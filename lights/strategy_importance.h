@@ -12,8 +12,11 @@
 //                   --no-mis.
 //
 // Densities are exact: whatever rounding the tables have, the density that is reported is the one
-// that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexel). A black map is sampled uniformly over the sphere.
+// that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexel). A black map is sampled
+// uniformly over the sphere.
 #pragma once
+
+#include <optional>
 
 #include "lights/inversion_table.h"
 #include "lights/strategy.h"
@@ -24,9 +27,14 @@ namespace skywave {
 class ImportanceStrategy final : public EnvStrategy {
  public:
   ImportanceStrategy(const EnvironmentMap& map, double compensate);
+  // By another importance of every texel than its luminance: >= 0, not all 0, and not 0 where there
+  // is light.
+  ImportanceStrategy(const EnvironmentMap& map, const std::vector<double>& importance);
 
   std::string_view name() const override { return "importance"; }
-  std::size_t table_bytes() const override { return texels_.bytes() + table_.bytes(); }
+  std::size_t table_bytes() const override {
+    return texels_.bytes() + (weights_ ? weights_->bytes() : 0) + table_.bytes();
+  }
   bool complete() const override { return compensated_ == 0; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
@@ -35,7 +43,8 @@ class ImportanceStrategy final : public EnvStrategy {
 
  private:
   Texels texels_;
-  double compensated_;  // share of the mean
+  std::optional<Texels> weights_;  // what is drawn by in place of texels_
+  double compensated_;             // share of the mean
   InversionTable table_;
 };
 

@@ -8,6 +8,7 @@
 #include "kernels/flux.h"
 #include "kernels/sampler.h"
 #include "wavefront/checks.h"
+#include "wavefront/emission_guide.h"
 #include "wavefront/path_stages.h"
 
 namespace skywave {
@@ -21,6 +22,10 @@ void SpreadDirections(const RayColumns& rays, std::uint32_t n, const LightColumn
     directions.dir_y[row] = rays.dir_y[i];
     directions.dir_z[row] = rays.dir_z[i];
   }
+}
+
+EmissionGuideView GuideOf(const FrameView& frame) {
+  return frame.guide != nullptr ? frame.guide->view() : EmissionGuideView();
 }
 
 // Traces the shadow rays of w.lights, one for each of the eye's surfaces that take light samples,
@@ -115,7 +120,13 @@ void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n
     if (!alone) MarkPartners(b.eye, escaped, w.escaped);
     const float samples = shares.strategy_samples(frame.light_samples());
     frame.strategy->EvaluateEscaped(Points(frame, w), escaped, samples, w.escaped);
-    std::fill_n(b.arrival->u, escaped, DistantArrival(frame.sphere));
+    const EscapeColumns& seen = w.escaped;
+    // Camera rays have left no surface, and need none.
+    if (!alone) {
+      SkyArrivals(frame.sphere, GuideOf(frame),
+                  {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, escaped,
+                  b.arrival->u);
+    }
     add(escaped);
   }
   if (frame.has_emitters()) {
@@ -135,11 +146,13 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const float* const reach = SampleLights(frame, Points(frame, w), shares, bounce, /*index=*/0,
                                           w.uniforms, w.lobe, w.lights, w.hits);
   CheckLightSamples(w.lights, n);
+  const LightColumns& lights = w.lights;
+  SkyArrivals(frame.sphere, GuideOf(frame),
+              {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces, nullptr, lights.pdf}, n,
+              b.arrival->u);
   if (reach != nullptr) {
-    SampleArrivals(frame.local_lights, shares.local, frame.sphere, w.surfaces, w.uniforms->u,
-                   w.lights, n, b.arrival->u);
-  } else {
-    std::fill_n(b.arrival->u, n, DistantArrival(frame.sphere));
+    SampleArrivals(frame.local_lights, shares.local, w.surfaces, w.uniforms->u, w.lights, n,
+                   b.arrival->u);
   }
   clock.Lap(Stage::kLightSample);
   EvaluateBothWays(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned, b.seen);

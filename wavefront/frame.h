@@ -47,6 +47,7 @@ struct PathWay {
   std::uint32_t light = 0, eye = 2;
 };
 
+struct EmissionGuide;
 struct PhotonMaps;
 
 // Photon mapping. Counts are of photons that are stored, as pbrt's are. Vertex connection and
@@ -84,6 +85,8 @@ struct RenderOptions {
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kStream;
   AovSet aovs = 0;  // layers beside the picture
+  // Light paths of the sky start where camera paths of a pilot have needed them.
+  bool guide = true;
   PhotonOptions photons;
 };
 
@@ -110,8 +113,10 @@ struct FrameView {
   FilterView filter = {};   // for splats
   // What light paths of `photon` start with: `strategy`, or importance where that cannot emit.
   const EnvStrategy* emitter = nullptr;
-  const PhotonMaps* photons = nullptr;        // of the pass at hand
-  float merged = 0;                           // of the pass at hand, see WayPolicy
+  const EnvironmentMap* map = nullptr;   // of both
+  const EmissionGuide* guide = nullptr;  // of light paths of the sky; null: they start anywhere
+  const PhotonMaps* photons = nullptr;   // of the pass at hand
+  float merged = 0;                      // of the pass at hand, see WayPolicy
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
 
   MisPolicy mis() const {

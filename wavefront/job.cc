@@ -338,6 +338,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
           .sphere = sphere_,
           .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
           .emitter = emitter,
+          .map = &map_,
           .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
 }
 

@@ -7,6 +7,7 @@
 #include "kernels/flux.h"
 #include "kernels/sampler.h"
 #include "wavefront/checks.h"
+#include "wavefront/emission_guide.h"
 #include "wavefront/path_stages.h"
 
 namespace skywave {
@@ -37,6 +38,20 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
   }
 }
 
+// Where the sky's directions were not drawn by the strategy, it is asked how it would have.
+void GuideDistantRays(const FrameView& frame, const LightShares& shares, std::uint32_t n,
+                      const RayColumns& rays, const Worker& w) {
+  const float* light_pdf = nullptr;
+  if (frame.guide->directions) {
+    EscapeColumns seen = w.escaped;
+    seen.dir_x = w.lights->dir_x, seen.dir_y = w.lights->dir_y, seen.dir_z = w.lights->dir_z;
+    std::fill_n(seen.pdf, n, 1.0f);
+    frame.strategy->EvaluateEscaped(Points(frame, w), n, shares.of_strategy, seen);
+    light_pdf = seen.light_pdf;
+  }
+  GuideStarts(frame.sphere, frame.guide->view(), w.lobe, light_pdf, n, rays, w.light->emission);
+}
+
 }  // namespace
 
 void StartLightPaths(const RenderOptions& options, std::uint64_t first, std::uint32_t n,
@@ -64,8 +79,10 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
       SplitUniforms(w.uniforms->u, n, shares.local.share, w.lobe->u);
       of_strategy.u = w.lobe->u;
     }
-    frame.strategy->Sample(Points(frame, w), of_strategy, n,
-                           {.pair = pair, .share = shares.of_strategy}, w.lights);
+    const bool redrawn = frame.guide != nullptr && frame.guide->directions;
+    const EnvStrategy& strategy = redrawn ? *frame.guide->directions : *frame.strategy;
+    strategy.Sample(Points(frame, w), of_strategy, n, {.pair = pair, .share = shares.of_strategy},
+                    w.lights);
     CheckLightSamples(w.lights, n);
   }
   DrawUniforms(w.paths, nullptr, n, LightPair(0, SampleUse::kScatter), {}, w.lobe);
@@ -82,6 +99,7 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
       CloseHoles(frame, w.hits, keys, n, rays.t_far);
     }
   }
+  if (frame.guide != nullptr) GuideDistantRays(frame, shares, n, rays, w);
   clock.Lap(Stage::kGenerate);
 }
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <memory>
 
+#include "wavefront/emission_guide.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/merging_pass.h"
@@ -142,8 +143,9 @@ void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
   }
 }
 
-FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
+FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
+  FrameView frame = wanted;
   const RenderOptions& options = frame.options;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.initialize();
@@ -155,6 +157,11 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress,
   const double processor_start = ProcessorSeconds();
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
+    EmissionGuide guide;
+    if (options.guide && HasLightPaths(options.integrator) && frame.has_sky()) {
+      guide = LearnEmission(frame, workers, result.guide);
+      if (!guide.empty()) frame.guide = &guide;
+    }
     ForEachPass(frame, workers, recorders, result.photons, [&](const FrameView& view) {
       RenderTiles(view, workers, film, progress, recorders);
     });

@@ -9,6 +9,7 @@
 
 #include "wavefront/film.h"
 #include "wavefront/frame.h"
+#include "wavefront/guide_counts.h"
 #include "wavefront/photon_map.h"
 #include "wavefront/ray_recorder.h"
 #include "wavefront/stages.h"
@@ -35,6 +36,7 @@ struct PhotonCounts {
 struct FrameResult {
   RenderStats stats;
   PhotonCounts photons;
+  GuideCounts guide;             // its seconds are among `seconds`
   double seconds = 0;            // wall clock, from the first wave to the last
   double processor_seconds = 0;  // of all threads of the process meanwhile
   int threads = 0;

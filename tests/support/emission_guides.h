@@ -1,0 +1,26 @@
+// The guide of a frame's light paths, for tests that render its waves themselves.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <memory>
+#include <vector>
+
+#include "wavefront/emission_guide.h"
+
+namespace skywave {
+
+// As RenderFrame makes it; empty where it makes none.
+inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
+  EmissionGuide guide;
+  if (!HasLightPaths(frame.options.integrator) || !frame.has_sky()) return guide;
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
+    GuideCounts counts;
+    guide = LearnEmission(frame, workers, counts);
+  });
+  return guide;
+}
+
+}  // namespace skywave
