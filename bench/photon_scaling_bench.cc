@@ -1,6 +1,6 @@
 // Photon maps on one thread and on several: what both do a second, and the ratio.
 //
-//   photon_scaling_bench [repetitions = 7] [threads = all]
+//   photon_scaling_bench [repetitions = 5] [threads = all]
 //
 // A repetition measures every work on one thread, on all, on all and on one, so that a machine that
 // becomes slower meanwhile is unfair to neither; rates are of the median time. Exit code 64: usage.
@@ -10,9 +10,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "bench/photon_points.h"
 #include "scene/builtin.h"
@@ -31,15 +34,13 @@ struct Work {
   std::function<std::uint64_t(int threads)> run;
 };
 
-// Light paths traced, photons sorted, trees built, irradiance made.
-Work TracePass(const char* scene, std::uint32_t gather) {
+// Light paths traced, photons sorted, trees built.
+Work TracePass(const char* scene) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
   request.options.photons.indirect = 400000;
-  request.options.photons.gather = gather;
   const auto job = std::make_shared<RenderJob>(BuiltinScene(scene), request);
-  return {fmt::format("pass, {}, {} [photons]", scene, gather > 0 ? "irradiance" : "photons alone"),
-          [job](int threads) {
+  return {fmt::format("pass, {} [photons]", scene), [job](int threads) {
             FrameView frame = job->frame();
             frame.options.threads = threads;
             std::vector<std::unique_ptr<Worker>> workers{std::size_t(threads)};
@@ -75,7 +76,7 @@ Work FindNeighbors(const PointTree& tree, const Points& queries) {
           }};
 }
 
-// The second pass of a frame, the first one left out.
+// Both passes of a frame.
 Work RenderPass(const char* scene, std::uint32_t gather) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
@@ -109,10 +110,9 @@ double Median(std::vector<double> values) {
 int Main(int repetitions, int threads) {
   const Points points = MakePoints(kPoints, false, 1), queries = MakePoints(kQueries, false, 2);
   const PointTree tree(points.axes[0], points.axes[1], points.axes[2]);
-  const Work works[] = {TracePass("lamps", 0),         TracePass("lamps", 1),
-                        TracePass("three-spheres", 0), BuildTree(points),
-                        FindNeighbors(tree, queries),  RenderPass("lamps", 0),
-                        RenderPass("lamps", 8)};
+  const Work works[] = {TracePass("lamps"),     TracePass("three-spheres"),
+                        BuildTree(points),      FindNeighbors(tree, queries),
+                        RenderPass("lamps", 0), RenderPass("lamps", 8)};
   fmt::print("{} repetitions, medians [million a second]\n{:<44}{:>10}{:>10}{:>9}\n", repetitions,
              "", "1 thread", fmt::format("{} threads", threads), "scaling");
   for (const Work& work : works) {
@@ -128,6 +128,7 @@ int Main(int repetitions, int threads) {
     const double one = 1e-6 * double(items) / Median(of_one);
     const double all = 1e-6 * double(items) / Median(of_all);
     fmt::print("{:<44}{:>10.3f}{:>10.3f}{:>9.2f}\n", work.name, one, all, all / one);
+    std::fflush(stdout);
   }
   return 0;
 }
@@ -136,7 +137,7 @@ int Main(int repetitions, int threads) {
 }  // namespace skywave
 
 int main(int argc, char** argv) {
-  const int repetitions = argc > 1 ? std::atoi(argv[1]) : 7;
+  const int repetitions = argc > 1 ? std::atoi(argv[1]) : 5;
   const int threads = argc > 2 ? std::atoi(argv[2]) : skywave::AvailableThreads();
   if (argc > 3 || repetitions < 1 || threads < 1) {
     fmt::print(stderr, "photon_scaling_bench [repetitions] [threads]\n");
