@@ -1,42 +1,18 @@
-// Photon maps: photons traced a second, trees built, queries answered a second. Photons of the
-// synthetic maps lie on the six sides of a cube; with `caustic`, every other one in a disk of
-// 1/5000 of that area, where every other query is.
+// Photon maps: photons traced a second, trees built, queries answered a second
+// (photon_scaling_bench.cc: on one thread and on several).
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
 #include <cmath>
 #include <map>
-#include <random>
 
+#include "bench/photon_points.h"
 #include "scene/builtin.h"
 #include "wavefront/job.h"
 #include "wavefront/photon_pass.h"
 
 namespace skywave {
 namespace {
-
-struct Points {
-  std::vector<float> axes[3];
-};
-
-Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(0, 1);
-  Points points;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float a = uniform(random), b = uniform(random);
-    float p[3];
-    if (caustic && i % 2 == 1) {
-      const float radius = 0.02f * std::sqrt(a), angle = 6.2831853f * b;
-      p[0] = 0.5f + radius * std::cos(angle), p[1] = 0, p[2] = 0.5f + radius * std::sin(angle);
-    } else {
-      const std::size_t side = random() % 6;
-      p[side / 2] = float(side % 2), p[(side / 2 + 1) % 3] = a, p[(side / 2 + 2) % 3] = b;
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) points.axes[axis].push_back(p[axis]);
-  }
-  return points;
-}
 
 const PointTree& TreeOf(std::size_t count, bool caustic) {
   static std::map<std::pair<std::size_t, bool>, PointTree> trees;

@@ -89,6 +89,37 @@ TEST(Photon, CaveIsAsBrightAsItsSeries) {
   }
 }
 
+// The inside of a box that shines and reflects alike everywhere, with a smaller one that hangs in
+// it: edges and corners of both kinds, and the same radiance everywhere.
+Scene ShiningRoom() {
+  Scene scene;
+  const std::uint32_t wall = AddLambert(scene, "wall", kWallAlbedo);
+  scene.materials[wall].emission = glm::vec3(kWallRadiance);
+  Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
+  FlipOrientation(room);
+  Place(scene, room, wall, glm::vec3(0));
+  Place(scene, Facetted(RoundedBox(glm::vec3(0.25f), 1e-3f, 1)), wall, {0.3f, 0.2f, 0.3f}, 30);
+  scene.camera = LookAtCamera({-0.8f, -0.7f, -0.8f}, {0.1f, 0, 0.1f}, {0, 1, 0}, 85, false);
+  return scene;
+}
+
+// Divided by all of their area, photons would make the picture too dark near edges and corners.
+TEST(Photon, EdgesAndCornersAreNoDarker) {
+  for (const std::uint32_t passes : {1u, 4u}) {
+    JobRequest request = Request(24, 24, 16, 4);
+    request.options.photons.gather = 0;
+    request.options.photons.passes = passes;
+    request.options.photons.neighbors = 150;
+    request.options.photons.indirect = 60000;
+    const std::array<double, 3> mean = MeanOf(Render(RenderJob(ShiningRoom(), request)));
+    for (int c = 0; c < 3; ++c) {
+      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
+      std::printf("passes %u, channel %d: %.4f\n", passes, c, ratio);
+      EXPECT_NEAR(ratio, 1, 0.007) << "passes " << passes << ", channel " << c;
+    }
+  }
+}
+
 // In a closed cave all that is sent arrives: what photons bring to their n-th surface is what
 // leaves the lights, times the albedo for each surface before.
 TEST(Photon, MapsHoldTheFluxOfTheLights) {

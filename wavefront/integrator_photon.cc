@@ -53,11 +53,11 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const std::uint32_t left = frame.options.max_depth - bounce;
-    AddPhotons(frame, frame.photons->caustic, left, 1, w, clock);
+    AddPhotons(frame, frame.photons->caustic, Disks::kCut, left, 1, w, clock);
     if (frame.options.photons.gather > 0) {
       GatherPhotons(frame, bounce, w, clock);
     } else {
-      AddPhotons(frame, frame.photons->indirect, left, 1, w, clock);
+      AddPhotons(frame, frame.photons->indirect, Disks::kCut, left, 1, w, clock);
     }
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);

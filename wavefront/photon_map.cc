@@ -11,10 +11,10 @@ namespace {
 
 PointTree TreeOf(std::span<const Photon> photons) {
   std::vector<float> axes[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    axes[axis].resize(photons.size());
-    for (std::size_t i = 0; i < photons.size(); ++i) axes[axis][i] = photons[i].position[axis];
-  }
+  for (std::vector<float>& axis : axes) axis.resize(photons.size());
+  tbb::parallel_for(std::size_t{0}, photons.size(), [&](std::size_t i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) axes[axis][i] = photons[i].position[axis];
+  });
   return PointTree(axes[0], axes[1], axes[2]);
 }
 

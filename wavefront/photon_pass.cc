@@ -26,13 +26,30 @@ struct Harvest {
   bool full() const { return photons.size() >= wanted; }
   std::uint64_t missing() const { return full() ? 0 : wanted - photons.size(); }
 
-  // Takes the photons of light paths [first, first + count), up to the path that fills the map.
-  void Take(const PhotonList& list, std::uint64_t first, std::uint64_t count) {
-    if (full()) return;
-    std::size_t end = std::min<std::size_t>(list.photons.size(), wanted - photons.size());
-    while (end > 0 && end < list.photons.size() && list.path[end] == list.path[end - 1]) ++end;
-    photons.insert(photons.end(), list.photons.begin(), list.photons.begin() + std::ptrdiff_t(end));
-    light_paths = full() ? first + list.path[end - 1] + 1 : first + count;
+  // Takes the photons of waves of `wave` light paths each, paths [first, end) in all, up to the
+  // path that fills the map.
+  void Take(const std::vector<PhotonLists>& waves, PhotonList PhotonLists::*kind,
+            std::uint64_t first, std::uint64_t end, std::uint64_t wave) {
+    struct Part {
+      const PhotonList* list;
+      std::size_t count, at;
+    };
+    std::vector<Part> parts;
+    std::size_t size = photons.size();
+    for (std::size_t i = 0; i < waves.size() && size < wanted; ++i, first += wave) {
+      const PhotonList& list = waves[i].*kind;
+      const std::size_t all = list.path.size();
+      std::size_t count = std::min<std::size_t>(all, wanted - size);
+      while (count > 0 && count < all && list.path[count] == list.path[count - 1]) ++count;
+      parts.push_back({.list = &list, .count = count, .at = size});
+      size += count;
+      light_paths = size < wanted ? std::min(first + wave, end) : first + list.path[count - 1] + 1;
+    }
+    photons.resize(size);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+      std::copy_n(parts[i].list->photons.begin(), parts[i].count,
+                  photons.begin() + std::ptrdiff_t(parts[i].at));
+    });
   }
 };
 
@@ -96,6 +113,10 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
   Harvest indirect = {.wanted = wish.indirect, .photons = {}};
   // A photon that is no direct light at the surface that is seen has met one before.
   if (frame.options.max_depth < 2) caustic.wanted = indirect.wanted = 0;
+  // The path that fills a map may bring more. Memory is known beforehand: growth would double it.
+  for (Harvest* const harvest : {&caustic, &indirect}) {
+    if (harvest->wanted > 0) harvest->photons.reserve(harvest->wanted + frame.options.max_depth);
+  }
   const std::uint64_t most = kMostPathsAPhoton * std::max(caustic.wanted, indirect.wanted);
   std::vector<PhotonLists> waves;
   for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
@@ -115,12 +136,8 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
                       std::uint32_t(std::min<std::uint64_t>(wave, traced + round - first)), wishes,
                       *workers[slot], waves[i]);
     });
-    for (std::size_t i = 0; i < waves.size(); ++i) {
-      const std::uint64_t first = traced + i * wave;
-      const std::uint64_t count = std::min<std::uint64_t>(wave, traced + round - first);
-      caustic.Take(waves[i].caustic, first, count);
-      indirect.Take(waves[i].indirect, first, count);
-    }
+    caustic.Take(waves, &PhotonLists::caustic, traced, traced + round, wave);
+    indirect.Take(waves, &PhotonLists::indirect, traced, traced + round, wave);
     traced += round;
   }
   PhotonMaps maps;

@@ -8,6 +8,7 @@
 #include "kernels/surface.h"
 #include "wavefront/checks.h"
 #include "wavefront/path_stages.h"
+#include "wavefront/photon_cover.h"
 
 namespace skywave {
 namespace {
@@ -37,12 +38,18 @@ void AddReflected(const Lookup& at, const PhotonQuery& query, const NeighborColu
   SumReflected(t.values, t.lights, n, rgb);
 }
 
-PhotonQuery QueryOf(const FrameView& frame, const SurfaceColumns& s, std::uint32_t row,
-                    float radius2, std::uint32_t max_depth) {
-  return {.kernel = frame.options.photons.kernel,
-          .radius2 = radius2,
-          .normal = {s.ng_x[row], s.ng_y[row], s.ng_z[row]},
+PhotonQuery QueryOf(const PhotonDisk& disk, PhotonKernel kernel, std::uint32_t max_depth) {
+  return {.kernel = kernel,
+          .radius2 = disk.radius2,
+          .normal = {disk.normal[0], disk.normal[1], disk.normal[2]},
           .max_depth = max_depth};
+}
+
+PhotonDisk DiskOf(const SurfaceColumns& s, std::uint32_t row, float radius2) {
+  return {.point = {s.org_x[row], s.org_y[row], s.org_z[row]},
+          .normal = {s.ng_x[row], s.ng_y[row], s.ng_z[row]},
+          .radius2 = radius2,
+          .height = 0};
 }
 
 void AddToPath(const SurfaceColumns& s, std::uint32_t row, float scale, const float* rgb,
@@ -61,6 +68,21 @@ float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32
   if (count < wanted) return largest2;
   const float farthest2 = *std::max_element(found.distance2, found.distance2 + count);
   return std::max(farthest2, 0x1p-40f * largest2);
+}
+
+// Rows [begin, begin + n) of the surface table, all of one BSDF.
+struct Block {
+  std::uint32_t kind, begin, n;
+};
+
+template <class Each>
+void ForEachBlock(const SurfaceRanges& ranges, const Each& each) {
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    const std::uint32_t end = ranges.begin[kind + 1];
+    for (std::uint32_t begin = ranges.begin[kind]; begin < end; begin += kLookupBlock) {
+      each(Block{.kind = kind, .begin = begin, .n = std::min(kLookupBlock, end - begin)});
+    }
+  }
 }
 
 }  // namespace
@@ -119,48 +141,65 @@ void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, Ph
   clock.Lap(Stage::kPhotons);
 }
 
-void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
-                Worker& w, StageClock& clock) {
+void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks disks_are,
+                std::uint32_t max_depth, float scale, Worker& w, StageClock& clock) {
   if (map.size() == 0) return;
   const PhotonOptions& options = frame.options.photons;
   const PhotonMapView view = map.view();
-  const float largest2 = view.radius2;
   const SurfaceColumns& s = w.surfaces;
   PhotonTables& t = *w.photon;
   const std::uint32_t room = NearestRoom(options.neighbors);
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t end = w.ranges.begin[kind + 1];
-    for (std::uint32_t begin = w.ranges.begin[kind]; begin < end; begin += kLookupBlock) {
-      const std::uint32_t n = std::min(kLookupBlock, end - begin);
-      std::uint32_t count[kLookupBlock];
-      if (!options.progressive()) {
-        FindNearest(view.tree, s.org_x + begin, s.org_y + begin, s.org_z + begin, n,
-                    options.neighbors, largest2, t.found, count);
+  ForEachBlock(w.ranges, [&](const Block& block) {
+    std::uint32_t count[kLookupBlock], row[kLookupBlock];
+    std::uint32_t seen[kLookupBlock];
+    // Disks that may be cut come first, those that look whole are counted from the end.
+    std::uint32_t cut = 0, whole = kLookupBlock;
+    RangeSearch searches[kLookupBlock];
+    PhotonDisk disks[kLookupBlock];
+    if (!options.progressive()) {
+      FindNearest(view.tree, s.org_x + block.begin, s.org_y + block.begin, s.org_z + block.begin,
+                  block.n, options.neighbors, view.radius2, t.found, count);
+    }
+    for (std::uint32_t i = 0; i < block.n; ++i) {
+      const NeighborColumns found = Slice(t.found.columns(), i * room);
+      PhotonDisk disk = DiskOf(s, block.begin + i, view.radius2);
+      if (options.progressive()) {
+        searches[i] = StartRangeSearch(view.tree, disk.point, view.radius2);
+        count[i] = FindMore(view.tree, searches[i], room, found);
+      } else {
+        disk.radius2 = DiskRadius2(found, count[i], options.neighbors, view.radius2);
       }
-      for (std::uint32_t i = 0; i < n; ++i) {
-        const std::uint32_t row = begin + i;
-        const Lookup at = {.map = view,
-                           .surfaces = s,
-                           .row = row,
-                           .kind = kind,
-                           .materials = frame.geometry->materials()};
-        float rgb[3] = {};
-        if (options.progressive()) {
-          const float position[3] = {s.org_x[row], s.org_y[row], s.org_z[row]};
-          RangeSearch search = StartRangeSearch(view.tree, position, largest2);
-          const PhotonQuery query = QueryOf(frame, s, row, largest2, max_depth);
-          while (const std::uint32_t found = FindMore(view.tree, search, room, t.found)) {
-            AddReflected(at, query, t.found, found, t, rgb);
-          }
-        } else {
-          const NeighborColumns found = Slice(t.found.columns(), i * room);
-          const float radius2 = DiskRadius2(found, count[i], options.neighbors, largest2);
-          AddReflected(at, QueryOf(frame, s, row, radius2, max_depth), found, count[i], t, rgb);
-        }
-        AddToPath(s, row, scale, rgb, w.paths);
+      if (count[i] == 0) continue;
+      // What looks whole need not be looked at. A first part of a range search is no fair sample.
+      const bool doubtful =
+          disks_are == Disks::kCut &&
+          (options.progressive() || count[i] < options.neighbors ||
+           !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
+      if (doubtful) {
+        disks[cut] = disk, row[cut++] = i;
+      } else {
+        disks[--whole] = disk, row[whole] = i, seen[whole] = kAllCells;
       }
     }
-  }
+    CoverDisks(frame, disks, cut, w.stats, seen, clock);
+    for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
+      if (i >= cut && i < whole) continue;
+      const NeighborColumns found = Slice(t.found.columns(), row[i] * room);
+      const Lookup at = {.map = view,
+                         .surfaces = s,
+                         .row = block.begin + row[i],
+                         .kind = block.kind,
+                         .materials = frame.geometry->materials()};
+      const PhotonQuery query = QueryOf(disks[i], options.kernel, max_depth);
+      float rgb[3] = {};
+      for (std::uint32_t n = count[row[i]]; n > 0;) {
+        CloseUnseen(disks[i], options.kernel, seen[i], view.tree, found, n);
+        AddReflected(at, query, found, n, t, rgb);
+        n = options.progressive() ? FindMore(view.tree, searches[row[i]], room, found) : 0;
+      }
+      AddToPath(s, at.row, scale / CoverOf(seen[i]), rgb, w.paths);
+    }
+  });
   clock.Lap(Stage::kPhotons);
 }
 
@@ -189,7 +228,7 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       const std::uint32_t escaped =
           TraceAndSort(frame, end, *rays, n, met, /*only_delta=*/false, w, ranges, clock);
       PrepareHits(frame, end, *rays, n, escaped, ranges, w, clock);
-      AddPhotons(frame, frame.photons->indirect, frame.options.max_depth - met,
+      AddPhotons(frame, frame.photons->indirect, Disks::kWhole, frame.options.max_depth - met,
                  1.0f / float(gather), w, clock);
       n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, met, w.uniforms,
                   w.lobe, *next);

@@ -42,10 +42,14 @@ void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t 
 void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 
+// Whether photons are divided by all of their disk, or by the part of it that is surface, which
+// rays measure where photons leave a doubt.
+enum class Disks { kWhole, kCut };
+
 // Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
 // those that have met at most `max_depth` surfaces, theirs included.
-void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
-                Worker& w, StageClock& clock);
+void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks disks_are,
+                std::uint32_t max_depth, float scale, Worker& w, StageClock& clock);
 
 // Final gather (Jensen 1996): rays from every surface at hand that has a density, over mirrors and
 // glass to the next that has one, and adds what those reflect of photons. Rays of a surface are

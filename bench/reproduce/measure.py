@@ -6,10 +6,12 @@ import re
 import subprocess
 from pathlib import Path
 
-from tables import CAMERA_SAMPLES, Recipe
+from tables import Recipe
 
 # Light samples a hit of the picture that light errors are taken against.
 LIGHT_REFERENCE = 2048
+# The same of photons: light samples a first hit, continuations a pixel.
+PHOTON_REFERENCE = (64, 1024)
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parents[1]
@@ -98,23 +100,33 @@ class Session:
                          "seconds": read["reference"]["seconds"],
                          "scene_hash": read["scene"]["hash"], "version": read["version"]}
 
-    def light_reference(self, seed, say):
-        """A picture with the camera samples of the rows of that seed and far more light samples.
+    def light_references(self, seed, say):
+        """{camera samples: a picture with those of the rows of that seed and far more of all else}.
 
-        The film positions of a seed are the same for every strategy, so against this picture rows
-        differ by their light samples alone. `warp`, because the points of `importance` would share
-        errors with the rows. None for path tracing, where all dimensions go together.
+        The film positions of a seed, and the way through mirrors and glass, are the same for every
+        strategy, and for photons and paths that split, so against such a picture rows differ by
+        what they do behind their first hits alone. `warp`, because the points of `importance` would
+        share errors with the rows. Empty for path tracing, where all dimensions go together.
         """
-        if self.table.integrator != "direct":
-            return None
+        if self.table.integrator == "path":
+            return {}
+        samples = {row.recipe.samples for row in self.table.rows if row.recipe}
+        return {n: self.light_reference(seed, n, say) for n in sorted(samples)}
+
+    def light_reference(self, seed, samples, say):
+        table, photons = self.table, self.table.integrator == "photon"
+        lights, split = PHOTON_REFERENCE if photons else (LIGHT_REFERENCE, 0)
+        view = [f"table{table.name}"] if table.camera else []
         picture = self.folder / "references" / "_".join(
-            [self.table.scene, self.table.probe, self.size, f"seed{seed}",
-             f"{CAMERA_SAMPLES}x{LIGHT_REFERENCE}.exr"])
+            [table.scene, table.probe, *view, self.size, f"seed{seed}",
+             f"{samples}x{lights}" + (f"x{split // samples}" if split else "") + ".exr"])
         if not picture.is_file():
             say(f"light reference {picture.stem}")
             part = picture.with_suffix(".part.exr")
-            recipe = Recipe("warp", CAMERA_SAMPLES, LIGHT_REFERENCE, mis=True)
-            run(self.render_command(recipe, seed, part, self.pictures / "stats.json"))
+            recipe = Recipe("warp", samples, lights, mis=True, split=split // samples,
+                            behind=table.reference_strategy if photons else "")
+            run(self.render_command(recipe, seed, part, self.pictures / "stats.json",
+                                    "path" if photons else table.integrator))
             part.with_suffix(".png").unlink(missing_ok=True)
             os.replace(part, picture)
         return picture
@@ -124,11 +136,10 @@ class Session:
         run([self.program, "compare", picture, reference, "--json", file])
         return json.loads(file.read_text())
 
-    def render_command(self, recipe, seed, picture, stats):
-        command = [self.program, "render", *self.scene, *self.common,
-                   "--integrator", self.table.integrator,
+    def render_command(self, recipe, seed, picture, stats, integrator):
+        command = [self.program, "render", *self.scene, *self.common, "--integrator", integrator,
                    "--strategy", recipe.strategy, "--spp", recipe.samples, *recipe.flags]
-        if self.table.integrator != "path" or recipe.split:
+        if integrator != "path" or recipe.split:
             command += ["--light-samples", recipe.light_samples]
         if recipe.split:
             command += ["--split", recipe.split]
@@ -138,9 +149,9 @@ class Session:
             command.append("--no-mis")
         return command + ["--seed", seed, "--stats", stats, "-o", picture, "-q"]
 
-    def measure(self, row, seed, reference, scene_hash, light_reference):
+    def measure(self, row, seed, reference, scene_hash, light_references):
         picture, stats = self.pictures / f"{row.name}.exr", self.pictures / "stats.json"
-        run(self.render_command(row.recipe, seed, picture, stats))
+        run(self.render_command(row.recipe, seed, picture, stats, self.table.integrator))
         stats, errors = json.loads(stats.read_text()), self.errors(picture, reference)
         if stats["scene"]["hash"] != scene_hash:
             raise Failed("the scene has changed since the reference was made: remove "
@@ -153,6 +164,7 @@ class Session:
                   "shadow_rays": stats["rays"]["shadow"]["count"]}
         for key in ("mse", "relative_mse", "thesis_euclidean", "thesis_luminance"):
             result[key] = errors[key]
-        if light_reference:
-            result["light_error"] = 3 * self.errors(picture, light_reference)["mse"]
+        own = light_references.get(row.recipe.samples)
+        if own:
+            result["light_error"] = 3 * self.errors(picture, own)["mse"]
         return result

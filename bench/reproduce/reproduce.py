@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Repeats tables 8.2 to 8.6 of the thesis on hybrid sampling; see docs/reproduction.md.
+"""Repeats tables 8.2 to 8.9 of the thesis on hybrid sampling; see docs/reproduction.md.
 
     bench/reproduce/reproduce.py 8.2 --data DATA -o OUT
     bench/reproduce/reproduce.py all --data DATA --quick
@@ -35,7 +35,7 @@ def parse(arguments):
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tables", nargs="+", choices=[*TABLES, "all"], metavar="TABLE",
-                        help="8.2, 8.3, 8.4, 8.5, 8.6 or all")
+                        help="8.2 to 8.9, or all")
     parser.add_argument("--data", type=Path, metavar="DATA", help="folder of models and probes")
     parser.add_argument("--program", type=Path, metavar="FILE",
                         default=measure.REPOSITORY / "build" / "release" / "skywave")
@@ -152,7 +152,7 @@ def measure_table(table, options):
         raise measure.Failed(f"no row of {options.rows} can be rendered")
     session = make_session(table, options)
     picture, facts = session.reference(say)
-    light_picture = session.light_reference(1, say)
+    light_pictures = session.light_references(1, say)
     runs = earlier_runs(table, facts, options)
     settings = {"command": command_of(table, options), "date": date.today().isoformat(),
                 "processor": processor(), "threads": options.threads or "all",
@@ -169,7 +169,7 @@ def measure_table(table, options):
             try:
                 runs.setdefault(row.name, []).append(
                     session.measure(row, repeat + 1, picture, facts["scene_hash"],
-                                    light_picture if repeat == 0 else None))
+                                    light_pictures if repeat == 0 else {}))
             except measure.Failed as reason:
                 failed[row.name] = str(reason)
                 say(f"{table.name} row {row.name}: {reason}")
@@ -197,7 +197,7 @@ def main(arguments):
                 if options.references:
                     session, measured = make_session(table, options), True
                     session.reference(say)
-                    session.light_reference(1, say)
+                    session.light_references(1, say)
                     continue
                 summary, any_row, all_rows = measure_table(table, options)
             except measure.Absent as path:

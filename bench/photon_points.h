@@ -1,0 +1,36 @@
+// Points to search for: photons without a scene.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <random>
+#include <vector>
+
+namespace skywave {
+
+struct Points {
+  std::vector<float> axes[3];
+};
+
+// On the six sides of a cube of side 1; with `caustic`, every other one in a disk of 1/5000 of that
+// area.
+inline Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  Points points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float a = uniform(random), b = uniform(random);
+    float p[3];
+    if (caustic && i % 2 == 1) {
+      const float radius = 0.02f * std::sqrt(a), angle = 6.2831853f * b;
+      p[0] = 0.5f + radius * std::cos(angle), p[1] = 0, p[2] = 0.5f + radius * std::sin(angle);
+    } else {
+      const std::size_t side = random() % 6;
+      p[side / 2] = float(side % 2), p[(side / 2 + 1) % 3] = a, p[(side / 2 + 2) % 3] = b;
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) points.axes[axis].push_back(p[axis]);
+  }
+  return points;
+}
+
+}  // namespace skywave

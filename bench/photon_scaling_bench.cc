@@ -1,0 +1,147 @@
+// Photon maps on one thread and on several: what both do a second, and the ratio.
+//
+//   photon_scaling_bench [repetitions = 5] [threads = all]
+//
+// A repetition measures every work on one thread, on all, on all and on one, so that a machine that
+// becomes slower meanwhile is unfair to neither; rates are of the median time. Exit code 64: usage.
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/photon_points.h"
+#include "scene/builtin.h"
+#include "wavefront/job.h"
+#include "wavefront/photon_pass.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kPoints = 1000000, kQueries = 1 << 19, kNeighbors = 50, kBlock = 16;
+
+// Done by the threads of the arena that it is called in; returns the number of items.
+struct Work {
+  std::string name;
+  std::function<std::uint64_t(int threads)> run;
+};
+
+// Light paths traced, photons sorted, trees built.
+Work TracePass(const char* scene) {
+  JobRequest request;
+  request.integrator = Integrator::kPhoton;
+  request.options.photons.indirect = 400000;
+  const auto job = std::make_shared<RenderJob>(BuiltinScene(scene), request);
+  return {fmt::format("pass, {} [photons]", scene), [job](int threads) {
+            FrameView frame = job->frame();
+            frame.options.threads = threads;
+            std::vector<std::unique_ptr<Worker>> workers{std::size_t(threads)};
+            const PhotonMaps maps =
+                TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
+            return std::uint64_t(maps.caustic.size()) + maps.indirect.size();
+          }};
+}
+
+Work BuildTree(const Points& points) {
+  return {"tree of 1e6 [photons]", [&points](int) {
+            return std::uint64_t(
+                PointTree(points.axes[0], points.axes[1], points.axes[2]).view().count);
+          }};
+}
+
+Work FindNeighbors(const PointTree& tree, const Points& queries) {
+  return {"50 nearest of 1e6 [queries]", [&tree, &queries](int) {
+            const float distance = 0.02f;  // three times what 50 photons take
+            tbb::parallel_for(
+                tbb::blocked_range<std::uint32_t>(0, kQueries, 1 << 12),
+                [&](const auto& range) {
+                  const soa::Table<NeighborColumns> found(kBlock * NearestRoom(kNeighbors));
+                  std::uint32_t count[kBlock];
+                  for (std::uint32_t i = range.begin(); i < range.end(); i += kBlock) {
+                    FindNearest(tree.view(), &queries.axes[0][i], &queries.axes[1][i],
+                                &queries.axes[2][i], kBlock, kNeighbors, distance * distance, found,
+                                count);
+                  }
+                },
+                tbb::simple_partitioner());
+            return std::uint64_t{kQueries};
+          }};
+}
+
+// Both passes of a frame.
+Work RenderPass(const char* scene, std::uint32_t gather) {
+  JobRequest request;
+  request.integrator = Integrator::kPhoton;
+  request.width = 320, request.height = 240, request.samples_per_pixel = 4;
+  request.options.photons.gather = gather;
+  const auto job = std::make_shared<RenderJob>(BuiltinScene(scene), request);
+  return {fmt::format("picture, {}, gather {} [samples]", scene, gather), [job](int threads) {
+            FrameView frame = job->frame();
+            frame.options.threads = threads;
+            Film film = job->MakeFilm();
+            RenderFrame(frame, film);
+            return std::uint64_t(frame.options.width) * std::uint64_t(frame.options.height) *
+                   frame.options.samples_per_pixel;
+          }};
+}
+
+double Seconds(const Work& work, int threads, std::uint64_t& items) {
+  tbb::task_arena arena(threads);
+  arena.initialize();
+  const auto start = std::chrono::steady_clock::now();
+  arena.execute([&] { items = work.run(threads); });
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+int Main(int repetitions, int threads) {
+  const Points points = MakePoints(kPoints, false, 1), queries = MakePoints(kQueries, false, 2);
+  const PointTree tree(points.axes[0], points.axes[1], points.axes[2]);
+  const Work works[] = {TracePass("lamps"),     TracePass("three-spheres"),
+                        BuildTree(points),      FindNeighbors(tree, queries),
+                        RenderPass("lamps", 0), RenderPass("lamps", 8)};
+  fmt::print("{} repetitions, medians [million a second]\n{:<44}{:>10}{:>10}{:>9}\n", repetitions,
+             "", "1 thread", fmt::format("{} threads", threads), "scaling");
+  for (const Work& work : works) {
+    std::vector<double> of_one, of_all;
+    std::uint64_t items = 0;
+    Seconds(work, threads, items);  // touches memory
+    for (int i = 0; i < repetitions; ++i) {
+      of_one.push_back(Seconds(work, 1, items));
+      of_all.push_back(Seconds(work, threads, items));
+      of_all.push_back(Seconds(work, threads, items));
+      of_one.push_back(Seconds(work, 1, items));
+    }
+    const double one = 1e-6 * double(items) / Median(of_one);
+    const double all = 1e-6 * double(items) / Median(of_all);
+    fmt::print("{:<44}{:>10.3f}{:>10.3f}{:>9.2f}\n", work.name, one, all, all / one);
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace skywave
+
+int main(int argc, char** argv) {
+  const int repetitions = argc > 1 ? std::atoi(argv[1]) : 5;
+  const int threads = argc > 2 ? std::atoi(argv[2]) : skywave::AvailableThreads();
+  if (argc > 3 || repetitions < 1 || threads < 1) {
+    fmt::print(stderr, "photon_scaling_bench [repetitions] [threads]\n");
+    return 64;
+  }
+  return skywave::Main(repetitions, threads);
+}
