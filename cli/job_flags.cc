@@ -230,7 +230,6 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")
       ->check(FiniteNumber(0, 100));
   // It pays where light has to find its way in, and costs where it finds it anyway.
-  o.guide = false;
   command.add_flag("--guide,!--no-guide", o.guide,
                    "light paths of the sky start where a pilot of camera paths has needed them");
   AddPhotonFlags(command, o.photons);

@@ -52,6 +52,7 @@ const RenderJob& Job(const Case& test) {
   request.max_depth = 8;
   request.options.photons.indirect = request.options.photons.caustic = 3000;
   request.options.photons.gather = 2;
+  request.options.guide = true;
   return *jobs.emplace_back(name, std::make_unique<RenderJob>(SceneOf(test), request)).second;
 }
 

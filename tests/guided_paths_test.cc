@@ -40,6 +40,7 @@ JobRequest Request(Integrator integrator, std::uint32_t samples = 32) {
   JobRequest request = SmallRequest(32, 24, samples);
   request.integrator = integrator;
   request.max_depth = 4;
+  request.options.guide = true;
   return request;
 }
 

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -93,8 +92,8 @@ TEST(Photon, CaveIsAsBrightAsItsSeries) {
 // it: edges and corners of both kinds, and the same radiance everywhere.
 Scene ShiningRoom() {
   Scene scene;
-  const std::uint32_t wall = AddLambert(scene, "wall", kWallAlbedo);
-  scene.materials[wall].emission = glm::vec3(kWallRadiance);
+  const std::uint32_t wall = AddLambert(scene, "wall", kCaveAlbedo);
+  scene.materials[wall].emission = glm::vec3(kCaveEmission);
   Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
   FlipOrientation(room);
   Place(scene, room, wall, glm::vec3(0));
@@ -114,7 +113,6 @@ TEST(Photon, EdgesAndCornersAreNoDarker) {
     const std::array<double, 3> mean = MeanOf(Render(RenderJob(ShiningRoom(), request)));
     for (int c = 0; c < 3; ++c) {
       const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
-      std::printf("passes %u, channel %d: %.4f\n", passes, c, ratio);
       EXPECT_NEAR(ratio, 1, 0.007) << "passes " << passes << ", channel " << c;
     }
   }

@@ -86,7 +86,7 @@ struct RenderOptions {
   Backend backend = Backend::kStream;
   AovSet aovs = 0;  // layers beside the picture
   // Light paths of the sky start where camera paths of a pilot have needed them.
-  bool guide = true;
+  bool guide = false;
   PhotonOptions photons;
 };
 

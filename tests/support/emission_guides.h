@@ -13,7 +13,8 @@ namespace skywave {
 // As RenderFrame makes it; empty where it makes none.
 inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   EmissionGuide guide;
-  if (!HasLightPaths(frame.options.integrator) || !frame.has_sky()) return guide;
+  const RenderOptions& options = frame.options;
+  if (!options.guide || !HasLightPaths(options.integrator) || !frame.has_sky()) return guide;
   tbb::task_arena arena(threads);
   arena.execute([&] {
     std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
