@@ -28,9 +28,11 @@ HWY_INLINE VF WeighTexels(VU packed, float base) {
   return hn::Max(hn::Sub(luminance, Set(base)), hn::Zero(F()));
 }
 
-// Texel k of the block of each row of a chunk.
-struct BlockColumns {
-  alignas(64) PackedRadiance texel[kBlockTexels][kChunk];
+// The blocks of the rows of a chunk in halves, which is how vectors take them apart.
+constexpr std::uint32_t kHalfBlock = 4;
+static_assert(kBlockTexels == 2 * kHalfBlock);
+struct BlockRows {
+  alignas(64) PackedRadiance half[2][kChunk][kHalfBlock];
 };
 
 struct TexelPick {
@@ -42,24 +44,29 @@ struct TexelPick {
 // The texels of the blocks of rows i and on, of which the first `used` are in the map, on which
 // positions x of the blocks' weights fall. The sum over a block forgets a texel that weighs 2^-24
 // of those in front of it: it is drawn too rarely, and the light that is lost is no more than that.
-HWY_INLINE TexelPick PickTexels(const BlockColumns& blocks, std::uint32_t i, VU used, float base,
+HWY_INLINE TexelPick PickTexels(const BlockRows& blocks, std::uint32_t i, VU used, float base,
                                 VF x) {
   const VF below_one = Set(0x1.fffffep-1f);
+  VU texel[kBlockTexels];
+  for (std::uint32_t h = 0; h < 2; ++h) {
+    VU* const of_half = texel + h * kHalfBlock;
+    hn::LoadInterleaved4(U(), blocks.half[h][i], of_half[0], of_half[1], of_half[2], of_half[3]);
+  }
   VF weight[kBlockTexels], end[kBlockTexels];
   for (std::uint32_t k = 0; k < kBlockTexels; ++k) {
     const MF inside = hn::RebindMask(F(), hn::Lt(SetU(k), used));
-    weight[k] = hn::IfThenElseZero(inside, WeighTexels(Load(blocks.texel[k] + i), base));
+    weight[k] = hn::IfThenElseZero(inside, WeighTexels(texel[k], base));
     end[k] = k == 0 ? weight[0] : hn::Add(end[k - 1], weight[k]);
   }
   const VF total = end[kBlockTexels - 1];
   // Below the end even after rounding, so that what is found weighs something.
   const VF target = hn::Min(hn::Mul(x, total), hn::Mul(total, below_one));
-  TexelPick pick = {Load(blocks.texel[0] + i), hn::Zero(U()), weight[0], hn::Zero(F())};
+  TexelPick pick = {texel[0], hn::Zero(U()), weight[0], hn::Zero(F())};
   VF begin = hn::Zero(F());
   for (std::uint32_t k = 1; k < kBlockTexels; ++k) {
     const MF behind = hn::Ge(target, end[k - 1]);
     const MU behind_u = hn::RebindMask(U(), behind);
-    pick.packed = IfThen(behind_u, Load(blocks.texel[k] + i), pick.packed);
+    pick.packed = IfThen(behind_u, texel[k], pick.packed);
     pick.texel = IfThen(behind_u, SetU(k), pick.texel);
     pick.probability = IfThen(behind, weight[k], pick.probability);
     begin = IfThen(behind, end[k - 1], begin);
@@ -73,7 +80,7 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
                   const UniformColumns& uniforms, std::uint32_t n, float samples,
                   const LightColumns& out) {
   SearchColumns down, across;
-  BlockColumns blocks;
+  BlockRows blocks;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
     std::copy_n(uniforms.v + begin, rows, down.x);
@@ -89,7 +96,9 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
     for (std::uint32_t i = 0; i < rows; ++i) hwy::Prefetch(block(i));
     for (std::uint32_t i = 0; i < rows; ++i) {
       const PackedRadiance* const texels = block(i);
-      for (std::uint32_t k = 0; k < kBlockTexels; ++k) blocks.texel[k][i] = texels[k];
+      for (std::uint32_t h = 0; h < 2; ++h) {
+        std::memcpy(blocks.half[h][i], texels + h * kHalfBlock, sizeof blocks.half[h][i]);
+      }
     }
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       // Rows behind the last are unspecified: keep the gathers inside the tables.
