@@ -106,7 +106,7 @@ void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
     command.add_option(name, value, help)->check(check)->capture_default_str()->group(group);
   };
   add("--photons", p.indirect,
-      "to store for indirect light; vcm: light vertices of a pass, at most",
+      "to store for indirect light; vcm: light vertices of a pass, at most, on average",
       CLI::Range(0u, kMostPhotons));
   add("--caustic-photons", p.caustic, "to store for light from mirrors and glass",
       CLI::Range(0u, kMostPhotons));
@@ -137,8 +137,9 @@ std::string PhotonFlags(const RenderOptions& options) {
   text += fmt::format(" --photon-neighbors {} --photon-distance {} --photon-kernel {}", p.neighbors,
                       p.distance, ToString(p.kernel));
   if (p.passes > 0) text += fmt::format(" --progressive {}", p.passes);
-  if (p.progressive() || (merges && p.passes == 0))
+  if (p.progressive() || (merges && p.passes == 0)) {
     text += fmt::format(" --progressive-alpha {}", p.alpha);
+  }
   return text;
 }
 

@@ -86,7 +86,10 @@ HWY_INLINE VF Crowding(const SceneSphere& sphere, const EmissionGuideView& guide
 
   const V3 from = Sub(line.point, Set3(guide.focus.center));
   const V3 across = Sub(from, Scale(towards, Dot(from, towards)));
-  const MF seen = hn::Le(Dot(across, across), Set(guide.focus.radius * guide.focus.radius));
+  // Starts on the rim must not round to the outside, where their flux would be divided by too
+  // little.
+  const float rim = guide.focus.radius + 0x1p-20f * sphere.radius;
+  const MF seen = hn::Le(Dot(across, across), Set(rim * rim));
   const float narrower = sphere.radius / guide.focus.radius;
   return hn::Add(hn::Add(c.even, hn::IfThenElseZero(boxed, hn::Mul(others, leaf.density()))),
                  hn::IfThenElseZero(seen, hn::Mul(c.focused, Set(narrower * narrower))));
@@ -171,8 +174,12 @@ HWY_INLINE Line Warp(const SceneSphere& sphere, const EmissionGuideView& guide, 
     return up;
   });
   Line line;
-  line.u = IfThen(boxed, hn::Add(leaf.low[0], hn::Mul(rest[0], leaf.width[0])), u);
-  line.v = IfThen(boxed, hn::Add(leaf.low[1], hn::Mul(rest[1], leaf.width[1])), v);
+  const auto in_leaf = [&](int axis) HWY_ATTR {
+    const VF place = hn::Add(leaf.low[axis], hn::Mul(rest[axis], leaf.width[axis]));
+    return hn::Min(place, c.high[axis]);
+  };
+  line.u = IfThen(boxed, in_leaf(0), u);
+  line.v = IfThen(boxed, in_leaf(1), v);
   line.point = DiskPoint(sphere, towards, line.u, line.v);
   const MF focused = hn::Not(hn::Or(even, boxed));
   if (hn::AllFalse(F(), focused)) return line;

@@ -18,7 +18,7 @@ class SearchTrees {
   // Masses are rounded to multiples of 1 / kNodeMass of their node, at least one where the weight
   // is positive; what results is written to
   //   leaf_mass[item]    mass in the leaf, 0..kNodeMass
-  //   leaf[item / 32]   probability of the leaf over kNodeMass
+  //   leaf[item / 32]    probability of the leaf over kNodeMass
   // so that the probability of an item is leaf * leaf_mass exactly as the search draws it.
   void Set(std::uint32_t tree, const double* weights, std::uint16_t* leaf_mass, double* leaf);
 

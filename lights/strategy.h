@@ -47,6 +47,9 @@ struct LightCall {
 // wave and sample; their bodies are kernel calls.
 class EnvStrategy {
  public:
+  EnvStrategy() = default;
+  EnvStrategy(const EnvStrategy&) = delete;  // tables point at each other
+  EnvStrategy& operator=(const EnvStrategy&) = delete;
   virtual ~EnvStrategy() = default;
   virtual std::string_view name() const = 0;
   virtual std::size_t table_bytes() const = 0;

@@ -12,7 +12,7 @@
 //                   --no-mis.
 //
 // Densities are exact: whatever rounding the tables have, the density that is reported is the one
-// that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexel). A black map is sampled
+// that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexels). A black map is sampled
 // uniformly over the sphere.
 #pragma once
 

@@ -214,9 +214,11 @@ void ReadPhotons(PbrtReader& reader, PbrtParameters& parameters) {
     }
     settings.photon_distance = float(*radius);
   }
-  for (const char* const name : {"photonsperiteration", "imagewritefrequency"}) {
-    if (!FindInt(parameters, name)) continue;
-    Note(reader, parameters, fmt::format("\"{}\" is ignored: --photons says how many", name));
+  if (FindInt(parameters, "photonsperiteration")) {
+    Note(reader, parameters, "\"photonsperiteration\" is ignored: --photons says how many");
+  }
+  if (FindInt(parameters, "imagewritefrequency")) {
+    Note(reader, parameters, "\"imagewritefrequency\" is ignored: a picture is written at the end");
   }
 }
 

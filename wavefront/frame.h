@@ -111,7 +111,7 @@ struct FrameView {
   Tracer tracer;
   SceneSphere sphere = {};  // where light paths from infinity begin
   FilterView filter = {};   // for splats
-  // What light paths of `photon` start with: `strategy`, or importance where that cannot emit.
+  // What light paths start with: `strategy`, or, for `photon`, importance where that cannot emit.
   const EnvStrategy* emitter = nullptr;
   const EnvironmentMap* map = nullptr;   // of both
   const EmissionGuide* guide = nullptr;  // of light paths of the sky; null: they start anywhere

@@ -46,6 +46,9 @@ PhotonMap TraceLightPaths(const FrameView& frame, std::uint64_t first, std::uint
   });
   std::vector<Photon> photons;
   std::vector<PhotonSubpath> subpaths;
+  std::size_t vertices = 0;
+  for (const PhotonList& list : waves) vertices += list.photons.size();
+  photons.reserve(vertices), subpaths.reserve(vertices);
   for (PhotonList& list : waves) {
     photons.insert(photons.end(), list.photons.begin(), list.photons.end());
     subpaths.insert(subpaths.end(), list.subpath.begin(), list.subpath.end());

@@ -16,14 +16,14 @@ namespace {
 // stay in front of what stands around.
 constexpr float kEyeHeight = 0.5f, kLeastHeight = 0x1p-6f;
 
-// Rays and hits of a block of disks, on the stack: 21 KiB.
+// Rays and hits of a block of disks, on the stack: 22 KiB.
 class CoverTables {
  public:
   CoverTables() {
-    float* next = block_;
+    std::byte* next = block_;
     const auto take = [&](auto*& column) {
       column = reinterpret_cast<std::remove_reference_t<decltype(column)>>(next);
-      next += kRows;
+      next += kRows * sizeof(float);
     };
     RayColumns::ForEachColumn(rays, take);
     HitColumns::ForEachColumn(hits, take);
@@ -35,8 +35,9 @@ class CoverTables {
 
  private:
   static constexpr std::uint32_t kRows = PaddedRows(kLookupBlock * kDiskCells);
-  alignas(kColumnAlignment) float block_[kRows * (soa::CountColumns<RayColumns>() +
-                                                  soa::CountColumns<HitColumns>() + 1)];
+  alignas(kColumnAlignment)
+      std::byte block_[kRows * sizeof(float) *
+                       (soa::CountColumns<RayColumns>() + soa::CountColumns<HitColumns>() + 1)];
 };
 
 void AimUp(const PhotonDisk& disk, const RayColumns& rays, std::uint32_t row) {

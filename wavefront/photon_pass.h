@@ -19,9 +19,10 @@ struct PhotonPass {
   float shrink;  // its radius over that of the first pass
 };
 
-// The passes of a frame: options.photons.passes of them, with radii that shrink as Knaus and
-// Zwicker 2011 (eq. 15) have it: r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the
-// mean of all passes then both vanish.
+// The passes of a frame: options.photons.passes of them; 0: one, of `vcm` one for each sample,
+// whose radii go by the number of the sample. Radii shrink as Knaus and Zwicker 2011 (eq. 15) have
+// it: r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the mean of all passes then
+// both vanish.
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
 // Traces light paths of `pass`, in progressive frames numbered from 2^32 first_sample on, and

@@ -193,6 +193,7 @@ const float* SampleLights(const FrameView& frame, const ShadePoints& points,
 #ifdef SKYWAVE_SLOWDOWN
   // For scripts/gate_selftest.sh: that many percent of the rows in vain, by other random numbers,
   // so that they read other texels and cost what samples cost, whatever the scene and the machine.
+  static_assert(SKYWAVE_SLOWDOWN <= 100, "tables have no more rows");
   LightCall wasted = call;
   wasted.pair += kPairBlock * 4096;
   SampleRows(frame, points, shares, wasted, n * SKYWAVE_SLOWDOWN / 100, uniforms, rest, lights,
