@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
-#include "kernels/emission.h"
 #include "kernels/local_lights.h"
 
 namespace skywave {

@@ -7,21 +7,16 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/disk-inl.h"
+#include "kernels/texels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A part of one of `parts` equal ones of [0, 1].
-HWY_INLINE VU PartOf(VF x, std::uint32_t parts) {
-  return hn::Min(ToUnsigned(hn::Max(hn::Mul(x, Set(float(parts))), hn::Zero(F()))),
-                 SetU(parts - 1));
-}
-
-HWY_INLINE VU CellOf(const V3& towards) {
+HWY_INLINE VU GuideCellOf(const V3& towards) {
   const VF half = Set(0.5f);
-  const VU row = PartOf(hn::Add(hn::Mul(towards.z, half), half), kGuideRows);
-  const VU turn = PartOf(hn::Add(Atan2Turn(towards.y, towards.x), half), kGuideTurns);
+  const VU row = CellOf(hn::Add(hn::Mul(towards.z, half), half), kGuideRows);
+  const VU turn = CellOf(hn::Add(Atan2Turn(towards.y, towards.x), half), kGuideTurns);
   return hn::Add(hn::Mul(row, SetU(kGuideTurns)), turn);
 }
 
@@ -119,7 +114,7 @@ void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 towards = Towards(lines, i);
     const Line line = LineOf(sphere, towards, lines.surfaces, RowOf(lines, i, n));
-    Store(CellOf(towards), places.cell + i);
+    Store(GuideCellOf(towards), places.cell + i);
     Store(line.u, places.u + i), Store(line.v, places.v + i);
   }
 }
@@ -127,7 +122,7 @@ void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_
 void FindGuideCells(const float* dir_x, const float* dir_y, const float* dir_z, std::uint32_t n,
                     std::uint32_t* cell) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    Store(CellOf(Load3(dir_x + i, dir_y + i, dir_z + i)), cell + i);
+    Store(GuideCellOf(Load3(dir_x + i, dir_y + i, dir_z + i)), cell + i);
   }
 }
 
@@ -145,7 +140,7 @@ void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, cons
       continue;
     }
     const V3 towards = Towards(lines, i);
-    const VU cell = hn::IfThenElseZero(RowsBelow(i, n), CellOf(towards));
+    const VU cell = hn::IfThenElseZero(RowsBelow(i, n), GuideCellOf(towards));
     const Line line = LineOf(sphere, towards, lines.surfaces, RowOf(lines, i, n));
     const CellLanes c(guide, cell);
     const VF crowding = Crowding(sphere, guide, c, towards, line);
@@ -205,7 +200,7 @@ void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
     const auto store = [&](VF value, float* to)
                            HWY_ATTR { Store(IfThen(rows, value, Load(to + i)), to + i); };
     const V3 towards = Neg(Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i));
-    const VU cell = hn::IfThenElseZero(distant, CellOf(towards));
+    const VU cell = hn::IfThenElseZero(distant, GuideCellOf(towards));
     const CellLanes c(guide, cell);
     const Line line = Warp(sphere, guide, c, towards, Load(disk.u + i), Load(disk.v + i));
     const VF crowding = Crowding(sphere, guide, c, towards, line);

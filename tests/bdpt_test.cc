@@ -28,22 +28,11 @@ JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
   return request;
 }
 
-// Blocks: caustics are too rare and bright in paths from the camera for a test of single pixels.
-void ExpectPaths(const Scene& scene, JobRequest request) {
-  request.integrator = Integrator::kBdpt;
-  const RenderJob bdpt(scene, request);
-  const PictureEstimate tested = MeanOfBlocks(EstimateFromEngine(bdpt, kRuns, 100), 3);
-  request.integrator = Integrator::kPath;
-  request.samples_per_pixel = 4 * *request.samples_per_pixel;
-  const RenderJob path(scene, request);
-  const PictureEstimate expected = MeanOfBlocks(EstimateFromEngine(path, kRuns, 1000), 3);
-  EXPECT_TRUE(SamePicture(tested, expected, kLevel));
-}
-
 class BdptLights : public testing::TestWithParam<int> {};
 
 TEST_P(BdptLights, PicturesAreThoseOfPaths) {
-  ExpectPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()), Request(Integrator::kBdpt, 4));
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()),
+                          Request(Integrator::kBdpt, 4), kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Bdpt, BdptLights,
                          testing::Values(kSky, kLamp, kBall, kPoint, kSpot, kDistant, kSky | kLamp,
@@ -59,7 +48,8 @@ class BdptBsdfs : public testing::TestWithParam<BsdfCase> {};
 
 TEST_P(BdptBsdfs, PicturesAreThoseOfPaths) {
   const BsdfCase& test = GetParam();
-  ExpectPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp), Request(Integrator::kBdpt, 5));
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp),
+                          Request(Integrator::kBdpt, 5), kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(
     Bdpt, BdptBsdfs,
@@ -79,7 +69,7 @@ TEST(Bdpt, EveryDepthIsThatOfPaths) {
   const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLamp | kPoint);
   for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 7u}) {
     SCOPED_TRACE(depth);
-    ExpectPaths(scene, Request(Integrator::kBdpt, depth));
+    EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, depth), kRuns, kLevel));
   }
 }
 
@@ -93,7 +83,7 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
       JobRequest request = Request(Integrator::kBdpt, 4);
       request.camera.kind = kind;
       request.camera.lens_radius = lens;
-      ExpectPaths(scene, request);
+      EXPECT_TRUE(SameAsPaths(scene, request, kRuns, kLevel));
     }
   }
 }
@@ -106,7 +96,7 @@ TEST(Bdpt, VeilsAreThoseOfPaths) {
   for (Material& material : scene.materials) {
     if (material.name == "lamp") material.opacity = 0.7f;
   }
-  ExpectPaths(scene, Request(Integrator::kBdpt, 4));
+  EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, 4), kRuns, kLevel));
 }
 
 std::vector<PathWay> WaysOf(std::uint32_t surfaces) {

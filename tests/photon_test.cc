@@ -12,6 +12,7 @@
 #include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
@@ -174,14 +175,6 @@ TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
 
 // ---- The same bytes ----
 
-std::vector<std::uint64_t> Sums(const RenderJob& job, int threads, std::uint32_t wave) {
-  FrameView frame = job.frame();
-  frame.options.threads = threads, frame.options.wave = wave;
-  Film film = job.MakeFilm();
-  RenderFrame(frame, film);
-  return {film.sums().begin(), film.sums().end()};
-}
-
 // Photons come round by round: with few of them in the first ones, too.
 TEST(Photon, ThreadsAndWavesDoNotMatter) {
   Scene scene = UnderGlass();
@@ -193,10 +186,7 @@ TEST(Photon, ThreadsAndWavesDoNotMatter) {
       request.options.photons.passes = passes;
       request.options.photons.gather = gather;
       const RenderJob job(scene, request);
-      const std::vector<std::uint64_t> expected = Sums(job, 1, 2048);
-      for (const auto& [threads, wave] : {std::pair{1, 17u}, {2, 100u}, {5, 4096u}}) {
-        EXPECT_EQ(Sums(job, threads, wave), expected) << threads << " threads, wave " << wave;
-      }
+      ExpectSameBits(job);
     }
   }
 }

@@ -15,6 +15,7 @@
 #include "tests/support/matt_room.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
@@ -52,20 +53,11 @@ double MeanOf(const Image& image, std::size_t channel) {
 
 // ---- The same expectation ----
 
-void ExpectPaths(const Scene& scene, JobRequest request) {
-  const RenderJob vcm(scene, request);
-  const PictureEstimate tested = MeanOfBlocks(EstimateFromEngine(vcm, kRuns, 100), 3);
-  request.integrator = Integrator::kPath;
-  request.samples_per_pixel = 4 * *request.samples_per_pixel;
-  const RenderJob path(scene, request);
-  const PictureEstimate expected = MeanOfBlocks(EstimateFromEngine(path, kRuns, 1000), 3);
-  EXPECT_TRUE(SamePicture(tested, expected, kLevel));
-}
-
 class VcmLights : public testing::TestWithParam<int> {};
 
 TEST_P(VcmLights, PicturesAreThoseOfPaths) {
-  ExpectPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()), Request(4, kSmallRadius));
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()), Request(4, kSmallRadius),
+                          kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Vcm, VcmLights,
                          testing::Values(kSky, kLamp, kPoint, kDistant, kSky | kLocal),
@@ -80,7 +72,8 @@ class VcmBsdfs : public testing::TestWithParam<BsdfCase> {};
 
 TEST_P(VcmBsdfs, PicturesAreThoseOfPaths) {
   const BsdfCase& test = GetParam();
-  ExpectPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp), Request(5, kSmallRadius));
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp),
+                          Request(5, kSmallRadius), kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Vcm, VcmBsdfs,
                          testing::Values(BsdfCase{BsdfKind::kConductor, 0.15f},
@@ -97,7 +90,8 @@ INSTANTIATE_TEST_SUITE_P(Vcm, VcmBsdfs,
 TEST(Vcm, LensesSeeWhatPathsSee) {
   JobRequest request = Request(4, kSmallRadius);
   request.camera.lens_radius = 0.3f;
-  ExpectPaths(MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp), request);
+  EXPECT_TRUE(
+      SameAsPaths(MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp), request, kRuns, kLevel));
 }
 
 // Nothing is merged, so nothing is biased.
@@ -226,14 +220,6 @@ TEST(Vcm, PassesConverge) {
   }
 }
 
-std::vector<std::uint64_t> Sums(const RenderJob& job, int threads, std::uint32_t wave) {
-  FrameView frame = job.frame();
-  frame.options.threads = threads, frame.options.wave = wave;
-  Film film = job.MakeFilm();
-  RenderFrame(frame, film);
-  return {film.sums().begin(), film.sums().end()};
-}
-
 // Light vertices are cut to a number, so that waves end inside of what is kept.
 TEST(Vcm, ThreadsAndWavesDoNotMatter) {
   const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLocal);
@@ -243,10 +229,7 @@ TEST(Vcm, ThreadsAndWavesDoNotMatter) {
     request.options.photons.passes = passes;
     request.options.photons.indirect = 500;
     const RenderJob job(scene, request);
-    const std::vector<std::uint64_t> expected = Sums(job, 1, 2048);
-    for (const auto& [threads, wave] : {std::pair{1, 17u}, {2, 100u}, {5, 4096u}}) {
-      EXPECT_EQ(Sums(job, threads, wave), expected) << threads << " threads, wave " << wave;
-    }
+    ExpectSameBits(job);
   }
 }
 

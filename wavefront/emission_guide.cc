@@ -188,14 +188,14 @@ EnvironmentMap Finer(const EnvironmentMap& map, int factor) {
 }
 
 // Of every texel: the cell of its centre, and how often light samples are in it.
-struct TexelCells {
+struct MapTexels {
   std::vector<std::uint32_t> cell;
   std::vector<double> probability;
 };
-TexelCells FindTexelCells(const EnvironmentMap& map, const EnvStrategy& strategy) {
+MapTexels LocateTexels(const EnvironmentMap& map, const EnvStrategy& strategy) {
   const Image& image = map.latlong;
   const std::size_t width = std::size_t(image.width);
-  TexelCells texels;
+  MapTexels texels;
   texels.cell.resize(width * std::size_t(image.height));
   texels.probability.resize(texels.cell.size());
   // Of every column the horizontal direction, which rows lift.
@@ -240,8 +240,7 @@ std::vector<double> CellRadiance(const Image& image, std::span<const std::uint32
     for (int x = 0; x < image.width; ++x) {
       const float* const rgb = image.Pixel(x, y);
       const std::uint32_t cell = cells[std::size_t(y) * std::size_t(image.width) + std::size_t(x)];
-      double luminance = 0;
-      for (int c = 0; c < 3; ++c) luminance += double(kLuminance[c]) * rgb[c];
+      const double luminance = Luminance(rgb);
       energy[cell] += luminance * texel, solid_angle[cell] += texel;
       all += luminance * texel;
     }
@@ -311,7 +310,7 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
   std::unique_ptr<EnvironmentMap> finer;
   if (factor > 1) finer = std::make_unique<EnvironmentMap>(Finer(*frame.map, factor));
   const EnvironmentMap& map = finer ? *finer : *frame.map;
-  TexelCells texels = FindTexelCells(map, strategy);
+  MapTexels texels = LocateTexels(map, strategy);
   const std::vector<double> radiance = CellRadiance(map.latlong, texels.cell);
 
   const FrameView pilot = PilotView(frame);

@@ -141,7 +141,7 @@ void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, Ph
   clock.Lap(Stage::kPhotons);
 }
 
-void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks disks_are,
+void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
                 std::uint32_t max_depth, float scale, Worker& w, StageClock& clock) {
   if (map.size() == 0) return;
   const PhotonOptions& options = frame.options.photons;
@@ -172,7 +172,7 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks disks_are,
       if (count[i] == 0) continue;
       // What looks whole need not be looked at. A first part of a range search is no fair sample.
       const bool doubtful =
-          disks_are == Disks::kCut &&
+          treatment == Disks::kCut &&
           (options.progressive() || count[i] < options.neighbors ||
            !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
       if (doubtful) {

@@ -48,7 +48,7 @@ enum class Disks { kWhole, kCut };
 
 // Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
 // those that have met at most `max_depth` surfaces, theirs included.
-void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks disks_are,
+void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
                 std::uint32_t max_depth, float scale, Worker& w, StageClock& clock);
 
 // Final gather (Jensen 1996): rays from every surface at hand that has a density, over mirrors and

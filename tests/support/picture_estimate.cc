@@ -183,4 +183,15 @@ testing::AssertionResult SamePicture(const PictureEstimate& a, const PictureEsti
                         SidakLevel(cells, level), cells, worst.text);
 }
 
+testing::AssertionResult SameAsPaths(const Scene& scene, JobRequest request, int runs,
+                                     double level) {
+  const RenderJob other(scene, request);
+  const PictureEstimate tested = MeanOfBlocks(EstimateFromEngine(other, runs, 100), 3);
+  request.integrator = Integrator::kPath;
+  request.samples_per_pixel = 4 * *request.samples_per_pixel;
+  const RenderJob path(scene, request);
+  const PictureEstimate expected = MeanOfBlocks(EstimateFromEngine(path, runs, 1000), 3);
+  return SamePicture(tested, expected, level);
+}
+
 }  // namespace skywave

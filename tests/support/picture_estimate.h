@@ -29,6 +29,12 @@ PictureEstimate EstimateFromEngine(const RenderJob& job, int runs, std::uint32_t
 PictureEstimate EstimateFromEngine(const RenderJob& job, FrameView frame, int runs,
                                    std::uint32_t seed);
 
+// Whether the picture of what `request` asks for has the expectation of paths from the camera with
+// four times its samples. Blocks of 3 x 3 pixels: caustics are too rare and bright in those for a
+// test of single pixels.
+testing::AssertionResult SameAsPaths(const Scene& scene, JobRequest request, int runs,
+                                     double level);
+
 // The oracle's picture of what `job` renders of `scene`, with the samples of `runs` of its renders.
 PictureEstimate EstimateFromOracle(const Scene& scene, const RenderJob& job, int runs);
 

@@ -1,0 +1,30 @@
+// Pictures that must not depend on how their work is cut.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "wavefront/job.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+
+// The film of `job`, to the last unit, for other numbers of threads and other waves.
+inline void ExpectSameBits(const RenderJob& job) {
+  const auto sums = [&](int threads, std::uint32_t wave) {
+    FrameView frame = job.frame();
+    frame.options.threads = threads, frame.options.wave = wave;
+    Film film = job.MakeFilm();
+    RenderFrame(frame, film);
+    return std::vector<std::uint64_t>(film.sums().begin(), film.sums().end());
+  };
+  const std::vector<std::uint64_t> expected = sums(1, 2048);
+  for (const auto& [threads, wave] : {std::pair{1, 17u}, {2, 100u}, {5, 4096u}}) {
+    EXPECT_EQ(sums(threads, wave), expected) << threads << " threads, wave " << wave;
+  }
+}
+
+}  // namespace skywave
