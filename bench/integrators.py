@@ -6,7 +6,8 @@
 Every scene stands for a kind of light transport. All integrators get the same time; the table has
 error and time of `path` and, for the others, error times time of `path` over their own: how many
 times less work the same error takes, where all of the error is noise. Where a bias is found, that
-is the share of the squared error that more samples do not remove. Standard library only.
+is the share of the squared error that more samples do not remove. References are of the unbiased
+integrator that has less noise there. Standard library only.
 """
 
 import argparse
@@ -23,6 +24,8 @@ SCENES = {
     "lamps": "small lamps in a room",
     "many-materials": "every BSDF, open",
 }
+# What their references are made by.
+REFERENCE = {"room": "bdpt", "three-spheres": "bdpt", "lamps": "bdpt"}
 INTEGRATORS = ["path", "light", "bdpt", "photon", "vcm"]
 
 
@@ -30,8 +33,11 @@ def converge(arguments, scene, file):
     command = [arguments.program, "converge", scene, "-q", "--measure", "relative_mse",
                "--size", arguments.size, "--max-depth", str(arguments.depth),
                "--time", str(arguments.time), "--repeats", str(arguments.repeats),
+               "--reference-integrator", REFERENCE.get(scene, "path"),
                "--reference-spp", str(arguments.reference_spp), "--json", str(file),
                "--integrators", *INTEGRATORS]
+    if arguments.guide:
+        command.append("--guide")
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
@@ -66,6 +72,8 @@ def main():
     parser.add_argument("--depth", type=int, default=8)
     parser.add_argument("--time", type=float, default=1.0, help="longest render [s]")
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--guide", action="store_true",
+                        help="light paths of the sky start where they are needed")
     parser.add_argument("--reference-spp", type=int, default=8192)
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)

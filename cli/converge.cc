@@ -38,7 +38,8 @@ struct ConvergeFlags {
   ConvergeSettings settings;
   std::optional<double> target;
   std::string reference = "auto";
-  std::uint32_t reference_samples = 0;  // 0: from the budgets
+  std::optional<Integrator> reference_integrator;  // none: from the contestants
+  std::uint32_t reference_samples = 0;             // 0: from the budgets
   std::string save_reference, json, plot, html;
   ToneMapping tone;
   bool quiet = false;
@@ -79,6 +80,9 @@ std::string CommandText(const ConvergeFlags& flags, const RenderOptions& options
   }
   text += fmt::format(" --repeats {} --measure {} --reference {}", flags.settings.repeats,
                       ToString(flags.settings.measure), Quoted(flags.reference));
+  if (flags.reference_integrator) {
+    text += fmt::format(" --reference-integrator {}", ToString(*flags.reference_integrator));
+  }
   if (flags.reference_samples > 0) {
     text += fmt::format(" --reference-spp {}", flags.reference_samples);
   }
@@ -124,13 +128,15 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
   const auto half =
       std::uint32_t(std::min<std::uint64_t>((wanted + 1) / 2, MostSamples(job.options())));
   report.reference_samples = 2 * half;
+  report.reference_integrator =
+      flags.reference_integrator.value_or(ReferenceIntegrator(report.contestants));
   const RenderOptions& options = job.options();
   if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
   const auto start = std::chrono::steady_clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
                [&](Progress* done) {
                  report.reference =
-                     RenderReference(job, ReferenceIntegrator(report.contestants), half, done);
+                     RenderReference(job, *report.reference_integrator, half, done);
                });
   report.reference_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -208,6 +214,12 @@ int ConvergeMain(ConvergeFlags& flags) {
   return 0;
 }
 
+Integrator IntegratorCalled(const std::string& name, const std::string& flag) {
+  const std::optional<Integrator> integrator = ParseIntegrator(name);
+  if (!integrator) throw CLI::ValidationError(flag, "there is none called " + name);
+  return *integrator;
+}
+
 void AddReferenceFlags(CLI::App& command, ConvergeFlags& flags) {
   const auto group = "Reference";
   command
@@ -218,6 +230,15 @@ void AddReferenceFlags(CLI::App& command, ConvergeFlags& flags) {
       ->group(group);
   command.add_option("--reference-strategy", flags.request.strategy, "of auto")
       ->capture_default_str()
+      ->group(group);
+  command
+      .add_option_function<std::string>(
+          "--reference-integrator",
+          [&flags](const std::string& name) {
+            flags.reference_integrator = IntegratorCalled(name, "--reference-integrator");
+          },
+          "of auto (default: path, or direct where nothing else is compared)")
+      ->type_name("NAME")
       ->group(group);
   command
       .add_option("--reference-spp", flags.reference_samples,
@@ -250,11 +271,7 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
           "--integrators",
           [flags](const std::vector<std::string>& names) {
             for (const std::string& name : names) {
-              const std::optional<Integrator> integrator = ParseIntegrator(name);
-              if (!integrator) {
-                throw CLI::ValidationError("--integrators", "there is none called " + name);
-              }
-              flags->integrators.push_back(*integrator);
+              flags->integrators.push_back(IntegratorCalled(name, "--integrators"));
             }
           },
           "instead of one: each with every strategy; the first is what others are compared with")

@@ -141,8 +141,8 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
   json["seconds"] = {{"load", report.job->times().load}, {"build", report.job->times().build}};
   json["reference"] = {
       {"source", report.reference_source},
-      {"integrator", report.reference_source == "auto"
-                         ? nlohmann::ordered_json(ToString(ReferenceIntegrator(report.contestants)))
+      {"integrator", report.reference_integrator
+                         ? nlohmann::ordered_json(ToString(*report.reference_integrator))
                          : nlohmann::ordered_json(nullptr)},
       {"samples_per_pixel", report.reference_samples},
       {"seconds", report.reference_seconds},

@@ -18,8 +18,9 @@ struct ConvergeReport {
   std::string command;  // as it was called
   ConvergeSettings settings;
   Reference reference;
-  std::string reference_source;         // "auto" or a file
-  std::uint32_t reference_samples = 0;  // a pixel; 0: unknown
+  std::string reference_source;                    // "auto" or a file
+  std::optional<Integrator> reference_integrator;  // of auto
+  std::uint32_t reference_samples = 0;             // a pixel; 0: unknown
   double reference_seconds = 0;
   std::vector<Contestant> contestants;
   std::vector<CurveRuns> curves;  // of the contestants

@@ -254,6 +254,7 @@ TEST_F(Converge, BadInputIsToldClearlyAndLeavesNoFile) {
   const std::string good = std::string(kSmall) + "--strategies importance --budgets 1 --repeats 2 ";
   const BadCase cases[] = {
       {"converge spheres --integrators frob", kExitUsage, {"--integrators", "frob"}},
+      {good + "--reference-integrator frob", kExitUsage, {"--reference-integrator", "frob"}},
       {good + "--integrators path", kExitUsage, {"--integrator", "--integrators"}},
       {std::string(kSmall) + "--strategies frob", kExitUsage, {"frob", "importance"}},
       {std::string(kSmall) + "--strategies importance hybrid:frob=1", kExitUsage, {"frob"}},
@@ -300,7 +301,8 @@ TEST_F(Converge, BadInputIsToldClearlyAndLeavesNoFile) {
 TEST_F(Converge, TheCommandInTheReportMeasuresTheSameAgain) {
   ASSERT_EQ(Run(std::string(kSmall) +
                 "--strategies importance \"hybrid:lights=8,inside=1\" --budgets 1,2 --repeats 2 "
-                "--reference-spp 32 --seed 5 --measure relative_mse --json a.json -q")
+                "--reference-integrator bdpt --reference-spp 32 --seed 5 --measure relative_mse "
+                "--json a.json -q")
                 .exit_code,
             0);
   const Json a = ReadJson("a.json");
@@ -308,6 +310,7 @@ TEST_F(Converge, TheCommandInTheReportMeasuresTheSameAgain) {
   ASSERT_EQ(command.substr(0, 8), "skywave ");
   ASSERT_EQ(Run(command.substr(8) + " -q --json b.json").exit_code, 0) << command;
   const Json b = ReadJson("b.json");
+  EXPECT_EQ(b.at("reference").at("integrator"), "bdpt");
   for (int strategy = 0; strategy < 2; ++strategy) {
     for (int budget = 0; budget < 2; ++budget) {
       const auto error = [&](const Json& json) {
