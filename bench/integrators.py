@@ -7,7 +7,8 @@ Every scene stands for a kind of light transport. All integrators get the same t
 error and time of `path` and, for the others, error times time of `path` over their own: how many
 times less work the same error takes, where all of the error is noise. Where a bias is found, that
 is the share of the squared error that more samples do not remove. References are of the unbiased
-integrator that has less noise there. Standard library only.
+integrator that has less noise there. --sheet also renders what each had at the end, a row a scene, a
+column an integrator, as sheet.png. Standard library only.
 """
 
 import argparse
@@ -15,6 +16,9 @@ import json
 import pathlib
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+from sheet import read_png, write_sheet  # noqa: E402
 
 SCENES = {
     "many-shapes": "open, matt",
@@ -29,16 +33,30 @@ REFERENCE = {"room": "bdpt", "three-spheres": "bdpt", "lamps": "bdpt"}
 INTEGRATORS = ["path", "light", "bdpt", "photon", "vcm"]
 
 
-def converge(arguments, scene, file):
-    command = [arguments.program, "converge", scene, "-q", "--measure", "relative_mse",
-               "--size", arguments.size, "--max-depth", str(arguments.depth),
-               "--time", str(arguments.time), "--repeats", str(arguments.repeats),
-               "--reference-integrator", REFERENCE.get(scene, "path"),
-               "--reference-spp", str(arguments.reference_spp), "--json", str(file),
-               "--integrators", *INTEGRATORS]
+def call(arguments, command, scene, *flags):
+    """The program on one of the scenes."""
+    common = ["-q", "--size", arguments.size, "--max-depth", str(arguments.depth)]
     if arguments.guide:
-        command.append("--guide")
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+        common.append("--guide")
+    subprocess.run([arguments.program, command, scene, *common, *flags], check=True,
+                   stdout=subprocess.DEVNULL)
+
+
+def converge(arguments, scene, file):
+    call(arguments, "converge", scene, "--measure", "relative_mse",
+         "--time", str(arguments.time), "--repeats", str(arguments.repeats),
+         "--reference-integrator", REFERENCE.get(scene, "path"),
+         "--reference-spp", str(arguments.reference_spp), "--json", str(file),
+         "--integrators", *INTEGRATORS)
+
+
+def picture(arguments, scene, contestant):
+    """What a contestant had at the end of its time."""
+    name = contestant["integrator"]
+    file = arguments.output / f"{scene}-{name}.exr"
+    call(arguments, "render", scene, "--integrator", name,
+         "--spp", str(contestant["budgets"][-1]["samples_per_pixel"]), "-o", str(file))
+    return read_png(file.with_suffix(".png"))
 
 
 def cell(first, other):
@@ -75,6 +93,7 @@ def main():
     parser.add_argument("--guide", action="store_true",
                         help="light paths of the sky start where they are needed")
     parser.add_argument("--reference-spp", type=int, default=8192)
+    parser.add_argument("--sheet", action="store_true", help="pictures of all")
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
     results = {}
@@ -86,6 +105,11 @@ def main():
         for warning in results[scene]["warnings"]:
             print(f"  {warning}", file=sys.stderr)
     print(table(results))
+    if arguments.sheet:
+        write_sheet(arguments.output / "sheet.png",
+                    [picture(arguments, scene, contestant)
+                     for scene, result in results.items() for contestant in result["strategies"]],
+                    len(INTEGRATORS))
 
 
 if __name__ == "__main__":
