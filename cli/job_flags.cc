@@ -242,8 +242,8 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--wave", o.wave, "rows of a wave")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  AddParsed(command, "--backend", "how rays reach Embree (default: stream)",
-            "stream|packet|array|single", o.backend, ParseBackend);
+  AddParsed(command, "--backend", "how rays reach Embree (default: best)",
+            "best|stream|packet|array|single", o.backend, ParseBackend);
   command.add_option("--embree-config", r.embree_config, "for rtcNewDevice, for example isa=avx2");
 }
 

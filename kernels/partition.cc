@@ -1,5 +1,6 @@
 #include "kernels/partition.h"
 
+#include <algorithm>
 #include <bit>
 
 #undef HWY_TARGET_INCLUDE
@@ -28,33 +29,55 @@ HWY_INLINE std::uint32_t CountQueue(const std::uint32_t* queue, std::uint32_t n,
   return hn::GetLane(hn::SumOfLanes(U(), counts));
 }
 
+// The triangles of hits `row` and on; triangle 0 stands in for a miss: always there, and cached.
+HWY_INLINE VU TrianglesHit(const HitColumns& hits, std::uint32_t row, MU hit) {
+  return hn::IfThenElseZero(hit, Load(hits.triangle + row));
+}
+
+// Records are random accesses: asks for those of rows [row, n) of a vector, without a branch on
+// what rays meet, which is as good as random.
+HWY_INLINE void PrefetchRecords(const HitColumns& hits, const TriangleRecord* triangles,
+                                std::uint32_t row, std::uint32_t n) {
+  const MU hit = hn::And(RowsBelow(row, n), hn::Ne(Load(hits.geom + row), SetU(kNoHit)));
+  alignas(kColumnAlignment) std::uint32_t triangle[kPadRows];
+  Store(TrianglesHit(hits, row, hit), triangle);
+  for (std::uint32_t lane = 0; lane < hn::Lanes(U()); ++lane) {
+    hwy::Prefetch(triangles + triangle[lane]);
+  }
+}
+
 void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
                   const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
                   std::uint32_t* count) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
+  // Where there is but one BSDF nobody has to wait for a record; surface preparation will find it.
+  const bool several = (present & (present - 1)) != 0;
+  VU kind = SetU(static_cast<std::uint32_t>(std::countr_zero(present)));
+  for (std::uint32_t i = 0; i < std::min(n, kAhead); i += hn::Lanes(U())) {
+    PrefetchRecords(hits, triangles, i, n);
+  }
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
-    // Records are random accesses: ask for those of later rows now.
-    for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
-      if (ahead < n && hits.geom[ahead] != kNoHit) hwy::Prefetch(triangles + hits.triangle[ahead]);
-    }
+    if (i + kAhead < n) PrefetchRecords(hits, triangles, i + kAhead, n);
     const MU inside = RowsBelow(i, n);
     const MU hit = hn::And(inside, hn::Ne(Load(hits.geom + i), SetU(kNoHit)));
-    // Triangle 0's record stands in for a miss: always there, and cached.
-    const VU triangle = hn::IfThenElseZero(hit, Load(hits.triangle + i));
-    const VU tag = Gather(words, hn::Add(hn::ShiftLeft<2>(triangle), SetU(3)));
-    VU kind = hn::ShiftRight<kKindShift>(tag);
+    if (several) {
+      const VU triangle = TrianglesHit(hits, i, hit);
+      const VU tag = Gather(words, hn::Add(hn::ShiftLeft<2>(triangle), SetU(3)));
+      kind = hn::ShiftRight<kKindShift>(tag);
+    }
+    VU goes_to = kind;
     if (ray_pdf != nullptr) {
       const MF dense = hn::Gt(Load(ray_pdf + i), hn::Zero(F()));
-      kind = IfThen(hn::RebindMask(U(), dense), SetU(kNoQueue), kind);
+      goes_to = IfThen(hn::RebindMask(U(), dense), SetU(kNoQueue), goes_to);
     }
-    kind = IfThen(hit, kind, SetU(kMissQueue));
-    kind = IfThen(inside, kind, SetU(kNoQueue));
-    Store(kind, queue + i);
+    goes_to = IfThen(hit, goes_to, SetU(kMissQueue));
+    goes_to = IfThen(inside, goes_to, SetU(kNoQueue));
+    Store(goes_to, queue + i);
   }
   // A pass for each queue over a column in the cache: cheaper than a loop over queues inside.
   for (BsdfSet rest = present; rest != 0; rest &= rest - 1) {
-    const auto kind = static_cast<std::uint32_t>(std::countr_zero(rest));
-    count[kind] += CountQueue(queue, n, kind);
+    const auto which = static_cast<std::uint32_t>(std::countr_zero(rest));
+    count[which] += CountQueue(queue, n, which);
   }
   count[kMissQueue] += CountQueue(queue, n, kMissQueue);
 }

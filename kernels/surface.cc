@@ -7,6 +7,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/exp-inl.h"
+#include "kernels/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -15,16 +16,16 @@ namespace HWY_NAMESPACE {
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
                      std::uint32_t n, const SurfaceColumns& s) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
-  const auto* material_fields = reinterpret_cast<const float*>(materials);
+  const auto* material_words = reinterpret_cast<const std::uint32_t*>(materials);
   // A hit is known to some 2^-22 of the coordinates it was computed from, the distance included;
   // origins are lifted by sixty-four times that.
   const VF lift_scale = Set(0x1p-16f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU record = hn::ShiftLeft<2>(hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i)));
-    const V3 n0 = DecodeNormal(Gather(words, record));
-    const V3 n1 = DecodeNormal(Gather(words, hn::Add(record, SetU(1))));
-    const V3 n2 = DecodeNormal(Gather(words, hn::Add(record, SetU(2))));
-    const VU tag = Gather(words, hn::Add(record, SetU(3)));
+    const Words4 triangle = GatherWords4(words, record);
+    const V3 n0 = DecodeNormal(triangle.w0), n1 = DecodeNormal(triangle.w1),
+             n2 = DecodeNormal(triangle.w2);
+    const VU tag = triangle.w3;
 
     const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
     const V3 wound = Normalize(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i));
@@ -49,10 +50,9 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
     const V3 lifted = Add(hit, Scale(ng, lift));
 
     const VU material = hn::And(tag, SetU(kMaterialMask));
-    const VU field = hn::ShiftLeft<4>(material);
-    Store3({Gather(material_fields, field), Gather(material_fields, hn::Add(field, SetU(1))),
-            Gather(material_fields, hn::Add(field, SetU(2)))},
-           s.color_r + i, s.color_g + i, s.color_b + i);
+    const Words4 color = GatherWords4(material_words, hn::ShiftLeft<4>(material));
+    Store3({AsFloat(color.w0), AsFloat(color.w1), AsFloat(color.w2)}, s.color_r + i, s.color_g + i,
+           s.color_b + i);
     Store3(ng, s.ng_x + i, s.ng_y + i, s.ng_z + i);
     Store3(ns, s.ns_x + i, s.ns_y + i, s.ns_z + i);
     Store3(lifted, s.org_x + i, s.org_y + i, s.org_z + i);

@@ -34,10 +34,10 @@ struct ThreadSeconds {
 inline constexpr int kReplayCalls = int(std::size(kBackends));
 inline constexpr RayOrder kReplayOrders[] = {RayOrder::kTraced, RayOrder::kWave, RayOrder::kFrame};
 inline constexpr int kRayOrders = int(std::size(kReplayOrders));
-// Calls worth replaying with sorted rays: where the order is not the traced one, the others have
-// no times.
+// Calls worth replaying with sorted rays: where the order is not the traced one, arrays have no
+// times.
 inline constexpr bool IsReplayed(RayOrder order, Backend backend) {
-  return order == RayOrder::kTraced || backend == Backend::kStream || backend == Backend::kSingle;
+  return order == RayOrder::kTraced || backend != Backend::kArray;
 }
 
 struct Speed {

@@ -437,7 +437,7 @@ TEST_F(Cli, StatisticsHaveThePromisedKeys) {
   EXPECT_EQ(settings.at("strategy"), "importance");
   EXPECT_EQ(settings.at("threads"), 1);
   EXPECT_EQ(settings.at("wave"), 2048);
-  EXPECT_EQ(settings.at("backend"), "stream");
+  EXPECT_EQ(settings.at("backend"), "best");
   EXPECT_EQ(json.at("scene").at("triangles"), 1);
   EXPECT_EQ(json.at("scene").at("hash").get<std::string>().size(), 16u);
   for (const char* const key : {"load", "build", "tables", "render", "write"}) {

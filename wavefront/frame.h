@@ -83,7 +83,7 @@ struct RenderOptions {
   float filter_radius = 0;    // [pixels]; 0: the filter's own
   int threads = 0;            // 0: as many as the process may use
   std::uint32_t wave = 2048;  // rows
-  Backend backend = Backend::kStream;
+  Backend backend = Backend::kBest;
   AovSet aovs = 0;  // layers beside the picture
   // Light paths of the sky start where camera paths of a pilot have needed them.
   bool guide = false;

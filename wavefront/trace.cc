@@ -49,41 +49,61 @@ RTCRay SingleRay(const RayView& rays, std::uint32_t i) {
   return ray;
 }
 
-// Loads rays [i, i + count) of eight; the others get a valid bit of 0.
-void LoadPacket(const RayView& rays, std::uint32_t i, std::uint32_t count, RTCRay8& packet,
-                int* valid) {
-  const auto load = [&](float* to, const float* from) {
-    std::memcpy(to, from + i, count * sizeof(float));
-  };
-  load(packet.org_x, rays.org_x), load(packet.org_y, rays.org_y), load(packet.org_z, rays.org_z);
-  load(packet.dir_x, rays.dir_x), load(packet.dir_y, rays.dir_y), load(packet.dir_z, rays.dir_z);
-  load(packet.tfar, rays.t_far);
-  if (rays.keys != nullptr) std::memcpy(packet.id, rays.keys + i, count * sizeof(std::uint32_t));
-  for (std::uint32_t lane = 0; lane < kPacket; ++lane) {
-    packet.tnear[lane] = 0, packet.time[lane] = 0;
-    packet.mask[lane] = ~0u, packet.flags[lane] = 0;
-    valid[lane] = lane < count && packet.tfar[lane] >= 0 ? -1 : 0;
+// The first `count` of eight values, from a column or to it; all eight are copied as two vectors.
+template <class To, class From>
+void CopyPacket(const From* from, std::uint32_t count, To* to) {
+  static_assert(sizeof(To) == sizeof(From));
+  if (count == kPacket) {
+    std::memcpy(to, from, kPacket * sizeof(To));
+  } else {
+    std::memcpy(to, from, count * sizeof(To));
   }
 }
+
+// Eight rays; columns that are the same for all packets are set once.
+struct Packet {
+  Packet() {
+    std::memset(&rays, 0, sizeof rays);
+    std::fill_n(rays.ray.mask, kPacket, ~0u);
+  }
+  // Loads rays [i, i + count) of eight; the others get a valid bit of 0.
+  void Load(const RayView& from, std::uint32_t i, std::uint32_t count) {
+    RTCRay8& to = rays.ray;
+    CopyPacket(from.org_x + i, count, to.org_x);
+    CopyPacket(from.org_y + i, count, to.org_y);
+    CopyPacket(from.org_z + i, count, to.org_z);
+    CopyPacket(from.dir_x + i, count, to.dir_x);
+    CopyPacket(from.dir_y + i, count, to.dir_y);
+    CopyPacket(from.dir_z + i, count, to.dir_z);
+    CopyPacket(from.t_far + i, count, to.tfar);
+    if (from.keys != nullptr) CopyPacket(from.keys + i, count, to.id);
+    for (std::uint32_t lane = 0; lane < kPacket; ++lane) {
+      valid[lane] = -int((lane < count) & (to.tfar[lane] >= 0));
+    }
+  }
+  alignas(32) RTCRayHit8 rays;
+  alignas(32) int valid[kPacket];
+};
 
 void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t n) {
   RTCIntersectContext context = IncoherentContext();
   switch (backend) {
+    case Backend::kBest:
     case Backend::kStream: {
       RTCRayNp ray = StreamOf(rays);
       rtcOccludedNp(scene, &context, &ray, n);
       break;
     }
-    case Backend::kPacket:
+    case Backend::kPacket: {
+      Packet packet;
       for (std::uint32_t i = 0; i < n; i += kPacket) {
-        alignas(32) RTCRay8 packet;
-        alignas(32) int valid[kPacket];
         const std::uint32_t count = std::min(kPacket, n - i);
-        LoadPacket(rays, i, count, packet, valid);
-        rtcOccluded8(valid, scene, &context, &packet);
-        std::memcpy(rays.t_far + i, packet.tfar, count * sizeof(float));
+        packet.Load(rays, i, count);
+        rtcOccluded8(packet.valid, scene, &context, &packet.rays.ray);
+        CopyPacket(packet.rays.ray.tfar, count, rays.t_far + i);
       }
       break;
+    }
     case Backend::kArray:
       for (std::uint32_t i = 0; i < n; i += kArray) {
         RTCRay array[kArray];
@@ -139,6 +159,7 @@ void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_holes, std
 }  // namespace
 
 std::optional<Backend> ParseBackend(std::string_view name) {
+  if (name == ToString(Backend::kBest)) return Backend::kBest;
   for (const Backend backend : kBackends) {
     if (name == ToString(backend)) return backend;
   }
@@ -147,6 +168,8 @@ std::optional<Backend> ParseBackend(std::string_view name) {
 
 std::string_view ToString(Backend backend) {
   switch (backend) {
+    case Backend::kBest:
+      return "best";
     case Backend::kStream:
       return "stream";
     case Backend::kPacket:
@@ -176,25 +199,26 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
       rtcIntersectNp(tracer.scene, &context, &batch, n);
       break;
     }
-    case Backend::kPacket:
+    case Backend::kBest:
+    case Backend::kPacket: {
+      Packet packet;
       for (std::uint32_t i = 0; i < n; i += kPacket) {
-        alignas(32) RTCRayHit8 packet;
-        alignas(32) int valid[kPacket];
         const std::uint32_t count = std::min(kPacket, n - i);
-        LoadPacket(view, i, count, packet.ray, valid);
-        std::fill_n(packet.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-        rtcIntersect8(valid, tracer.scene, &context, &packet);
-        const std::size_t bytes = count * sizeof(float);
-        std::memcpy(rays.t_far + i, packet.ray.tfar, bytes);
-        std::memcpy(hits.ng_x + i, packet.hit.Ng_x, bytes);
-        std::memcpy(hits.ng_y + i, packet.hit.Ng_y, bytes);
-        std::memcpy(hits.ng_z + i, packet.hit.Ng_z, bytes);
-        std::memcpy(hits.u + i, packet.hit.u, bytes);
-        std::memcpy(hits.v + i, packet.hit.v, bytes);
-        std::memcpy(hits.triangle + i, packet.hit.primID, bytes);
-        std::memcpy(hits.geom + i, packet.hit.geomID, bytes);
+        packet.Load(view, i, count);
+        std::fill_n(packet.rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+        rtcIntersect8(packet.valid, tracer.scene, &context, &packet.rays);
+        const RTCHit8& hit = packet.rays.hit;
+        CopyPacket(packet.rays.ray.tfar, count, rays.t_far + i);
+        CopyPacket(hit.Ng_x, count, hits.ng_x + i);
+        CopyPacket(hit.Ng_y, count, hits.ng_y + i);
+        CopyPacket(hit.Ng_z, count, hits.ng_z + i);
+        CopyPacket(hit.u, count, hits.u + i);
+        CopyPacket(hit.v, count, hits.v + i);
+        CopyPacket(hit.primID, count, hits.triangle + i);
+        CopyPacket(hit.geomID, count, hits.geom + i);
       }
       break;
+    }
     case Backend::kArray:
       for (std::uint32_t i = 0; i < n; i += kArray) {
         RTCRayHit array[kArray];

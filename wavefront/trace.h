@@ -14,11 +14,13 @@ namespace skywave {
 // How a table reaches Embree. All give the same hits, bit by bit, since none promises Embree that
 // rays are coherent.
 enum class Backend {
+  kBest,    // what is fastest: packets for nearest hits, streams for occlusion
   kStream,  // rtcIntersectNp: columns
   kPacket,  // rtcIntersect8
   kArray,   // rtcIntersect1M: an array of rays
   kSingle   // rtcIntersect1
 };
+// The calls of Embree that there are.
 inline constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kArray,
                                         Backend::kSingle};
 std::optional<Backend> ParseBackend(std::string_view name);
@@ -31,8 +33,8 @@ enum class RayKind : std::uint32_t;
 // rays of a frame for a replay.
 struct Tracer {
   RTCScene scene = nullptr;
-  Backend closest = Backend::kStream;
-  Backend occlusion = Backend::kStream;
+  Backend closest = Backend::kBest;
+  Backend occlusion = Backend::kBest;
   RayRecorder* recorder = nullptr;
   // Triangles from here on are in the geometry with holes (scene/geometry.h). Unset: there is none,
   // and rays need no keys.
