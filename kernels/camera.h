@@ -9,6 +9,12 @@ namespace skywave {
 
 inline constexpr std::uint32_t kFilterCells = 1024;
 
+// A beam: the camera rays of one sample number in a block of pixels, which follow each other in
+// tables and are traced together. Blocks are those of the whole film, whatever part of it is
+// rendered, so films are made of whole blocks and pictures are cut out of them.
+inline constexpr std::uint32_t kBeamWidth = 4, kBeamHeight = 2;  // [pixels]
+inline constexpr std::uint32_t kBeamRays = kBeamWidth * kBeamHeight;
+
 // Perspective and orthographic cameras may have a thin lens. The spherical ones see everything:
 // kLatLong as a lat-long map, kEqualArea as the square of Clarberg 2008, "Fast Equal-Area Mapping
 // of the (Hemi)Sphere using SIMD", its middle straight up. kFisheye is equidistant: the angle to
@@ -43,8 +49,8 @@ struct CameraView {
   // above. lens_radius 0: no lens.
   float lens_x[3], lens_y[3];
   float lens_radius = 0, focal_distance = 1;
-  std::uint32_t width = 1, height = 1;              // of the film that is rendered [pixels]
-  std::uint32_t first_column = 0, first_row = 0;    // where that lies in the whole film [pixels]
+  std::uint32_t width = 1, height = 1;            // of the film that is kept, whole blocks [pixels]
+  std::uint32_t first_column = 0, first_row = 0;  // where that lies in the whole film [pixels]
   std::uint32_t whole_width = 1, whole_height = 1;  // [pixels], spherical cameras and fisheye
   // Fisheye: angle of a pixel, and from the axis to the rim of the circle [turns], <= 1/2.
   float turns_per_pixel = 0, rim_turns = 0;

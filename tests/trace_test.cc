@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "kernels/camera.h"
 #include "scene/geometry.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
@@ -136,7 +137,7 @@ TEST_P(Trace, ClosestHitsAreTheSameBitsByAllBackends) {
     for (const Backend backend : kBackends) {
       SCOPED_TRACE(ToString(backend));
       Wave wave(rays);
-      TraceClosest(TracerOf(backend), RayKind::kCamera, wave.rays, n, wave.hits);
+      TraceClosest(TracerOf(backend), RayKind::kBounce, wave.rays, n, wave.hits);
       if (first.empty()) first = wave.Bits();
       EXPECT_EQ(wave.Bits(), first);
       if (n == 20000) {
@@ -153,7 +154,7 @@ TEST_P(Trace, ClosestHitsAreTheSameBitsByAllBackends) {
 TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
   const std::vector<TestRay> rays = Rays(scene, GetParam(), 20000);
   Wave closest(rays);
-  TraceClosest(TracerOf(Backend::kSingle), RayKind::kCamera, closest.rays, closest.rays.rows(),
+  TraceClosest(TracerOf(Backend::kSingle), RayKind::kBounce, closest.rays, closest.rays.rows(),
                closest.hits);
   for (const Backend backend : kBackends) {
     SCOPED_TRACE(ToString(backend));
@@ -166,11 +167,33 @@ TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
       }
     }
     Wave escapes(rays);
-    TraceEscapes(TracerOf(backend), RayKind::kCamera, escapes.rays, escapes.rays.rows(),
+    TraceEscapes(TracerOf(backend), RayKind::kBounce, escapes.rays, escapes.rays.rows(),
                  escapes.hits);
     for (std::uint32_t i = 0; i < wave.rays.rows(); ++i) {
       ASSERT_EQ(escapes.hits->geom[i], closest.hits->geom[i]) << i;
     }
+  }
+}
+
+// What a beam finds depends on its own rays alone: not on the backend, nor on the beams around it.
+// Here its rays have nothing in common, so that ends at edges do depend on the company.
+TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
+  constexpr std::uint32_t n = 20000, some = 3 * kBeamRays;
+  const std::vector<TestRay> rays = Rays(scene, GetParam(), n);
+  Wave all(rays);
+  TraceClosest(TracerOf(Backend::kBest), RayKind::kCamera, all.rays, n, all.hits);
+  const std::vector<std::uint32_t> bits = all.Bits();
+  for (const Backend backend : kBackends) {
+    SCOPED_TRACE(ToString(backend));
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t i = 0; i < n; i += some) {
+      const std::uint32_t end = std::min(i + some, n);
+      Wave wave(std::vector<TestRay>(rays.begin() + i, rays.begin() + end));
+      TraceClosest(TracerOf(backend), RayKind::kCamera, wave.rays, end - i, wave.hits);
+      const std::vector<std::uint32_t> part = wave.Bits();
+      found.insert(found.end(), part.begin(), part.end());
+    }
+    EXPECT_EQ(found, bits);
   }
 }
 
@@ -181,7 +204,7 @@ TEST_P(Trace, CountsAreKept) {
     for (const Backend backend : kBackends) {
       SCOPED_TRACE(ToString(backend));
       Wave wave(rays);
-      TraceClosest(TracerOf(backend), RayKind::kCamera, wave.rays, n, wave.hits);
+      TraceClosest(TracerOf(backend), RayKind::kBounce, wave.rays, n, wave.hits);
       for (std::uint32_t i = n; i < wave.rays.rows(); ++i) {
         ASSERT_EQ(wave.rays->t_far[i], rays[i].t_far) << i;
         ASSERT_EQ(wave.hits->geom[i], 0x7FC5A5A5u) << i;
@@ -197,7 +220,7 @@ TEST_P(Trace, CountsAreKept) {
 TEST_P(Trace, StreamColumnsThatAreNullHaveTheirDefaults) {
   const std::vector<TestRay> rays = Rays(scene, GetParam(), kFullWave);
   Wave wave(rays), full(rays);
-  TraceClosest(TracerOf(Backend::kStream), RayKind::kCamera, wave.rays, kFullWave, wave.hits);
+  TraceClosest(TracerOf(Backend::kStream), RayKind::kBounce, wave.rays, kFullWave, wave.hits);
 
   const RayColumns r = full.rays;
   const HitColumns h = full.hits;

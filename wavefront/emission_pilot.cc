@@ -113,13 +113,12 @@ FrameView PilotView(const FrameView& frame) {
   const double pixels = double(frame.camera.whole_width) * frame.camera.whole_height;
   const double scale = std::min(1.0, std::sqrt(kMostPilotPaths / kSamples / pixels));
   const double samples = std::max(kSamples, std::ceil(kLeastPilotPaths / pixels));
-  const auto scaled = [&](std::uint32_t side) {
-    return std::max(1u, std::uint32_t(std::lround(side * scale)));
-  };
+  const auto scaled = [&](std::uint32_t side) { return int(std::lround(side * scale)); };
+  const CropWindow film = WholeBlocks({0, 0, std::max(1, scaled(frame.camera.whole_width)),
+                                       std::max(1, scaled(frame.camera.whole_height))});
   FrameView pilot = frame;
   pilot.strategy = frame.emitter;
-  pilot.camera =
-      WithPixels(frame.camera, scaled(frame.camera.whole_width), scaled(frame.camera.whole_height));
+  pilot.camera = WithPixels(frame.camera, std::uint32_t(film.width), std::uint32_t(film.height));
   RenderOptions& options = pilot.options;
   options = {};
   options.width = int(pilot.camera.width), options.height = int(pilot.camera.height);

@@ -13,16 +13,29 @@ namespace {
 constexpr double kSampleUnits = 0x1p52;  // doubles count units exactly up to here
 constexpr double kHeadroom = 64;         // of a sample over the brightest texel
 
+// The values of the picture, of those of all pixels.
+template <class T>
+std::vector<T> CutPicture(const FilmArea& area, const std::vector<T>& values, std::size_t a_pixel) {
+  const CropWindow& picture = area.picture;
+  std::vector<T> cut;
+  cut.reserve(std::size_t(picture.width) * picture.height * a_pixel);
+  for (int y = 0; y < picture.height; ++y) {
+    const std::size_t first = std::size_t(picture.y + y) * area.width + picture.x;
+    const auto row = values.begin() + std::ptrdiff_t(first * a_pixel);
+    cut.insert(cut.end(), row, row + std::ptrdiff_t(picture.width * a_pixel));
+  }
+  return cut;
+}
+
 }  // namespace
 
-Film::Film(int width, int height, float brightest_radiance, AovSet aovs, float world_extent,
+Film::Film(const FilmArea& area, float brightest_radiance, AovSet aovs, float world_extent,
            bool shared, std::vector<std::string> light_groups)
-    : width_(width), height_(height), sums_(std::size_t(width) * height * 3), shared_(shared) {
+    : area_(area), sums_(std::size_t(area.width) * area.height * 3), shared_(shared) {
   int exponent = 0;
   if (brightest_radiance > 0) std::frexp(brightest_radiance * kHeadroom, &exponent);
   unit_ = std::ldexp(1 / kSampleUnits, std::max(exponent, 20));
-  if (aovs != 0)
-    aovs_.emplace(aovs, std::size_t(width) * height, world_extent, std::move(light_groups));
+  if (aovs != 0) aovs_.emplace(aovs, sums_.size() / 3, world_extent, std::move(light_groups));
 }
 
 FilmScale Film::scale() const { return {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)}; }
@@ -35,7 +48,6 @@ void Film::Count(const FilmCounts& counts, RenderStats& stats) {
 void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
   Count(AddToFilm(paths, n, scale(), sums_.data(), shared_), stats);
   if (aovs_) aovs_->AddRadiance(paths, n, scale());
-  stats.samples += n;
 }
 
 void Film::AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
@@ -67,7 +79,9 @@ void Film::Merge(const Film& other) {
 
 std::vector<NamedChannel> Film::ResolveAovs(std::uint64_t samples) const {
   if (!aovs_) return {};
-  return aovs_->Resolve(sums_, scale(), samples);
+  std::vector<NamedChannel> channels = aovs_->Resolve(sums_, scale(), samples);
+  for (NamedChannel& channel : channels) channel.values = CutPicture(area_, channel.values, 1);
+  return channels;
 }
 
 std::span<const std::uint64_t> Film::light_group_sums() const {
@@ -76,9 +90,10 @@ std::span<const std::uint64_t> Film::light_group_sums() const {
 }
 
 Image Film::Resolve(std::uint64_t samples) const {
-  Image image(width_, height_);
+  Image image(area_.picture.width, area_.picture.height);
   const double scale = unit_ / double(std::max<std::uint64_t>(samples, 1));
-  std::transform(sums_.begin(), sums_.end(), image.rgb.begin(),
+  const std::vector<std::uint64_t> sums = CutPicture(area_, sums_, 3);
+  std::transform(sums.begin(), sums.end(), image.rgb.begin(),
                  [&](std::uint64_t sum) { return float(double(sum) * scale); });
   return image;
 }

@@ -22,6 +22,7 @@
 #include "kernels/accumulate.h"
 #include "kernels/columns.h"
 #include "wavefront/aov_film.h"
+#include "wavefront/film_area.h"
 #include "wavefront/stats.h"
 
 namespace skywave {
@@ -30,11 +31,13 @@ class Film {
  public:
   // `aovs`: what it keeps beside radiance; `world_extent`, `light_groups`: see AovFilm. `shared`:
   // it gets splats.
-  Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
+  Film(const FilmArea& area, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
        bool shared = false, std::vector<std::string> light_groups = {});
-
-  int width() const { return width_; }
-  int height() const { return height_; }
+  // A film that is all picture.
+  Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
+       bool shared = false)
+      : Film({width, height, {0, 0, width, height}}, brightest_radiance, aovs, world_extent,
+             shared) {}
 
   // Adds the radiance of paths [0, n) to their pixels. Not for two threads with the same pixel,
   // unless the film is shared.
@@ -60,14 +63,15 @@ class Film {
   // other samples: afterwards it is as if all had been added to this one.
   void Merge(const Film& other);
 
-  // The mean of `samples` samples in every pixel.
+  // The picture: the mean of `samples` samples in every pixel.
   Image Resolve(std::uint64_t samples) const;
-  // The channels of the layers that were asked for.
+  // The channels of the layers that were asked for, cut like the picture.
   std::vector<NamedChannel> ResolveAovs(std::uint64_t samples) const;
 
-  // The sums as they are kept, three a pixel [units].
+  // The sums as they are kept, three a pixel of the film [units].
   std::span<const std::uint64_t> sums() const { return sums_; }
-  // Those of the groups of lights, three a pixel and group, group by group; empty if not kept.
+  // Those of the groups of lights, three a pixel of the film and group, group by group; empty if
+  // not kept.
   std::span<const std::uint64_t> light_group_sums() const;
   double unit() const { return unit_; }  // [scene radiance], a power of two
 
@@ -75,7 +79,7 @@ class Film {
   FilmScale scale() const;
   static void Count(const FilmCounts& counts, RenderStats& stats);
 
-  int width_, height_;
+  FilmArea area_;
   double unit_;                      // [scene radiance]
   std::vector<std::uint64_t> sums_;  // [units], three a pixel
   std::optional<AovFilm> aovs_;

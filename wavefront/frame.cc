@@ -115,7 +115,7 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
                           const std::optional<CropWindow>& crop) {
   const glm::dmat4 world(camera.world_from_camera);
   const glm::dvec3 x(world[0]), y(world[1]), z(world[2]);
-  const CropWindow part = crop.value_or(CropWindow{0, 0, width, height});
+  const CropWindow part = WholeBlocks(crop.value_or(CropWindow{0, 0, width, height}));
   CameraView view = {};
   view.kind = camera.kind;
   view.width = std::uint32_t(part.width), view.height = std::uint32_t(part.height);

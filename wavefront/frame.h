@@ -16,6 +16,7 @@
 #include "scene/geometry.h"
 #include "scene/scene.h"
 #include "wavefront/aovs.h"
+#include "wavefront/film_area.h"
 #include "wavefront/light_groups.h"
 #include "wavefront/trace.h"
 
@@ -147,9 +148,7 @@ struct FrameView {
     return !options.way || (options.way->light == light && options.way->eye == eye);
   }
   // Light paths that stand for one sample of every pixel.
-  std::uint64_t light_paths() const {
-    return std::uint64_t(options.width) * std::uint64_t(options.height);
-  }
+  std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }
 };
 
 // Radius of a filter that the user did not give one [pixels].
@@ -160,11 +159,6 @@ std::vector<float> FilterOffsets(PixelFilter filter, float radius);
 
 // kFilterCells densities of the same filter, as FilterView wants them. `offsets`: FilterOffsets.
 std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius);
-
-// The part of a film that is rendered [pixels].
-struct CropWindow {
-  int x = 0, y = 0, width = 0, height = 0;
-};
 
 // `width` and `height` are those of the whole film [pixels], of which `crop` is rendered (unset:
 // all). `filter_offset` must outlive the view.

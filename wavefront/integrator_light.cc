@@ -15,8 +15,8 @@ std::uint64_t FirstLightPath(const FrameView& frame, const WaveRange& range) {
   const Tile& tile = range.tile;
   const std::uint64_t spp = frame.options.samples_per_pixel;
   // Tiles come row by row; within a row of tiles from left to right.
-  const std::uint64_t pixels_before = std::uint64_t(tile.y) * std::uint64_t(frame.options.width) +
-                                      std::uint64_t(tile.x) * tile.height;
+  const std::uint64_t pixels_before =
+      std::uint64_t(tile.y) * frame.camera.width + std::uint64_t(tile.x) * tile.height;
   return frame.options.first_sample * frame.light_paths() + pixels_before * spp + range.first;
 }
 

@@ -360,8 +360,13 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
 }
 
 Film RenderJob::MakeFilm(Integrator integrator) const {
-  return Film(options_.width, options_.height, brightest_, options_.aovs, world_extent_,
-              HasSplats(integrator), light_groups_.names);
+  const FilmArea area = {
+      int(camera_.width),
+      int(camera_.height),
+      {options_.crop_x - int(camera_.first_column), options_.crop_y - int(camera_.first_row),
+       options_.width, options_.height}};
+  return Film(area, brightest_, options_.aovs, world_extent_, HasSplats(integrator),
+              light_groups_.names);
 }
 
 }  // namespace skywave

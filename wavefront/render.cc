@@ -42,12 +42,28 @@ double ProcessorSeconds() {
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
+// Samples of a tile that are in the picture.
+std::uint64_t CountSamples(const FrameView& frame, const Tile& tile) {
+  const RenderOptions& options = frame.options;
+  const auto overlap = [](std::uint32_t begin, std::uint32_t count, std::int64_t picture,
+                          int side) {
+    const std::int64_t first = std::max<std::int64_t>(begin, picture);
+    const std::int64_t end = std::min<std::int64_t>(std::int64_t{begin} + count, picture + side);
+    return std::uint64_t(std::max<std::int64_t>(end - first, 0));
+  };
+  return overlap(tile.x, tile.width, options.crop_x - std::int64_t{frame.camera.first_column},
+                 options.width) *
+         overlap(tile.y, tile.height, options.crop_y - std::int64_t{frame.camera.first_row},
+                 options.height) *
+         options.samples_per_pixel;
+}
+
 // Renders all tiles, in the arena of the caller.
 void RenderTiles(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers, Film& film,
                  Progress* progress, std::vector<RayRecorder>* recorders) {
   const RenderOptions& options = frame.options;
   const std::vector<Tile> tiles =
-      CutTiles(options.width, options.height, options.samples_per_pixel, options.wave);
+      CutTiles(frame.camera.width, frame.camera.height, options.samples_per_pixel, options.wave);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
       [&](const tbb::blocked_range<std::size_t>& range) {
@@ -56,10 +72,9 @@ void RenderTiles(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
         view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
           RenderTile(view, tiles[i], *workers[slot], film);
-          if (progress != nullptr) {
-            *progress +=
-                std::uint64_t(tiles[i].width) * tiles[i].height * options.samples_per_pixel;
-          }
+          const std::uint64_t samples = CountSamples(view, tiles[i]);
+          workers[slot]->stats.samples += samples;
+          if (progress != nullptr) *progress += samples;
         }
       },
       tbb::simple_partitioner());
@@ -94,15 +109,14 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
 
 int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
 
-std::vector<Tile> CutTiles(int width, int height, std::uint32_t samples_per_pixel,
-                           std::uint32_t wave) {
+std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
+                           std::uint32_t samples_per_pixel, std::uint32_t wave) {
   std::uint32_t side = 8;
   while (side < 64 && std::uint64_t(side) * side * samples_per_pixel < 4ull * wave) side *= 2;
   std::vector<Tile> tiles;
-  for (std::uint32_t y = 0; y < std::uint32_t(height); y += side) {
-    for (std::uint32_t x = 0; x < std::uint32_t(width); x += side) {
-      tiles.push_back({x, y, std::min(side, std::uint32_t(width) - x),
-                       std::min(side, std::uint32_t(height) - y)});
+  for (std::uint32_t y = 0; y < height; y += side) {
+    for (std::uint32_t x = 0; x < width; x += side) {
+      tiles.push_back({x, y, std::min(side, width - x), std::min(side, height - y)});
     }
   }
   return tiles;
@@ -146,6 +160,7 @@ void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
 FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
   FrameView frame = wanted;
+  frame.options.wave = (wanted.options.wave + kBeamRays - 1) / kBeamRays * kBeamRays;
   const RenderOptions& options = frame.options;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.initialize();

@@ -63,7 +63,7 @@ int AvailableThreads();
 
 // The tiles of a film, in the order in which they are begun. Large enough that a tile fills several
 // waves where that is possible, small enough to share out evenly.
-std::vector<Tile> CutTiles(int width, int height, std::uint32_t samples_per_pixel,
-                           std::uint32_t wave);
+std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
+                           std::uint32_t samples_per_pixel, std::uint32_t wave);
 
 }  // namespace skywave

@@ -95,7 +95,10 @@ double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bo
 
 ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder>& recorders,
                   int threads) {
-  const Tracer tracer = {.scene = scene, .closest = backend, .occlusion = backend};
+  const Tracer tracer = {.scene = scene,
+                         .closest = backend,
+                         .occlusion = backend,
+                         .beams = backend == Backend::kPacket};
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   ReplayTime time;
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {

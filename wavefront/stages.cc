@@ -34,24 +34,30 @@ bool HasInside(BsdfKind kind) {
   return kind == BsdfKind::kDielectric || kind == BsdfKind::kRoughDielectric;
 }
 
-// Walks the samples of `range` without dividing per row: runs of samples of one pixel.
-// Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
+// Beam by beam: the samples of a block of pixels, then those of the next block of the tile. Seeds
+// are those of the pixels of the whole film, so that a part of it has the same noise.
 void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
                 const PathColumns& paths) {
+  assert(range.first % kBeamRays == 0 && range.count % kBeamRays == 0);
+  assert(range.tile.width % kBeamWidth == 0 && range.tile.height % kBeamHeight == 0);
   const std::uint32_t spp = options.samples_per_pixel;
-  std::uint64_t pixel = range.first / spp;
-  auto sample = std::uint32_t(range.first % spp);
-  for (std::uint32_t row = 0; row < range.count; ++pixel, sample = 0) {
-    const std::uint32_t run = std::min(range.count - row, spp - sample);
-    const std::uint32_t x = range.tile.x + std::uint32_t(pixel % range.tile.width);
-    const std::uint32_t y = range.tile.y + std::uint32_t(pixel / range.tile.width);
-    const std::uint32_t seed =
-        PixelSeed(camera.first_column + x, camera.first_row + y, options.seed);
-    const std::uint32_t index = y * std::uint32_t(options.width) + x;
-    for (std::uint32_t i = 0; i < run; ++i, ++row) {
-      paths.seed[row] = seed;
-      paths.sample[row] = options.first_sample + sample + i;
-      paths.pixel[row] = index;
+  const std::uint32_t across = range.tile.width / kBeamWidth;
+  std::uint64_t block = range.first / kBeamRays / spp;
+  auto sample = std::uint32_t(range.first / kBeamRays % spp);
+  for (std::uint32_t row = 0; row < range.count; ++block, sample = 0) {
+    std::uint32_t seed[kBeamRays], pixel[kBeamRays];
+    for (std::uint32_t i = 0; i < kBeamRays; ++i) {
+      const std::uint32_t x =
+          range.tile.x + std::uint32_t(block % across) * kBeamWidth + i % kBeamWidth;
+      const std::uint32_t y =
+          range.tile.y + std::uint32_t(block / across) * kBeamHeight + i / kBeamWidth;
+      seed[i] = PixelSeed(camera.first_column + x, camera.first_row + y, options.seed);
+      pixel[i] = y * camera.width + x;
+    }
+    for (; sample < spp && row < range.count; ++sample, row += kBeamRays) {
+      std::copy_n(seed, kBeamRays, paths.seed + row);
+      std::copy_n(pixel, kBeamRays, paths.pixel + row);
+      std::fill_n(paths.sample + row, kBeamRays, options.first_sample + sample);
     }
   }
   std::fill_n(paths.r, range.count, 0.0f);

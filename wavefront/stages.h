@@ -11,14 +11,14 @@
 
 namespace skywave {
 
-// The rows of a wave before they are paths: samples [first, first + count) of a tile, numbered
-// pixel by pixel, all samples of a pixel in sequence.
+// The rows of a wave before they are paths: samples [first, first + count) of a tile, numbered beam
+// by beam (kernels/camera.h), all beams of a block of pixels in sequence.
 struct Tile {
-  std::uint32_t x, y, width, height;  // [pixels]
+  std::uint32_t x, y, width, height;  // [pixels] of the film that is kept, whole blocks
 };
 struct WaveRange {
   Tile tile;
-  std::uint64_t first;
+  std::uint64_t first;  // both are whole beams
   std::uint32_t count;
 };
 

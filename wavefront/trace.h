@@ -12,7 +12,9 @@
 namespace skywave {
 
 // How a table reaches Embree. All give the same hits, bit by bit, since none promises Embree that
-// rays are coherent.
+// rays are coherent. Beams of camera rays (kernels/camera.h) are not asked: they always come as
+// packets that promise it. What a ray finds at the very edge of a triangle may then depend on the
+// other rays of its packet, so those have to be the same in whatever wave or part of a film.
 enum class Backend {
   kBest,    // what is fastest: packets for nearest hits, streams for occlusion
   kStream,  // rtcIntersectNp: columns
@@ -35,6 +37,7 @@ struct Tracer {
   RTCScene scene = nullptr;
   Backend closest = Backend::kBest;
   Backend occlusion = Backend::kBest;
+  bool beams = true;  // without: camera rays are traced as others are
   RayRecorder* recorder = nullptr;
   // Triangles from here on are in the geometry with holes (scene/geometry.h). Unset: there is none,
   // and rays need no keys.
@@ -43,8 +46,8 @@ struct Tracer {
 
 // In scenes with holes `keys` decides, ray by ray, which holes are met (DrawRayKeys); else null.
 
-// Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`. `kind` is for the
-// recorder.
+// Finds the nearest hit of rays [0, n): writes t_far of `rays` and all of `hits`. Camera rays are
+// whole beams.
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys = nullptr);
 
