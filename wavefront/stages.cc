@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 #include "kernels/accumulate.h"
 #include "kernels/directional.h"
@@ -39,20 +40,24 @@ bool HasInside(BsdfKind kind) {
 void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
                 const PathColumns& paths) {
   const std::uint32_t spp = options.samples_per_pixel;
-  std::uint64_t pixel = range.first / spp;
+  const std::uint64_t pixel = range.first / spp;
   auto sample = std::uint32_t(range.first % spp);
-  for (std::uint32_t row = 0; row < range.count; ++pixel, sample = 0) {
+  auto x = std::uint32_t(pixel % range.tile.width), y = std::uint32_t(pixel / range.tile.width);
+  for (std::uint32_t row = 0; row < range.count; sample = 0) {
     const std::uint32_t run = std::min(range.count - row, spp - sample);
-    const std::uint32_t x = range.tile.x + std::uint32_t(pixel % range.tile.width);
-    const std::uint32_t y = range.tile.y + std::uint32_t(pixel / range.tile.width);
+    const std::uint32_t column = range.tile.x + x, line = range.tile.y + y;
     const std::uint32_t seed =
-        PixelSeed(camera.first_column + x, camera.first_row + y, options.seed);
-    const std::uint32_t index = y * std::uint32_t(options.width) + x;
-    for (std::uint32_t i = 0; i < run; ++i, ++row) {
-      paths.seed[row] = seed;
-      paths.sample[row] = options.first_sample + sample + i;
-      paths.pixel[row] = index;
+        PixelSeed(camera.first_column + column, camera.first_row + line, options.seed);
+    const std::uint32_t index = line * std::uint32_t(options.width) + column;
+    // Whole vectors: what lies behind the run is of the next one, or padding.
+    for (std::uint32_t i = 0; i < run; i += kPadRows) {
+      std::fill_n(paths.seed + row + i, kPadRows, seed);
+      std::iota(paths.sample + row + i, paths.sample + row + i + kPadRows,
+                options.first_sample + sample + i);
+      std::fill_n(paths.pixel + row + i, kPadRows, index);
     }
+    row += run;
+    if (++x == range.tile.width) x = 0, ++y;
   }
   std::fill_n(paths.r, range.count, 0.0f);
   std::fill_n(paths.g, range.count, 0.0f);
