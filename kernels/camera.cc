@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/camera.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/records-inl.h"
 #include "kernels/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,8 +16,8 @@ namespace HWY_NAMESPACE {
 HWY_INLINE VF FilterOffset(const float* table, VF uniform) {
   const VF position = hn::Mul(uniform, Set(float(kFilterCells)));
   const VU cell = ToUnsigned(position);
-  const VF low = Gather(table, cell);
-  const VF high = Gather(table, hn::Add(cell, SetU(1)));
+  VF low, high;
+  GatherPairs(table, cell, low, high);
   return hn::Add(low, hn::Mul(hn::Sub(position, ToFloat(cell)), hn::Sub(high, low)));
 }
 

@@ -33,6 +33,19 @@ HWY_INLINE hn::Vec<D> LoadEveryFourth(D d, const std::uint32_t* base, const std:
   }
 }
 
+// A vector of the pairs at base + first[0] and first[1], then first[4] and first[5], and so on.
+template <class D>
+HWY_INLINE hn::Vec<D> LoadPairs(D d, const float* base, const std::uint32_t* first) {
+  constexpr std::size_t kLanes = hn::MaxLanes(d);
+  if constexpr (kLanes == 2) {
+    return hn::LoadU(d, base + *first);
+  } else {
+    const hn::Half<D> half;
+    constexpr std::size_t kNext = kLanes == 4 ? 1 : kLanes / 2;
+    return hn::Combine(d, LoadPairs(half, base, first + kNext), LoadPairs(half, base, first));
+  }
+}
+
 // Words base[first], ... base[first + 3] of each lane.
 HWY_INLINE Words4 GatherWords4(const std::uint32_t* base, VU first) {
   alignas(kColumnAlignment) std::uint32_t at[kPadRows];
@@ -47,7 +60,24 @@ HWY_INLINE Words4 GatherWords4(const std::uint32_t* base, VU first) {
           hn::InterleaveLower(d, even_high, odd_high), hn::InterleaveUpper(d, even_high, odd_high)};
 }
 
+// Words base[first] and base[first + 1] of each lane.
+HWY_INLINE void GatherPairs(const float* base, VU first, VF& low, VF& high) {
+  alignas(kColumnAlignment) std::uint32_t at[kPadRows];
+  Store(first, at);
+  const F d;
+  // Block k of the first vector has the pairs of lanes 4 k and 4 k + 1, the second one the others.
+  const VF v0 = LoadPairs(d, base, at), v1 = LoadPairs(d, base, at + 2);
+  const VF even = hn::InterleaveLower(d, v0, v1), odd = hn::InterleaveUpper(d, v0, v1);
+  low = hn::InterleaveLower(d, even, odd);
+  high = hn::InterleaveUpper(d, even, odd);
+}
+
 #else
+
+HWY_INLINE void GatherPairs(const float* base, VU first, VF& low, VF& high) {
+  low = Gather(base, first);
+  high = Gather(base, hn::Add(first, SetU(1)));
+}
 
 HWY_INLINE Words4 GatherWords4(const std::uint32_t* base, VU first) {
   return {Gather(base, first), Gather(base, hn::Add(first, SetU(1))),

@@ -64,13 +64,16 @@ class Partition : public testing::Test {
     }
   }
 
+  void ExpectQueues(BsdfSet present);
+
   soa::Table<RayColumns> rays_;
   soa::Table<HitColumns> hits_;
   std::vector<TriangleRecord> triangles_;
   std::vector<std::uint32_t> queue_ = std::vector<std::uint32_t>(PaddedRows(kFullWave));
 };
 
-TEST_F(Partition, ClassifiesAndCounts) {
+// On rows of all triangles, whose BSDFs are `present`.
+void Partition::ExpectQueues(BsdfSet present) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       for (const bool only_sparse : {false, true}) {
@@ -78,7 +81,7 @@ TEST_F(Partition, ClassifiesAndCounts) {
         // Counts are added to what is there.
         std::array<std::uint32_t, kBsdfKinds + 1> count;
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) count[k] = 10 * (k + 1);
-        ClassifyHits(hits_, triangles_.data(), kAll, only_sparse ? rays_->pdf : nullptr, n,
+        ClassifyHits(hits_, triangles_.data(), present, only_sparse ? rays_->pdf : nullptr, n,
                      queue_.data(), count.data());
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) {
           const auto rows = RowsOf(k, n, only_sparse);
@@ -98,6 +101,17 @@ TEST_F(Partition, ClassifiesAndCounts) {
       }
     }
   });
+}
+
+TEST_F(Partition, ClassifiesAndCounts) { ExpectQueues(kAll); }
+
+// Nobody looks at records then.
+TEST_F(Partition, ClassifiesWhereThereIsOneBsdf) {
+  constexpr std::uint32_t kKind = 5;
+  for (TriangleRecord& triangle : triangles_) {
+    triangle.tag = (triangle.tag & ((1u << kKindShift) - 1)) | kKind << kKindShift;
+  }
+  ExpectQueues(BsdfSet{1} << kKind);
 }
 
 // Queues of BSDFs that are not announced are not counted: that is what it is for.

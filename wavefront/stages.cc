@@ -41,16 +41,15 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
   assert(range.first % kBeamRays == 0 && range.count % kBeamRays == 0);
   assert(range.tile.width % kBeamWidth == 0 && range.tile.height % kBeamHeight == 0);
   const std::uint32_t spp = options.samples_per_pixel;
-  const std::uint32_t across = range.tile.width / kBeamWidth;
-  std::uint64_t block = range.first / kBeamRays / spp;
+  const std::uint64_t block = range.first / kBeamRays / spp;
   auto sample = std::uint32_t(range.first / kBeamRays % spp);
-  for (std::uint32_t row = 0; row < range.count; ++block, sample = 0) {
+  const std::uint32_t across = range.tile.width / kBeamWidth;
+  std::uint32_t block_x = std::uint32_t(block % across), block_y = std::uint32_t(block / across);
+  for (std::uint32_t row = 0; row < range.count; sample = 0) {
     std::uint32_t seed[kBeamRays], pixel[kBeamRays];
     for (std::uint32_t i = 0; i < kBeamRays; ++i) {
-      const std::uint32_t x =
-          range.tile.x + std::uint32_t(block % across) * kBeamWidth + i % kBeamWidth;
-      const std::uint32_t y =
-          range.tile.y + std::uint32_t(block / across) * kBeamHeight + i / kBeamWidth;
+      const std::uint32_t x = range.tile.x + block_x * kBeamWidth + i % kBeamWidth;
+      const std::uint32_t y = range.tile.y + block_y * kBeamHeight + i / kBeamWidth;
       seed[i] = PixelSeed(camera.first_column + x, camera.first_row + y, options.seed);
       pixel[i] = y * camera.width + x;
     }
@@ -59,6 +58,7 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
       std::copy_n(pixel, kBeamRays, paths.pixel + row);
       std::fill_n(paths.sample + row, kBeamRays, options.first_sample + sample);
     }
+    if (++block_x == across) block_x = 0, ++block_y;
   }
   std::fill_n(paths.r, range.count, 0.0f);
   std::fill_n(paths.g, range.count, 0.0f);
