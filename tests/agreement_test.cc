@@ -41,7 +41,7 @@ constexpr int kRuns = 12;
 const double kLevel = SidakLevel(2 * std::size(kRows));
 
 JobRequest Request(const Row& row, Integrator integrator, std::uint32_t samples) {
-  JobRequest request = SmallRequest(18, 12, samples);
+  JobRequest request = SmallRequest(15, 9, samples);
   request.integrator = integrator;
   request.max_depth = 4;
   if (row.lens > 0) request.camera.lens_radius = row.lens;
@@ -106,7 +106,7 @@ TEST_P(Agreement, OfAllIntegrators) {
     const double last = DifferenceOf(scene, request, way.gather, 16, paths);
     std::printf("%s: %.4f after a pass, %.4f after 16\n", way.name, first, last);
     EXPECT_LT(last, 0.6 * first) << way.name;
-    EXPECT_LT(last, 0.05) << way.name;
+    EXPECT_LT(last, 0.04) << way.name;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Each, Agreement, testing::ValuesIn(kRows),

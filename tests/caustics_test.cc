@@ -89,7 +89,7 @@ PictureEstimate Blocks(const PictureEstimate& picture) { return MeanOfBlocks(pic
 
 // The reference: paths from the light, without bias.
 PictureEstimate Reference(const Scene& scene) {
-  return Blocks(EstimateFromEngine(RenderJob(scene, Request(Integrator::kLight, 256)), kRuns, 100));
+  return Blocks(EstimateFromEngine(RenderJob(scene, Request(Integrator::kLight, 128)), kRuns, 100));
 }
 
 // Difference of a picture of `passes` passes from `expected`. The first radius is large enough to
