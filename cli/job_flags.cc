@@ -232,7 +232,8 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
       ->check(FiniteNumber(0, 100));
   // It pays where light has to find its way in, and costs where it finds it anyway.
   command.add_flag("--guide,!--no-guide", o.guide,
-                   "light paths of the sky start where a pilot of camera paths has needed them");
+                   "light, bdpt, photon, vcm: light paths of a map start where a pilot of camera "
+                   "paths has needed them");
   AddPhotonFlags(command, o.photons);
   command.add_option("--seed", o.seed, "of the random numbers")->capture_default_str();
 

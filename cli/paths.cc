@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/contact_sheet.h"
 #include "cli/flags.h"
 #include "cli/job_flags.h"
+#include "cli/progress.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -19,7 +22,6 @@ namespace {
 
 // Two pictures a way: 2 (1 + 3 + 4 + ... ) of them.
 constexpr std::uint32_t kDeepest = 8;
-constexpr int kGap = 2;  // between the pictures of the sheet [pixels]
 
 struct PathsFlags {
   JobRequest request;
@@ -29,49 +31,51 @@ struct PathsFlags {
 };
 
 struct WayPicture {
-  std::uint32_t surfaces;
   PathWay way;
-  Image weighted, unweighted;
+  bool weighted;
+  Image picture;
+
+  std::uint32_t surfaces() const { return way.light + way.eye - 2; }
+  // Of its layer.
+  std::string name() const {
+    return fmt::format("{}_s{}t{}", weighted ? "weighted" : "unweighted", way.light, way.eye);
+  }
 };
 
-Image RenderWay(const RenderJob& job, const std::optional<PathWay>& way, bool weighted) {
+Image RenderWay(const RenderJob& job, const std::optional<PathWay>& way, bool weighted,
+                Progress& done) {
   FrameView frame = job.frame();
   frame.options.way = way;
   frame.options.mis = weighted;
   Film film = job.MakeFilm();
-  RenderFrame(frame, film);
+  RenderFrame(frame, film, &done);
   return film.Resolve(frame.options.samples_per_pixel);
 }
 
-std::vector<WayPicture> RenderWays(const RenderJob& job) {
-  std::vector<WayPicture> pictures;
-  for (std::uint32_t surfaces = 0; surfaces <= job.options().max_depth; ++surfaces) {
+std::vector<WayPicture> WaysTo(std::uint32_t max_depth) {
+  std::vector<WayPicture> ways;
+  for (std::uint32_t surfaces = 0; surfaces <= max_depth; ++surfaces) {
     for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
       const PathWay way = {.light = light, .eye = surfaces + 2 - light};
       if (light == 1 && way.eye == 1) continue;  // what shines is seen by chance alone
-      pictures.push_back({surfaces, way, RenderWay(job, way, true), RenderWay(job, way, false)});
+      for (const bool weighted : {true, false}) ways.push_back({way, weighted, {}});
     }
   }
-  return pictures;
+  return ways;
 }
 
 // A row for each number of surfaces, a column for each number of vertices from the light; weighted
 // pictures above, unweighted ones below.
-Image Sheet(const std::vector<WayPicture>& pictures, std::uint32_t depth) {
-  const int width = pictures[0].weighted.width, height = pictures[0].weighted.height;
-  const int rows = int(depth) + 1, columns = int(depth) + 2;
-  Image sheet(columns * (width + kGap) - kGap, 2 * rows * (height + kGap) - kGap);
-  const auto paste = [&](const Image& picture, int row, int column) {
-    for (int y = 0; y < height; ++y) {
-      std::copy_n(picture.Pixel(0, y), 3 * width,
-                  sheet.Pixel(column * (width + kGap), row * (height + kGap) + y));
-    }
-  };
-  for (const WayPicture& picture : pictures) {
-    paste(picture.weighted, int(picture.surfaces), int(picture.way.light));
-    paste(picture.unweighted, rows + int(picture.surfaces), int(picture.way.light));
+ContactSheet Sheet(const std::vector<WayPicture>& pictures, std::uint32_t depth,
+                   const ToneMapping& tone) {
+  std::vector<SheetPicture> places;
+  for (const WayPicture& p : pictures) {
+    places.push_back({.row = int(p.surfaces() + (p.weighted ? 0 : depth + 1)),
+                      .column = int(p.way.light),
+                      .caption = p.name(),
+                      .picture = &p.picture});
   }
-  return sheet;
+  return MakeContactSheet(places, tone);
 }
 
 void AddLayer(const Image& picture, const std::string& name, std::vector<NamedChannel>& layers) {
@@ -98,6 +102,14 @@ int PathsMain(PathsFlags& flags) {
     CheckNotInput(path, flags.request.environment.path);
     CheckWritable(path);
   }
+  const JobRequest& wish = flags.request;
+  if (wish.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt || wish.options.way ||
+      !wish.options.mis) {
+    throw InputError(InputPosition::File("--integrator, --paths, --no-mis"),
+                     "skywave paths shows every way of bdpt, weighted and unweighted; skywave "
+                     "render takes these flags",
+                     kExitUsage);
+  }
   flags.request.integrator = Integrator::kBdpt;
   const RenderJob job(flags.request);
   const RenderOptions& options = job.options();
@@ -106,24 +118,33 @@ int PathsMain(PathsFlags& flags) {
                      fmt::format("there would be too many layers; at most {}", kDeepest),
                      kExitUsage);
   }
-  const std::vector<WayPicture> pictures = RenderWays(job);
-  std::vector<NamedChannel> layers;
-  for (const WayPicture& picture : pictures) {
-    const std::string way = fmt::format("s{}t{}", picture.way.light, picture.way.eye);
-    AddLayer(picture.weighted, "weighted_" + way, layers);
-    AddLayer(picture.unweighted, "unweighted_" + way, layers);
+  if (!flags.quiet) {
+    for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
   }
-  const Image sheet = Sheet(pictures, options.max_depth);
+  std::vector<WayPicture> pictures = WaysTo(options.max_depth);
+  Image whole;
+  {
+    Progress done = 0;
+    std::optional<ProgressDisplay> display;
+    const std::uint64_t samples =
+        std::uint64_t(options.width) * options.height * options.samples_per_pixel;
+    if (!flags.quiet) display.emplace(done, samples * (pictures.size() + 1));
+    for (WayPicture& p : pictures) p.picture = RenderWay(job, p.way, p.weighted, done);
+    whole = RenderWay(job, std::nullopt, true, done);
+  }
+  std::vector<NamedChannel> layers;
+  for (const WayPicture& p : pictures) AddLayer(p.picture, p.name(), layers);
+  const ContactSheet sheet = Sheet(pictures, options.max_depth, flags.tone);
   const Metadata metadata = {
       {"command",
        fmt::format("skywave paths {} --strategy {} --spp {}", SceneFlags(flags.request, options),
-                   flags.request.strategy, options.samples_per_pixel)},
+                   Quoted(flags.request.strategy), options.samples_per_pixel)},
       {"software", "skywave " SKYWAVE_VERSION}};
-  WriteExr(flags.output, RenderWay(job, std::nullopt, true), metadata, layers);
-  WritePng(png, sheet.width, sheet.height, ToneMap(sheet, flags.tone));
+  WriteExr(flags.output, whole, metadata, layers);
+  WritePng(png, sheet.width, sheet.height, sheet.rgb);
   if (!flags.quiet) {
     fmt::print("wrote {} ({} ways, weighted and unweighted) and their sheet {}\n", flags.output,
-               pictures.size(), png);
+               pictures.size() / 2, png);
   }
   return 0;
 }
@@ -144,8 +165,10 @@ void AddPathsCommand(CLI::App& program, Run& run) {
   command->add_flag("-q,--quiet", flags->quiet, "print errors only");
   command->footer(
       "The sheet: a row for each number of surfaces, from 0; a column for each number of vertices\n"
-      "from the light, from 0. Weighted pictures add up to the picture, unweighted ones of a row\n"
-      "each show all that they can find.\n\n"
+      "from the light, from 0; each picture under the name of its layer, weighted ones above.\n"
+      "Weighted pictures add up to the picture, unweighted ones of a row each show all that they "
+      "can\n"
+      "find. The layer without a name is the picture.\n\n"
       "Example:\n"
       "  skywave paths lamps --size 160x120 --spp 64 --max-depth 4 --exposure 1");
   command->callback([flags, &run] { run = [flags] { return PathsMain(*flags); }; });

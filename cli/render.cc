@@ -70,6 +70,10 @@ int RenderMain(RenderFlags& flags) {
   const RenderJob job(flags.request);
   if (!flags.quiet) {
     for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
+    if (job.options().guide && !HasLightPaths(job.options().integrator)) {
+      fmt::print(stderr, "note: --guide changes nothing: --integrator {} has no light paths\n",
+                 ToString(job.options().integrator));
+    }
     if (flags.photo.shutter_seconds > 0) {
       fmt::print(stderr, "note: the PNG is exposed for EV100 {:.2f}: white is {:.4g} cd/m^2\n",
                  ExposureValue100(flags.photo), std::exp2(-Tone(flags).exposure_stops));
@@ -135,6 +139,16 @@ void AddExposureFlags(CLI::App& command, RenderFlags& flags) {
       ->group(group);
 }
 
+constexpr char kIntegratorHelp[] =
+    "Integrators (--integrator):\n"
+    "  path    paths from the camera; caustics of small lights stay noisy or are missed\n"
+    "  direct  light over mirrors and glass at most\n"
+    "  light   paths from the lights; sees nothing in mirrors and through glass\n"
+    "  bdpt    paths from both ends, joined in every way: lamps in rooms, caustics\n"
+    "  photon  photon maps with a final gather; biased, --progressive N converges\n"
+    "  vcm     bdpt with merging: caustics in mirrors and behind glass too; converges with "
+    "--spp\n\n";
+
 std::string AovHelp() {
   std::string text = "Layers (--aovs):\n";
   for (const Aov& aov : Aovs()) {
@@ -167,12 +181,14 @@ void AddRenderCommand(CLI::App& program, Run& run) {
   command->add_option("--stats", flags->stats, "write the statistics as JSON to this file");
   command->add_flag("-q,--quiet", flags->quiet, "print errors only");
   command->footer(
-      AovHelp() +
+      kIntegratorHelp + AovHelp() +
       "Examples:\n"
       "  skywave render gallery -o gallery.exr\n"
       "  skywave render killeroo.pbrt --env grace.exr --env-up z --size 640x480 --spp 64\n"
       "  skywave render model.obj --env sky.hdr --ground\n"
       "  skywave render bunny.ply --env sky.hdr --integrator direct --light-samples 16\n"
+      "  skywave render three-spheres --integrator vcm --spp 256\n"
+      "  skywave render room --integrator bdpt --guide\n"
       "  skywave render gallery --aovs albedo,normal,depth -o gallery.exr");
   command->callback([flags, &run] { run = [flags] { return RenderMain(*flags); }; });
 }

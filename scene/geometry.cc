@@ -37,7 +37,7 @@ void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path)
     const glm::vec3& p = mesh.positions[i];
     // Embree's limit; beyond it the arithmetic of boxes overflows.
     if (!Finite(p) || glm::length(p) > 1e18f) {
-      fail(fmt::format("vertex {} is at ({}, {}, {})", i, p.x, p.y, p.z));
+      fail(fmt::format("vertex {} is at ({}, {}, {}); the world ends at 1e18", i, p.x, p.y, p.z));
     }
   }
   if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) {

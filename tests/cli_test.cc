@@ -50,6 +50,9 @@ class Cli : public Program {
     Put("range.pbrt", std::string("WorldBegin\n") + kLight +
                           "\nShape \"trianglemesh\" \"integer indices\" [0 1 3]\n"
                           "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+    Put("point.pbrt", std::string("WorldBegin\n") + kLight +
+                          "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+                          "  \"point P\" [1 1 1 1 1 1 1 1 1]\nWorldEnd\n");
     Put("film.pbrt",
         std::string("Film \"image\" \"integer xresolution\" 0\n") + Bytes("scene.pbrt"));
     Put("good.ply", Ply(kVertices, "3 0 1 2"));
@@ -225,9 +228,6 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
        kExitUsage,
        {"cosine", "light path", "importance"}},
       {"render scene.pbrt --integrator light --aovs variance", kExitUsage, {"variance", "light"}},
-      {"render scene.pbrt --integrator light --env map.exr --env-intensity 0",
-       kExitBadInput,
-       {"scene.pbrt", "black", "light"}},
       {"render scene.pbrt --integrator bdpt --no-mis", kExitUsage, {"--no-mis", "--paths"}},
       {"render scene.pbrt --integrator bdpt --max-depth 65", kExitUsage, {"--max-depth 65", "64"}},
       {"render scene.pbrt --paths 1,2", kExitUsage, {"--paths", "bdpt"}},
@@ -241,15 +241,60 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
        kExitUsage,
        {"--photon-distance 1000000000", "radius"}},
       {"render scene.pbrt --integrator vcm --photons 0", kExitUsage, {"--photons 0", "bdpt"}},
-      {"render scene.pbrt --integrator vcm --env map.exr --env-intensity 0",
-       kExitBadInput,
-       {"scene.pbrt", "black", "light"}},
+      {"render scene.pbrt --integrator bdpt --paths=-1,2", kExitUsage, {"--paths", "-1,2", "S,T"}},
+      {"render scene.pbrt --integrator bdpt --paths 9,9",
+       kExitUsage,
+       {"--paths", "16 surfaces", "--max-depth is 5"}},
+      {"render scene.pbrt --integrator light --photon-distance nan",
+       kExitUsage,
+       {"--photon-distance", "nan"}},
+      {"render scene.pbrt --integrator photon --photon-distance -1",
+       kExitUsage,
+       {"--photon-distance", "-1"}},
+      {"render scene.pbrt --integrator photon --photons 0 --caustic-photons 0",
+       kExitUsage,
+       {"needs photons", "--integrator direct"}},
+      {"render scene.pbrt --integrator photon --photons 0",
+       kExitUsage,
+       {"--photons 0", "mirrors", "--integrator direct"}},
+      {"render scene.pbrt --integrator photon --photons -3", kExitUsage, {"--photons", "-3"}},
+      {"render scene.pbrt --integrator photon --photon-neighbors 1",
+       kExitUsage,
+       {"--photon-neighbors"}},
+      {"render scene.pbrt --integrator photon --photon-kernel box",
+       kExitUsage,
+       {"--photon-kernel", "box", "cone"}},
+      {"render scene.pbrt --integrator photon --gather -1", kExitUsage, {"--gather"}},
+      {"render scene.pbrt --integrator photon --progressive 5",
+       kExitUsage,
+       {"--progressive 5", "--spp is 1"}},
+      {"render scene.pbrt --integrator vcm --progressive 0", kExitUsage, {"--progressive"}},
+      {"render scene.pbrt --integrator vcm --progressive-alpha 2",
+       kExitUsage,
+       {"--progressive-alpha"}},
+      {"render far.ply --env map.exr --integrator bdpt", kExitBadInput, {"vertex 1", "1e18"}},
+      {"paths scene.pbrt --integrator vcm", kExitUsage, {"--integrator", "bdpt"}},
+      {"paths scene.pbrt --paths 1,2", kExitUsage, {"--paths", "every way"}},
+      {"paths scene.pbrt -o ways.png", kExitUsage, {"ways.png", ".exr"}},
       {"paths scene.pbrt --max-depth 9", kExitUsage, {"--max-depth 9", "layers"}},
       {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
       {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
   };
+  std::vector<BadCase> all(std::begin(cases), std::end(cases));
+  // Nothing for light paths to start from, or nowhere to go.
+  for (const std::string integrator : {"light", "bdpt", "photon", "vcm"}) {
+    const std::string flag = " --integrator " + integrator;
+    all.push_back({"render scene.pbrt --env map.exr --env-intensity 0" + flag,
+                   kExitBadInput,
+                   {"scene.pbrt", "black", "--env"}});
+    all.push_back({"render dark.pbrt" + flag, kExitBadInput, {"dark.pbrt", "no light", "--env"}});
+    all.push_back({"render empty.pbrt" + flag, kExitBadInput, {"empty.pbrt", "no triangle"}});
+    all.push_back({"render point.pbrt" + flag,
+                   kExitBadInput,
+                   {"point.pbrt", "radius 0", "--integrator path"}});
+  }
   const std::set<std::string> before = Files();
-  for (const BadCase& test : cases) {
+  for (const BadCase& test : all) {
     SCOPED_TRACE("skywave " + test.arguments);
     const bool sized = Contains(test.arguments, "--size") ||
                        Contains(test.arguments, "film.pbrt") ||
@@ -297,6 +342,18 @@ TEST_F(Cli, ACameraExposesThePng) {
   EXPECT_EQ(Bytes("sum.png"), Bytes("less.png"));
   EXPECT_NE(Bytes("sum.png"), Bytes("stops.png"));
   EXPECT_EQ(Bytes("sum.exr"), Bytes("stops.exr"));
+}
+
+// A flag that cannot do what it is for is told, and only then.
+TEST_F(Cli, SaysWhenThereIsNothingToGuide) {
+  const auto notes = [&](const std::string& arguments) {
+    const Result result = Run("render " + arguments + " --size 4x3 --spp 1 --guide -o a.exr");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_TRUE(Contains(notes("lamps --integrator bdpt"), "--guide changes nothing"));
+  EXPECT_TRUE(Contains(notes("furnace"), "--integrator path has no light paths"));
+  EXPECT_FALSE(Contains(notes("furnace --integrator bdpt"), "--guide"));
 }
 
 // What was there before a failure is there after it.
@@ -519,15 +576,16 @@ TEST_F(Cli, PathsShowsEveryWay) {
     EXPECT_TRUE(Contains(bytes, std::string("weighted_") + way + ".R")) << way;
   }
   EXPECT_FALSE(Contains(bytes, "weighted_s1t1"));
-  // Four columns and six rows of 12 x 9 with gaps of 2.
+  // Four columns and six rows of 12 x 9 with gaps of 2, each picture below its caption.
   const Image sheet = ReadTexture(Path("ways.png"), Encoding::kSrgb);
   EXPECT_EQ(sheet.width, 4 * 14 - 2);
-  EXPECT_EQ(sheet.height, 6 * 11 - 2);
+  EXPECT_EQ(sheet.height, 6 * 22 - 2);
 }
 
 // A part of the film has the pixels that the whole has there, to the last bit.
 TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
-  for (const std::string camera : {"perspective --lens-radius 0.2", "orthographic", "latlong"}) {
+  for (const std::string camera : {"perspective --lens-radius 0.2", "orthographic", "latlong",
+                                   "perspective --integrator photon --photons 300 --guide"}) {
     const std::string common =
         "render good.ply --env map.exr --ground --size 12x9 --spp 4 -q "
         "--camera " +

@@ -230,5 +230,17 @@ TEST_F(Program, WritesTheSameBytesWhateverTheThreadsWaveBackendAndNames) {
   EXPECT_FALSE(Bytes("a.png") == Bytes("b.png"));
 }
 
+TEST_F(Program, WritesTheSameBytesOfLightPathsToo) {
+  for (const std::string integrator :
+       {"bdpt", "photon --photons 900 --caustic-photons 0 --progressive 3 --gather 0", "vcm"}) {
+    SCOPED_TRACE(integrator);
+    const std::string picture =
+        "render three-spheres --size 21x15 --spp 3 --guide -q --integrator " + integrator;
+    ASSERT_EQ(Run(picture + " -o a.exr --threads 1").exit_code, 0);
+    ASSERT_EQ(Run(picture + " -o b.exr --threads 8 --wave 256").exit_code, 0);
+    EXPECT_TRUE(Bytes("a.exr") == Bytes("b.exr"));
+  }
+}
+
 }  // namespace
 }  // namespace skywave

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "lights/strategy.h"
@@ -263,6 +264,41 @@ TEST(GuidedPictures, AreTheSameOverMirrorsAndLessNoisy) {
     variance[0] += even.variance[i], variance[1] += guided.variance[i];
   }
   EXPECT_LT(variance[1], 0.5 * variance[0]);
+}
+
+// Photons, seen directly and by a final gather: the more passes, the nearer to paths.
+TEST(GuidedPictures, ComeNearerToPathsByPassesOfPhotons) {
+  Scene scene = Hut();
+  scene.meshes.pop_back();
+  const auto estimate = [&](const JobRequest& request, int runs) {
+    return MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), runs, 40), 4);
+  };
+  const PictureEstimate paths = estimate(Request(Integrator::kPath, 256), 8);
+  const auto difference = [&](std::uint32_t gather, std::uint32_t passes) {
+    JobRequest request = Request(Integrator::kPhoton, 8 * passes);
+    // Whole disks of a final gather must not reach under the walls to the sunlit ground, where few
+    // guided photons fall, and bright ones.
+    request.options.photons = {.indirect = 8000,
+                               .distance = gather > 0 ? 0.09f : 0.3f,
+                               .gather = gather,
+                               .passes = passes};
+    return RelativeDifference(estimate(request, 1), paths);
+  };
+  for (const std::uint32_t gather : {0u, 1u}) {
+    const double first = difference(gather, 2), last = difference(gather, 16);
+    std::printf("gather %u: %.3f, then %.3f\n", gather, first, last);
+    EXPECT_LT(last, 0.6 * first);
+    EXPECT_LT(last, 0.15);
+  }
+}
+
+// A radius whose bias is lost in the noise; in mirrors too.
+TEST(GuidedPictures, AreThoseOfPathsWhereVerticesAreMerged) {
+  constexpr int kRuns = 12;
+  JobRequest request = Request(Integrator::kVcm, 24);
+  request.options.photons.distance = 0.03f;
+  request.options.photons.passes = 1;
+  EXPECT_TRUE(SameAsPaths(Hut(), request, kRuns, SidakLevel(8)));
 }
 
 }  // namespace

@@ -185,6 +185,7 @@ TEST(Photon, ThreadsAndWavesDoNotMatter) {
       request.options.photons.indirect = request.options.photons.caustic = 3000;
       request.options.photons.passes = passes;
       request.options.photons.gather = gather;
+      request.options.guide = passes > 1;
       const RenderJob job(scene, request);
       ExpectSameBits(job);
     }

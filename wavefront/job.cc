@@ -13,6 +13,7 @@
 #include "scene/ground.h"
 #include "scene/reader.h"
 #include "wavefront/option_checks.h"
+#include "wavefront/photon_pass.h"
 #include "wavefront/sky.h"
 
 namespace skywave {
@@ -287,6 +288,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
     emitter_ = MakeStrategy("importance", map_);
   }
   times_.tables = SecondsSince(tables_start);
+  if (options_.guide && !has_sky()) {
+    notes_.push_back(
+        "--guide changes nothing: it is for light from a map, which gives none here; light paths "
+        "start at the lights by their power");
+  }
   filter_offsets_ = FilterOffsets(options_.filter, options_.filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options_.filter_radius);
   camera_ = MakeCameraView(*scene.camera, film_width, film_height, filter_offsets_.data(), crop);
@@ -298,16 +304,25 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
   if (!(brightest_ > 0)) {
     throw InputError(InputPosition::File(scene_name_),
                      "nothing shines: the map is black and there are no lights, so no light path "
-                     "can start; use --integrator path");
+                     "can start; give light, as with --env, or render black by --integrator path");
   }
   if (!(sphere_.radius > 0) || !std::isfinite(sphere_.radius * sphere_.radius)) {
     throw InputError(
         InputPosition::File(scene_name_),
-        fmt::format("its bounds, of radius {}, are no place for light paths", sphere_.radius));
+        fmt::format("its bounds, of radius {}, are no place for light paths; use --integrator path",
+                    sphere_.radius));
   }
-  if (integrator == Integrator::kVcm && options_.photons.distance > sphere_.radius) {
+  const PhotonOptions& photons = options_.photons;
+  if (integrator == Integrator::kPhoton && photons.indirect == 0 && !HasCaustics(*geometry_)) {
     throw InputError(
-        InputPosition::File(fmt::format("--photon-distance {}", options_.photons.distance)),
+        InputPosition::File("--photons 0"),
+        "without mirrors and glass there are no caustics, so --integrator photon would "
+        "store nothing; for direct light alone use --integrator direct",
+        kExitUsage);
+  }
+  if (integrator == Integrator::kVcm && photons.distance > sphere_.radius) {
+    throw InputError(
+        InputPosition::File(fmt::format("--photon-distance {}", photons.distance)),
         fmt::format("--integrator vcm would merge what is farther apart than half of the scene, "
                     "whose radius is {}",
                     sphere_.radius),

@@ -61,9 +61,6 @@ FrameView LightPathView(const FrameView& frame) {
   return view;
 }
 
-// The map has mirrors or glass for light to come from.
-bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
-
 // The largest distance of a lookup where the user gives none. A search for the nearest ends by
 // itself where there are photons, so it is for the places where there are few.
 float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
@@ -73,6 +70,8 @@ float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
 }
 
 }  // namespace
+
+bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
 
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;

@@ -12,6 +12,9 @@
 
 namespace skywave {
 
+// Whether there are mirrors or glass for light to come from.
+bool HasCaustics(const Geometry& geometry);
+
 // One pass of a frame: samples [first_sample, first_sample + samples) of every pixel, and photons
 // of their own.
 struct PhotonPass {

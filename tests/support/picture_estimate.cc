@@ -163,6 +163,15 @@ PictureEstimate MeanOfBlocks(const PictureEstimate& picture, int side) {
   return blocks;
 }
 
+double RelativeDifference(const PictureEstimate& picture, const PictureEstimate& expected) {
+  double sum = 0, scale = 0;
+  for (std::size_t i = 0; i < expected.mean.size(); ++i) {
+    sum += std::pow(picture.mean[i] - expected.mean[i], 2);
+    scale += std::pow(expected.mean[i], 2);
+  }
+  return std::sqrt(sum / scale);
+}
+
 testing::AssertionResult SamePicture(const PictureEstimate& a, const PictureEstimate& b,
                                      double level, double rounding) {
   if (a.width != b.width || a.height != b.height) {

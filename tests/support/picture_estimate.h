@@ -41,6 +41,10 @@ PictureEstimate EstimateFromOracle(const Scene& scene, const RenderJob& job, int
 // Means over blocks of side x side pixels (smaller at the right and lower borders).
 PictureEstimate MeanOfBlocks(const PictureEstimate& picture, int side);
 
+// Root mean square of the difference of two pictures, over that of `expected`; a share of noise of
+// either is in it.
+double RelativeDifference(const PictureEstimate& picture, const PictureEstimate& expected);
+
 // Probability that a variable of Student's distribution is |t| or more away from 0.
 double StudentPValue(double t, double freedom);
 

@@ -22,7 +22,7 @@ inline void ExpectSameBits(const RenderJob& job) {
     return std::vector<std::uint64_t>(film.sums().begin(), film.sums().end());
   };
   const std::vector<std::uint64_t> expected = sums(1, 2048);
-  for (const auto& [threads, wave] : {std::pair{1, 17u}, {2, 100u}, {5, 4096u}}) {
+  for (const auto& [threads, wave] : {std::pair{1, 17u}, {2, 256u}, {8, 4096u}}) {
     EXPECT_EQ(sums(threads, wave), expected) << threads << " threads, wave " << wave;
   }
 }

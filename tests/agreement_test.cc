@@ -1,0 +1,123 @@
+// One picture by all integrators: a table of lights, materials and cameras, in which paths from the
+// camera are what others are held to. Unbiased ones have the same expectation; progressive ones
+// come nearer with every pass.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <numeric>
+#include <string>
+
+#include "tests/support/matt_room.h"
+#include "tests/support/picture_estimate.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/statistics.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+struct Row {
+  const char* name;
+  int lights;  // the map alone, an area light alone, both
+  BsdfKind bsdf;
+  float alpha;
+  float lens;  // radius
+};
+using enum BsdfKind;
+constexpr Row kRows[] = {
+    {"MapLambert", kSky, kLambert, 0, 0},
+    {"MapGlossy", kSky, kConductor, 0.15f, 0.1f},
+    {"MapGlass", kSky, kDielectric, 0, 0},
+    {"MapMirror", kSky, kMirror, 0, 0.1f},
+    {"LampLambert", kLamp, kLambert, 0, 0.1f},
+    {"LampGlossy", kLamp, kConductor, 0.15f, 0},
+    {"LampGlass", kLamp, kDielectric, 0, 0.1f},
+    {"LampMirror", kLamp, kMirror, 0, 0},
+    {"BothLambert", kSky | kLamp, kLambert, 0, 0.1f},
+    {"BothGlossy", kSky | kLamp, kConductor, 0.15f, 0},
+    {"BothGlass", kSky | kLamp, kDielectric, 0, 0},
+    {"BothMirror", kSky | kLamp, kMirror, 0, 0.1f},
+};
+constexpr int kRuns = 12;
+const double kLevel = SidakLevel(2 * std::size(kRows));
+
+JobRequest Request(const Row& row, Integrator integrator, std::uint32_t samples) {
+  JobRequest request = SmallRequest(15, 9, samples);
+  request.integrator = integrator;
+  request.max_depth = 4;
+  if (row.lens > 0) request.camera.lens_radius = row.lens;
+  return request;
+}
+
+PictureEstimate Estimate(const Scene& scene, const JobRequest& request, int runs) {
+  return MeanOfBlocks(
+      EstimateFromEngine(RenderJob(scene, request), runs, 100 * std::uint32_t(*request.integrator)),
+      3);
+}
+
+// The floor before the balls: what mirrors and glass throw on it and none of them.
+Scene WithoutBalls(Scene scene) {
+  scene.camera = LookAtCamera({0.1f, 2.2f, 2.4f}, {0.1f, 0, 1.5f}, {0, 1, 0}, 25, false);
+  return scene;
+}
+
+// Of one picture, of so many passes. Disks are whole but where photons are seen directly, so at
+// edges large ones darken.
+PictureEstimate Progressive(const Scene& scene, JobRequest request, std::uint32_t gather,
+                            std::uint32_t passes) {
+  const bool merges = request.integrator == Integrator::kVcm;
+  request.samples_per_pixel = (merges ? 12 : 8) * passes;
+  request.options.photons = {.indirect = merges ? 100000u : 2000u,
+                             .caustic = 500,
+                             .distance = merges || gather > 0 ? 0.3f : 0.8f,
+                             .gather = gather,
+                             .passes = passes};
+  return Estimate(scene, request, 1);
+}
+
+double MeanOf(const PictureEstimate& picture) {
+  return std::accumulate(picture.mean.begin(), picture.mean.end(), 0.0);
+}
+
+class Agreement : public testing::TestWithParam<Row> {};
+
+TEST_P(Agreement, OfAllIntegrators) {
+  const Row& row = GetParam();
+  const Scene scene = MattRoom(Of(row.bsdf, row.alpha), row.lights);
+  const PictureEstimate paths = Estimate(scene, Request(row, Integrator::kPath, 96), kRuns);
+
+  const PictureEstimate bdpt = Estimate(scene, Request(row, Integrator::kBdpt, 24), kRuns);
+  EXPECT_TRUE(SamePicture(bdpt, paths, kLevel)) << "bdpt";
+
+  // Light paths see nothing in mirrors and through glass.
+  const bool delta = std::uint32_t(row.bsdf) >= kFirstDeltaBsdf;
+  const Scene floor = WithoutBalls(scene);
+  const PictureEstimate light =
+      Estimate(delta ? floor : scene, Request(row, Integrator::kLight, 48), kRuns);
+  const PictureEstimate seen =
+      delta ? Estimate(floor, Request(row, Integrator::kPath, 96), kRuns) : paths;
+  EXPECT_TRUE(SamePicture(light, seen, kLevel)) << "light";
+
+  struct Way {
+    const char* name;
+    Integrator integrator;
+    std::uint32_t gather;
+  };
+  for (const Way way : {Way{"photon", Integrator::kPhoton, 0},
+                        Way{"photon with a final gather", Integrator::kPhoton, 1},
+                        Way{"vcm", Integrator::kVcm, 0}}) {
+    const JobRequest request = Request(row, way.integrator, 1);
+    const PictureEstimate picture = Progressive(scene, request, way.gather, 16);
+    const double first = RelativeDifference(Progressive(scene, request, way.gather, 1), paths);
+    const double last = RelativeDifference(picture, paths), mean = MeanOf(picture) / MeanOf(paths);
+    std::printf("%s: %.4f after a pass, %.4f after 16, mean %.4f\n", way.name, first, last, mean);
+    EXPECT_LT(last, 0.6 * first) << way.name;
+    EXPECT_LT(last, 0.04) << way.name;
+    EXPECT_NEAR(mean, 1, way.integrator == Integrator::kVcm ? 0.01 : 0.02) << way.name;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Each, Agreement, testing::ValuesIn(kRows),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace skywave
