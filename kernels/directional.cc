@@ -39,9 +39,7 @@ void PickDirectional(const LightRecord* lights, const SearchTreeView& tree, cons
   SearchColumns search;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
-    std::copy_n(u + begin, rows, search.x);
-    std::fill_n(search.item, rows, 0u);
-    Search(tree, rows, search);
+    Search(tree, u + begin, rows, search);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const VU index = hn::IfThenElseZero(RowsBelow(i, rows), Load(search.item + i));
       const PickedLights light = FetchLights(lights, index, samples);
@@ -72,8 +70,7 @@ void PickOverSplit(const LightRecord* lights, const SearchTreeView& tree, const 
       const VF scaled = hn::Mul(Load(u + begin + i), inverse_share);
       Store(Clamp(scaled, 0.0f, 0x1.fffffep-1f), search.x + i);
     }
-    std::fill_n(search.item, rows, 0u);
-    Search(tree, rows, search);
+    Search(tree, search.x, rows, search);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const std::uint32_t to = begin + i;
       const VU index = hn::IfThenElseZero(RowsBelow(i, rows), Load(search.item + i));

@@ -16,105 +16,154 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Block of a texel of the packed tables.
-HWY_INLINE VU BlockOf(VU at) {
-  static_assert(kBlockTexels == 1u << 3);
-  return hn::ShiftRight<3>(at);
-}
-
-// What packed texels weigh, without their solid angle.
+// What packed texels weigh, without their solid angle. kAbove: only what is above `base` weighs.
+template <bool kAbove>
 HWY_INLINE VF WeighTexels(VU packed, float base) {
-  const VF luminance = Dot(UnpackRadiance(packed, 1.0f), Set3(kLuminance));
-  return hn::Max(hn::Sub(luminance, Set(base)), hn::Zero(F()));
+  // Mantissas stay where they are in their words, and the weights of the channels make up for it:
+  // powers of two do not change what is rounded.
+  const VU mantissa = SetU((1u << kMantissaBits) - 1);
+  const float unit = 1.0f / (1 << kMantissaBits);
+  const auto channel = [&](VU mask) HWY_ATTR { return ToFloat(hn::And(packed, mask)); };
+  const V3 rgb = {channel(mantissa), channel(hn::ShiftLeft<kMantissaBits>(mantissa)),
+                  channel(hn::ShiftLeft<2 * kMantissaBits>(mantissa))};
+  const V3 weights = {Set(kLuminance[0]), Set(kLuminance[1] * unit),
+                      Set(kLuminance[2] * unit * unit)};
+  const VF luminance = hn::Mul(Dot(rgb, weights), PowerOf(packed));
+  return kAbove ? hn::Max(hn::Sub(luminance, Set(base)), hn::Zero(F())) : luminance;
+}
+HWY_INLINE VF WeighTexels(VU packed, float base) {
+  return base != 0 ? WeighTexels<true>(packed, base) : WeighTexels<false>(packed, base);
 }
 
-// The blocks of the rows of a chunk in halves, which is how vectors take them apart.
-constexpr std::uint32_t kHalfBlock = 4;
-static_assert(kBlockTexels == 2 * kHalfBlock);
-struct BlockRows {
-  alignas(64) PackedRadiance half[2][kChunk][kHalfBlock];
+// The lines of the rows of a chunk, as far as they are read.
+constexpr std::uint32_t kHalfTexels = kLineTexels / 2;
+struct LineRows {
+  alignas(64) float header[kChunk][4];     // TexelLine::density, left; RowArea::start, step
+  alignas(64) std::uint32_t half[kChunk];  // which half of the texels
+  // A word of no interest and the texels of that half, in two parts of four words.
+  alignas(64) PackedRadiance words[2][kChunk][4];
 };
+static_assert(kHalfTexels == 7);
 
 struct TexelPick {
-  VU packed, texel;  // the texel, and its number in the block
-  VF probability;    // in the block
-  VF x;              // position inside, in [0, 1)
+  VU packed, texel;  // the texel, and its number in its half of the line
+  VF weight;
+  VF x;  // position inside, in [0, 1)
 };
 
-// The texels of the blocks of rows i and on, of which the first `used` are in the map, on which
-// positions x of the blocks' weights fall. The sum over a block forgets a texel that weighs 2^-24
-// of those in front of it: it is drawn too rarely, and the light that is lost is no more than that.
-HWY_INLINE TexelPick PickTexels(const BlockRows& blocks, std::uint32_t i, VU used, float base,
-                                VF x) {
+// The texels of halves of lines of rows i and on, of which the first `used` are in the map, on
+// which positions x of their weights fall. The sum over them forgets a texel that weighs 2^-24 of
+// those in front of it: it is drawn too rarely, and the light that is lost is no more than that.
+template <bool kAbove>
+HWY_INLINE TexelPick PickTexels(const LineRows& lines, std::uint32_t i, VU used, float base, VF x) {
   const VF below_one = Set(0x1.fffffep-1f);
-  VU texel[kBlockTexels];
-  for (std::uint32_t h = 0; h < 2; ++h) {
-    VU* const of_half = texel + h * kHalfBlock;
-    hn::LoadInterleaved4(U(), blocks.half[h][i], of_half[0], of_half[1], of_half[2], of_half[3]);
+  VU texel[kHalfTexels + 1];  // counted from 1
+  hn::LoadInterleaved4(U(), lines.words[0][i], texel[0], texel[1], texel[2], texel[3]);
+  hn::LoadInterleaved4(U(), lines.words[1][i], texel[4], texel[5], texel[6], texel[7]);
+  VF weight[kHalfTexels + 1], end[kHalfTexels + 1];
+  for (std::uint32_t k = 1; k <= kHalfTexels; ++k) {
+    weight[k] = WeighTexels<kAbove>(texel[k], base);
+    if (kAbove) {
+      const MF inside = hn::RebindMask(F(), hn::Lt(SetU(k - 1), used));
+      weight[k] = hn::IfThenElseZero(inside, weight[k]);
+    }
+    end[k] = k == 1 ? weight[1] : hn::Add(end[k - 1], weight[k]);
   }
-  VF weight[kBlockTexels], end[kBlockTexels];
-  for (std::uint32_t k = 0; k < kBlockTexels; ++k) {
-    const MF inside = hn::RebindMask(F(), hn::Lt(SetU(k), used));
-    weight[k] = hn::IfThenElseZero(inside, WeighTexels(texel[k], base));
-    end[k] = k == 0 ? weight[0] : hn::Add(end[k - 1], weight[k]);
-  }
-  const VF total = end[kBlockTexels - 1];
+  const VF total = end[kHalfTexels];
   // Below the end even after rounding, so that what is found weighs something.
   const VF target = hn::Min(hn::Mul(x, total), hn::Mul(total, below_one));
-  TexelPick pick = {texel[0], hn::Zero(U()), weight[0], hn::Zero(F())};
+  TexelPick pick = {texel[1], hn::Zero(U()), weight[1], hn::Zero(F())};
   VF begin = hn::Zero(F());
-  for (std::uint32_t k = 1; k < kBlockTexels; ++k) {
+  for (std::uint32_t k = 2; k <= kHalfTexels; ++k) {
     const MF behind = hn::Ge(target, end[k - 1]);
     const MU behind_u = hn::RebindMask(U(), behind);
     pick.packed = IfThen(behind_u, texel[k], pick.packed);
-    pick.texel = IfThen(behind_u, SetU(k), pick.texel);
-    pick.probability = IfThen(behind, weight[k], pick.probability);
+    pick.texel = IfThen(behind_u, SetU(k - 1), pick.texel);
+    pick.weight = IfThen(behind, weight[k], pick.weight);
     begin = IfThen(behind, end[k - 1], begin);
   }
-  pick.x = hn::Min(hn::Div(hn::Sub(target, begin), pick.probability), below_one);
-  pick.probability = hn::Div(pick.probability, total);
+  pick.x = hn::Min(hn::Div(hn::Sub(target, begin), pick.weight), below_one);
   return pick;
+}
+
+struct LineHeaders {
+  VF density, left;
+  RowAreas area;
+};
+HWY_INLINE LineHeaders LoadHeaders(const LineRows& lines, std::uint32_t i) {
+  LineHeaders h;
+  hn::LoadInterleaved4(F(), lines.header[i], h.density, h.left, h.area.start, h.area.step);
+  return h;
+}
+
+// Reads lines line[0, rows) of an inversion in rows row[] of the map, and of their texels the
+// halves on which positions x fall: those become positions in the halves.
+HWY_INLINE void ReadLines(const TexelLine* texels, const RowArea* areas, const std::uint32_t* row,
+                          const std::uint32_t* line, std::uint32_t rows, float* x, LineRows& read) {
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    std::memcpy(read.header[i], &texels[line[i]], 2 * sizeof(float));
+    std::memcpy(read.header[i] + 2, &areas[row[i]], 2 * sizeof(float));
+  }
+  for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
+    const VF left = LoadHeaders(read, i).left;
+    const VF at = Load(x + i);
+    const MF behind = hn::Ge(at, left);
+    const VF start = hn::IfThenElseZero(behind, left);
+    const VF length = IfThen(behind, hn::Sub(Set(1.0f), left), left);
+    Store(hn::Div(hn::Sub(at, start), length), x + i);
+    Store(hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(1)), read.half + i);
+  }
+  for (std::uint32_t i = 0; i < rows; ++i) {
+    // From the word in front of the half.
+    const std::uint32_t* const words =
+        Words(texels + line[i]) + kLineWords - kLineTexels - 1 + read.half[i] * kHalfTexels;
+    std::memcpy(read.words[0][i], words, sizeof read.words[0][i]);
+    std::memcpy(read.words[1][i], words + 4, sizeof read.words[1][i]);
+  }
+}
+
+template <bool kAbove>
+void SampleLines(const EnvironmentView& map, const InversionView& inversion,
+                 const UniformColumns& uniforms, std::uint32_t n, float samples,
+                 const LightColumns& out) {
+  SearchColumns down, across;
+  alignas(64) std::uint32_t line[kChunk];
+  LineRows lines;
+  for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
+    const std::uint32_t rows = std::min(kChunk, n - begin);
+    Search(inversion.rows, uniforms.v + begin, rows, down);
+    Search(inversion.lines, down.item, uniforms.u + begin, rows, across,
+           [&](std::uint32_t i, std::uint32_t item) {
+             line[i] = down.item[i] * map.lines + item;
+             hwy::Prefetch(inversion.texels + line[i]);
+           });
+    ReadLines(inversion.texels, map.row_area, down.item, line, rows, across.x, lines);
+    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
+      const VU first = hn::Add(hn::Mul(Load(across.item + i), SetU(kLineTexels)),
+                               hn::Mul(Load(lines.half + i), SetU(kHalfTexels)));
+      const TexelPick pick = PickTexels<kAbove>(lines, i, hn::Sub(SetU(map.width), first),
+                                                inversion.base, Load(across.x + i));
+      // Rows behind the last are unspecified: keep the gathers inside the tables.
+      const MU inside = RowsBelow(i, rows);
+      const VU row = hn::IfThenElseZero(inside, Load(down.item + i));
+      const VU column = hn::IfThenElseZero(inside, hn::Add(first, pick.texel));
+      const V3 radiance = inversion.texels == map.texels
+                              ? UnpackRadiance(pick.packed, map.radiance_unit)
+                              : FetchTexels(map, column, row);
+      const LineHeaders header = LoadHeaders(lines, i);
+      EmitTexels(map, column, row, header.area, pick.x, Load(down.x + i), radiance,
+                 hn::Mul(hn::Mul(header.density, pick.weight), Set(samples)), out, begin + i);
+    }
+  }
 }
 
 void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
                   const UniformColumns& uniforms, std::uint32_t n, float samples,
                   const LightColumns& out) {
-  SearchColumns down, across;
-  BlockRows blocks;
-  for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
-    const std::uint32_t rows = std::min(kChunk, n - begin);
-    std::copy_n(uniforms.v + begin, rows, down.x);
-    std::fill_n(down.item, rows, 0u);
-    Search(inversion.rows, rows, down);
-    std::copy_n(uniforms.u + begin, rows, across.x);
-    std::copy_n(down.item, rows, across.item);
-    Search(inversion.blocks, rows, across);
-    const auto block = [&](std::uint32_t i) HWY_ATTR {
-      return inversion.packed + std::size_t(down.item[i]) * map.stride +
-             across.item[i] * kBlockTexels;
-    };
-    for (std::uint32_t i = 0; i < rows; ++i) hwy::Prefetch(block(i));
-    for (std::uint32_t i = 0; i < rows; ++i) {
-      const PackedRadiance* const texels = block(i);
-      for (std::uint32_t h = 0; h < 2; ++h) {
-        std::memcpy(blocks.half[h][i], texels + h * kHalfBlock, sizeof blocks.half[h][i]);
-      }
-    }
-    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
-      // Rows behind the last are unspecified: keep the gathers inside the tables.
-      const VU row = hn::IfThenElseZero(RowsBelow(i, rows), Load(down.item + i));
-      const VU first = hn::Mul(Load(across.item + i), SetU(kBlockTexels));
-      const TexelPick pick = PickTexels(blocks, i, hn::Sub(SetU(map.width), first), inversion.base,
-                                        Load(across.x + i));
-      const VF of_block = hn::Mul(hn::Mul(Load(down.mass + i), Load(across.mass + i)),
-                                  Gather(inversion.row_density, row));
-      const VU column = hn::IfThenElseZero(RowsBelow(i, rows), hn::Add(first, pick.texel));
-      const V3 radiance = inversion.packed == map.packed
-                              ? UnpackRadiance(pick.packed, map.radiance_unit)
-                              : FetchTexels(map, column, row);
-      EmitTexels(map, column, row, pick.x, Load(down.x + i), radiance,
-                 hn::Mul(hn::Mul(of_block, pick.probability), Set(samples)), out, begin + i);
-    }
+  if (inversion.base != 0) {
+    SampleLines<true>(map, inversion, uniforms, n, samples, out);
+  } else {
+    SampleLines<false>(map, inversion, uniforms, n, samples, out);
   }
 }
 
@@ -147,11 +196,12 @@ HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
 // Positions of a chunk of directions on the map.
 struct LookupColumns {
   alignas(64) float u[kChunk], v[kChunk];
-  alignas(64) std::uint32_t column[kChunk], row[kChunk];
+  alignas(64) std::uint32_t texel[kChunk];  // row-major
+  alignas(64) std::uint32_t word[kChunk];   // of the map's lines
 };
 
-// Finds the texels of directions [begin, begin + rows) and asks the memory for them: by the time
-// all are found the first have arrived.
+// Finds the texels of directions [0, rows) and asks the memory for them: by the time all are found
+// the first have arrived.
 HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& density, const float* x,
                            const float* y, const float* z, std::uint32_t rows,
                            LookupColumns& lookup) {
@@ -162,36 +212,27 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& densi
         IfThen(inside, Load3(x + i, y + i, z + i), V3{hn::Zero(F()), hn::Zero(F()), Set(1.0f)});
     VF u, v;
     MapPosition(map, dir, u, v);
+    const VU column = CellOf(u, map.width), row = CellOf(v, map.height);
     Store(u, lookup.u + i), Store(v, lookup.v + i);
-    Store(CellOf(u, map.width), lookup.column + i);
-    Store(CellOf(v, map.height), lookup.row + i);
+    Store(hn::Add(hn::Mul(row, SetU(map.width)), column), lookup.texel + i);
+    Store(WordOf(map, column, row), lookup.word + i);
   }
-  for (std::uint32_t i = 0; i < rows; ++i) {
-    hwy::Prefetch(map.packed + std::size_t(lookup.row[i]) * map.stride + lookup.column[i]);
-  }
-  if (density.inversion != nullptr) {
-    for (std::uint32_t i = 0; i < rows; ++i) {
-      const std::size_t at = std::size_t(lookup.row[i]) * map.stride + lookup.column[i];
-      hwy::Prefetch(density.inversion->block_density + at / kBlockTexels);
-    }
-  } else if (density.table != nullptr) {
-    for (std::uint32_t i = 0; i < rows; ++i) {
-      hwy::Prefetch(density.table + std::size_t(lookup.row[i]) * map.width + lookup.column[i]);
-    }
+  for (std::uint32_t i = 0; i < rows; ++i) hwy::Prefetch(Words(map.texels) + lookup.word[i]);
+  if (density.table != nullptr) {
+    for (std::uint32_t i = 0; i < rows; ++i) hwy::Prefetch(density.table + lookup.texel[i]);
   }
 }
 
 // Density of the texels whose packed form is given, too.
 HWY_INLINE VF DensityOf(const EnvironmentView& map, const TexelDensity& density, float samples,
-                        VU column, VU row, VU packed) {
-  const VU texel = hn::Add(hn::Mul(row, SetU(map.width)), column);
+                        VU texel, VU word, VU packed) {
   VF sum = hn::Zero(F());
   if (density.inversion != nullptr) {
     const InversionView& inversion = *density.inversion;
-    const VU at = PackedIndex(map, column, row);
-    if (inversion.packed != map.packed) packed = Gather(inversion.packed, at);
-    sum =
-        hn::Mul(Gather(inversion.block_density, BlockOf(at)), WeighTexels(packed, inversion.base));
+    const std::uint32_t* const words = Words(inversion.texels);
+    if (inversion.texels != map.texels) packed = Gather(words, word);
+    const VU line = hn::And(word, SetU(~(kLineWords - 1)));
+    sum = hn::Mul(AsFloat(Gather(words, line)), WeighTexels(packed, inversion.base));
   } else if (density.table != nullptr) {
     sum = Gather(density.table, texel);
   }
@@ -213,10 +254,10 @@ void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, st
       V3 radiance = {zero, zero, zero};
       VF light_pdf = zero;
       if (!hn::AllTrue(F(), seen)) {
-        const VU column = Load(lookup.column + i), row = Load(lookup.row + i);
-        const VU packed = Gather(map.packed, PackedIndex(map, column, row));
+        const VU word = Load(lookup.word + i);
+        const VU packed = Gather(Words(map.texels), word);
         radiance = UnpackRadiance(packed, map.radiance_unit);
-        light_pdf = DensityOf(map, density, samples, column, row, packed);
+        light_pdf = DensityOf(map, density, samples, Load(lookup.texel + i), word, packed);
       }
       if (!hn::AllFalse(F(), seen)) {
         radiance =
@@ -236,8 +277,8 @@ void LookUpTexels(const EnvironmentView& map, std::uint32_t n, const LightColumn
                lookup);
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const std::uint32_t to = begin + i;
-      Store3(FetchTexels(map, Load(lookup.column + i), Load(lookup.row + i)), out.r + to,
-             out.g + to, out.b + to);
+      const VU packed = Gather(Words(map.texels), Load(lookup.word + i));
+      Store3(UnpackRadiance(packed, map.radiance_unit), out.r + to, out.g + to, out.b + to);
     }
   }
 }

@@ -44,31 +44,32 @@ using PackedRadiance = std::uint32_t;
 inline constexpr std::uint32_t kMantissaBits = 9;
 inline constexpr std::uint32_t kMaxExponent = 31;
 
-// A block, half a cache line of texels of one row, is the last step of an inversion: the texels
-// themselves say what they weigh, so the line that a sample has to read for its radiance is the
-// only one of the large table that it reads.
-inline constexpr std::uint32_t kBlockTexels = 8;
+// A cache line of a map: neighbours in a row, and what an inversion knows of them, so that a random
+// access to a map is one line whatever it is for. The line is the last item of an inversion;
+// inside, the texels themselves say what they weigh: max(0, luminance - base), luminance in units
+// of radiance_unit, times their solid angle.
+inline constexpr std::uint32_t kLineTexels = 14;
+inline constexpr std::uint32_t kLineWords = 16;
+struct alignas(64) TexelLine {
+  float density;  // of a texel [1/sr] over its weight without the solid angle
+  float left;     // share of the first half of the texels
+  PackedRadiance texel[kLineTexels];
+};
+static_assert(sizeof(TexelLine) == kLineWords * sizeof(std::uint32_t));
 
-// A texel weighs max(0, luminance - base), luminance in units of radiance_unit, times its solid
-// angle.
 struct InversionView {
-  SearchTreeView rows;    // one tree over the rows
-  SearchTreeView blocks;  // one tree a row over its blocks
-  const PackedRadiance*
-      packed;  // what weighs: the map's own texels or, laid out alike, a part of them
-  float base;  // below 0: all texels weigh the same, for maps without light
-  // Density of a texel [1/sr] over max(0, luminance - base), a value a block, row after row.
-  const float* block_density;
-  // One over the solid angle of a texel and all kNodeMass on the way to its block, a value a row.
-  const float* row_density;
+  SearchTreeView rows;      // one tree over the rows
+  SearchTreeView lines;     // one tree a row over its lines
+  const TexelLine* texels;  // what weighs: the map's own or, laid out alike, others
+  float base;               // below 0: all texels weigh the same, for maps without light
 };
 
 struct EnvironmentView {
-  const PackedRadiance* packed;  // from the top, row after row of `stride`: the map as a light
-  float radiance_unit;           // power of two [scene radiance]
-  const float* rgb;              // three floats a texel: the map as it is seen
+  const TexelLine* texels;  // from the top, row after row of `lines`: the map as a light
+  float radiance_unit;      // power of two [scene radiance]
+  const float* rgb;         // three floats a texel: the map as it is seen
   std::uint32_t width, height;
-  std::uint32_t stride;  // width in whole blocks [texels]; the packed texels behind width are black
+  std::uint32_t lines;      // of a row; texels behind width are black
   float map_from_world[9];  // rows: right, forward, up
   const RowArea* row_area;  // height entries
 };

@@ -51,8 +51,14 @@ void DrawUniforms(const PathColumns& paths, const std::uint32_t* rows, std::uint
     if (rows != nullptr) {
       // Rows behind n are unspecified: keep the gather inside the table.
       const VU row = hn::IfThenElseZero(RowsBelow(i, n), Load(rows + i));
-      seed = Gather(paths.seed, row);
-      sample = Gather(paths.sample, row);
+      if (hn::AllTrue(d, hn::Eq(row, hn::Iota(d, rows[i])))) {
+        // Compaction is stable, so most rows that are neighbours here are neighbours there.
+        seed = Load(paths.seed + rows[i]);
+        sample = Load(paths.sample + rows[i]);
+      } else {
+        seed = Gather(paths.seed, row);
+        sample = Gather(paths.sample, row);
+      }
     } else {
       seed = Load(paths.seed + i);
       sample = Load(paths.sample + i);

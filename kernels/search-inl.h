@@ -17,25 +17,25 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Columns of a search in flight. A chunk stays in the first-level cache.
+// Columns of searches in flight. A chunk stays in the first-level cache.
 constexpr std::uint32_t kChunk = 128;
 struct SearchColumns {
-  alignas(64) float x[kChunk];               // in: uniform; out: position inside the item found
-  alignas(64) std::uint32_t item[kChunk];    // in: tree; out: item, counted through all trees
-  alignas(64) std::uint32_t target[kChunk];  // position on the line of the node
-  alignas(64) std::uint32_t span[kChunk];    // start of the child, and of the next one << 16
-  alignas(64) float mass[kChunk];  // out: product of the masses on the way, of kNodeMass a level
+  alignas(64) float x[kChunk];                // out: position inside the item found
+  alignas(64) std::uint32_t item[kChunk];     // node on the way; out: item of its tree
+  alignas(64) std::uint32_t limit[kChunk];    // position on the line of the node, rounded up
+  alignas(64) std::uint32_t skipped[kChunk];  // numbers of children in front that nodes do not have
+  alignas(64) std::uint32_t span[kChunk];     // start of the child, and of the next one << 16
 };
 
-// The last child that does not start behind `target`. A node is one cache line.
-HWY_INLINE std::uint32_t FindChild(const SearchNode& node, std::uint32_t target) {
+// How many children start below `limit`. A node is one cache line.
+HWY_INLINE std::size_t CountStarts(const SearchNode& node, std::uint32_t limit) {
   const hn::CappedTag<std::int16_t, kNodeFan> d;
-  const auto limit = hn::Set(d, static_cast<std::int16_t>(target));
-  std::size_t behind = 0;
+  const auto end = hn::Set(d, static_cast<std::int16_t>(limit));
+  std::size_t count = 0;
   for (std::size_t i = 0; i < kNodeFan; i += hn::Lanes(d)) {
-    behind += hn::CountTrue(d, hn::Gt(hn::Load(d, node.start + i), limit));
+    count += hn::CountTrue(d, hn::Gt(end, hn::Load(d, node.start + i)));
   }
-  return kNodeFan - 1 - static_cast<std::uint32_t>(behind);
+  return count;
 }
 
 // Start and end of a child from its span. Behind the last child stands the start of another node,
@@ -46,49 +46,61 @@ HWY_INLINE VU SpanEnd(VU span) {
   return IfThen(hn::Eq(next, SetU(0)), SetU(kNodeMass), next);
 }
 
-// Walks `n` searches down a level: `item` is the node on the way in and the child on the way out.
-HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t n, SearchColumns& s) {
+// Walks searches [0, n) of trees tree[i] from node[i] at x[i] to a child: its span, and as `item`
+// its number among the children that are there, if a tree leaves out `padding` behind its own.
+// found(i, item) is called for each.
+template <class Found>
+HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t padding,
+                             const std::uint32_t* tree, const std::uint32_t* node, const float* x,
+                             std::uint32_t n, SearchColumns& s, const Found& found) {
   const VF node_mass = Set(float(kNodeMass));
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const VF scaled = hn::Mul(Load(s.x + i), node_mass);
+    const VF scaled = hn::Mul(Load(x + i), node_mass);
     Store(scaled, s.x + i);
-    Store(ToUnsigned(scaled), s.target + i);
+    // x < 1 stays so on its way down, but whatever it is, the search stays in the node.
+    const VU target = hn::Min(ToUnsigned(scaled), SetU(kNodeMass - 1));
+    Store(hn::Add(target, SetU(1)), s.limit + i);
+    Store(hn::Mul(Load(tree + i), SetU(padding)), s.skipped + i);
   }
   for (std::uint32_t i = 0; i < n; ++i) {
-    const SearchNode& node = nodes[s.item[i]];
-    const std::uint32_t child = FindChild(node, s.target[i]);
-    std::memcpy(&s.span[i], &node.start[child], sizeof s.span[i]);
-    s.item[i] = s.item[i] * kNodeFan + child;
+    const SearchNode& here = nodes[node[i]];
+    const std::size_t child = CountStarts(here, s.limit[i]) - 1;
+    std::memcpy(&s.span[i], &here.start[child], sizeof s.span[i]);
+    s.item[i] = node[i] * kNodeFan + std::uint32_t(child) - s.skipped[i];
+    found(i, s.item[i]);
   }
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU span = Load(s.span + i);
     const VF start = ToFloat(SpanStart(span)), end = ToFloat(SpanEnd(span));
-    const VF mass = hn::Sub(end, start);
-    Store(hn::Div(hn::Sub(Load(s.x + i), start), mass), s.x + i);
-    Store(hn::Mul(Load(s.mass + i), mass), s.mass + i);
+    Store(hn::Div(hn::Sub(Load(s.x + i), start), hn::Sub(end, start)), s.x + i);
   }
 }
 
-// Searches the tree whose number stands in `item`. Afterwards the span is that of the item in its
-// leaf. A level's nodes are numbered through all trees, so that the child numbers of one level,
-// less what the padding of the level above skips, are node numbers of the next.
-HWY_INLINE void Search(const SearchTreeView& trees, std::uint32_t n, SearchColumns& s) {
-  alignas(64) std::uint32_t tree[kChunk];
-  std::copy_n(s.item, n, tree);
-  std::fill_n(s.mass, n, 1.0f);
-  for (std::uint32_t level = 0; level < trees.levels; ++level) {
-    if (level > 0) {
-      // Child c of node (tree, k) is node tree * nodes + (k * fan + c) of the next level.
-      const std::uint32_t above = trees.nodes[level - 1] * kNodeFan, here = trees.nodes[level];
-      for (std::uint32_t i = 0; i < n; ++i) {
-        s.item[i] -= tree[i] * (above - here);
-        hwy::Prefetch(trees.level[level] + s.item[i]);
-      }
-    }
-    DescendLevel(trees.level[level], n, s);
+// For searches of one tree.
+alignas(64) inline constexpr std::uint32_t kFirstTree[kChunk] = {};
+
+// Searches tree[i] at x[i] in [0, 1), and calls found(i, item) as soon as an item is known, which
+// is the time to ask the memory for what belongs to it. A level's nodes are numbered through all
+// trees, so that the child numbers of one level, less what the padding of the level above skips,
+// are node numbers of the next.
+template <class Found>
+HWY_INLINE void Search(const SearchTreeView& trees, const std::uint32_t* tree, const float* x,
+                       std::uint32_t n, SearchColumns& s, const Found& found) {
+  const std::uint32_t* node = tree;  // a tree has one root
+  const std::uint32_t last = trees.levels - 1;
+  for (std::uint32_t level = 0; level < last; ++level) {
+    const SearchNode* const below = trees.level[level + 1];
+    const std::uint32_t padding = trees.nodes[level] * kNodeFan - trees.nodes[level + 1];
+    DescendLevel(trees.level[level], padding, tree, node, x, n, s,
+                 [&](std::uint32_t, std::uint32_t next) { hwy::Prefetch(below + next); });
+    node = s.item, x = s.x;
   }
-  const std::uint32_t slots = trees.nodes[trees.levels - 1] * kNodeFan;
-  for (std::uint32_t i = 0; i < n; ++i) s.item[i] -= tree[i] * slots;
+  const std::uint32_t all = trees.nodes[last] * kNodeFan;
+  DescendLevel(trees.level[last], all, tree, node, x, n, s, found);
+}
+HWY_INLINE void Search(const SearchTreeView& tree, const float* x, std::uint32_t n,
+                       SearchColumns& s) {
+  Search(tree, kFirstTree, x, n, s, [](std::uint32_t, std::uint32_t) {});
 }
 
 }  // namespace HWY_NAMESPACE

@@ -64,9 +64,12 @@ void SampleCells(const EnvironmentView& map, const CellsView& cells, const Searc
   SearchColumns search;
   for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
     const std::uint32_t rows = std::min(kChunk, n - begin);
-    std::copy_n(uniforms.u + begin, rows, search.x);
-    std::fill_n(search.item, rows, 0u);
-    if (tree != nullptr) Search(*tree, rows, search);
+    if (tree != nullptr) {
+      Search(*tree, uniforms.u + begin, rows, search);
+    } else {
+      std::copy_n(uniforms.u + begin, rows, search.x);
+      std::fill_n(search.item, rows, 0u);
+    }
     for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
       const MU inside = RowsBelow(i, rows);
       const MF used = hn::RebindMask(F(), inside);

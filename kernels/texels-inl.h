@@ -13,23 +13,35 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
+// 2^(exponent - kMaxExponent) of packed radiance, assembled in the exponent field of a float.
+HWY_INLINE VF PowerOf(VU packed) {
+  static_assert(3 * kMantissaBits == 27 && kMaxExponent == 31);
+  const VU exponent = hn::And(hn::ShiftRight<4>(packed), SetU(kMaxExponent << 23));
+  return AsFloat(hn::Or(exponent, SetU((127 - kMaxExponent) << 23)));
+}
 HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
   const VU mantissa = SetU((1u << kMantissaBits) - 1);
-  // 2^(exponent - 31) assembled in the exponent field of a float.
-  const VU exponent = hn::ShiftRight<3 * kMantissaBits>(packed);
-  const VF power = AsFloat(hn::ShiftLeft<23>(hn::Add(exponent, SetU(127 - kMaxExponent))));
-  const VF scale = hn::Mul(power, Set(unit));
+  const VF scale = hn::Mul(PowerOf(packed), Set(unit));
   return Scale({ToFloat(hn::And(packed, mantissa)),
                 ToFloat(hn::And(hn::ShiftRight<kMantissaBits>(packed), mantissa)),
                 ToFloat(hn::And(hn::ShiftRight<2 * kMantissaBits>(packed), mantissa))},
                scale);
 }
 
-HWY_INLINE VU PackedIndex(const EnvironmentView& map, VU column, VU row) {
-  return hn::Add(hn::Mul(row, SetU(map.stride)), column);
+// Lines as words, and where among them a texel of the map is.
+HWY_INLINE const std::uint32_t* Words(const TexelLine* lines) {
+  return reinterpret_cast<const std::uint32_t*>(lines);
+}
+HWY_INLINE VU WordOf(const EnvironmentView& map, VU column, VU row) {
+  // column / kLineTexels, exact for columns below 43690.
+  static_assert(kLineTexels == 14 && 18725 * kLineTexels - (1 << 18) == 6);
+  const VU line = hn::ShiftRight<18>(hn::Mul(column, SetU(18725)));
+  const VU skipped = hn::Mul(line, SetU(kLineWords - kLineTexels));
+  return hn::Add(hn::Mul(row, SetU(map.lines * kLineWords)),
+                 hn::Add(hn::Add(column, skipped), SetU(kLineWords - kLineTexels)));
 }
 HWY_INLINE V3 FetchTexels(const EnvironmentView& map, VU column, VU row) {
-  return UnpackRadiance(Gather(map.packed, PackedIndex(map, column, row)), map.radiance_unit);
+  return UnpackRadiance(Gather(Words(map.texels), WordOf(map, column, row)), map.radiance_unit);
 }
 
 HWY_INLINE V3 WorldFromMap(const EnvironmentView& map, const V3& m) {
@@ -55,14 +67,22 @@ HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
   return hn::Min(ToUnsigned(hn::Min(scaled, Set(float(count)))), SetU(count - 1));
 }
 
+// RowArea of rows, a vector of each field.
+struct RowAreas {
+  VF start, step;
+};
+HWY_INLINE RowAreas FetchAreas(const EnvironmentView& map, VU row) {
+  const auto* areas = reinterpret_cast<const float*>(map.row_area);
+  const VU at = hn::ShiftLeft<1>(row);
+  return {Gather(areas, at), Gather(areas, hn::Add(at, SetU(1)))};
+}
+
 // Writes row `to` and on of `out`: directions inside texels at (fx, fy) in [0, 1)^2, uniform in
 // solid angle, the texels' radiance and the given density. column and row must be inside the map.
-HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx, VF fy,
-                           const V3& radiance, VF density, const LightColumns& out,
+HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, const RowAreas& area,
+                           VF fx, VF fy, const V3& radiance, VF density, const LightColumns& out,
                            std::uint32_t to) {
-  const auto* areas = reinterpret_cast<const float*>(map.row_area);
-  const VU area = hn::ShiftLeft<1>(row);
-  const VF w = hn::Add(Gather(areas, area), hn::Mul(Gather(areas, hn::Add(area, SetU(1))), fy));
+  const VF w = hn::Add(area.start, hn::Mul(area.step, fy));
   const VF sine = hn::Mul(Set(2.0f), SafeSqrt(hn::Mul(w, hn::Sub(Set(1.0f), w))));
   const VF up_north = hn::Sub(Set(1.0f), hn::Mul(Set(2.0f), w));
   const MU north = hn::Lt(row, SetU((map.height + 1) / 2));
@@ -78,7 +98,8 @@ HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx,
 }
 HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, VF fx, VF fy, VF density,
                            const LightColumns& out, std::uint32_t to) {
-  EmitTexels(map, column, row, fx, fy, FetchTexels(map, column, row), density, out, to);
+  EmitTexels(map, column, row, FetchAreas(map, row), fx, fy, FetchTexels(map, column, row), density,
+             out, to);
 }
 
 }  // namespace HWY_NAMESPACE

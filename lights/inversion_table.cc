@@ -42,44 +42,49 @@ float BaseLuminance(const Texels& texels, double& compensate) {
   return 0;
 }
 
-InversionTable::InversionTable(const Texels& texels, float base)
+InversionTable::InversionTable(Texels& texels, float base)
     : texels_(&texels),
       base_(base / texels.unit()),
       rows_(texels.height(), 1),
-      blocks_(texels.stride() / kBlockTexels, texels.height()) {
+      lines_(texels.lines_per_row(), texels.height()) {
   const std::uint32_t width = texels.width(), height = texels.height();
-  const std::uint32_t blocks = blocks_.items();
+  const std::uint32_t lines = lines_.items();
   const auto solid_angle = [&](std::uint32_t row) {
     return RowSolidAngle(int(width), int(height), int(row));
   };
-  std::vector<double> weight(std::size_t(height) * blocks), row_weight(height);
+  std::vector<double> weight(std::size_t(height) * lines), row_weight(height);
   tbb::parallel_for(0u, height, [&](std::uint32_t row) {
-    double* const of_block = &weight[std::size_t(row) * blocks];
-    for (std::uint32_t column = 0; column < width; ++column) {
-      // The kernel's own rounding: a texel weighs nothing here if it weighs nothing there.
-      of_block[column / kBlockTexels] +=
-          std::max(0.0f, texels.Luminance(column, row) / texels.unit() - base_);
+    const std::size_t first = std::size_t(row) * lines;
+    for (std::uint32_t line = 0; line < lines; ++line) {
+      double half[2] = {};
+      const std::uint32_t begin = line * kLineTexels, end = std::min(begin + kLineTexels, width);
+      for (std::uint32_t column = begin; column < end; ++column) {
+        // The kernel's own rounding: a texel weighs nothing here if it weighs nothing there.
+        half[(column - begin) / (kLineTexels / 2)] +=
+            std::max(0.0f, texels.Luminance(column, row) / texels.unit() - base_);
+      }
+      weight[first + line] = half[0] + half[1];
+      texels.lines()[first + line].left =
+          half[1] > 0 ? float(half[0] / weight[first + line]) : 1.0f;
+      row_weight[row] += weight[first + line];
     }
-    row_weight[row] = std::accumulate(of_block, of_block + blocks, 0.0) * solid_angle(row);
+    row_weight[row] *= solid_angle(row);
   });
   std::vector<double> row_node(rows_.leaves());
   std::vector<std::uint16_t> row_mass(height);
   rows_.Set(0, row_weight.data(), row_mass.data(), row_node.data());
 
-  const double whole = std::pow(kNodeMass, rows_.view().levels + blocks_.view().levels);
-  row_density_.resize(height);
-  block_density_.resize(weight.size());
   tbb::parallel_for(0u, height, [&](std::uint32_t row) {
-    std::vector<std::uint16_t> mass(blocks);
-    std::vector<double> node(blocks_.leaves());
-    const std::size_t first = std::size_t(row) * blocks;
-    row_density_[row] = float(1 / (solid_angle(row) * whole));
-    blocks_.Set(row, &weight[first], mass.data(), node.data());
+    std::vector<std::uint16_t> mass(lines);
+    std::vector<double> node(lines_.leaves());
+    const std::size_t first = std::size_t(row) * lines;
+    lines_.Set(row, &weight[first], mass.data(), node.data());
     const double row_density = row_node[row / kNodeFan] * row_mass[row] / solid_angle(row);
-    for (std::uint32_t b = 0; b < blocks; ++b) {
-      const double probability = node[b / kNodeFan] * mass[b];
-      if (weight[first + b] > 0) {
-        block_density_[first + b] = float(row_density * probability / weight[first + b]);
+    for (std::uint32_t line = 0; line < lines; ++line) {
+      const double probability = node[line / kNodeFan] * mass[line];
+      if (weight[first + line] > 0) {
+        texels.lines()[first + line].density =
+            float(row_density * probability / weight[first + line]);
       }
     }
   });
@@ -87,11 +92,9 @@ InversionTable::InversionTable(const Texels& texels, float base)
 
 InversionView InversionTable::view() const {
   return {.rows = rows_.view(),
-          .blocks = blocks_.view(),
-          .packed = texels_->view().packed,
-          .base = base_,
-          .block_density = block_density_.data(),
-          .row_density = row_density_.data()};
+          .lines = lines_.view(),
+          .texels = texels_->view().texels,
+          .base = base_};
 }
 
 }  // namespace skywave

@@ -17,20 +17,16 @@ class InversionTable {
  public:
   // Directions are drawn with a probability proportional to max(0, luminance - base) times solid
   // angle, except for a rounding that the density knows. Some texel must rise above the base.
-  // `texels` must outlive it.
-  InversionTable(const Texels& texels, float base);
+  // `texels` must outlive it, and nobody else make a table of them: their lines get the densities.
+  InversionTable(Texels& texels, float base);
 
   InversionView view() const;
-  std::size_t bytes() const {
-    return rows_.bytes() + blocks_.bytes() +
-           (block_density_.size() + row_density_.size()) * sizeof(float);
-  }
+  std::size_t bytes() const { return rows_.bytes() + lines_.bytes(); }
 
  private:
   const Texels* texels_;
   float base_;  // in units of the texels
-  SearchTrees rows_, blocks_;
-  std::vector<float> block_density_, row_density_;
+  SearchTrees rows_, lines_;
 };
 
 }  // namespace skywave

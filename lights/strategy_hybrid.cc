@@ -61,7 +61,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   } else {
     texels_.emplace(map, options.inside ? held : b);
     if (options.inside) rest_texels_.emplace(map, b);
-    const Texels& rest = rest_texels_ ? *rest_texels_ : *texels_;
+    Texels& rest = rest_texels_ ? *rest_texels_ : *texels_;
     double compensate = 0;
     rest_table_.emplace(rest, BaseLuminance(rest, compensate));
   }

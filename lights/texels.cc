@@ -56,9 +56,9 @@ RowArea AreaOfRow(std::uint32_t row, std::uint32_t height) {
 Texels::Texels(const EnvironmentMap& map, const Image& light)
     : width_(std::uint32_t(map.latlong.width)),
       height_(std::uint32_t(map.latlong.height)),
-      stride_((width_ + kBlockTexels - 1) / kBlockTexels * kBlockTexels),
+      lines_per_row_((width_ + kLineTexels - 1) / kLineTexels),
       map_from_world_(map.map_from_world),
-      blocks_(std::size_t(stride_) / kBlockTexels * height_),
+      lines_(std::size_t(lines_per_row_) * height_),
       rgb_(map.latlong.rgb.data()),
       row_area_(height_) {
   for (std::uint32_t row = 0; row < height_; ++row) row_area_[row] = AreaOfRow(row, height_);
@@ -83,10 +83,9 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
   };
   std::vector<std::array<float, 3>> handed_on(height_);
   tbb::parallel_for(0u, height_, [&](std::uint32_t row) {
-    PackedRadiance* const texels = packed() + std::size_t(row) * stride_;
     handed_on[row] = {};
     for (std::uint32_t i = 0; i < width_; ++i) {
-      pack(texels[i], light.Pixel(int(i), int(row)), handed_on[row].data());
+      pack(packed(i, row), light.Pixel(int(i), int(row)), handed_on[row].data());
     }
   });
   // The ends of rows hand on to the beginnings of the next ones, where a few texels take it.
@@ -96,12 +95,11 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
                          RowSolidAngle(int(width_), int(height_), int(row));
     std::array<float, 3> lost = handed_on[row - 1];
     for (float& channel : lost) channel *= float(ratio);
-    PackedRadiance* const texels = packed() + std::size_t(row) * stride_;
     for (std::uint32_t i = 0; i < width_; ++i) {
       if (std::max({lost[0], lost[1], lost[2]}) <= nothing) break;
       float held[3];
-      Unpack(texels[i], unit_, held);
-      pack(texels[i], held, lost.data());
+      Unpack(packed(i, row), unit_, held);
+      pack(packed(i, row), held, lost.data());
     }
     for (int c = 0; c < 3; ++c) handed_on[row][c] += lost[c];
   }
@@ -109,28 +107,27 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
 
 float Texels::Luminance(std::uint32_t column, std::uint32_t row) const {
   float rgb[3];
-  Unpack(packed()[std::size_t(row) * stride_ + column], unit_, rgb);
+  Unpack(packed(column, row), unit_, rgb);
   return skywave::Luminance(rgb);
 }
 
 Image Texels::Held() const {
   Image held(static_cast<int>(width_), static_cast<int>(height_));
   for (std::uint32_t row = 0; row < height_; ++row) {
-    const PackedRadiance* const texels = packed() + std::size_t(row) * stride_;
     for (std::uint32_t i = 0; i < width_; ++i) {
-      Unpack(texels[i], unit_, held.Pixel(int(i), int(row)));
+      Unpack(packed(i, row), unit_, held.Pixel(int(i), int(row)));
     }
   }
   return held;
 }
 
 EnvironmentView Texels::view() const {
-  EnvironmentView view = {.packed = packed(),
+  EnvironmentView view = {.texels = lines_.data(),
                           .radiance_unit = unit_,
                           .rgb = rgb_,
                           .width = width_,
                           .height = height_,
-                          .stride = stride_,
+                          .lines = lines_per_row_,
                           .map_from_world = {},
                           .row_area = row_area_.data()};
   std::copy(map_from_world_.begin(), map_from_world_.end(), view.map_from_world);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "kernels/environment.h"
@@ -9,7 +10,7 @@
 
 namespace skywave {
 
-// Immutable; the map must outlive it, for its pixels are what is seen. Packing rounds each channel
+// The map must outlive it, for its pixels are what is seen. Packing rounds each channel
 // down to 9 bits of the brightest channel of its texel (exact for what comes from Radiance files)
 // and hands what is lost on to the next texel, so the light of a map is kept. Texels dimmer than
 // 2^-40 of the brightest become black as lights.
@@ -28,23 +29,27 @@ class Texels {
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
-  std::uint32_t stride() const { return stride_; }
   float unit() const { return unit_; }
-  std::size_t bytes() const { return blocks_.size() * sizeof(Block); }
+  std::size_t bytes() const { return lines_.size() * sizeof(TexelLine); }
   EnvironmentView view() const;
 
- private:
-  struct alignas(kBlockTexels * sizeof(PackedRadiance)) Block {
-    PackedRadiance texel[kBlockTexels] = {};
-  };
-  // Row after row of `stride` texels.
-  const PackedRadiance* packed() const { return blocks_.data()->texel; }
-  PackedRadiance* packed() { return blocks_.data()->texel; }
+  // Row after row; densities and shares are there for an inversion to write, once.
+  std::uint32_t lines_per_row() const { return lines_per_row_; }
+  std::vector<TexelLine>& lines() { return lines_; }
 
-  std::uint32_t width_, height_, stride_;
+ private:
+  const PackedRadiance& packed(std::uint32_t column, std::uint32_t row) const {
+    return lines_[std::size_t(row) * lines_per_row_ + column / kLineTexels]
+        .texel[column % kLineTexels];
+  }
+  PackedRadiance& packed(std::uint32_t column, std::uint32_t row) {
+    return const_cast<PackedRadiance&>(std::as_const(*this).packed(column, row));
+  }
+
+  std::uint32_t width_, height_, lines_per_row_;
   float unit_;
   std::array<float, 9> map_from_world_;
-  std::vector<Block> blocks_;
+  std::vector<TexelLine> lines_;
   const float* rgb_;  // the map's
   std::vector<RowArea> row_area_;
 };

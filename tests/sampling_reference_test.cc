@@ -88,7 +88,7 @@ void ExpectDrawn(const std::function<void(const UniformColumns&, const LightColu
 }
 
 TEST(SamplingReference, Inversion) {
-  const Texels texels(Map());
+  Texels texels(Map());
   const Image held = texels.Held();
   const InversionTable table(texels, 0);
   const InversionView view = table.view();
@@ -109,15 +109,15 @@ TEST(SamplingReference, Inversion) {
       },
       [&](double u, double v) {
         const std::uint32_t row = WalkTree(view.rows, 0, v);
-        const std::uint32_t block = WalkTree(view.blocks, row, u);
-        const int first = int(block * kBlockTexels);
-        const int end = std::min(first + int(kBlockTexels), held.width);
+        const std::uint32_t line = WalkTree(view.lines, row, u);
+        const int first = int(line * kLineTexels);
+        const int end = std::min(first + int(kLineTexels), held.width);
         const auto weight = [&](int x) { return Luminance(held.Pixel(x, int(row))); };
         double total = 0;
         for (int x = first; x < end; ++x) total += weight(x);
         int column = first;
         for (u *= total; u >= weight(column); ++column) u -= weight(column);
-        const double p = probability(view.rows, 0, row) * probability(view.blocks, row, block) *
+        const double p = probability(view.rows, 0, row) * probability(view.lines, row, line) *
                          weight(column) / total;
         return Drawn{column, int(row), u / weight(column), v,
                      kSamples * p / RowSolidAngle(held.width, held.height, int(row))};
