@@ -3,8 +3,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <random>
 #include <vector>
+
+#include "wavefront/point_tree.h"
 
 namespace skywave {
 
@@ -31,6 +34,15 @@ inline Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
     for (std::size_t axis = 0; axis < 3; ++axis) points.axes[axis].push_back(p[axis]);
   }
   return points;
+}
+
+// The tree of points, each with its place as its number.
+inline PointTree TreeOf(const Points& points) {
+  std::vector<TreePoint> of(points.axes[0].size());
+  for (std::uint32_t i = 0; i < of.size(); ++i) {
+    of[i] = {.at = {points.axes[0][i], points.axes[1][i], points.axes[2][i]}, .number = i};
+  }
+  return PointTree(of);
 }
 
 }  // namespace skywave
