@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -17,18 +18,16 @@ namespace {
 
 // Smaller ranges are worked on by one thread.
 constexpr std::size_t kLeastParallel = 1 << 12;
-// Points of which each part of a division has as many, or fewer.
-constexpr std::size_t kPart = 1 << 14;
+// Most points that one thread divides at a time: as many as lie on its stack meanwhile, 64 KiB.
+constexpr std::size_t kPart = 1 << 12;
 
-// Of points along an axis: by coordinate and number, so that no two are alike and halves do not
-// depend on how they are found.
-struct Before {
-  std::uint32_t axis;
-  bool operator()(const TreePoint& a, const TreePoint& b) const {
-    const float x = a.at[axis], y = b.at[axis];
-    return bool(int(x < y) | (int(x == y) & int(a.number < b.number)));
-  }
-};
+// Points along an axis are ordered by coordinate and number, so that no two are alike and halves do
+// not depend on how they are found; as one whole number, so that one comparison tells.
+std::uint64_t KeyOf(const TreePoint& point, std::uint32_t axis) {
+  const auto bits = std::bit_cast<std::uint32_t>(point.at[axis] + 0.0f);  // -0 is 0
+  const std::uint32_t negative = 0 - (bits >> 31);
+  return std::uint64_t(bits ^ (negative | 0x80000000u)) << 32 | point.number;
+}
 
 struct Box {
   std::array<float, 3> low, high;
@@ -44,12 +43,13 @@ Box BoxOf(std::span<const TreePoint> points, Box box) {
   return box;
 }
 
-std::uint32_t WidestAxis(std::span<const TreePoint> points) {
+Box BoxOf(std::span<const TreePoint> points) {
   Box nothing;
   nothing.low.fill(std::numeric_limits<float>::infinity());
   nothing.high.fill(-std::numeric_limits<float>::infinity());
-  const Box box = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, points.size(), kPart), nothing,
+  if (points.size() <= kLeastParallel) return BoxOf(points, nothing);
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, points.size(), kLeastParallel), nothing,
       [&](const auto& range, const Box& so_far) {
         return BoxOf(points.subspan(range.begin(), range.size()), so_far);
       },
@@ -61,6 +61,10 @@ std::uint32_t WidestAxis(std::span<const TreePoint> points) {
         }
         return both;
       });
+}
+
+std::uint32_t WidestAxis(std::span<const TreePoint> points) {
+  const Box box = BoxOf(points);
   std::uint32_t widest = 0;
   for (std::uint32_t axis = 1; axis < 3; ++axis) {
     if (box.high[axis] - box.low[axis] > box.high[widest] - box.low[widest]) widest = axis;
@@ -68,21 +72,25 @@ std::uint32_t WidestAxis(std::span<const TreePoint> points) {
   return widest;
 }
 
-// Puts points before `pivot` first and returns their number. Exchanges every point, so that no
-// branch waits for a comparison that could have gone either way.
-std::size_t DivideSerially(std::span<TreePoint> points, const TreePoint& pivot, Before before) {
-  std::size_t below = 0;
-  for (TreePoint& point : points) {
-    const TreePoint moved = point;
-    point = points[below], points[below] = moved;
-    below += before(moved, pivot);
+// Puts points before `pivot` first and returns their number; at most kPart points. Every point is
+// written to both sides: no branch waits for a comparison that could have gone either way, and
+// nothing is read that was written just before.
+std::size_t DividePart(std::span<TreePoint> points, std::uint64_t pivot, std::uint32_t axis) {
+  std::array<TreePoint, kPart> others;
+  std::size_t below = 0, above = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const TreePoint point = points[i];
+    const bool first = KeyOf(point, axis) < pivot;
+    points[below] = others[above] = point;
+    below += first, above += !first;
   }
+  std::copy_n(others.begin(), above, points.begin() + std::ptrdiff_t(below));
   return below;
 }
 
 // The same, parts at a time; what is then on the wrong side of the border is exchanged.
-std::size_t Divide(std::span<TreePoint> points, const TreePoint& pivot, Before before) {
-  if (points.size() <= 2 * kPart) return DivideSerially(points, pivot, before);
+std::size_t Divide(std::span<TreePoint> points, std::uint64_t pivot, std::uint32_t axis) {
+  if (points.size() <= kPart) return DividePart(points, pivot, axis);
   struct Run {
     std::size_t begin, end;
   };
@@ -90,7 +98,7 @@ std::size_t Divide(std::span<TreePoint> points, const TreePoint& pivot, Before b
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     const std::span<TreePoint> part =
         points.subspan(i * kPart, std::min(kPart, points.size() - i * kPart));
-    parts[i] = {i * kPart, i * kPart + DivideSerially(part, pivot, before)};
+    parts[i] = {i * kPart, i * kPart + DividePart(part, pivot, axis)};
   });
   std::size_t border = 0;
   for (const Run& part : parts) border += part.end - part.begin;
@@ -124,28 +132,30 @@ std::size_t Divide(std::span<TreePoint> points, const TreePoint& pivot, Before b
 // Puts the k-th point where it belongs, and those before it there. Pivots are a little to either
 // side of where a sample says it is, so that few points are moved more than once (Floyd and Rivest
 // 1975).
-void Select(std::span<TreePoint> points, std::size_t k, Before before) {
-  constexpr std::size_t kFew = 8, kMostSamples = 1024;
-  std::array<TreePoint, kMostSamples> samples;
+void Select(std::span<TreePoint> points, std::size_t k, std::uint32_t axis) {
+  constexpr std::size_t kFew = 32, kMostSamples = 1024;
+  std::array<std::uint64_t, kMostSamples> samples;
   while (points.size() > kFew) {
     const std::size_t n = points.size();
     const std::size_t count =
         std::clamp(std::size_t(std::sqrt(double(n))), std::size_t{5}, kMostSamples);
-    for (std::size_t i = 0; i < count; ++i) samples[i] = points[i * n / count];
-    std::sort(samples.begin(), samples.begin() + std::ptrdiff_t(count), before);
+    const std::size_t step = n / count;
+    for (std::size_t i = 0; i < count; ++i) samples[i] = KeyOf(points[i * step], axis);
+    std::sort(samples.begin(), samples.begin() + std::ptrdiff_t(count));
     const std::size_t rank = k * count / n, margin = std::size_t(std::sqrt(double(count)));
     // Never the first of them: something is always before a pivot.
     const std::size_t at =
         2 * rank < count ? std::min(rank + margin, count - 1) : std::max(rank, margin + 1) - margin;
-    const TreePoint pivot = samples[at];
-    const std::size_t below = Divide(points, pivot, before);
+    const std::size_t below = Divide(points, samples[at], axis);
     if (k < below) {
       points = points.first(below);
     } else {
       points = points.subspan(below), k -= below;
     }
   }
-  std::nth_element(points.begin(), points.begin() + std::ptrdiff_t(k), points.end(), before);
+  std::nth_element(
+      points.begin(), points.begin() + std::ptrdiff_t(k), points.end(),
+      [axis](const TreePoint& a, const TreePoint& b) { return KeyOf(a, axis) < KeyOf(b, axis); });
 }
 
 struct Builder {
@@ -166,7 +176,7 @@ struct Builder {
     }
     const std::uint32_t axis = WidestAxis(mine);
     const std::size_t middle = FirstOfLeaf(leaf + count / 2) - begin;
-    Select(mine, middle, {.axis = axis});
+    Select(mine, middle, axis);
     nodes[node] = {.split = mine[middle].at[axis], .axis = axis};
     const auto left = [&] { Build(2 * node, leaf, count / 2); };
     const auto right = [&] { Build(2 * node + 1, leaf + count / 2, count / 2); };
