@@ -14,12 +14,11 @@
 namespace skywave {
 namespace {
 
-const PointTree& TreeOf(std::size_t count, bool caustic) {
+const PointTree& KeptTree(std::size_t count, bool caustic) {
   static std::map<std::pair<std::size_t, bool>, PointTree> trees;
   const auto [at, fresh] = trees.try_emplace({count, caustic});
   if (fresh) {
-    const Points points = MakePoints(count, caustic, 1);
-    at->second = PointTree(points.axes[0], points.axes[1], points.axes[2]);
+    at->second = TreeOf(MakePoints(count, caustic, 1));
   }
   return at->second;
 }
@@ -37,7 +36,7 @@ void BuildTree(benchmark::State& state) {
   tbb::task_arena arena(int(state.range(1)));
   for (auto _ : state) {
     arena.execute([&] {
-      const PointTree tree(points.axes[0], points.axes[1], points.axes[2]);
+      const PointTree tree = TreeOf(points);
       benchmark::DoNotOptimize(tree.view().nodes);
     });
   }
@@ -53,7 +52,7 @@ void Nearest(benchmark::State& state) {
   const auto count = std::size_t(state.range(0));
   const auto neighbors = std::uint32_t(state.range(1));
   const bool caustic = state.range(2) != 0;
-  const PointTree& tree = TreeOf(count, caustic);
+  const PointTree& tree = KeptTree(count, caustic);
   const Points queries = MakePoints(kQueries, caustic, 2);
   const float radius = 3 * EvenRadius(count, neighbors);
   const soa::Table<NeighborColumns> found(kBlock * NearestRoom(neighbors));
@@ -72,7 +71,7 @@ BENCHMARK(Nearest)
 
 void Range(benchmark::State& state) {
   const auto count = std::size_t(state.range(0));
-  const PointTree& tree = TreeOf(count, false);
+  const PointTree& tree = KeptTree(count, false);
   const Points queries = MakePoints(kQueries, false, 2);
   const float radius = EvenRadius(count, std::uint32_t(state.range(1)));
   constexpr std::uint32_t kRoom = 256;

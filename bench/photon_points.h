@@ -1,10 +1,16 @@
 // Points to search for: photons without a scene.
 #pragma once
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <random>
 #include <vector>
+
+#include "wavefront/point_tree.h"
 
 namespace skywave {
 
@@ -31,6 +37,17 @@ inline Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
     for (std::size_t axis = 0; axis < 3; ++axis) points.axes[axis].push_back(p[axis]);
   }
   return points;
+}
+
+// The tree of points, each with its place as its number.
+inline PointTree TreeOf(const Points& points) {
+  const std::size_t count = points.axes[0].size();
+  const auto of = std::make_unique_for_overwrite<TreePoint[]>(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    of[i] = {.at = {points.axes[0][i], points.axes[1][i], points.axes[2][i]},
+             .number = std::uint32_t(i)};
+  });
+  return PointTree({of.get(), count});
 }
 
 }  // namespace skywave

@@ -51,10 +51,8 @@ Work TracePass(const char* scene) {
 }
 
 Work BuildTree(const Points& points) {
-  return {"tree of 1e6 [photons]", [&points](int) {
-            return std::uint64_t(
-                PointTree(points.axes[0], points.axes[1], points.axes[2]).view().count);
-          }};
+  return {"tree of 1e6 [photons]",
+          [&points](int) { return std::uint64_t(TreeOf(points).view().count); }};
 }
 
 Work FindNeighbors(const PointTree& tree, const Points& queries) {
@@ -109,7 +107,7 @@ double Median(std::vector<double> values) {
 
 int Main(int repetitions, int threads) {
   const Points points = MakePoints(kPoints, false, 1), queries = MakePoints(kQueries, false, 2);
-  const PointTree tree(points.axes[0], points.axes[1], points.axes[2]);
+  const PointTree tree = TreeOf(points);
   const Work works[] = {TracePass("lamps"),     TracePass("three-spheres"),
                         BuildTree(points),      FindNeighbors(tree, queries),
                         RenderPass("lamps", 0), RenderPass("lamps", 8)};

@@ -8,6 +8,7 @@
 
 #include "cli/flags.h"
 #include "lights/projections.h"
+#include "wavefront/photon_map.h"
 
 namespace skywave {
 namespace {
@@ -100,13 +101,11 @@ std::string CameraFlags(const CameraRequest& c) {
 
 void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
   const auto group = "Photon mapping, vertex merging (--integrator photon, vcm)";
-  // More have no place in an index of 31 bits beside what a light path may add.
-  constexpr std::uint32_t kMostPhotons = 1000000000;
   const auto add = [&](const char* name, auto& value, const char* help, CLI::Validator check) {
     command.add_option(name, value, help)->check(check)->capture_default_str()->group(group);
   };
   add("--photons", p.indirect,
-      "to store for indirect light; vcm: light vertices of a pass, at most, on average",
+      "to store for indirect light; vcm: light vertices that a pass keeps at most",
       CLI::Range(0u, kMostPhotons));
   add("--caustic-photons", p.caustic, "to store for light from mirrors and glass",
       CLI::Range(0u, kMostPhotons));

@@ -46,7 +46,8 @@ inline constexpr float kLeastNormalCosine = 0.5f;
 
 // Turns neighbors [0, n) into light from dir with r, g, b = flux * kernel / |cos|, the cosine
 // between dir and the query's normal: times f |cos| it is reflected radiance. Black where the
-// photon does not count.
+// photon does not count. Neighbors of a leaf follow each other, as searches find them, or it is
+// slow.
 void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std::uint32_t n,
                  const PhotonQuery& query, const LightColumns& out);
 
@@ -54,5 +55,11 @@ void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std
 // sums, row i in sum i % 16, and then these one after the other.
 void SumReflected(const BsdfValueColumns& values, const LightColumns& light, std::uint32_t n,
                   float* rgb);
+
+// Copies of a surface in rows [0, n) of `to`, and up to the end of the last vector: its BSDF is
+// evaluated for a vector of photons at a time. The columns are those that BsdfKernels::evaluate
+// reads.
+void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
+                   const SurfaceColumns& to);
 
 }  // namespace skywave

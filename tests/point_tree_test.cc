@@ -34,11 +34,11 @@ struct Cloud {
 };
 
 PointTree MakeTree(const std::vector<Point>& points) {
-  std::vector<float> axes[3];
+  std::vector<TreePoint> numbered;
   for (const Point& p : points) {
-    for (std::size_t axis = 0; axis < 3; ++axis) axes[axis].push_back(p[axis]);
+    numbered.push_back({.at = {p[0], p[1], p[2]}, .number = std::uint32_t(numbered.size())});
   }
-  return PointTree(axes[0], axes[1], axes[2]);
+  return PointTree(numbered);
 }
 
 // With the rounding of the kernels.

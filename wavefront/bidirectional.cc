@@ -24,10 +24,6 @@ void SpreadDirections(const RayColumns& rays, std::uint32_t n, const LightColumn
   }
 }
 
-EmissionGuideView GuideOf(const FrameView& frame) {
-  return frame.guide != nullptr ? frame.guide->view() : EmissionGuideView();
-}
-
 // Traces the shadow rays of w.lights, one for each of the eye's surfaces that take light samples,
 // and adds what arrives.
 void TraceAndAdd(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {

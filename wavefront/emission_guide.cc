@@ -190,41 +190,44 @@ EnvironmentMap Finer(const EnvironmentMap& map, int factor) {
 // Of every texel: the cell of its centre, and how often light samples are in it.
 struct MapTexels {
   std::vector<std::uint32_t> cell;
-  std::vector<double> probability;
+  std::vector<double> probability;  // empty: of strategies whose lights stand for parts of the map
 };
 MapTexels LocateTexels(const EnvironmentMap& map, const EnvStrategy& strategy) {
   const Image& image = map.latlong;
-  const std::size_t width = std::size_t(image.width);
+  const auto n = std::uint32_t(image.width);
+  const std::size_t all = std::size_t(image.width) * std::size_t(image.height);
   MapTexels texels;
-  texels.cell.resize(width * std::size_t(image.height));
-  texels.probability.resize(texels.cell.size());
+  texels.cell.resize(all);
+  if (strategy.unbiased()) texels.probability.resize(all);
   // Of every column the horizontal direction, which rows lift.
   std::vector<Vector3> horizon;
-  for (std::size_t x = 0; x < width; ++x) {
+  for (std::uint32_t x = 0; x < n; ++x) {
     horizon.push_back(DirectionOfUv((double(x) + 0.5) / image.width, 0.5));
   }
-  tbb::parallel_for(0, image.height, [&](int y) {
-    const auto n = std::uint32_t(image.width);
+  tbb::parallel_for(tbb::blocked_range<int>(0, image.height), [&](const auto& range) {
     const soa::Table<EscapeColumns> rows(n);
-    const Vector3 row = DirectionOfUv(0.5, (y + 0.5) / image.height);  // forwards
-    for (std::uint32_t x = 0; x < n; ++x) {
-      const auto world =
-          WorldFromMap({row.y * horizon[x].x, row.y * horizon[x].y, row.z}, map.map_from_world);
-      rows->dir_x[x] = world[0], rows->dir_y[x] = world[1], rows->dir_z[x] = world[2];
-      rows->pdf[x] = 1;
-    }
-    // Strategies that can emit do not look at surfaces.
-    const SurfaceColumns surfaces = {};
-    const PathColumns paths = {};
-    strategy.EvaluateEscaped({.surfaces = surfaces, .ranges = {}, .materials = {}, .paths = paths},
-                             n, 1, rows);
-    const double solid_angle = RowSolidAngle(image.width, image.height, y);
-    const std::size_t first = std::size_t(y) * width;
-    soa::Table<DiskPlaceColumns> places(n);
-    FindGuideCells(rows->dir_x, rows->dir_y, rows->dir_z, n, places->cell);
-    std::copy_n(places->cell, n, &texels.cell[first]);
-    for (std::uint32_t x = 0; x < n; ++x) {
-      texels.probability[first + x] = double(rows->light_pdf[x]) * solid_angle;
+    std::vector<std::uint32_t> cells(PaddedRows(n));
+    for (int y = range.begin(); y < range.end(); ++y) {
+      const Vector3 row = DirectionOfUv(0.5, (y + 0.5) / image.height);  // forwards
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const auto world =
+            WorldFromMap({row.y * horizon[x].x, row.y * horizon[x].y, row.z}, map.map_from_world);
+        rows->dir_x[x] = world[0], rows->dir_y[x] = world[1], rows->dir_z[x] = world[2];
+        rows->pdf[x] = 1;
+      }
+      const std::size_t first = std::size_t(y) * n;
+      FindGuideCells(rows->dir_x, rows->dir_y, rows->dir_z, n, cells.data());
+      std::copy_n(cells.begin(), n, &texels.cell[first]);
+      if (texels.probability.empty()) continue;
+      // Strategies that can emit do not look at surfaces.
+      const SurfaceColumns surfaces = {};
+      const PathColumns paths = {};
+      strategy.EvaluateEscaped(
+          {.surfaces = surfaces, .ranges = {}, .materials = {}, .paths = paths}, n, 1, rows);
+      const double solid_angle = RowSolidAngle(image.width, image.height, y);
+      for (std::uint32_t x = 0; x < n; ++x) {
+        texels.probability[first + x] = double(rows->light_pdf[x]) * solid_angle;
+      }
     }
   });
   return texels;
@@ -344,14 +347,14 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
 
   // Lights that stand for parts of the map are drawn by nobody but their strategy.
   std::vector<double> shares;
-  if (strategy.unbiased()) {
+  if (!texels.probability.empty()) {
     shares.resize(kGuideCells);
     for (std::size_t i = 0; i < texels.cell.size(); ++i) {
       shares[texels.cell[i]] += texels.probability[i];
     }
   }
   EmissionGuide guide = MakeGuide(std::move(needs), shares, frame.sphere);
-  if (!guide.empty() && strategy.unbiased()) {
+  if (!guide.empty() && !shares.empty()) {
     for (std::size_t i = 0; i < texels.cell.size(); ++i) {
       texels.probability[i] *= double(guide.cells[texels.cell[i]].gain);
     }

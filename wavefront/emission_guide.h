@@ -49,6 +49,11 @@ struct EmissionGuide {
   EmissionGuideView view() const;
 };
 
+// The guide of a frame; nothing was learnt where it has none.
+inline EmissionGuideView GuideOf(const FrameView& frame) {
+  return frame.guide != nullptr ? frame.guide->view() : EmissionGuideView();
+}
+
 // The table, for a scene within `sphere`. `shares`: how often light samples are in a cell, if
 // directions are to be guided too; else empty. The order of `needs` does not matter, and is lost.
 EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,

@@ -49,7 +49,7 @@ void GuideDistantRays(const FrameView& frame, const LightShares& shares, std::ui
     frame.strategy->EvaluateEscaped(Points(frame, w), n, shares.of_strategy, seen);
     light_pdf = seen.light_pdf;
   }
-  GuideStarts(frame.sphere, frame.guide->view(), w.lobe, light_pdf, n, rays, w.light->emission);
+  GuideStarts(frame.sphere, GuideOf(frame), w.lobe, light_pdf, n, rays, w.light->emission);
 }
 
 }  // namespace

@@ -1,15 +1,12 @@
 #include "wavefront/merging_pass.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
-#include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
-#include "wavefront/photon_stages.h"
-#include "wavefront/render.h"
+#include "wavefront/photon_harvest.h"
 
 namespace skywave {
 namespace {
@@ -28,33 +25,19 @@ constexpr float kMergedDistance = 0.5f;
 // of them (Grittmann, Yazici, Georgiev and Slusallek 2021). They count as so many of them.
 constexpr float kMergeWorth = 0.3f;
 
-// The vertices of light paths [first, first + count) of the frame.
-PhotonMap TraceLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t count,
-                          std::vector<std::unique_ptr<Worker>>& workers,
-                          std::vector<RayRecorder>* recorders) {
-  const std::uint32_t wave = frame.options.wave;
-  std::vector<PhotonList> waves((count + wave - 1) / wave);
-  tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
-    const FlushDenormals flush;
-    const std::size_t slot = OwnWorker(frame.options, workers);
-    FrameView view = frame;
-    view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
-    const std::uint64_t traced = i * wave;
-    TraceVertexWave(view, first + traced,
-                    std::uint32_t(std::min<std::uint64_t>(wave, count - traced)), *workers[slot],
-                    waves[i]);
-  });
-  std::vector<Photon> photons;
-  std::vector<PhotonSubpath> subpaths;
-  std::size_t vertices = 0;
-  for (const PhotonList& list : waves) vertices += list.photons.size();
-  photons.reserve(vertices), subpaths.reserve(vertices);
-  for (PhotonList& list : waves) {
-    photons.insert(photons.end(), list.photons.begin(), list.photons.end());
-    subpaths.insert(subpaths.end(), list.subpath.begin(), list.subpath.end());
-    list = {};
-  }
-  return PhotonMap(photons, count, subpaths);
+// The vertices of light paths [first, first + count) of the frame, or of the first of them that
+// have `most` together.
+PhotonMap MapOfVertices(const FrameView& frame, std::uint64_t first, std::uint64_t count,
+                        std::uint64_t most, std::vector<std::unique_ptr<Worker>>& workers,
+                        std::vector<RayRecorder>* recorders) {
+  const std::uint32_t max_depth = frame.options.max_depth;
+  Harvest caustic, vertices(std::min(most, count * max_depth), max_depth, true);
+  const auto trace = [](const FrameView& view, std::uint64_t number, std::uint32_t paths,
+                        Worker& worker, PhotonLists& lists) {
+    TraceVertexWave(view, number, paths, worker, lists.indirect);
+  };
+  HarvestLightPaths(frame, first, count, trace, caustic, vertices, workers, recorders);
+  return PhotonMap(vertices.photons(), vertices.light_paths(), vertices.subpaths());
 }
 
 }  // namespace
@@ -72,7 +55,9 @@ MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker
   const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
   const std::uint64_t most = frame.light_paths() * samples;
   const std::uint64_t traced = std::min(most, kPlanningPaths);
-  const PhotonMap map = TraceLightPaths(frame, kFirstPlanningPath, traced, workers, recorders);
+  const PhotonMap map =
+      MapOfVertices(frame, kFirstPlanningPath, traced, std::numeric_limits<std::uint64_t>::max(),
+                    workers, recorders);
   const double vertices = double(map.size()) / double(traced);  // of a light path
   MergePlan plan = {.light_paths = most, .radius = wish.distance};
   if (vertices * double(most) > wish.indirect) {
@@ -89,8 +74,8 @@ PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const Pho
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders) {
   const std::uint64_t first = std::uint64_t(pass.first_sample) << 32;
-  PhotonMap map =
-      TraceLightPaths(frame, first, frame.merged > 0 ? plan.light_paths : 0, workers, recorders);
+  PhotonMap map = MapOfVertices(frame, first, frame.merged > 0 ? plan.light_paths : 0,
+                                frame.options.photons.indirect, workers, recorders);
   map.radius = plan.radius * pass.shrink;
   return map;
 }

@@ -24,10 +24,10 @@ struct MergePlan {
 };
 
 // As many light paths as the shortest pass has paths, but no more than store
-// options.photons.indirect vertices on average. The radius is options.photons.distance, or, if that
-// is 0, half of the distance within which a vertex has options.photons.neighbors others. Both by
-// light paths that are not used otherwise. The caller is in the arena whose threads the workers
-// belong to; `recorders` as in RenderFrame.
+// options.photons.indirect vertices on average; a pass that has so many before ends there. The
+// radius is options.photons.distance, or, if that is 0, half of the distance within which a vertex
+// has options.photons.neighbors others. Both by light paths that are not used otherwise. The caller
+// is in the arena whose threads the workers belong to; `recorders` as in RenderFrame.
 MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
                       std::vector<RayRecorder>* recorders);
 

@@ -1,10 +1,15 @@
 #include "wavefront/option_checks.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
 
 #include "base/error.h"
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/option_names.h"
+#include "wavefront/photon_map.h"
+#include "wavefront/photon_pass.h"
 
 namespace skywave {
 namespace {
@@ -16,6 +21,14 @@ void CheckSplit(const RenderOptions& options) {
         fmt::format("splits paths: --integrator {} has none", ToString(options.integrator)),
         kExitUsage);
   }
+}
+
+// Of a pass: options.photons.indirect, or all that its light paths could leave.
+std::uint64_t MostVertices(const RenderOptions& options) {
+  const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
+  const std::uint64_t paths =
+      std::uint64_t(options.width) * std::uint64_t(options.height) * samples;
+  return std::min<std::uint64_t>(options.photons.indirect, paths * options.max_depth);
 }
 
 // Of passes that store photons or light vertices.
@@ -39,6 +52,8 @@ void CheckPhotons(const RenderOptions& options) {
            fmt::format("each pass needs a sample a pixel, and --spp is {}",
                        options.samples_per_pixel));
   }
+  CheckPhotonMemory(options,
+                    std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE)));
   if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
     refuse("--aovs " + ToString(options.aovs),
            "--integrator photon does not keep direct and indirect light apart");
@@ -88,6 +103,32 @@ void CheckBidirectional(const RenderOptions& options) {
 }
 
 }  // namespace
+
+void RefusePhotons(const RenderOptions& options, const std::string& why) {
+  const PhotonOptions& photons = options.photons;
+  const bool merges = options.integrator == Integrator::kVcm;
+  const std::string caustic =
+      merges ? std::string() : fmt::format(" --caustic-photons {}", photons.caustic);
+  throw InputError(InputPosition::File(fmt::format("--photons {}{}", photons.indirect, caustic)),
+                   why + "; ask for fewer", kExitUsage);
+}
+
+void CheckPhotonMemory(const RenderOptions& options, std::uint64_t memory) {
+  const PhotonOptions& photons = options.photons;
+  const bool merges = options.integrator == Integrator::kVcm;
+  const std::uint64_t count =
+      merges ? MostVertices(options) : std::uint64_t{photons.indirect} + photons.caustic;
+  const std::uint64_t bytes = count * PhotonBytes(merges);
+  constexpr double kGigabyte = 1e9;
+  if (std::max(photons.indirect, photons.caustic) > kMostPhotons) {
+    RefusePhotons(options, fmt::format("a map has room for {}", kMostPhotons));
+  }
+  if (bytes > memory) {
+    RefusePhotons(options,
+                  fmt::format("they take {:.1f} GB while maps are built, and there are {:.1f} GB",
+                              double(bytes) / kGigabyte, double(memory) / kGigabyte));
+  }
+}
 
 void CheckIntegrator(const RenderOptions& options) {
   const bool one_start =

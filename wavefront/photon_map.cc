@@ -5,17 +5,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 namespace skywave {
 namespace {
 
 PointTree TreeOf(std::span<const Photon> photons) {
-  std::vector<float> axes[3];
-  for (std::vector<float>& axis : axes) axis.resize(photons.size());
+  const auto points = std::make_unique_for_overwrite<TreePoint[]>(photons.size());
   tbb::parallel_for(std::size_t{0}, photons.size(), [&](std::size_t i) {
-    for (std::size_t axis = 0; axis < 3; ++axis) axes[axis][i] = photons[i].position[axis];
+    const float* const at = photons[i].position;
+    points[i] = {.at = {at[0], at[1], at[2]}, .number = std::uint32_t(i)};
   });
-  return PointTree(axes[0], axes[1], axes[2]);
+  return PointTree({points.get(), photons.size()});
 }
 
 }  // namespace
@@ -23,8 +24,8 @@ PointTree TreeOf(std::span<const Photon> photons) {
 PhotonMap::PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths,
                      std::span<const PhotonSubpath> subpaths)
     : tree_(TreeOf(photons)),
-      photons_(std::uint32_t(photons.size())),
-      subpaths_(std::uint32_t(subpaths.size())),
+      photons_(std::uint32_t(photons.size()), soa::Touch::kLater),
+      subpaths_(std::uint32_t(subpaths.size()), soa::Touch::kLater),
       light_paths_(light_paths) {
   const double share = light_paths > 0 ? 1 / double(light_paths) : 0;
   const PhotonColumns& to = photons_.columns();

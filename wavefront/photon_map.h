@@ -1,7 +1,7 @@
 // Where light paths arrived, in an order in which neighbors are found.
 //
 // The photon pass hands over photons in the order (light path, surface), so a map depends on
-// neither threads nor waves. A photon takes 36 bytes until the map is built, 41 in it, and 80 in
+// neither threads nor waves. A photon takes 36 bytes until the map is built, 41 in it, and 77 in
 // between; where paths are merged (vcm), 44, 49 and 93.
 #pragma once
 
@@ -27,6 +27,16 @@ struct Photon {
 struct PhotonSubpath {
   float joined_before, joined_earlier;
 };
+
+// More photons have no place in an index of 31 bits beside what a light path may add.
+inline constexpr std::uint32_t kMostPhotons = 1000000000;
+
+// Memory of a photon while its map is built, of which the half is kept [bytes].
+constexpr std::uint64_t PhotonBytes(bool with_subpaths) {
+  const std::size_t row = sizeof(Photon) + sizeof(PointTreeNode) / (kLeafPoints / 2) +
+                          soa::BytesPerRow<TreeRowColumns>() + soa::BytesPerRow<PhotonColumns>();
+  return row + (with_subpaths ? 2 * sizeof(PhotonSubpath) : 0);
+}
 
 struct PhotonMapView {
   PointTreeView tree;

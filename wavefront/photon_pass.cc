@@ -1,57 +1,15 @@
 #include "wavefront/photon_pass.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
-#include "wavefront/photon_stages.h"
-#include "wavefront/render.h"
+#include "wavefront/photon_harvest.h"
 
 namespace skywave {
 namespace {
-
-// Light paths that are traced before anybody looks how full the maps are.
-constexpr std::uint64_t kLeastRound = 1 << 14, kMostRound = 1 << 18;
-
-// A map before it is built: photons in the order of light paths, and how many of these they are of.
-struct Harvest {
-  std::uint64_t wanted;
-  std::vector<Photon> photons;
-  std::uint64_t light_paths = 0;
-
-  bool full() const { return photons.size() >= wanted; }
-  std::uint64_t missing() const { return full() ? 0 : wanted - photons.size(); }
-
-  // Takes the photons of waves of `wave` light paths each, paths [first, end) in all, up to the
-  // path that fills the map.
-  void Take(const std::vector<PhotonLists>& waves, PhotonList PhotonLists::*kind,
-            std::uint64_t first, std::uint64_t end, std::uint64_t wave) {
-    struct Part {
-      const PhotonList* list;
-      std::size_t count, at;
-    };
-    std::vector<Part> parts;
-    std::size_t size = photons.size();
-    for (std::size_t i = 0; i < waves.size() && size < wanted; ++i, first += wave) {
-      const PhotonList& list = waves[i].*kind;
-      const std::size_t all = list.path.size();
-      std::size_t count = std::min<std::size_t>(all, wanted - size);
-      while (count > 0 && count < all && list.path[count] == list.path[count - 1]) ++count;
-      parts.push_back({.list = &list, .count = count, .at = size});
-      size += count;
-      light_paths = size < wanted ? std::min(first + wave, end) : first + list.path[count - 1] + 1;
-    }
-    photons.resize(size);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-      std::copy_n(parts[i].list->photons.begin(), parts[i].count,
-                  photons.begin() + std::ptrdiff_t(parts[i].at));
-    });
-  }
-};
 
 // The strategy of camera paths may want many light samples or surfaces to draw them for.
 FrameView LightPathView(const FrameView& frame) {
@@ -102,50 +60,31 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders) {
-  const FrameView lit = LightPathView(frame);
   const PhotonOptions& wish = frame.options.photons;
-  const std::uint32_t wave = frame.options.wave;
+  const std::uint32_t max_depth = frame.options.max_depth;
   // One set of photons for all samples, whichever of them are rendered, or one for each pass.
-  const std::uint64_t first_number =
-      wish.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
-  Harvest caustic = {.wanted = HasCaustics(*frame.geometry) ? wish.caustic : 0, .photons = {}};
-  Harvest indirect = {.wanted = wish.indirect, .photons = {}};
+  const std::uint64_t first = wish.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
   // A photon that is no direct light at the surface that is seen has met one before.
-  if (frame.options.max_depth < 2) caustic.wanted = indirect.wanted = 0;
-  // The path that fills a map may bring more. Memory is known beforehand: growth would double it.
-  for (Harvest* const harvest : {&caustic, &indirect}) {
-    if (harvest->wanted > 0) harvest->photons.reserve(harvest->wanted + frame.options.max_depth);
-  }
-  const std::uint64_t most = kMostPathsAPhoton * std::max(caustic.wanted, indirect.wanted);
-  std::vector<PhotonLists> waves;
-  for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
-    const std::uint64_t missing = std::max(caustic.missing(), indirect.missing());
-    const std::uint64_t round =
-        std::min(std::clamp(missing, kLeastRound, kMostRound), most - traced);
+  const bool any = max_depth >= 2;
+  Harvest caustic(any && HasCaustics(*frame.geometry) ? wish.caustic : 0, max_depth, false);
+  Harvest indirect(any ? wish.indirect : 0, max_depth, false);
+  const auto trace = [&](const FrameView& view, std::uint64_t number, std::uint32_t count,
+                         Worker& worker, PhotonLists& lists) {
     const PhotonWishes wishes = {
         .caustic = !caustic.full(), .indirect = !indirect.full(), .all_light = wish.gather > 0};
-    waves.assign((round + wave - 1) / wave, {});
-    tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
-      const FlushDenormals flush;
-      const std::size_t slot = OwnWorker(frame.options, workers);
-      FrameView view = lit;
-      view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
-      const std::uint64_t first = traced + i * wave;
-      TracePhotonWave(view, first_number + first,
-                      std::uint32_t(std::min<std::uint64_t>(wave, traced + round - first)), wishes,
-                      *workers[slot], waves[i]);
-    });
-    caustic.Take(waves, &PhotonLists::caustic, traced, traced + round, wave);
-    indirect.Take(waves, &PhotonLists::indirect, traced, traced + round, wave);
-    traced += round;
-  }
+    TracePhotonWave(view, number, count, wishes, worker, lists);
+  };
+  HarvestLightPaths(LightPathView(frame), first,
+                    kMostPathsAPhoton * std::max(caustic.wanted(), indirect.wanted()), trace,
+                    caustic, indirect, workers, recorders);
   PhotonMaps maps;
-  maps.caustic = PhotonMap(caustic.photons, caustic.light_paths);
-  caustic = {};
-  maps.indirect = PhotonMap(indirect.photons, indirect.light_paths);
-  for (PhotonMap* const map : {&maps.caustic, &maps.indirect}) {
-    map->radius = ChooseRadius(*map, wish);
-  }
+  const auto build = [&wish](Harvest& harvest, PhotonMap& map) {
+    map = PhotonMap(harvest.photons(), harvest.light_paths());
+    map.radius = ChooseRadius(map, wish);
+    harvest = {};
+  };
+  tbb::parallel_invoke([&] { build(caustic, maps.caustic); },
+                       [&] { build(indirect, maps.indirect); });
   return maps;
 }
 

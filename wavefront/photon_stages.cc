@@ -95,20 +95,6 @@ Photon PhotonAt(const SurfaceColumns& s, std::uint32_t row, std::uint32_t depth)
           .depth = depth};
 }
 
-void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
-                   const SurfaceColumns& to) {
-  const auto repeat = [row, n](const auto* column, auto* copies) {
-    std::fill_n(copies, n, column[row]);
-  };
-  repeat(from.wo_x, to.wo_x), repeat(from.wo_y, to.wo_y), repeat(from.wo_z, to.wo_z);
-  repeat(from.ng_x, to.ng_x), repeat(from.ng_y, to.ng_y), repeat(from.ng_z, to.ng_z);
-  repeat(from.ns_x, to.ns_x), repeat(from.ns_y, to.ns_y), repeat(from.ns_z, to.ns_z);
-  repeat(from.color_r, to.color_r), repeat(from.color_g, to.color_g);
-  repeat(from.color_b, to.color_b);
-  repeat(from.material, to.material);
-  repeat(from.varying_0, to.varying_0), repeat(from.varying_1, to.varying_1);
-}
-
 void PhotonList::SortByPath(std::uint32_t paths) {
   std::vector<std::uint32_t> first(paths + 1, 0);
   for (const std::uint32_t p : path) ++first[p + 1];

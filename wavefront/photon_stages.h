@@ -32,11 +32,6 @@ struct PhotonWishes {
 // The photon that arrived at a surface, which is the `depth`-th of its path.
 Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t depth);
 
-// Copies of a surface in rows [0, n) of `to`: its BSDF is evaluated for a vector of photons at a
-// time. The columns are those that BsdfKernels::evaluate reads.
-void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,
-                   const SurfaceColumns& to);
-
 // Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
 // that want them, and keeps in w.photon->history what kinds of surfaces each path has met.
 void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,

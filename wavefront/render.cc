@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <new>
 
 #include "wavefront/emission_guide.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrator.h"
 #include "wavefront/merging_pass.h"
+#include "wavefront/option_checks.h"
 #include "wavefront/photon_pass.h"
 #include "wavefront/worker.h"
 
@@ -128,6 +130,26 @@ std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<
   return slot;
 }
 
+namespace {
+
+// What a pass stores of light paths.
+PhotonMaps TracePass(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
+                     std::vector<std::unique_ptr<Worker>>& workers,
+                     std::vector<RayRecorder>* recorders) {
+  try {
+    if (frame.options.integrator != Integrator::kVcm) {
+      return TracePhotons(frame, pass, workers, recorders);
+    }
+    PhotonMaps maps;
+    maps.indirect = TraceVertices(frame, plan, pass, workers, recorders);
+    return maps;
+  } catch (const std::bad_alloc&) {
+    RefusePhotons(frame.options, "there is no memory left for so many");
+  }
+}
+
+}  // namespace
+
 void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
                  std::vector<RayRecorder>* recorders, PhotonCounts& counts,
                  const std::function<void(const FrameView&)>& render) {
@@ -138,12 +160,9 @@ void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
   for (const PhotonPass& pass : PhotonPasses(frame.options)) {
     const auto start = std::chrono::steady_clock::now();
     FrameView view = frame;
-    PhotonMaps maps;
-    if (merges) {
-      view.merged = plan.MergedArea(pass);
-      maps.indirect = TraceVertices(view, plan, pass, workers, recorders);
-    } else {
-      maps = TracePhotons(frame, pass, workers, recorders);
+    if (merges) view.merged = plan.MergedArea(pass);
+    PhotonMaps maps = TracePass(view, plan, pass, workers, recorders);
+    if (!merges) {
       if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
       if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
       maps.caustic.radius = caustic_radius * pass.shrink;

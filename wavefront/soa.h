@@ -1,6 +1,7 @@
 // Structure-of-arrays tables: one aligned block of memory behind a struct of column pointers.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -29,8 +30,13 @@ consteval std::size_t BytesPerRow() {
   return bytes;
 }
 
-// Owns the memory of a record's columns. Allocates once; the block is cleared by the thread that
-// constructs it, which is the worker that will use it (first touch).
+// Who writes the memory of a table first.
+enum class Touch {
+  kHere,  // the thread that constructs it, with zeros: the worker that will use it
+  kLater  // many threads, with what they put there; values are indeterminate until then
+};
+
+// Owns the memory of a record's columns. Allocates once.
 template <class Columns>
 class Table {
   static_assert(CountColumns<Columns>() * sizeof(void*) == sizeof(Columns),
@@ -38,14 +44,14 @@ class Table {
 
  public:
   Table() = default;
-  explicit Table(std::uint32_t rows) : rows_(rows) {
+  explicit Table(std::uint32_t rows, Touch touch = Touch::kHere) : rows_(rows) {
     const std::size_t padded = PaddedRows(rows);
     std::size_t bytes = 0;
     Columns::ForEachColumn(columns_, [&](auto*& column) { bytes += Room(column, padded); });
     block_.reset(static_cast<std::byte*>(std::aligned_alloc(kColumnAlignment, bytes)));
     if (!block_) throw std::bad_alloc();
     std::byte* next = block_.get();
-    for (std::size_t i = 0; i < bytes; ++i) next[i] = std::byte{0};
+    if (touch == Touch::kHere) std::fill_n(next, bytes, std::byte{0});
     Columns::ForEachColumn(columns_, [&](auto*& column) {
       column = reinterpret_cast<std::remove_reference_t<decltype(column)>>(next);
       next += Room(column, padded);
