@@ -106,8 +106,21 @@ void AimAtDisk(const PhotonDisk& disk, PhotonKernel kernel, const RayColumns& ra
   }
 }
 
-std::uint32_t SeenCells(const PhotonDisk& disk, const TriangleRecord* triangles,
-                        const RayColumns& rays, const HitColumns& hits) {
+HWY_INLINE V3 Select(MF mask, const V3& yes, const V3& no) {
+  return {IfThen(mask, yes.x, no.x), IfThen(mask, yes.y, no.y), IfThen(mask, yes.z, no.z)};
+}
+
+// Whether points with unit normals `a` and `b`, `between` apart, may lie on one smooth surface: on
+// any ball or cylinder they have no distance along the mean of their normals, of either sign.
+HWY_INLINE MF OnOneLayer(const V3& between, const V3& a, const V3& b, VF layer) {
+  const VF sign = hn::CopySign(Set(1.0f), Dot(a, b));
+  const V3 mean = Add(a, Scale(b, sign));
+  return hn::Lt(hn::Abs(Dot(between, mean)), hn::Mul(layer, hn::Sqrt(Dot(mean, mean))));
+}
+
+void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, const RayColumns& rays,
+                   const HitColumns& hits, DiskSurface& surface) {
+  constexpr float kOrigin[3] = {0, 0, 0};
   const auto* const words = reinterpret_cast<const std::uint32_t*>(triangles);
   const V3 normal = Set3(disk.normal);
   alignas(kColumnAlignment) std::uint32_t seen[kDiskCells];
@@ -117,25 +130,34 @@ std::uint32_t SeenCells(const PhotonDisk& disk, const TriangleRecord* triangles,
     const V3 origin = Load3(rays.org_x + i, rays.org_y + i, rays.org_z + i);
     const V3 dir = Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
     const V3 offset = Sub(Add(origin, Scale(dir, Load(rays.t_far + i))), Set3(disk.point));
+    const VF length = hn::Sqrt(Dot(ng, ng));
     const VF cosine = hn::Abs(Dot(ng, normal));
-    const MF same = hn::Gt(cosine, hn::Mul(Set(kLeastNormalCosine), hn::Sqrt(Dot(ng, ng))));
+    const MF same = hn::Gt(cosine, hn::Mul(Set(kLeastNormalCosine), length));
     const MF near = hn::Lt(Dot(offset, offset), Set(disk.radius2));
     const VU record = hn::ShiftLeft<2>(hn::IfThenElseZero(hit, Load(hits.triangle + i)));
     const VU tag = Gather(words, hn::Add(record, SetU(3)));
     const MU delta = hn::Gt(hn::ShiftRight<kKindShift>(tag), SetU(kFirstDeltaBsdf - 1));
-    const MU counts = hn::And(hit, hn::Or(hn::RebindMask(U(), hn::And(same, near)), delta));
-    Store(hn::IfThenElseZero(counts, SetU(1)), seen + i);
+    const MU lies = hn::And(hit, hn::AndNot(delta, hn::RebindMask(U(), hn::And(same, near))));
+    Store(hn::IfThenElseZero(hn::Or(lies, hn::And(hit, delta)), SetU(1)), seen + i);
+    // Where nothing is known that photons lie on it is the plane of the disk.
+    const MF known = hn::RebindMask(F(), lies);
+    const VF scale = hn::Div(Set(1.0f), IfThen(known, length, Set(1.0f)));
+    Store3(Select(known, Scale(ng, scale), normal), surface.normal_x + i, surface.normal_y + i,
+           surface.normal_z + i);
+    Store3(Select(known, offset, Set3(kOrigin)), surface.x + i, surface.y + i, surface.z + i);
   }
   std::uint32_t bits = 0;
   for (std::uint32_t i = 0; i < kDiskCells; ++i) bits |= seen[i] << i;
-  return bits == 0 ? kAllCells : bits;
+  surface.seen = bits == 0 ? kAllCells : bits;
 }
 
-// The cells of neighbors [i, i + lanes).
-HWY_INLINE VU CellsOf(const Frame& frame, const V3& middle, VF inner2, const PointTreeView& tree,
-                      VU point, VF distance2) {
-  const V3 offset =
-      Sub({Gather(tree.x, point), Gather(tree.y, point), Gather(tree.z, point)}, middle);
+// Where neighbors are, from the middle of the disk.
+HWY_INLINE V3 OffsetsOf(const V3& middle, const PointTreeView& tree, VU point) {
+  return Sub({Gather(tree.x, point), Gather(tree.y, point), Gather(tree.z, point)}, middle);
+}
+
+// The cells of neighbors.
+HWY_INLINE VU CellsOf(const Frame& frame, const V3& offset, VF inner2, VF distance2) {
   const MU outer = hn::RebindMask(U(), hn::Gt(distance2, inner2));
   return hn::Or(OctantOf(Dot(frame.s, offset), Dot(frame.t, offset)),
                 hn::IfThenElseZero(outer, SetU(kSectors)));
@@ -147,15 +169,19 @@ bool LooksWhole(const PhotonDisk& disk, PhotonKernel kernel, const PhotonColumns
   const Frame frame = CellFrame(disk);
   const V3 middle = Set3(disk.point);
   const VF inner2 = Set(kCells[std::uint32_t(kernel)].inner2 * disk.radius2);
+  const VF layer = Set(kLayerHeight * std::sqrt(disk.radius2));
   VU met = SetU(0);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const MU inside = RowsBelow(i, n);
     const VU point = hn::IfThenElseZero(inside, Load(found.point + i));
-    const VF same = hn::Abs(Dot(frame.n, DecodeNormal(Gather(photons.normal, point))));
+    const V3 offset = OffsetsOf(middle, tree, point);
+    const V3 normal = DecodeNormal(Gather(photons.normal, point));
+    const MF same = hn::Gt(hn::Abs(Dot(frame.n, normal)), Set(kLeastNormalCosine));
     const VF above = Dot(frame.n, DecodeNormal(Gather(photons.dir, point)));
-    const MF counts = hn::And(hn::Gt(same, Set(kLeastNormalCosine)), hn::Gt(above, hn::Zero(F())));
+    const MF counts = hn::And(hn::And(same, OnOneLayer(offset, frame.n, normal, layer)),
+                              hn::Gt(above, hn::Zero(F())));
     if (!hn::AllTrue(U(), hn::Or(hn::RebindMask(U(), counts), hn::Not(inside)))) return false;
-    const VU cell = CellsOf(frame, middle, inner2, tree, point, Load(found.distance2 + i));
+    const VU cell = CellsOf(frame, offset, inner2, Load(found.distance2 + i));
     met = hn::Or(met, hn::IfThenElseZero(inside, hn::Shl(SetU(1), cell)));
   }
   alignas(kColumnAlignment) std::uint32_t lanes[kPadRows] = {};
@@ -165,18 +191,25 @@ bool LooksWhole(const PhotonDisk& disk, PhotonKernel kernel, const PhotonColumns
   return std::popcount(bits) >= kLeastCells;
 }
 
-void CloseUnseen(const PhotonDisk& disk, PhotonKernel kernel, std::uint32_t seen,
-                 const PointTreeView& tree, const NeighborColumns& found, std::uint32_t n) {
-  if (seen == kAllCells) return;
+void CloseUnseen(const PhotonDisk& disk, PhotonKernel kernel, const DiskSurface& surface,
+                 const PhotonColumns& photons, const PointTreeView& tree,
+                 const NeighborColumns& found, std::uint32_t n) {
   const Frame frame = CellFrame(disk);
   const V3 middle = Set3(disk.point);
   const VF inner2 = Set(kCells[std::uint32_t(kernel)].inner2 * disk.radius2);
+  const VF layer = Set(kLayerHeight * std::sqrt(disk.radius2));
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU point = hn::IfThenElseZero(RowsBelow(i, n), Load(found.point + i));
     const VF distance2 = Load(found.distance2 + i);
-    const VU cell = CellsOf(frame, middle, inner2, tree, point, distance2);
-    const VU bit = hn::And(hn::Shr(SetU(seen), cell), SetU(1));
-    const MF open = hn::RebindMask(F(), hn::Ne(bit, SetU(0)));
+    const V3 offset = OffsetsOf(middle, tree, point);
+    const VU cell = CellsOf(frame, offset, inner2, distance2);
+    const VU bit = hn::And(hn::Shr(SetU(surface.seen), cell), SetU(1));
+    const V3 seen = {Gather(surface.x, cell), Gather(surface.y, cell), Gather(surface.z, cell)};
+    const V3 normal = {Gather(surface.normal_x, cell), Gather(surface.normal_y, cell),
+                       Gather(surface.normal_z, cell)};
+    const MF one_layer =
+        OnOneLayer(Sub(offset, seen), normal, DecodeNormal(Gather(photons.normal, point)), layer);
+    const MF open = hn::And(hn::RebindMask(F(), hn::Ne(bit, SetU(0))), one_layer);
     Store(IfThen(open, distance2, Set(std::numeric_limits<float>::infinity())),
           found.distance2 + i);
   }
@@ -191,7 +224,7 @@ namespace skywave {
 
 HWY_EXPORT(AimAtDisk);
 HWY_EXPORT(LooksWhole);
-HWY_EXPORT(SeenCells);
+HWY_EXPORT(FindSeenCells);
 HWY_EXPORT(CloseUnseen);
 
 bool LooksWhole(const PhotonDisk& disk, PhotonKernel kernel, const PhotonColumns& photons,
@@ -203,14 +236,15 @@ void AimAtDisk(const PhotonDisk& disk, PhotonKernel kernel, const RayColumns& ra
   HWY_DYNAMIC_DISPATCH(AimAtDisk)(disk, kernel, rays);
 }
 
-std::uint32_t SeenCells(const PhotonDisk& disk, const TriangleRecord* triangles,
-                        const RayColumns& rays, const HitColumns& hits) {
-  return HWY_DYNAMIC_DISPATCH(SeenCells)(disk, triangles, rays, hits);
+void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, const RayColumns& rays,
+                   const HitColumns& hits, DiskSurface& surface) {
+  HWY_DYNAMIC_DISPATCH(FindSeenCells)(disk, triangles, rays, hits, surface);
 }
 
-void CloseUnseen(const PhotonDisk& disk, PhotonKernel kernel, std::uint32_t seen,
-                 const PointTreeView& tree, const NeighborColumns& found, std::uint32_t n) {
-  HWY_DYNAMIC_DISPATCH(CloseUnseen)(disk, kernel, seen, tree, found, n);
+void CloseUnseen(const PhotonDisk& disk, PhotonKernel kernel, const DiskSurface& surface,
+                 const PhotonColumns& photons, const PointTreeView& tree,
+                 const NeighborColumns& found, std::uint32_t n) {
+  HWY_DYNAMIC_DISPATCH(CloseUnseen)(disk, kernel, surface, photons, tree, found, n);
 }
 
 }  // namespace skywave

@@ -25,11 +25,23 @@ PhotonDisk TiltedDisk() {
           .height = 0.2f};
 }
 
+// All cells see the plane of the disk, those of `seen` count.
+DiskSurface Flat(const PhotonDisk& disk, std::uint32_t seen) {
+  DiskSurface surface = {.seen = seen};
+  for (std::uint32_t i = 0; i < kDiskCells; ++i) {
+    surface.x[i] = surface.y[i] = surface.z[i] = 0;
+    surface.normal_x[i] = disk.normal[0], surface.normal_y[i] = disk.normal[1];
+    surface.normal_z[i] = disk.normal[2];
+  }
+  return surface;
+}
+
 // One photon where each ray meets the plane of the disk.
 struct Targets {
   soa::Table<RayColumns> rays{kDiskCells};
   std::vector<float> x, y, z;
   soa::Table<NeighborColumns> found{kDiskCells};
+  soa::Table<PhotonColumns> photons{kDiskCells};
 
   Targets(const PhotonDisk& disk, PhotonKernel kernel) {
     AimAtDisk(disk, kernel, rays);
@@ -39,6 +51,15 @@ struct Targets {
       y.push_back(rays->org_y[i] + t * rays->dir_y[i]);
       z.push_back(rays->org_z[i] + t * rays->dir_z[i]);
     }
+    const std::uint32_t up = EncodeNormal(disk.normal[0], disk.normal[1], disk.normal[2]);
+    std::fill_n(photons->normal, kDiskCells, up);
+    std::fill_n(photons->dir, kDiskCells, up);
+    Find(disk);
+  }
+  // Along the normal.
+  void Move(const PhotonDisk& disk, std::uint32_t photon, float distance) {
+    x[photon] += distance * disk.normal[0], y[photon] += distance * disk.normal[1];
+    z[photon] += distance * disk.normal[2];
     Find(disk);
   }
   void Find(const PhotonDisk& disk) {
@@ -61,7 +82,8 @@ TEST(PhotonCover, RaysMeetTheirCells) {
       Targets at(disk, kernel);
       for (std::uint32_t cell = 0; cell < kDiskCells; ++cell) {
         at.Find(disk);
-        CloseUnseen(disk, kernel, 1u << cell, at.tree(), at.found, kDiskCells);
+        CloseUnseen(disk, kernel, Flat(disk, 1u << cell), at.photons, at.tree(), at.found,
+                    kDiskCells);
         for (std::uint32_t i = 0; i < kDiskCells; ++i) {
           EXPECT_EQ(std::isinf(at.found->distance2[i]), i != cell) << "photon " << i;
         }
@@ -87,16 +109,14 @@ TEST(PhotonCover, RaysLieAsTheKernelWeighs) {
 TEST(PhotonCover, DoubtsWhatIsNotWhole) {
   const PhotonDisk disk = TiltedDisk();
   const PhotonKernel kernel = PhotonKernel::kEpanechnikov;
-  const Targets at(disk, kernel);
+  Targets at(disk, kernel);
   const std::uint32_t up = EncodeNormal(disk.normal[0], disk.normal[1], disk.normal[2]);
   const std::uint32_t side = EncodeNormal(disk.normal[1], -disk.normal[0], 0);
   const std::uint32_t down = EncodeNormal(-disk.normal[0], -disk.normal[1], -disk.normal[2]);
-  const soa::Table<PhotonColumns> photons(kDiskCells);
+  const soa::Table<PhotonColumns>& photons = at.photons;
   const auto whole = [&](std::uint32_t n) {
     return LooksWhole(disk, kernel, photons, at.tree(), at.found, n);
   };
-  std::fill_n(photons->normal, kDiskCells, up);
-  std::fill_n(photons->dir, kDiskCells, up);
   EXPECT_TRUE(whole(kDiskCells));
   EXPECT_TRUE(whole(kDiskCells - 3));
   EXPECT_FALSE(whole(kDiskCells - 4));
@@ -106,6 +126,36 @@ TEST(PhotonCover, DoubtsWhatIsNotWhole) {
   EXPECT_TRUE(whole(kDiskCells)) << "normals are of either side";
   photons->dir[5] = down;
   EXPECT_FALSE(whole(kDiskCells)) << "a photon from behind";
+  photons->dir[5] = up;
+  EXPECT_TRUE(whole(kDiskCells));
+  at.Move(disk, 5, -0.2f);
+  EXPECT_FALSE(whole(kDiskCells)) << "a photon on the next floor";
+}
+
+// Seen is a layer, not all that is behind it; what bends smoothly is one.
+TEST(PhotonCover, LeavesOutWhatIsBehindTheSeenLayer) {
+  for (const std::int64_t target : TestedTargets()) {
+    const TargetScope scope(target);
+    const PhotonDisk disk = TiltedDisk();
+    const PhotonKernel kernel = PhotonKernel::kEpanechnikov;
+    Targets at(disk, kernel);
+    DiskSurface surface = Flat(disk, kAllCells);
+    at.Move(disk, 3, -0.2f), at.Move(disk, 4, 0.2f), at.Move(disk, 6, -0.02f);
+    CloseUnseen(disk, kernel, surface, at.photons, at.tree(), at.found, kDiskCells);
+    for (std::uint32_t i = 0; i < kDiskCells; ++i) {
+      EXPECT_EQ(std::isinf(at.found->distance2[i]), i == 3 || i == 4) << "photon " << i;
+    }
+    // Where the layer is lower, the lower photon is on it.
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      float* const column[3] = {surface.x, surface.y, surface.z};
+      for (std::uint32_t i = 0; i < kDiskCells; ++i) column[axis][i] = -0.2f * disk.normal[axis];
+    }
+    at.Find(disk);
+    CloseUnseen(disk, kernel, surface, at.photons, at.tree(), at.found, kDiskCells);
+    for (std::uint32_t i = 0; i < kDiskCells; ++i) {
+      EXPECT_EQ(std::isinf(at.found->distance2[i]), i != 3) << "photon " << i;
+    }
+  }
 }
 
 }  // namespace

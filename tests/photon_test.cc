@@ -119,6 +119,35 @@ TEST(Photon, EdgesAndCornersAreNoDarker) {
   }
 }
 
+// The same with a shelf close above the floor, seen from above.
+Scene ShiningShelf() {
+  Scene scene;
+  const std::uint32_t wall = AddLambert(scene, "wall", kCaveAlbedo);
+  scene.materials[wall].emission = glm::vec3(kCaveEmission);
+  Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
+  FlipOrientation(room);
+  Place(scene, room, wall, glm::vec3(0));
+  Place(scene, Facetted(RoundedBox({0.8f, 0.02f, 0.8f}, 1e-3f, 1)), wall, {0, -0.9f, 0});
+  scene.camera = LookAtCamera({0, 0.9f, 0}, {0, -0.9f, 0.01f}, {0, 0, 1}, 40, false);
+  return scene;
+}
+
+// Photons of the floor lie in the disks of the shelf, face its way, and are hidden by it.
+TEST(Photon, WhatLiesBehindASurfaceDoesNotLeak) {
+  for (const std::uint32_t passes : {1u, 4u}) {
+    JobRequest request = Request(16, 16, 16, 4);
+    request.options.photons.gather = 0;
+    request.options.photons.passes = passes;
+    request.options.photons.neighbors = 400;
+    request.options.photons.indirect = 60000;
+    const std::array<double, 3> mean = MeanOf(Render(RenderJob(ShiningShelf(), request)));
+    for (int c = 0; c < 3; ++c) {
+      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
+      EXPECT_NEAR(ratio, 1, 0.01) << "passes " << passes << ", channel " << c;
+    }
+  }
+}
+
 // In a closed cave all that is sent arrives: what photons bring to their n-th surface is what
 // leaves the lights, times the albedo for each surface before.
 TEST(Photon, MapsHoldTheFluxOfTheLights) {

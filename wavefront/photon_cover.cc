@@ -72,7 +72,7 @@ void Trace(const FrameView& frame, const CoverTables& t, std::uint32_t n, Render
 }  // namespace
 
 void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, RenderStats& stats,
-                std::uint32_t* seen, StageClock& clock) {
+                DiskSurface* surfaces, StageClock& clock) {
   if (n == 0) return;
   const CoverTables t;
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -89,8 +89,8 @@ void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, Rend
   }
   Trace(frame, t, n * kDiskCells, stats, clock);
   for (std::uint32_t i = 0; i < n; ++i) {
-    seen[i] = SeenCells(disks[i], frame.geometry->triangles(), Slice(t.rays, i * kDiskCells),
-                        Slice(t.hits, i * kDiskCells));
+    FindSeenCells(disks[i], frame.geometry->triangles(), Slice(t.rays, i * kDiskCells),
+                  Slice(t.hits, i * kDiskCells), surfaces[i]);
   }
 }
 

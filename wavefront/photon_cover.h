@@ -10,9 +10,9 @@
 
 namespace skywave {
 
-// Writes the seen cells of disks [0, n), n <= kLookupBlock; their heights are chosen here. What
+// Writes what is seen of disks [0, n), n <= kLookupBlock; their heights are chosen here. What
 // came before on the clock was looking photons up.
 void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, RenderStats& stats,
-                std::uint32_t* seen, StageClock& clock);
+                DiskSurface* surfaces, StageClock& clock);
 
 }  // namespace skywave

@@ -137,7 +137,7 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
   const std::uint32_t room = NearestRoom(options.neighbors);
   ForEachBlock(w.ranges, [&](const Block& block) {
     std::uint32_t count[kLookupBlock], row[kLookupBlock];
-    std::uint32_t seen[kLookupBlock];
+    DiskSurface surfaces[kLookupBlock];
     // Disks that may be cut come first, those that look whole are counted from the end.
     std::uint32_t cut = 0, whole = kLookupBlock;
     RangeSearch searches[kLookupBlock];
@@ -164,10 +164,10 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
       if (doubtful) {
         disks[cut] = disk, row[cut++] = i;
       } else {
-        disks[--whole] = disk, row[whole] = i, seen[whole] = kAllCells;
+        disks[--whole] = disk, row[whole] = i, surfaces[whole].seen = kAllCells;
       }
     }
-    CoverDisks(frame, disks, cut, w.stats, seen, clock);
+    CoverDisks(frame, disks, cut, w.stats, surfaces, clock);
     for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
       if (i >= cut && i < whole) continue;
       const NeighborColumns found = Slice(t.found.columns(), row[i] * room);
@@ -179,11 +179,13 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
       const PhotonQuery query = QueryOf(disks[i], options.kernel, max_depth);
       float rgb[3] = {};
       for (std::uint32_t n = count[row[i]]; n > 0;) {
-        CloseUnseen(disks[i], options.kernel, seen[i], view.tree, found, n);
+        if (i < cut) {
+          CloseUnseen(disks[i], options.kernel, surfaces[i], view.photons, view.tree, found, n);
+        }
         AddReflected(at, query, found, n, t, rgb);
         n = options.progressive() ? FindMore(view.tree, searches[row[i]], room, found) : 0;
       }
-      AddToPath(s, at.row, scale / CoverOf(seen[i]), rgb, w.paths);
+      AddToPath(s, at.row, scale / CoverOf(surfaces[i].seen), rgb, w.paths);
     }
   });
   clock.Lap(Stage::kPhotons);

@@ -27,6 +27,14 @@ def name_of(row):
     return f"`{row['recipe']['strategy']}`, {row['parameters']}"
 
 
+def without_empty_columns(header, lines, keep):
+    """The table less those behind the first `keep` columns that no row has a figure in."""
+    used = [i < keep or any(cells[i] for cells in lines) for i in range(len(header))]
+    header, *lines = [[cell for cell, use in zip(cells, used) if use]
+                      for cells in [header, *lines]]
+    return header, lines
+
+
 def figures_table(rows, of_thesis):
     header = ["N", "method", "parameters"]
     header += ["thesis [s]", "Euc.", "Lum."] if of_thesis else []
@@ -45,13 +53,13 @@ def figures_table(rows, of_thesis):
         cells += [number(mine.get("relative_mse"), 4)] * photons
         cells.append(number(mine.get("light_error"), 4))
         lines.append(cells)
-    return lines_of_table(header, lines, 3)
+    return lines_of_table(*without_empty_columns(header, lines, 3), 3)
 
 
 def ratios_table(rows, of_thesis):
     header, keys = ["N", "method", "parameters"], ["time", "error", "at_equal_error"]
     for key, name in zip(keys, ("time", "error", "faster at equal error")):
-        header += [f"{name}: thesis", "ours"] if of_thesis else [name]
+        header += [f"{name}: thesis", f"{name}: ours"] if of_thesis else [name]
     header += ["light error", "faster at equal light error"]
     lines = []
     for row in rows:
@@ -62,7 +70,7 @@ def ratios_table(rows, of_thesis):
         cells += [ratio(row["ours_ratios"], "light_error"),
                   ratio(row["ours_ratios"], "at_equal_light_error")]
         lines.append(cells)
-    return lines_of_table(header, lines, 3)
+    return lines_of_table(*without_empty_columns(header, lines, 3), 3)
 
 
 def pair_lines(summary):
