@@ -14,6 +14,10 @@ inline constexpr std::uint32_t kFilterCells = 1024;
 // rendered, so films are made of whole blocks and pictures are cut out of them.
 inline constexpr std::uint32_t kBeamWidth = 4, kBeamHeight = 2;  // [pixels]
 inline constexpr std::uint32_t kBeamRays = kBeamWidth * kBeamHeight;
+// The rows of a wave that has room for at least `rows` of them.
+constexpr std::uint32_t WholeBeams(std::uint32_t rows) {
+  return (rows + kBeamRays - 1) / kBeamRays * kBeamRays;
+}
 
 // Perspective and orthographic cameras may have a thin lens. The spherical ones see everything:
 // kLatLong as a lat-long map, kEqualArea as the square of Clarberg 2008, "Fast Equal-Area Mapping

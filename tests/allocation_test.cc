@@ -103,7 +103,7 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
     // From the first wave on: there is nothing to warm up.
     EXPECT_EQ(AllocationsOf(waves), 0u);
   });
-  EXPECT_EQ(worker->stats.samples, 32u * 24 * 4);
+  EXPECT_EQ(worker->stats.rays[std::uint32_t(RayKind::kCamera)], 32u * 24 * 4);
 }
 
 void ExpectNoAllocations(Scene scene, Backend backend) {

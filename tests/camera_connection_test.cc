@@ -244,17 +244,17 @@ TEST(ChoosePixels, SharesASplatByTheFilters) {
         c.cameras->x[i] = float(x), c.cameras->y[i] = float(y), c.lights->t_far[i] = 1;
       }
       ChoosePixels(view, {densities.data(), f.radius}, uniforms, n, c.lights, c.cameras);
-      std::vector<double> got(9 * 8);
+      std::vector<double> got(std::size_t(view.width) * view.height);
       for (std::uint32_t i = 0; i < n; ++i) {
         if (c.lights->t_far[i] < 0) continue;
-        ASSERT_LT(c.cameras->pixel[i], 72u);
+        ASSERT_LT(c.cameras->pixel[i], got.size());
         got[c.cameras->pixel[i]] += c.cameras->weight[i] / double(n);
       }
-      for (int row = 0; row < 8; ++row) {
-        for (int column = 0; column < 9; ++column) {
-          const double weight =
-              DensityOf(offsets, x - (column + 2.5)) * DensityOf(offsets, y - (row + 1.5));
-          EXPECT_NEAR(got[std::size_t(row * 9 + column)], weight, 0.03)
+      for (std::uint32_t row = 0; row < view.height; ++row) {
+        for (std::uint32_t column = 0; column < view.width; ++column) {
+          const double weight = DensityOf(offsets, x - (view.first_column + column + 0.5)) *
+                                DensityOf(offsets, y - (view.first_row + row + 0.5));
+          EXPECT_NEAR(got[row * view.width + column], weight, 0.03)
               << "pixel (" << column << ", " << row << "), radius " << f.radius;
         }
       }

@@ -43,7 +43,9 @@ struct CameraRays {
       : paths(n), film(RandomUniforms(n, seed)), lens(RandomUniforms(n, seed + 1)), rays(n) {
     Random random(seed + 2);
     for (std::uint32_t i = 0; i < n; ++i) {
-      paths->pixel[i] = random.Word() % (view.width * view.height);
+      // The film keeps whole blocks, of which some pixels are not in the picture.
+      const std::uint32_t pixel = random.Word() % (view.whole_width * view.whole_height);
+      paths->pixel[i] = pixel / view.whole_width * view.width + pixel % view.whole_width;
       x.push_back(paths->pixel[i] % view.width + 0.5 + radius * (2 * double(film->u[i]) - 1));
       y.push_back(paths->pixel[i] / view.width + 0.5 + radius * (2 * double(film->v[i]) - 1));
     }
@@ -357,8 +359,9 @@ TEST(Crop, RaysAreThoseOfTheWholeFilm) {
     const auto film = RandomUniforms(kPixels, 171);
     soa::Table<PathColumns> of_whole(kPixels), of_part(kPixels);
     for (std::uint32_t i = 0; i < kPixels; ++i) {
-      of_part->pixel[i] = i;
-      of_whole->pixel[i] = (kPart.y + i / kPart.width) * 64 + kPart.x + i % kPart.width;
+      const std::uint32_t x = kPart.x + i % kPart.width, y = kPart.y + i / kPart.width;
+      of_part->pixel[i] = (y - part.first_row) * part.width + x - part.first_column;
+      of_whole->pixel[i] = y * whole.width + x;
     }
     soa::Table<RayColumns> a(kPixels), b(kPixels);
     GenerateCameraRays(whole, of_whole, film, film, kPixels, a);

@@ -79,7 +79,8 @@ TEST(Camera, DirectionsMatchDoubleArithmetic) {
     soa::Table<PathColumns> paths(n);
     Random random(82);
     for (std::uint32_t i = 0; i < n; ++i) {
-      paths->pixel[i] = random.Word() % std::uint32_t(width * height);
+      const std::uint32_t pixel = random.Word() % std::uint32_t(width * height);
+      paths->pixel[i] = pixel / std::uint32_t(width) * view.width + pixel % std::uint32_t(width);
     }
     const auto film = RandomUniforms(n, 83);
     soa::Table<RayColumns> rays(n);
@@ -88,8 +89,8 @@ TEST(Camera, DirectionsMatchDoubleArithmetic) {
     const double pixel = 2 * std::tan(37 * kPi / 360) / std::min(width, height);
     for (std::uint32_t i = 0; i < n; ++i) {
       // A box filter: the uniform itself.
-      const double x = paths->pixel[i] % std::uint32_t(width) + double(film->u[i]);
-      const double y = paths->pixel[i] / std::uint32_t(width) + double(film->v[i]);
+      const double x = paths->pixel[i] % view.width + double(film->u[i]);
+      const double y = paths->pixel[i] / view.width + double(film->v[i]);
       const Vec exact =
           forward + (x - width / 2.0) * pixel * right - (y - height / 2.0) * pixel * up;
       const Vec direction = Get(i, rays->dir_x, rays->dir_y, rays->dir_z);

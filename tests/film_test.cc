@@ -87,7 +87,6 @@ TEST(Film, SumsDoNotDependOnOrderWavesOrSplit) {
   Film reference(4, 3, 100);
   RenderStats counted;
   Add(samples, 0, samples.size(), kFullWave, reference, counted);
-  EXPECT_EQ(counted.samples, samples.size());
   EXPECT_GT(counted.clamped_samples, 0u);
   EXPECT_GT(counted.invalid_samples, 0u);
 
@@ -182,7 +181,6 @@ TEST(Film, NanAndNegativeChannelsCountAsZero) {
        {0, {-0.0f, 0, 0}},
        {0, {kNan, -1, kNan}}},
       0, 5, 8, film, stats);
-  EXPECT_EQ(stats.samples, 5u);
   EXPECT_EQ(stats.invalid_samples, 4u);
   EXPECT_EQ(stats.clamped_samples, 0u);
   const std::uint64_t one = std::uint64_t(1 / film.unit());

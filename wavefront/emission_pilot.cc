@@ -125,7 +125,7 @@ FrameView PilotView(const FrameView& frame) {
   options.samples_per_pixel = std::uint32_t(samples);
   options.max_depth = frame.options.max_depth;
   options.seed = frame.options.seed ^ kPilotSeed;
-  options.wave = frame.options.wave;
+  options.wave = WholeBeams(frame.options.wave);
   pilot.tracer.recorder = nullptr;
   pilot.light_groups = nullptr;
   return pilot;

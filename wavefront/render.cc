@@ -179,7 +179,7 @@ void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
 FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
                         std::vector<RayRecorder>* recorders) {
   FrameView frame = wanted;
-  frame.options.wave = (wanted.options.wave + kBeamRays - 1) / kBeamRays * kBeamRays;
+  frame.options.wave = WholeBeams(wanted.options.wave);
   const RenderOptions& options = frame.options;
   tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
   arena.initialize();
