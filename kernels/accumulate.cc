@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/accumulate.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/camera.h"
 #include "kernels/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -74,19 +75,22 @@ HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
   }
 }
 
-// What the film adds of rows i.. of `paths`, [channel][lane].
+// What the film adds of some rows, [channel][row].
+constexpr std::uint32_t kUnitRows = 4 * kPadRows;
 struct RowUnits {
-  alignas(kColumnAlignment) std::uint64_t rgb[3][kPadRows];
+  alignas(kColumnAlignment) std::uint64_t rgb[3][kUnitRows];
 };
-HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units) {
+// Of one vector, in rows `at` and on.
+HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units,
+                        std::uint32_t at = 0) {
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
   const auto keep = [&](VF value) HWY_ATTR {
     // A comparison with NaN fails, so NaN becomes 0 like negative values.
     return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);
   };
-  ToUnits(keep(rgb.x), scale.units, units.rgb[0]);
-  ToUnits(keep(rgb.y), scale.units, units.rgb[1]);
-  ToUnits(keep(rgb.z), scale.units, units.rgb[2]);
+  ToUnits(keep(rgb.x), scale.units, units.rgb[0] + at);
+  ToUnits(keep(rgb.y), scale.units, units.rgb[1] + at);
+  ToUnits(keep(rgb.z), scale.units, units.rgb[2] + at);
 }
 
 // Counts what of the rows `inside` a film cannot hold as it is.
@@ -106,25 +110,32 @@ FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale&
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   FilmCounts counts = {0, 0};
   RowUnits units;
-  for (std::uint32_t i = 0; i < n; i += lanes) {
-    const V3 rgb = Load3(paths.r + i, paths.g + i, paths.b + i);
-    CountMisfits(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
-    ToUnits(rgb, scale, units);
-    // Samples of a pixel follow each other: sum them before the memory is touched.
-    const std::uint32_t rows = std::min(lanes, n - i);
-    for (std::uint32_t lane = 0; lane < rows;) {
-      const std::uint32_t pixel = paths.pixel[i + lane];
-      std::uint64_t r = 0, g = 0, b = 0;  // at most 16 * 2^52
-      for (; lane < rows && paths.pixel[i + lane] == pixel; ++lane) {
-        r += units.rgb[0][lane], g += units.rgb[1][lane], b += units.rgb[2][lane];
-      }
-      std::uint64_t* sum = sums + std::size_t(pixel) * 3;
-      if constexpr (kShared) {
-        AddSaturating(sum[0], r), AddSaturating(sum[1], g), AddSaturating(sum[2], b);
-      } else {
-        sum[0] = SaturatingSum(sum[0], r);
-        sum[1] = SaturatingSum(sum[1], g);
-        sum[2] = SaturatingSum(sum[2], b);
+  for (std::uint32_t begin = 0; begin < n; begin += kUnitRows) {
+    const std::uint32_t rows = std::min(kUnitRows, n - begin);
+    for (std::uint32_t at = 0; at < rows; at += lanes) {
+      const std::uint32_t i = begin + at;
+      const V3 rgb = Load3(paths.r + i, paths.g + i, paths.b + i);
+      CountMisfits(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
+      ToUnits(rgb, scale, units, at);
+    }
+    // The beams of a block follow each other: sum what a pixel has of them before the memory is
+    // touched.
+    const std::uint32_t* const pixels = paths.pixel + begin;
+    for (std::uint32_t ray = 0; ray < kBeamRays; ++ray) {
+      for (std::uint32_t row = ray; row < rows;) {
+        const std::uint32_t pixel = pixels[row];
+        std::uint64_t r = 0, g = 0, b = 0;  // at most kUnitRows * 2^52
+        for (; row < rows && pixels[row] == pixel; row += kBeamRays) {
+          r += units.rgb[0][row], g += units.rgb[1][row], b += units.rgb[2][row];
+        }
+        std::uint64_t* sum = sums + std::size_t(pixel) * 3;
+        if constexpr (kShared) {
+          AddSaturating(sum[0], r), AddSaturating(sum[1], g), AddSaturating(sum[2], b);
+        } else {
+          sum[0] = SaturatingSum(sum[0], r);
+          sum[1] = SaturatingSum(sum[1], g);
+          sum[2] = SaturatingSum(sum[2], b);
+        }
       }
     }
   }
