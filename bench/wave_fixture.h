@@ -26,12 +26,12 @@ struct WaveFixture {
       : job(Request(strategy)),
         frame(job.frame()),
         film(job.MakeFilm()),
-        worker(job.options().wave) {
+        worker(WholeBeams(job.options().wave)) {
     const auto width = std::uint32_t(job.options().width),
                height = std::uint32_t(job.options().height);
     range = {.tile = {0, height / 2, width, height - height / 2},
              .first = 0,
-             .count = job.options().wave};
+             .count = WholeBeams(job.options().wave)};
     Camera();
   }
 

@@ -239,10 +239,10 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--threads", o.threads, "0: as many as the process may use")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command.add_option("--wave", o.wave, "rows of a wave")
+  command.add_option("--wave", o.wave, "rows of a wave, a multiple of 8")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  AddParsed(command, "--backend", "how rays reach Embree (default: best)",
+  AddParsed(command, "--backend", "how rays reach Embree, but for camera rays (default: best)",
             "best|stream|packet|array|single", o.backend, ParseBackend);
   command.add_option("--embree-config", r.embree_config, "for rtcNewDevice, for example isa=avx2");
 }

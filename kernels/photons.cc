@@ -72,6 +72,8 @@ void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std
     Store3(dir, out.dir_x + i, out.dir_y + i, out.dir_z + i);
     Store3(Scale(flux, weight), out.r + i, out.g + i, out.b + i);
   }
+  // Copied vectors may end further behind the last row than those of the loop.
+  Store3({zero, zero, Set(1.0f)}, out.dir_x + n, out.dir_y + n, out.dir_z + n);
 }
 
 void SumReflected(const BsdfValueColumns& values, const LightColumns& light, std::uint32_t n,

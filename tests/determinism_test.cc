@@ -45,7 +45,7 @@ const RenderJob& Job(const Case& test) {
   for (const auto& [known, job] : jobs) {
     if (known == name) return *job;
   }
-  // Not a multiple of any tile; 5 samples, so that waves end inside pixels.
+  // Not a multiple of any tile; 5 samples, so that waves end inside blocks.
   JobRequest request = SmallRequest(37, 29, 5);
   request.integrator = test.integrator;
   request.options.light_samples = 3;

@@ -195,6 +195,15 @@ TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
     }
     EXPECT_EQ(found, bits);
   }
+  // The other way round: beams that begin three rays later are others.
+  if (GetParam() == Kind::kVertices) {
+    Wave shifted(std::vector<TestRay>(rays.begin() + 3, rays.end()));
+    TraceClosest(TracerOf(Backend::kBest), RayKind::kCamera, shifted.rays, n - 3, shifted.hits);
+    std::uint32_t others = 0;
+    for (std::uint32_t i = 3; i < n; ++i)
+      others += shifted.rays->t_far[i - 3] != all.rays->t_far[i];
+    EXPECT_GT(others, 0u);
+  }
 }
 
 // Rows behind the last ray keep what they held.

@@ -288,7 +288,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
     emitter_ = MakeStrategy("importance", map_);
   }
   times_.tables = SecondsSince(tables_start);
-  if (options_.guide && !has_sky()) {
+  if (options_.guide && HasLightPaths(options_.integrator) && !has_sky()) {
     notes_.push_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");

@@ -26,8 +26,9 @@ void CheckSplit(const RenderOptions& options) {
 // Of a pass: options.photons.indirect, or all that its light paths could leave.
 std::uint64_t MostVertices(const RenderOptions& options) {
   const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
-  const std::uint64_t paths =
-      std::uint64_t(options.width) * std::uint64_t(options.height) * samples;
+  const CropWindow film =
+      WholeBlocks({options.crop_x, options.crop_y, options.width, options.height});
+  const std::uint64_t paths = std::uint64_t(film.width) * std::uint64_t(film.height) * samples;
   return std::min<std::uint64_t>(options.photons.indirect, paths * options.max_depth);
 }
 

@@ -1,7 +1,6 @@
 #include "wavefront/photon_stages.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "kernels/sampler.h"

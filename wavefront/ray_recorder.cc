@@ -7,7 +7,8 @@ void RayRecorder::Record(RayKind kind, bool occlusion, const float* const org[3]
                          const std::uint32_t* keys) {
   const std::size_t begin = org_[0].size();
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (t_far[i] < 0) continue;
+    // Beams stay whole: what is replayed are the packets that were traced.
+    if (t_far[i] < 0 && kind != RayKind::kCamera) continue;
     for (int axis = 0; axis < 3; ++axis) {
       org_[axis].push_back(org[axis][i]);
       dir_[axis].push_back(dir[axis][i]);

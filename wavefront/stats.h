@@ -45,7 +45,7 @@ struct RenderStats {
   std::array<BounceOccupancy, kCountedBounces> bounces = {};
   std::array<LaneCount, kKernels> lanes = {};
   std::uint64_t waves = 0, samples = 0;
-  std::uint64_t clamped_samples = 0, invalid_samples = 0;  // see Film::Add
+  std::uint64_t clamped_samples = 0, invalid_samples = 0;  // see Film::Add; the rim's too
 
   RenderStats& operator+=(const RenderStats& other);
   double busy_seconds() const;

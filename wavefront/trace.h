@@ -11,10 +11,10 @@
 
 namespace skywave {
 
-// How a table reaches Embree. All give the same hits, bit by bit, since none promises Embree that
-// rays are coherent. Beams of camera rays (kernels/camera.h) are not asked: they always come as
-// packets that promise it. What a ray finds at the very edge of a triangle may then depend on the
-// other rays of its packet, so those have to be the same in whatever wave or part of a film.
+// How a table reaches Embree. Camera rays have no choice: their beams (kernels/camera.h) come as
+// packets that promise coherence. What such a ray finds at the very edge of a triangle may depend
+// on its packet, so packets are the same in whatever wave or part of a film. All other rays get the
+// same hits, bit by bit, from every backend, since none promises anything.
 enum class Backend {
   kBest,    // what is fastest: packets for nearest hits, streams for occlusion
   kStream,  // rtcIntersectNp: columns
