@@ -122,9 +122,10 @@ TEST(PhotonMemory, IsAskedForBeforehand) {
   EXPECT_TRUE(Refused(options, 76999));
   // A pass has no more vertices than its light paths have surfaces.
   options.integrator = Integrator::kVcm;
-  options.width = 10, options.height = 5, options.max_depth = 4;
-  EXPECT_FALSE(Refused(options, 10 * 5 * 4 * 93));
-  EXPECT_TRUE(Refused(options, 10 * 5 * 4 * 93 - 1));
+  // What is kept is whole blocks of the film, 12 x 6 pixels.
+  options.width = 9, options.height = 5, options.max_depth = 4;
+  EXPECT_FALSE(Refused(options, 12 * 6 * 4 * 93));
+  EXPECT_TRUE(Refused(options, 12 * 6 * 4 * 93 - 1));
   options.photons.indirect = 100;
   EXPECT_FALSE(Refused(options, 9300));
   // However much there is, rows of a map are numbered.
