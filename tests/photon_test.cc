@@ -10,6 +10,7 @@
 #include "scene/mesh.h"
 #include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
+#include "tests/support/refused.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
@@ -88,63 +89,48 @@ TEST(Photon, CaveIsAsBrightAsItsSeries) {
   }
 }
 
-// The inside of a box that shines and reflects alike everywhere, with a smaller one that hangs in
-// it: edges and corners of both kinds, and the same radiance everywhere.
-Scene ShiningRoom() {
+// The inside of a box that shines and reflects alike everywhere, with a smaller one in it, which
+// does too: the same radiance everywhere.
+Scene ShiningRoom(glm::vec3 half_sides, glm::vec3 middle, float turn, const Camera& camera) {
   Scene scene;
   const std::uint32_t wall = AddLambert(scene, "wall", kCaveAlbedo);
   scene.materials[wall].emission = glm::vec3(kCaveEmission);
   Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
   FlipOrientation(room);
   Place(scene, room, wall, glm::vec3(0));
-  Place(scene, Facetted(RoundedBox(glm::vec3(0.25f), 1e-3f, 1)), wall, {0.3f, 0.2f, 0.3f}, 30);
-  scene.camera = LookAtCamera({-0.8f, -0.7f, -0.8f}, {0.1f, 0, 0.1f}, {0, 1, 0}, 85, false);
+  Place(scene, Facetted(RoundedBox(half_sides, 1e-3f, 1)), wall, middle, turn);
+  scene.camera = camera;
   return scene;
+}
+
+// Photons of the walls, looked up where they are seen, by so many neighbors: against the closed
+// form.
+void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, double tolerance) {
+  for (const std::uint32_t passes : {1u, 4u}) {
+    JobRequest request = Request(side, side, 16, 4);
+    request.options.photons.gather = 0;
+    request.options.photons.passes = passes;
+    request.options.photons.neighbors = neighbors;
+    request.options.photons.indirect = 60000;
+    const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
+    for (int c = 0; c < 3; ++c) {
+      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
+      EXPECT_NEAR(ratio, 1, tolerance) << "passes " << passes << ", channel " << c;
+    }
+  }
 }
 
 // Divided by all of their area, photons would make the picture too dark near edges and corners.
 TEST(Photon, EdgesAndCornersAreNoDarker) {
-  for (const std::uint32_t passes : {1u, 4u}) {
-    JobRequest request = Request(24, 24, 16, 4);
-    request.options.photons.gather = 0;
-    request.options.photons.passes = passes;
-    request.options.photons.neighbors = 150;
-    request.options.photons.indirect = 60000;
-    const std::array<double, 3> mean = MeanOf(Render(RenderJob(ShiningRoom(), request)));
-    for (int c = 0; c < 3; ++c) {
-      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
-      EXPECT_NEAR(ratio, 1, 0.007) << "passes " << passes << ", channel " << c;
-    }
-  }
+  const Camera camera = LookAtCamera({-0.8f, -0.7f, -0.8f}, {0.1f, 0, 0.1f}, {0, 1, 0}, 85, false);
+  ExpectCaveRadiance(ShiningRoom(glm::vec3(0.25f), {0.3f, 0.2f, 0.3f}, 30, camera), 24, 150, 0.007);
 }
 
-// The same with a shelf close above the floor, seen from above.
-Scene ShiningShelf() {
-  Scene scene;
-  const std::uint32_t wall = AddLambert(scene, "wall", kCaveAlbedo);
-  scene.materials[wall].emission = glm::vec3(kCaveEmission);
-  Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
-  FlipOrientation(room);
-  Place(scene, room, wall, glm::vec3(0));
-  Place(scene, Facetted(RoundedBox({0.8f, 0.02f, 0.8f}, 1e-3f, 1)), wall, {0, -0.9f, 0});
-  scene.camera = LookAtCamera({0, 0.9f, 0}, {0, -0.9f, 0.01f}, {0, 0, 1}, 40, false);
-  return scene;
-}
-
-// Photons of the floor lie in the disks of the shelf, face its way, and are hidden by it.
+// Of a shelf close above the floor, seen from above: photons of the floor lie in its disks, face
+// its way, and are hidden by it.
 TEST(Photon, WhatLiesBehindASurfaceDoesNotLeak) {
-  for (const std::uint32_t passes : {1u, 4u}) {
-    JobRequest request = Request(16, 16, 16, 4);
-    request.options.photons.gather = 0;
-    request.options.photons.passes = passes;
-    request.options.photons.neighbors = 400;
-    request.options.photons.indirect = 60000;
-    const std::array<double, 3> mean = MeanOf(Render(RenderJob(ShiningShelf(), request)));
-    for (int c = 0; c < 3; ++c) {
-      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
-      EXPECT_NEAR(ratio, 1, 0.01) << "passes " << passes << ", channel " << c;
-    }
-  }
+  const Camera above = LookAtCamera({0, 0.9f, 0}, {0, -0.9f, 0.01f}, {0, 0, 1}, 40, false);
+  ExpectCaveRadiance(ShiningRoom({0.8f, 0.02f, 0.8f}, {0, -0.9f, 0}, 0, above), 16, 400, 0.01);
 }
 
 // In a closed cave all that is sent arrives: what photons bring to their n-th surface is what
@@ -317,15 +303,6 @@ TEST(Photon, ProgressivePassesConverge) {
 }
 
 // ---- Its surroundings ----
-
-void ExpectRefused(const Scene& scene, const JobRequest& request, const std::string& word) {
-  try {
-    const RenderJob job(scene, request);
-    ADD_FAILURE() << "not refused: " << word;
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-  }
-}
 
 TEST(Photon, RefusesWhatCannotBe) {
   Scene scene = UnderGlass();

@@ -11,6 +11,7 @@
 #include "scene/mesh.h"
 #include "tests/support/matt_room.h"
 #include "tests/support/picture_estimate.h"
+#include "tests/support/refused.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
@@ -249,15 +250,6 @@ TEST(Vcm, PhotonsBoundWhatAPassStores) {
 }
 
 // ---- Its surroundings ----
-
-void ExpectRefused(const Scene& scene, const JobRequest& request, const std::string& word) {
-  try {
-    const RenderJob job(scene, request);
-    ADD_FAILURE() << "not refused: " << word;
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-  }
-}
 
 TEST(Vcm, RefusesWhatCannotBe) {
   const Scene scene = MattRoom(Of(BsdfKind::kLambert), kSky | kLamp);
