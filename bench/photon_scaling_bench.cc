@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "bench/photon_points.h"
-#include "scene/builtin.h"
-#include "wavefront/job.h"
-#include "wavefront/photon_pass.h"
+#include "scene/builtin/builtin.h"
+#include "job/job.h"
+#include "wavefront/photons/photon_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {

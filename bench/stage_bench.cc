@@ -9,11 +9,11 @@
 #include "bench/wave_fixture.h"
 #include "kernels/accumulate.h"
 #include "kernels/camera.h"
-#include "kernels/environment.h"
+#include "kernels/lights/environment.h"
 #include "kernels/sampler.h"
-#include "scene/builtin.h"
+#include "scene/builtin/builtin.h"
 #include "scene/geometry.h"
-#include "scene/shapes.h"
+#include "scene/shapes/shapes.h"
 
 namespace skywave {
 namespace {

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "kernels/partition.h"
-#include "kernels/surface.h"
+#include "kernels/surface/surface.h"
 #include "wavefront/flush_denormals.h"
-#include "wavefront/integrator.h"
-#include "wavefront/job.h"
-#include "wavefront/stages.h"
+#include "wavefront/integrators/integrator.h"
+#include "job/job.h"
+#include "wavefront/stages/stages.h"
 
 namespace skywave {
 

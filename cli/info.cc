@@ -14,7 +14,7 @@
 #include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
-#include "wavefront/job.h"
+#include "job/job.h"
 
 namespace skywave {
 namespace {

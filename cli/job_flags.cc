@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "cli/flags.h"
-#include "lights/projections.h"
-#include "wavefront/photon_map.h"
+#include "lights/maps/projections.h"
+#include "wavefront/photons/photon_map.h"
 
 namespace skywave {
 namespace {

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "wavefront/job.h"
+#include "job/job.h"
 
 namespace skywave {
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "wavefront/job.h"
+#include "job/job.h"
 #include "wavefront/render.h"
 
 namespace skywave {

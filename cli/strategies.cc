@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "cli/commands.h"
-#include "lights/strategy.h"
+#include "lights/strategies/strategy.h"
 
 namespace skywave {
 namespace {

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "kernels/bsdf.h"
+#include "kernels/bsdf/bsdf.h"
 #include "kernels/columns.h"
 
 namespace skywave {
@@ -18,7 +18,7 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
 void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path, std::uint32_t n,
                            const PathColumns& paths);
 
-// What a film keeps of a path's radiance (wavefront/film.h).
+// What a film keeps of a path's radiance (wavefront/film/film.h).
 struct FilmScale {
   double units;  // a unit of radiance
   float limit;   // brightest sample [scene radiance]; limit * units <= 2^52

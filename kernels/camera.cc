@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/camera.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/records-inl.h"
-#include "kernels/sphere-inl.h"
+#include "kernels/simd/records-inl.h"
+#include "kernels/simd/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels/sampler.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/math-inl.h"
+#include "kernels/simd/math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measure/error_split.h"
-#include "wavefront/job.h"
+#include "job/job.h"
 #include "wavefront/render.h"
 
 namespace skywave {

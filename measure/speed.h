@@ -7,9 +7,9 @@
 #include <iterator>
 #include <vector>
 
-#include "wavefront/job.h"
+#include "job/job.h"
 #include "wavefront/render.h"
-#include "wavefront/replay.h"
+#include "wavefront/rays/replay.h"
 
 namespace skywave {
 

@@ -11,8 +11,8 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "kernels/conductor_tables.h"
-#include "kernels/surface.h"
+#include "kernels/bsdf/conductor_tables.h"
+#include "kernels/surface/surface.h"
 
 namespace skywave {
 namespace {

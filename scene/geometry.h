@@ -11,14 +11,14 @@
 #include <type_traits>
 #include <vector>
 
-#include "kernels/bsdf.h"
+#include "kernels/bsdf/bsdf.h"
 #include "kernels/columns.h"
-#include "kernels/normal_map.h"
+#include "kernels/surface/normal_map.h"
 #include "kernels/partition.h"
-#include "kernels/texture.h"
-#include "scene/opacity.h"
+#include "kernels/surface/texture.h"
+#include "scene/materials/opacity.h"
 #include "scene/scene.h"
-#include "scene/texture_tables.h"
+#include "scene/materials/texture_tables.h"
 
 namespace skywave {
 

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "image/image.h"
-#include "scene/emission_image.h"
+#include "scene/materials/emission_image.h"
 
 namespace skywave {
 namespace {

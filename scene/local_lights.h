@@ -1,5 +1,5 @@
 // The lights of a scene that are somewhere in it, as kernels read them: one record a light, and how
-// often each is picked (kernels/local_lights.h).
+// often each is picked (kernels/lights/local_lights.h).
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kernels/local_lights.h"
+#include "kernels/lights/local_lights.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
 

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/builtin.h"
-#include "scene/gltf_reader.h"
-#include "scene/obj_reader.h"
-#include "scene/pbrt_reader.h"
-#include "scene/ply.h"
+#include "scene/builtin/builtin.h"
+#include "scene/gltf/reader.h"
+#include "scene/obj/reader.h"
+#include "scene/pbrt/reader.h"
+#include "scene/shapes/ply.h"
 
 namespace skywave {
 namespace {

@@ -11,7 +11,7 @@
 #include "image/image.h"
 #include "kernels/camera.h"
 #include "kernels/columns.h"
-#include "kernels/local_lights.h"
+#include "kernels/lights/local_lights.h"
 
 namespace skywave {
 
@@ -68,7 +68,7 @@ struct Material {
   bool opaque() const { return opacity >= 1 && !opacity_texture; }
 };
 
-// A BRDF as it was measured (scene/merl.h).
+// A BRDF as it was measured (scene/materials/merl.h).
 struct MeasuredBrdf {
   std::vector<float> rgb;  // kMeasuredFloats [1/sr], in the order that columns.h gives
   // The lobe that sampling takes for it: GGX width and probability, the rest is drawn by the

@@ -1,6 +1,6 @@
 #include "scene/scene_summary.h"
 
-#include "kernels/bsdf.h"
+#include "kernels/bsdf/bsdf.h"
 
 namespace skywave {
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Which gate sees light sampling made 2, 1.1 and 1.02 times as slow: of the rows
-# that many percent more, for nothing (wavefront/stages.cc):
+# that many percent more, for nothing (wavefront/stages/stages.cc):
 #   scripts/gate_selftest.sh [PAIRS [PERCENT...]]
 # PAIRS of runs for scripts/bench_compare.py (default: 12); PERCENT: 0, 100, 10 and 2 by default.
 # Builds the program into build/slowdown-PERCENT, 0 too; some three minutes a percentage, on an idle

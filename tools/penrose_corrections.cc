@@ -1,4 +1,4 @@
-// Recomputes the correction table of lights/penrose_corrections.cc and prints it: a row a line, 21
+// Recomputes the correction table of lights/light_sets/penrose_corrections.cc and prints it: a row a line, 21
 // vectors "u v". Takes a minute or two.
 //
 // By Lloyd relaxation of the tiling's own patterns (Ostromoukhov et al. 2004; T 6.3.2). For each
@@ -15,7 +15,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "lights/penrose_corrections.h"
+#include "lights/light_sets/penrose_corrections.h"
 
 namespace skywave {
 namespace {

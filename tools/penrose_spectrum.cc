@@ -11,8 +11,8 @@
 #include <numbers>
 
 #include "image/image.h"
-#include "lights/max_pyramid.h"
-#include "lights/penrose.h"
+#include "lights/tables/max_pyramid.h"
+#include "lights/light_sets/penrose.h"
 
 using namespace skywave;
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/bidirectional.h"
+#include "kernels/light_paths/bidirectional.h"
 #include "kernels/columns.h"
-#include "kernels/point_tree.h"
+#include "kernels/light_paths/point_tree.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
@@ -62,7 +62,7 @@ struct BidirectionalTables {
   soa::Table<RayColumns> eye_rays;        // while light sub-paths are traced
   soa::Table<SubpathColumns> eye, light;  // on their way, one row a path
   soa::Table<SubpathColumns> at;          // of the eye's surfaces at hand
-  soa::Table<UniformColumns> arrival;     // u: see kernels/arrival.h
+  soa::Table<UniformColumns> arrival;     // u: see kernels/light_paths/arrival.h
   soa::Table<LightColumns> to_eye;        // from light vertices
   soa::Table<IndexColumns> partner;       // of the eye's surfaces
   soa::Table<TurnedColumns> turned;       // room

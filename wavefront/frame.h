@@ -5,20 +5,20 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/bidirectional.h"
-#include "kernels/bsdf.h"
+#include "kernels/light_paths/bidirectional.h"
+#include "kernels/bsdf/bsdf.h"
 #include "kernels/camera.h"
-#include "kernels/camera_connection.h"
-#include "kernels/emission.h"
-#include "kernels/local_lights.h"
-#include "kernels/photons.h"
-#include "lights/strategy.h"
+#include "kernels/light_paths/camera_connection.h"
+#include "kernels/light_paths/emission.h"
+#include "kernels/lights/local_lights.h"
+#include "kernels/light_paths/photons.h"
+#include "lights/strategies/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
-#include "wavefront/aovs.h"
-#include "wavefront/film_area.h"
-#include "wavefront/light_groups.h"
-#include "wavefront/trace.h"
+#include "wavefront/film/aovs.h"
+#include "wavefront/film/film_area.h"
+#include "wavefront/film/light_groups.h"
+#include "wavefront/rays/trace.h"
 
 namespace skywave {
 

@@ -8,8 +8,8 @@
 #include "base/error.h"
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/option_names.h"
-#include "wavefront/photon_map.h"
-#include "wavefront/photon_pass.h"
+#include "wavefront/photons/photon_map.h"
+#include "wavefront/photons/photon_pass.h"
 
 namespace skywave {
 namespace {

@@ -9,12 +9,12 @@
 #include <memory>
 #include <new>
 
-#include "wavefront/emission_guide.h"
+#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/flush_denormals.h"
-#include "wavefront/integrator.h"
-#include "wavefront/merging_pass.h"
+#include "wavefront/integrators/integrator.h"
+#include "wavefront/photons/merging_pass.h"
 #include "wavefront/option_checks.h"
-#include "wavefront/photon_pass.h"
+#include "wavefront/photons/photon_pass.h"
 #include "wavefront/worker.h"
 
 namespace skywave {

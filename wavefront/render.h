@@ -7,12 +7,12 @@
 #include <memory>
 #include <vector>
 
-#include "wavefront/film.h"
+#include "wavefront/film/film.h"
 #include "wavefront/frame.h"
-#include "wavefront/guide_counts.h"
-#include "wavefront/photon_map.h"
-#include "wavefront/ray_recorder.h"
-#include "wavefront/stages.h"
+#include "wavefront/guiding/guide_counts.h"
+#include "wavefront/photons/photon_map.h"
+#include "wavefront/rays/ray_recorder.h"
+#include "wavefront/stages/stages.h"
 #include "wavefront/stats.h"
 
 namespace skywave {

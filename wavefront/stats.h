@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "wavefront/lanes.h"
-#include "wavefront/ray_recorder.h"
+#include "wavefront/rays/lanes.h"
+#include "wavefront/rays/ray_recorder.h"
 
 namespace skywave {
 

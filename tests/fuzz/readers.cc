@@ -5,12 +5,12 @@
 #include "base/error.h"
 #include "base/gzip.h"
 #include "image/image.h"
-#include "scene/gltf_reader.h"
-#include "scene/mtl.h"
-#include "scene/obj_reader.h"
-#include "scene/pbrt_reader.h"
-#include "scene/ply.h"
-#include "scene/spectrum.h"
+#include "scene/gltf/reader.h"
+#include "scene/obj/mtl.h"
+#include "scene/obj/reader.h"
+#include "scene/pbrt/reader.h"
+#include "scene/shapes/ply.h"
+#include "scene/materials/spectrum.h"
 
 namespace skywave {
 namespace {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "lights/strategy.h"
+#include "lights/strategies/strategy.h"
 
 namespace skywave {
 namespace {

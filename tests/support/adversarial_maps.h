@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "lights/environment_map.h"
+#include "lights/maps/environment_map.h"
 #include "tests/support/random_rows.h"
 
 namespace skywave {

@@ -268,7 +268,7 @@ double TableAt(const float* table, double alpha, double cosine) {
   return std::lerp(above, below, r - double(row));
 }
 
-// One layer of kernels/coat-inl.h over `below`.
+// One layer of kernels/bsdf/coat-inl.h over `below`.
 FormulaValue LayerOver(const FormulaValue& below, const double (&own)[3], double own_pdf,
                        double albedo_o, double albedo_i) {
   const double half = 0.5 * (1 - albedo_o);

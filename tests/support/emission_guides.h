@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "wavefront/emission_guide.h"
+#include "wavefront/guiding/emission_guide.h"
 
 namespace skywave {
 

@@ -2,7 +2,7 @@
 // lights of all kinds.
 #pragma once
 
-#include "scene/mesh.h"
+#include "scene/shapes/mesh.h"
 #include "tests/support/render_scenes.h"
 
 namespace skywave {

@@ -1,7 +1,7 @@
 // The correctness reference and the speed floor of the engine: a plain depth-first path tracer. One
 // path at a time, single rays of Embree, shading in double, its own BSDFs, environment, light
 // samples, camera and random numbers. It shares with the engine only the meaning of the scene (the
-// conventions of kernels/bsdf.h, kernels/environment.h and wavefront/integrator.h) and the tables
+// conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and wavefront/integrators/integrator.h) and the tables
 // FilterOffsets() and GgxTables().
 #pragma once
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "kernels/conductor_tables.h"
+#include "kernels/bsdf/conductor_tables.h"
 
 namespace skywave {
 namespace {
@@ -121,7 +121,7 @@ double SpecularShare(const OracleMaterial& m, double cosine) {
   return std::clamp(specular / (specular + rest), 0.1, 0.9);
 }
 
-// kernels/metallic_roughness-inl.h, its formulae in the order of their terms. The means over the
+// kernels/bsdf/metallic_roughness-inl.h, its formulae in the order of their terms. The means over the
 // hemisphere are integrated here.
 OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
   constexpr int kSteps = 64;

@@ -1,4 +1,4 @@
-// The BSDFs of the oracle, in double, written from the formulae. Conventions: kernels/bsdf.h.
+// The BSDFs of the oracle, in double, written from the formulae. Conventions: kernels/bsdf/bsdf.h.
 #pragma once
 
 #include <glm/glm.hpp>

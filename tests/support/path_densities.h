@@ -10,7 +10,7 @@
 namespace skywave {
 
 // A surface. Densities are those of sampling a direction [1/sr]; a delta BSDF has 1 for both, by
-// the convention of kernels/bidirectional.h.
+// the convention of kernels/light_paths/bidirectional.h.
 struct PathSurface {
   Vec point, normal;
   bool delta = false;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "wavefront/photon_pass.h"
+#include "wavefront/photons/photon_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {

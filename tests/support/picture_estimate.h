@@ -9,7 +9,7 @@
 
 #include "image/image.h"
 #include "tests/support/oracle.h"
-#include "wavefront/job.h"
+#include "job/job.h"
 
 namespace skywave {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "wavefront/job.h"
+#include "job/job.h"
 
 namespace skywave {
 

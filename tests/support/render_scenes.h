@@ -5,13 +5,13 @@
 #include <bit>
 #include <cmath>
 
-#include "scene/scene_building.h"
-#include "scene/shapes.h"
-#include "wavefront/job.h"
+#include "scene/builtin/scene_building.h"
+#include "scene/shapes/shapes.h"
+#include "job/job.h"
 
 namespace skywave {
 
-// A map whose texels the engine's packed form holds exactly (kernels/environment.h): channels are
+// A map whose texels the engine's packed form holds exactly (kernels/lights/environment.h): channels are
 // rounded to 8 bits of the texel's brightest.
 inline Image Packable(Image map) {
   for (std::size_t i = 0; i < map.rgb.size(); i += 3) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "wavefront/job.h"
+#include "job/job.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -4,7 +4,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/mesh.h"
+#include "scene/shapes/mesh.h"
 #include "tests/support/render_scenes.h"
 
 namespace skywave {

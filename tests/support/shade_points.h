@@ -1,7 +1,7 @@
 // Surfaces as strategies see them, for tests that have nothing but surfaces.
 #pragma once
 
-#include "lights/strategy.h"
+#include "lights/strategies/strategy.h"
 #include "tests/support/random_rows.h"
 
 namespace skywave {

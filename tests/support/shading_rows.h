@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/bsdf.h"
-#include "kernels/conductor_tables.h"
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/conductor_tables.h"
 #include "tests/support/random_rows.h"
 
 namespace skywave {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "scene/mesh.h"
+#include "scene/shapes/mesh.h"
 #include "tests/support/render_scenes.h"
 
 namespace skywave {

@@ -1,0 +1,216 @@
+// skywave bench: how fast the suite or a scene renders, and how much of that is Embree.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "cli/bench/report.h"
+#include "cli/commands.h"
+#include "cli/job_flags.h"
+#include "measure/revision.h"
+
+namespace skywave {
+namespace {
+
+struct BenchFlags {
+  JobRequest request;
+  std::optional<int> repetitions;
+  std::string json, report;
+  std::vector<std::string> history;
+  bool full = false, counters = false, renders_only = false;
+};
+
+constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
+constexpr int kExitWrongPicture = 1;
+// Rays that a replay may keep in memory without a word: 72 bytes each, in three orders.
+constexpr double kMaxRecordedRays = 2e7;
+
+// Those flags of a job that leave the pictures of the suite as they are, and --seed, which is there
+// to see the comparison fail.
+constexpr std::string_view kSuiteJobFlags[] = {"--threads", "--wave", "--backend",
+                                               "--embree-config", "--seed"};
+constexpr std::string_view kSuiteOnlyFlags[] = {"--full", "--counters", "--report", "--history",
+                                                "--renders-only"};
+
+void CheckFlags(const CLI::App& command, const std::vector<std::string>& job_flags,
+                bool has_scene) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0) continue;
+    const std::string name = option->get_name();
+    const auto is = [&](const auto& names) {
+      return std::find(std::begin(names), std::end(names), name) != std::end(names);
+    };
+    if (has_scene && is(kSuiteOnlyFlags)) {
+      throw InputError(InputPosition::File(name), "belongs to the suite: give no scene",
+                       kExitUsage);
+    }
+    if (!has_scene && is(job_flags) && !is(kSuiteJobFlags)) {
+      throw InputError(InputPosition::File(name),
+                       "the suite has fixed pictures: give a scene to measure others", kExitUsage);
+    }
+  }
+}
+
+int BenchScene(const BenchFlags& flags) {
+  if (!flags.json.empty()) CheckWritable(flags.json);
+  const RenderJob job(flags.request);
+  for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
+  const int repetitions = flags.repetitions.value_or(kSceneRepetitions);
+  Film film = job.MakeFilm();
+  const Speed speed = MeasureSpeed(job, {.repetitions = repetitions, .thread_counts = {}}, film);
+  const RenderStats& stats = speed.first.stats;
+  if (double(stats.total_rays()) > kMaxRecordedRays) {
+    fmt::print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
+               double(stats.total_rays()) * 1e-6);
+  }
+  const double seconds = speed.render_seconds();
+  const double msamples = double(stats.samples) / seconds * 1e-6;
+  const double mrays = double(stats.total_rays()) / seconds * 1e-6;
+  fmt::print("raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads, repetitions,
+             ReplayText(speed), RayText(speed));
+  fmt::print("render    {:>16.4f} s ({:.4f} to {:.4f}), backend {}\n", seconds,
+             *std::min_element(speed.render.begin(), speed.render.end()),
+             *std::max_element(speed.render.begin(), speed.render.end()),
+             ToString(job.options().backend));
+  fmt::print("SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n", msamples,
+             mrays, speed.embree_fraction());
+  if (flags.json.empty()) return 0;
+  nlohmann::ordered_json json;
+  json["schema"] = "skywave-bench-2";
+  json["version"] = SKYWAVE_VERSION;
+  json["revision"] = GitRevision();
+  json["command"] = RepeatCommand(flags.request, job.options());
+  json["threads"] = speed.first.threads;
+  json["wave"] = job.options().wave;
+  json["render_seconds"] = speed.render;
+  const nlohmann::ordered_json measured = Json(speed);
+  json["replay_seconds"] = measured.at("replay").at("traced").at("seconds");
+  json["replay"] = measured.at("replay");
+  for (std::uint32_t i = 0; i < kRayKinds; ++i) {
+    json["rays"][std::string(kRayKindNames[i])] = {
+        {"count", stats.rays[i]},
+        {"traced_mrays_per_s", speed.traced_mrays_per_second(RayKind(i))},
+        {"raw_mrays_per_s", speed.raw_mrays_per_second(RayKind(i))}};
+  }
+  json["summary"] = {{"msamples_per_s", msamples},
+                     {"mrays_per_s", mrays},
+                     {"embree_fraction", speed.embree_fraction()}};
+  WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  return 0;
+}
+
+// Says which picture is wrong and what the program would have to hold if it were right.
+bool PictureIsRight(const SuiteResult& result) {
+  if (result.check == PictureCheck::kSameBits) return true;
+  if (result.check == PictureCheck::kWithinBounds) {
+    fmt::print(stderr,
+               "note: {}: these are not the hits of AVX2, so the picture was compared by the means "
+               "of its blocks: they differ by {:.2g} at most\n",
+               result.scene.name, BlockDifference(result.scene.expected, result.found));
+    return true;
+  }
+  fmt::print(stderr,
+             "skywave: {}: not the picture that the suite expects, so there is no score; blocks "
+             "differ by {:.2g} at most\nskywave: this one is {{0x{:016x}, {{",
+             result.scene.name, BlockDifference(result.scene.expected, result.found),
+             result.found.hash);
+  for (const float mean : result.found.means) fmt::print(stderr, "{:.9g}f, ", mean);
+  fmt::print(stderr, "}}}}\n");
+  return false;
+}
+
+int BenchSuite(const BenchFlags& flags) {
+  for (const std::string& path : {flags.json, flags.report}) {
+    if (!path.empty()) CheckWritable(path);
+  }
+  std::vector<HistoryEntry> history;
+  for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
+
+  SpeedSettings settings;
+  settings.repetitions =
+      flags.counters
+          ? 0
+          : flags.repetitions.value_or(flags.full ? kFullRepetitions : kQuickRepetitions);
+  settings.replay = !flags.counters && !flags.renders_only;
+  if (settings.replay) {
+    const int threads = flags.request.options.threads;
+    settings.thread_counts = ScalingThreads(threads > 0 ? threads : AvailableThreads());
+  }
+  SuiteReport report = {.full = flags.full,
+                        .machine = DescribeMachine(flags.request.embree_config),
+                        .repetitions = settings.repetitions,
+                        .replayed = settings.replay};
+  bool right = true;
+  const bool tables = flags.counters || !flags.renders_only;
+  for (const SuiteScene& scene : SuiteScenes(flags.full)) {
+    report.results.push_back(MeasureScene(scene, flags.request, settings, tables));
+    right &= PictureIsRight(report.results.back());
+  }
+  report.options = report.results.front().options;
+  // The counters of a wrong picture are shown: what changed is what one wants to see.
+  if (flags.counters) {
+    fmt::print("{}", CountersText(report.results));
+    return right ? 0 : kExitWrongPicture;
+  }
+  if (!right) return kExitWrongPicture;
+  fmt::print("{}{}{}{}", Headline(report), SummaryLine(Summarize(report.results)),
+             NotMeasured(report), SuiteText(report));
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(report).dump(2) + "\n");
+  if (!flags.report.empty()) WriteFileAtomically(flags.report, Html(report, history));
+  return 0;
+}
+
+}  // namespace
+
+void AddBenchCommand(CLI::App& program, Run& run) {
+  CLI::App* command = program.add_subcommand(
+      "bench", "Speed of the suite or of a scene, and the share of it that is Embree's own");
+  const auto flags = std::make_shared<BenchFlags>();
+  flags->request.samples_per_pixel = 8;
+  AddJobFlags(*command, flags->request);
+  command->get_option("scene")->required(false)->description(
+      "pbrt, OBJ or PLY file, or a built-in scene (default: the suite)");
+  std::vector<std::string> job_flags;
+  for (const CLI::Option* option : command->get_options()) job_flags.push_back(option->get_name());
+  command
+      ->add_option("--repetitions", flags->repetitions,
+                   "of renders and replays, in turn (default: 5; suite: 3, full 9)")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--json", flags->json, "write every repetition to this file");
+  const auto suite = "Suite";
+  command->add_flag("--full", flags->full, "larger pictures, more repetitions")->group(suite);
+  command
+      ->add_flag("--counters", flags->counters,
+                 "only what is counted: rays, rows, bytes, hashes; the same text every time")
+      ->group(suite);
+  command
+      ->add_flag("--renders-only", flags->renders_only,
+                 "no replays, other thread counts or tables: for comparisons of two programs")
+      ->group(suite);
+  command->add_option("--report", flags->report, "write a page with charts to this file")
+      ->group(suite);
+  command->add_option("--history", flags->history, "JSON files of earlier runs, for the page")
+      ->group(suite)
+      ->needs("--report");
+  command->footer(
+      "Without a scene: the suite, built-in scenes at fixed sizes, under a minute on two cores.\n"
+      "Their pictures are compared with the known ones; no score where one differs (exit code 1).\n"
+      "Keys of its JSON: docs/bench_json.md.\n\n"
+      "The rays of one frame (8 samples a pixel unless --spp says otherwise) are recorded and\n"
+      "replayed raw through every way to call Embree; embree_fraction is the best replay's time\n"
+      "over the render's.\n\n"
+      "Examples:\n  skywave bench --json b.json --report b.html\n"
+      "  skywave bench gallery --repetitions 9");
+  command->callback([flags, job_flags, command, &run] {
+    const bool has_scene = !flags->request.scene.empty();
+    run = [flags, job_flags, command, has_scene] {
+      CheckFlags(*command, job_flags, has_scene);
+      return has_scene ? BenchScene(*flags) : BenchSuite(*flags);
+    };
+  });
+}
+
+}  // namespace skywave

@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/converge/report.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::string_view kStyle =
+    "body{font:15px/1.45 sans-serif;max-width:1060px;margin:24px auto;padding:0 16px;color:#202020}"
+    "h1{font-size:24px}h2{font-size:19px;margin-top:34px}"
+    ".wide{overflow-x:auto}.lines{white-space:pre-line}table{border-collapse:collapse;font-size:"
+    "13px}"
+    "th,td{padding:3px 8px;text-align:left;white-space:nowrap;border-bottom:1px solid #d8d8d8}"
+    "svg{max-width:100%;height:auto}"
+    ".pair{display:flex;gap:12px}.pair img{width:calc(50% - 6px);height:auto}"
+    ".warning{background:#fff3cd;border-left:4px solid #e69f00;padding:8px 12px}"
+    "figure{margin:18px 0}figcaption{font-size:13px;color:#404040}code{font-size:13px}";
+
+std::string Base64(const std::string& bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t b = 0; b < 3; ++b) {
+      group = group << 8 | (i + b < bytes.size() ? static_cast<unsigned char>(bytes[i + b]) : 0);
+    }
+    for (int d = 3; d >= 0; --d) text += kDigits[group >> 6 * d & 63];
+  }
+  const std::size_t padding = (3 - bytes.size() % 3) % 3;
+  text.replace(text.size() - padding, padding, padding, '=');
+  return text;
+}
+
+std::string Picture(const Image& image, const std::vector<std::uint8_t>& rgb,
+                    const std::string& alt) {
+  return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
+                     image.width, image.height, EscapeXml(alt),
+                     Base64(EncodePng(image.width, image.height, rgb)));
+}
+
+// One scale for all error maps, or they could not be compared: twice the typical relative error of
+// the strategy in the middle, to two digits.
+double FullScale(const ConvergeReport& report) {
+  std::vector<double> errors;
+  for (const Contestant& contestant : report.contestants) {
+    errors.push_back(Mean(contestant.ladder.back().errors(ErrorMeasure::kRelativeMse)));
+  }
+  const double scale = 2 * std::sqrt(Median(errors));
+  if (!(scale > 1e-6) || !std::isfinite(scale)) return 1;
+  const double unit = std::pow(10, std::floor(std::log10(scale)) - 1);
+  return std::ceil(scale / unit) * unit;
+}
+
+std::string HtmlTable(const TextTable& table) {
+  std::string html = "<div class=\"wide\"><table>\n";
+  for (const auto& row : table) {
+    const std::string_view cell = &row == &table.front() ? "th" : "td";
+    html += "<tr>";
+    for (const std::string& text : row) {
+      html += fmt::format("<{0}>{1}</{0}>", cell, EscapeXml(text));
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+std::string Figure(const std::string& pictures, const std::string& caption) {
+  return fmt::format(
+      "<figure>\n<div class=\"pair\">{}</div>\n<figcaption>{}</figcaption>\n</figure>\n", pictures,
+      caption);
+}
+
+}  // namespace
+
+std::string Html(const ConvergeReport& report) {
+  const RenderOptions& options = report.job->options();
+  std::string page = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width\">\n"
+      "<title>{0}: convergence</title>\n<style>{1}</style></head>\n<body>\n"
+      "<h1>{0}: error at equal time</h1>\n"
+      "<p>{2} x {3} pixels, {4} threads, {5} runs each; skywave {6}.<br>\n"
+      "<code>{7}</code></p>\n",
+      EscapeXml(report.scene), kStyle, options.width, options.height,
+      options.threads > 0 ? options.threads : AvailableThreads(), report.settings.repeats,
+      SKYWAVE_VERSION, EscapeXml(report.command));
+  for (const std::string& warning : report.warnings) {
+    page += fmt::format("<p class=\"warning\">{}</p>\n", EscapeXml(warning));
+  }
+  page += "<h2>Curves</h2>\n" + Svg(Plots(report));
+  page += "<p>Whiskers: 95 % confidence intervals of the mean error.</p>\n";
+  page += fmt::format("<h2>Figures</h2>\n<p class=\"lines\">{}</p>\n{}<p>{}.</p>\n{}",
+                      EscapeXml(Introduction(report)), HtmlTable(BudgetTable(report)),
+                      EscapeXml(TargetText(report)), HtmlTable(TargetTable(report)));
+
+  const double full_scale = FullScale(report);
+  page += "<h2>Pictures</h2>\n";
+  page += Figure(
+      Picture(report.reference.image, ToneMap(report.reference.image, report.tone), "reference"),
+      "The reference.");
+  for (const Contestant& contestant : report.contestants) {
+    const Image& image = contestant.picture;
+    const Rung& rung = contestant.ladder.back();
+    page += Figure(
+        Picture(image, ToneMap(image, report.tone), contestant.name) + "\n" +
+            Picture(image, ErrorMap(image, report.reference.image, full_scale),
+                    "error of " + contestant.name),
+        fmt::format("<code>{}</code>, {} samples a pixel, {:.3g} s, mse {:.3g}. Right: relative "
+                    "error, black 0, yellow {:.2g} and more.",
+                    EscapeXml(contestant.name), rung.samples_per_pixel, rung.runs.front().seconds,
+                    rung.runs.front().error.mse, full_scale));
+  }
+  return page + "</body></html>\n";
+}
+
+}  // namespace skywave

@@ -1,0 +1,45 @@
+// The subcommands of `skywave probe`, one file each, and what they share: a map and how to read it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "cli/commands.h"
+#include "image/image.h"
+#include "lights/maps/environment_map.h"
+#include "lights/light_sets/probe_lights.h"
+
+namespace skywave {
+
+struct MapFlags {
+  std::string path;
+  std::optional<Projection> projection;
+  ReadLimits limits;
+};
+void AddMapFlags(CLI::App& command, MapFlags& flags);
+
+// As read and repaired, with its projection.
+struct ProbeFile {
+  Image image;
+  Projection projection = Projection::kLatLong;
+  bool assumed = false;  // by --projection, not by shape
+  BadPixels bad;
+};
+// Notes bad pixels on standard error.
+ProbeFile ReadProbe(const MapFlags& flags);
+Image ReadProbeAsLatLong(const MapFlags& flags);
+
+// --method, -n and the others that make lights.
+void AddLightFlags(CLI::App& command, LightRequest& request);
+// --strata
+void AddStrataFlag(CLI::App& command, std::optional<StrataRequest>& request);
+
+void AddProbeInfoCommand(CLI::App& probe, Run& run);
+void AddProbeConvertCommand(CLI::App& probe, Run& run);
+void AddProbeLightsCommand(CLI::App& probe, Run& run);
+void AddProbePresampleCommand(CLI::App& probe, Run& run);
+void AddProbePlotCommand(CLI::App& probe, Run& run);
+void AddProbeCalibrateCommand(CLI::App& probe, Run& run);
+
+}  // namespace skywave

@@ -1,0 +1,117 @@
+// skywave probe convert: a map in another projection or size.
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "cli/probe/commands.h"
+#include "lights/maps/cube_files.h"
+#include "lights/maps/projections.h"
+#include "lights/maps/resample.h"
+
+namespace skywave {
+namespace {
+
+struct ConvertFlags {
+  MapFlags map;
+  std::string output, size;
+  Projection to = Projection::kLatLong;
+  bool faces_in = false, faces_out = false;
+};
+
+// "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
+void ReadSize(const std::string& text, Projection to, int& width, int& height) {
+  const char* end = text.data() + text.size();
+  auto parsed = std::from_chars(text.data(), end, width);
+  bool good = parsed.ec == std::errc() && width > 0;
+  if (good && parsed.ptr == end) {
+    const int side = width;
+    DefaultSize(to, to == Projection::kLatLong ? side : 2 * side, width, height);
+    if (width == height) width = height = side;
+  } else {
+    good = good && *parsed.ptr == 'x';
+    if (good) parsed = std::from_chars(parsed.ptr + 1, end, height);
+    good = good && parsed.ec == std::errc() && parsed.ptr == end;
+  }
+  if (!good) throw InputError({}, "--size '" + text + "' is neither N nor WxH", kExitUsage);
+  const ReadLimits limits;
+  if (width < 1 || height < 1 || width > limits.max_width || height > limits.max_height ||
+      std::size_t(width) * height > limits.max_pixels) {
+    throw InputError({}, fmt::format("--size {} is out of range", text), kExitUsage);
+  }
+}
+
+int ConvertMain(ConvertFlags& flags) {
+  ProbeFile file;
+  if (flags.faces_in) {
+    file = {.image = ReadCubeFaces(flags.map.path, flags.map.limits),
+            .projection = Projection::kCubeStrip,
+            .assumed = true};
+    file.bad = RepairRadiance(file.image);
+  } else {
+    file = ReadProbe(flags.map);
+  }
+  int width = 0, height = 0;
+  if (flags.size.empty()) {
+    DefaultSize(flags.to, LatLongHeight(file.projection, file.image.width, file.image.height),
+                width, height);
+    if (file.projection == flags.to) width = file.image.width, height = file.image.height;
+  } else {
+    ReadSize(flags.size, flags.to, width, height);
+  }
+  if (!flags.faces_out) CheckWritable(flags.output);
+  const Image result = Resample(file.image, file.projection, flags.to, width, height);
+  if (flags.faces_out) {
+    WriteCubeFaces(flags.output, result);
+  } else {
+    WriteImage(flags.output, result);
+  }
+  const auto before = SphereIntegral(file.image, file.projection);
+  const auto after = SphereIntegral(result, flags.to);
+  fmt::print("{} {} x {} to {} {} x {}; integral {:.7g} {:.7g} {:.7g}, was {:.7g} {:.7g} {:.7g}\n",
+             ToString(file.projection), file.image.width, file.image.height, ToString(flags.to),
+             width, height, after[0], after[1], after[2], before[0], before[1], before[2]);
+  return 0;
+}
+
+}  // namespace
+
+void AddProbeConvertCommand(CLI::App& probe, Run& run) {
+  CLI::App* command = probe.add_subcommand("convert", "A map in another projection or size");
+  const auto flags = std::make_shared<ConvertFlags>();
+  AddMapFlags(*command, flags->map);
+  command->add_option("output", flags->output, "EXR, HDR or PFM")->required();
+  command
+      ->add_option_function<std::string>(
+          "--to",
+          [flags](const std::string& text) {
+            flags->faces_out = text == "cube-faces";
+            flags->to = flags->faces_out ? Projection::kCubeStrip : *ParseProjection(text);
+          },
+          ProjectionNames() +
+              ", or cube-faces: six files, OUTPUT-right.exr, -left, -up, -down, "
+              "-front, -back")
+      ->check([](const std::string& text) {
+        return text == "cube-faces" || ParseProjection(text)
+                   ? ""
+                   : "'" + text + "' is not " + ProjectionNames() + "|cube-faces";
+      })
+      ->type_name("NAME")
+      ->required();
+  command->add_flag("--from-faces", flags->faces_in,
+                    "MAP names six files as --to cube-faces writes them");
+  command->add_option("--size", flags->size,
+                      "WxH, or N: height of a lat-long, side of a square or of a cube's face "
+                      "(default: keeps the resolution)");
+  command->footer(
+      "Examples:\n"
+      "  skywave probe convert probe.hdr sky.exr --to latlong --size 1024x512\n"
+      "  skywave probe convert sky.exr cube.exr --to cube-faces --size 512\n"
+      "  skywave probe convert cube.exr back.exr --from-faces --to latlong");
+  command->callback([flags, &run] { run = [flags] { return ConvertMain(*flags); }; });
+}
+
+}  // namespace skywave

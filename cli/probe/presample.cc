@@ -1,0 +1,78 @@
+// skywave probe presample: a sample set with cells and energies.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.h"
+#include "cli/probe/commands.h"
+#include "lights/probe/plot.h"
+
+namespace skywave {
+namespace {
+
+struct PresampleFlags {
+  MapFlags map;
+  LightRequest request;
+  std::string output, cells;
+};
+
+nlohmann::ordered_json Json(const PresampleFlags& flags, const SphereMap& map,
+                            const ProbeLights& lights) {
+  nlohmann::ordered_json json;
+  json["schema"] = "skywave-presample-1";
+  json["source"] = flags.map.path;
+  json["width"] = map.width;
+  json["height"] = map.height;
+  json["method"] = ToString(flags.request.lights.source);
+  json["axes"] = {"right", "forward", "up"};
+  json["map_energy"] = lights.map_energy;
+  json["energy"] = lights.lights_energy;
+  json["samples"] = nlohmann::ordered_json::array();
+  for (const DirectionalLight& light : lights.set.lights) {
+    double u, v;
+    UvOfDirection(light.direction, u, v);
+    json["samples"].push_back(
+        {{"uv", {u, v}},
+         {"direction", {light.direction.x, light.direction.y, light.direction.z}},
+         {"irradiance", light.irradiance},
+         {"energy", light.energy},
+         {"solid_angle", light.solid_angle},
+         {"probability", light.energy / lights.lights_energy}});
+  }
+  return json;
+}
+
+int PresampleMain(PresampleFlags& flags) {
+  for (const std::string& path : {flags.output, flags.cells}) {
+    if (!path.empty()) CheckWritable(path);
+  }
+  const Image latlong = ReadProbeAsLatLong(flags.map);
+  const SphereMap map = MakeSphereMap(latlong);
+  const ProbeLights lights = MakeProbeLights(map, flags.request);
+  WriteFileAtomically(flags.output, Json(flags, map, lights).dump(1) + "\n");
+  if (!flags.cells.empty()) {
+    WritePng(flags.cells, map.width, map.height, CellColors(lights.set.cell_of_texel));
+  }
+  fmt::print("wrote {}: {} samples, energy {:.8g} of {:.8g}\n", flags.output,
+             lights.set.lights.size(), lights.lights_energy, lights.map_energy);
+  return 0;
+}
+
+}  // namespace
+
+void AddProbePresampleCommand(CLI::App& probe, Run& run) {
+  CLI::App* command = probe.add_subcommand("presample", "A sample set with cells and energies");
+  const auto flags = std::make_shared<PresampleFlags>();
+  flags->request.lights = {
+      .source = LightSource::kPenrose, .lights = 360, .position = LightPosition::kSample};
+  AddMapFlags(*command, flags->map);
+  AddLightFlags(*command, flags->request);
+  command->add_option("-o,--output", flags->output, "JSON file")->required();
+  command->add_option("--cells", flags->cells, "write the cells as a PNG, a colour each");
+  command->footer(
+      "The method is penrose and the position sample unless told otherwise.\n\n"
+      "Example:\n  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png");
+  command->callback([flags, &run] { run = [flags] { return PresampleMain(*flags); }; });
+}
+
+}  // namespace skywave

@@ -1,0 +1,30 @@
+// Brushed metal: GGX facets of two widths (microfacet-inl.h).
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/anisotropic_conductor.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/microfacet-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+using AnisotropicConductor = MicrofacetConductor<AnisotropicGgx>;
+
+SKYWAVE_BSDF_KERNELS(AnisotropicConductor)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits AnisotropicConductorTraits = {.name = "anisotropic-conductor",
+                                                          .varying = Varying::kTangent};
+SKYWAVE_BSDF_TABLE(AnisotropicConductor)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,31 @@
+// Metal with Beckmann's Gaussian slopes, of two widths (microfacet-inl.h): the distribution of Cook
+// and Torrance 1982.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/beckmann_conductor.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/microfacet-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+using BeckmannConductor = MicrofacetConductor<Beckmann>;
+
+SKYWAVE_BSDF_KERNELS(BeckmannConductor)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits BeckmannConductorTraits = {.name = "beckmann-conductor",
+                                                       .varying = Varying::kTangent};
+SKYWAVE_BSDF_TABLE(BeckmannConductor)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

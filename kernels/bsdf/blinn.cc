@@ -1,0 +1,68 @@
+// Blinn's microfacets (Blinn 1977): D = (n + 2) / (2 pi) cos^n of the half vector's angle, masking
+// by V-cavities (Torrance and Sparrow 1967), Fresnel of a complex index. Half vectors are drawn by
+// D.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/blinn.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/simd/power-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct Blinn {
+  HWY_INLINE Blinn(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        exponent(PowerOfWidth(Field(m, fields, 3))),
+        eta(Field3(m, fields, 4)),
+        k(Field3(m, fields, 8)) {}
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const VF one = Set(1.0f);
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF toward = Clamp(Dot(wo, h), 1e-6f, 1.0f);
+    const VF scale = hn::Mul(hn::Add(exponent, Set(2.0f)), Set(0.5f * kInvPi));
+    const VF d = hn::Mul(scale, Pow(h.z, exponent));
+    const VF lower = hn::Min(wo.z, wi.z);
+    const VF g = hn::Min(hn::Div(hn::Mul(Set(2.0f), hn::Mul(h.z, lower)), toward), one);
+    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    const V3 fresnel = FresnelConductor(toward, eta, k);
+    return {Scale(Mul(color, fresnel), hn::Mul(hn::Mul(d, g), quarter_over_cos)),
+            hn::Div(hn::Mul(d, h.z), hn::Mul(Set(4.0f), toward))};
+  }
+
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF) const {
+    const VF one = Set(1.0f), two = Set(2.0f);
+    const V3 h = AboutPole(u, Pow(v, hn::Div(one, hn::Add(exponent, two))));
+    const VF toward = Dot(wo, h);
+    const V3 wi = Sub(Scale(h, hn::Mul(two, toward)), wo);
+    BsdfSample sample = SampleOf(wi, Evaluate(wo, wi));
+    // A facet that looks away reflects nothing.
+    sample.pdf = hn::IfThenElseZero(hn::Gt(toward, hn::Zero(F())), sample.pdf);
+    return sample;
+  }
+
+  VU fields;
+  V3 color;
+  VF exponent;
+  V3 eta, k;
+};
+
+SKYWAVE_BSDF_KERNELS(Blinn)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits BlinnTraits = {.name = "blinn"};
+SKYWAVE_BSDF_TABLE(Blinn)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,445 @@
+// The loops that all BSDFs share. A BSDF is a struct for one vector of surfaces, made from its rows
+// and parameters, with
+//   Value  Evaluate(wo, wi)                  local frame, +z is the shading normal
+//   Sample Draw(wo, direction_u, direction_v, lobe_u)
+//   VF     Blurred(wo, wi, radius)           luminance of value, blurred over an angle; optional
+//   kTransmits                               true where light passes through; optional
+//   kRefracts, VF ratio                      true where it also enters another medium, IndexRatio;
+//                                            optional
+// and gets its kernels from EvaluateRows, EvaluateLightRows, WeighCellRows and ScatterRows.
+#if defined(SKYWAVE_KERNELS_BSDF_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_BSDF_INL_H_
+#undef SKYWAVE_KERNELS_BSDF_INL_H_
+#else
+#define SKYWAVE_KERNELS_BSDF_INL_H_
+#endif
+
+#include <limits>
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/simd/rows-inl.h"
+#include "kernels/simd/sphere-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct BsdfValue {
+  V3 value;  // f |cos|
+  VF pdf;    // [1/sr]
+};
+
+struct BsdfSample {
+  V3 wi;      // local, unit
+  V3 weight;  // f |cos| / pdf, or the factor of a delta lobe
+  VF pdf;     // [1/sr]; 0: delta
+};
+
+HWY_INLINE BsdfSample SampleOf(const V3& wi, const BsdfValue& value) {
+  const VF inverse = hn::Div(Set(1.0f), hn::Max(value.pdf, Set(1e-30f)));
+  return {wi, Scale(value.value, inverse), value.pdf};
+}
+
+// One vector of surfaces: what every BSDF sees of its rows.
+struct ShadingLanes {
+  HWY_INLINE ShadingLanes(const SurfaceColumns& s, std::uint32_t i)
+      : frame(MakeFrame(ShadingNormal(s, i))),
+        ng(GeometricNormal(s, i)),
+        wo(ToLocal(frame, Outgoing(s, i))) {}
+  Frame frame;
+  V3 ng;
+  V3 wo;  // local
+};
+
+HWY_INLINE V3 ColorOf(const SurfaceColumns& s, std::uint32_t i) {
+  return Load3(s.color_r + i, s.color_g + i, s.color_b + i);
+}
+// Index of the first float of the material of each row; rows behind n get material 0.
+HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
+  const VU material = hn::And(Load(s.material + i), SetU(kMaterialMask));
+  return hn::ShiftLeft<4>(hn::IfThenElseZero(RowsBelow(i, n), material));
+}
+HWY_INLINE VF Field(const MaterialView& m, VU fields, std::uint32_t field) {
+  return Gather(reinterpret_cast<const float*>(m.records), hn::Add(fields, SetU(field)));
+}
+HWY_INLINE V3 Field3(const MaterialView& m, VU fields, std::uint32_t field) {
+  return {Field(m, fields, field), Field(m, fields, field + 1), Field(m, fields, field + 2)};
+}
+
+template <class Bsdf>
+inline constexpr bool kTransmits = requires {
+  Bsdf::kTransmits;
+};
+template <class Bsdf>
+inline constexpr bool kRefracts = requires {
+  Bsdf::kRefracts;
+};
+
+// Lanes seen from the side that the normals of the mesh point away from.
+HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
+  return hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
+}
+// Of dielectrics: index on wo's side over index on the other side.
+HWY_INLINE VF IndexRatio(const SurfaceColumns& s, const MaterialView& m, VU fields,
+                         std::uint32_t i) {
+  const VF ior = Field(m, fields, 7);
+  return IfThen(SeenFromBehind(s, i), ior, hn::Div(Set(1.0f), ior));
+}
+
+// What flux gets where radiance gets 1, for a shading normal ns (Veach 1997, eq. 5.19). World space
+// or local. Exactly 1 if ns is ng.
+HWY_INLINE VF ShadingNormalFactor(const V3& ns, const V3& ng, const V3& wo, const V3& wi) {
+  const VF over = hn::Mul(hn::Abs(Dot(wo, ns)), hn::Abs(Dot(wi, ng)));
+  const VF under = hn::Mul(hn::Abs(Dot(wo, ng)), hn::Abs(Dot(wi, ns)));
+  return hn::Div(over, hn::Max(under, Set(1e-20f)));
+}
+
+// Lanes where light can come from world direction wi: above the surface as it is and as it is
+// shaded; where light passes through, also below both.
+template <class Bsdf>
+HWY_INLINE MF Connects(const ShadingLanes& lanes, const V3& world_wi, const V3& local_wi) {
+  const VF height = Dot(lanes.ng, world_wi), zero = hn::Zero(F());
+  const MF above = hn::And(hn::Gt(height, zero), hn::Gt(local_wi.z, zero));
+  if constexpr (!kTransmits<Bsdf>) return above;
+  return hn::Or(above, hn::And(hn::Lt(height, zero), hn::Lt(local_wi.z, zero)));
+}
+
+// Moves origins to the side of the surface that `world` points to; the sign of lift keeps it.
+HWY_INLINE void MoveOrigins(const SurfaceColumns& s, const ShadingLanes& lanes, const V3& world,
+                            std::uint32_t i, std::uint32_t n) {
+  const VF zero = hn::Zero(F()), lift = Load(s.lift + i);
+  const VF toward =
+      IfThen(hn::Lt(Dot(lanes.ng, world), zero), hn::Neg(hn::Abs(lift)), hn::Abs(lift));
+  const V3 moved =
+      Add(Load3(s.org_x + i, s.org_y + i, s.org_z + i), Scale(lanes.ng, hn::Sub(toward, lift)));
+  StoreBelow(moved.x, s.org_x, i, n);
+  StoreBelow(moved.y, s.org_y, i, n);
+  StoreBelow(moved.z, s.org_z, i, n);
+  StoreBelow(toward, s.lift, i, n);
+}
+
+template <class Bsdf>
+void EvaluateRows(const SurfaceColumns& s, const MaterialView& materials,
+                  const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& out) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const V3 world = DirectionOf(lights, i);
+    const V3 wi = ToLocal(lanes.frame, world);
+    const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
+    const MF connects = Connects<Bsdf>(lanes, world, wi);
+    const VF zero = hn::Zero(F());
+    Store3(IfThen(connects, result.value, V3{zero, zero, zero}), out.r + i, out.g + i, out.b + i);
+    Store(IfThen(connects, result.pdf, zero), out.pdf + i);
+  }
+}
+
+template <class Bsdf>
+void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                       const MisPolicy& mis, const LightColumns& lights) {
+  const VF zero = hn::Zero(F());
+  const VF one = Set(1.0f);
+  const VF open = Set(std::numeric_limits<float>::infinity()), closed = Set(-1.0f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const V3 world = DirectionOf(lights, i);
+    const V3 wi = ToLocal(lanes.frame, world);
+    const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
+    const VF pdf = Load(lights.pdf + i);
+    VF factor = hn::Div(one, pdf);
+    if (mis.enabled) {
+      // p / (p^2 + q^2): the weight p^2 / (p^2 + q^2) over p.
+      const VF q = hn::Mul(result.pdf, Set(mis.bsdf_samples));
+      const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(q, q);
+      factor = hn::Div(pdf, hn::Add(p2, q2));
+    }
+    factor = IfThen(hn::Eq(pdf, open), one, factor);
+    const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+    const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
+    const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);
+    const MF counts = hn::And(hn::And(Connects<Bsdf>(lanes, world, wi), hn::Gt(pdf, zero)),
+                              hn::Gt(MaxComponent(gain), zero));
+    StoreBelow(IfThen(counts, gain.x, zero), lights.r, i, n);
+    StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
+    StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
+    StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
+    if constexpr (kTransmits<Bsdf>) MoveOrigins(s, lanes, world, i, n);
+  }
+}
+
+HWY_INLINE VF Luminance(const V3& rgb) { return Dot(rgb, Set3(kLuminance)); }
+
+// A vector of surfaces and the weights that cells of the map have for it (BsdfKernels).
+template <class Bsdf>
+struct CellWeights {
+  HWY_INLINE CellWeights(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t i,
+                         std::uint32_t n)
+      : lanes(s, i), bsdf(s, materials, i, n) {
+    // A tenth of the mean over the hemisphere of a diffuse surface of this colour, or of 4 %.
+    least = hn::Mul(Set(0.05f * kInvPi), hn::Max(Luminance(ColorOf(s, i)), Set(0.04f)));
+  }
+
+  HWY_INLINE VF Weight(const V3& dir, VF energy, VF radius, VF reach) const {
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    const V3 wi = ToLocal(lanes.frame, dir);
+    const VF height = hn::Min(Dot(lanes.ng, dir), wi.z);
+    VF value;
+    if constexpr (requires { bsdf.Blurred(lanes.wo, wi, radius); }) {
+      value = bsdf.Blurred(lanes.wo, wi, radius);
+    } else {
+      value = Luminance(bsdf.Evaluate(lanes.wo, wi).value);
+    }
+    if constexpr (kTransmits<Bsdf>) {
+      value = IfThen(Connects<Bsdf>(lanes, dir, wi), value, zero);
+      return hn::Mul(hn::Max(value, least), energy);
+    }
+    value = hn::Max(IfThen(hn::Gt(height, zero), value, zero), least);
+    // Of a cell that is mostly below the horizon little rises above it, and that is grazing.
+    const VF above = Clamp(hn::Add(one, hn::Div(height, reach)), 0.0f, 1.0f);
+    return hn::Mul(hn::Mul(value, energy), hn::Mul(above, above));
+  }
+
+  ShadingLanes lanes;
+  Bsdf bsdf;
+  VF least;
+};
+
+template <class Bsdf>
+void WeighCellsRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                    const LightCell* cells, std::uint32_t count, float* sums,
+                    std::uint32_t stride) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const CellWeights<Bsdf> weights(s, materials, i, n);
+    VF sum = hn::Zero(F());
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const LightCell& cell = cells[k];
+      sum = hn::Add(
+          sum, weights.Weight(Set3(cell.dir), Set(cell.energy), Set(cell.radius), Set(cell.reach)));
+      Store(sum, sums + std::size_t(k) * stride + i);
+    }
+  }
+}
+
+template <class Bsdf>
+void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                   const LightCell* cells, const std::uint32_t* cell, float* weight) {
+  const auto* fields = reinterpret_cast<const float*>(cells);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const CellWeights<Bsdf> weights(s, materials, i, n);
+    const VU at = hn::ShiftLeft<3>(hn::IfThenElseZero(RowsBelow(i, n), Load(cell + i)));
+    const auto field = [&](std::uint32_t f)
+                           HWY_ATTR { return Gather(fields, hn::Add(at, SetU(f))); };
+    Store(weights.Weight({field(0), field(1), field(2)}, field(3), field(4), field(5)), weight + i);
+  }
+}
+
+// Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
+// `kMoved`: origins may lie behind the surface (MoveOrigins).
+template <bool kMoved = false>
+HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingLanes& lanes,
+                                         std::uint32_t i, std::uint32_t n, const V3& world,
+                                         const V3& weight, VF pdf, MF alive, VF roulette,
+                                         const ScatterPolicy& policy, const RayColumns& rays,
+                                         std::uint32_t to) {
+  const VF zero = hn::Zero(F());
+  V3 throughput = Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), weight);
+  VF largest = MaxComponent(throughput);
+  alive = hn::And(alive, hn::Gt(largest, zero));
+  if (policy.roulette) {
+    if (policy.transport == Transport::kFlux) {
+      largest = hn::Div(
+          largest, MaxComponent(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i)));
+    }
+    const VF survival = hn::Min(largest, Set(1.0f));
+    alive = hn::And(alive, hn::Lt(roulette, survival));
+    throughput = Scale(throughput, hn::Div(Set(1.0f), survival));
+  }
+  const MU rows = hn::And(hn::RebindMask(U(), alive), RowsBelow(i, n));
+  const RowCompressor append(rows);
+  if (append.count() == 0) return to;
+
+  const V3 front = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
+  const VF thickness = hn::Mul(Set(2.0f), Load(s.lift + i));
+  MF through = hn::Lt(Dot(lanes.ng, world), zero);
+  if constexpr (kMoved) through = hn::Xor(through, hn::Lt(thickness, zero));
+  const V3 origin = IfThen(through, Sub(front, Scale(lanes.ng, thickness)), front);
+  append.Append(origin.x, rays.org_x + to);
+  append.Append(origin.y, rays.org_y + to);
+  append.Append(origin.z, rays.org_z + to);
+  append.Append(world.x, rays.dir_x + to);
+  append.Append(world.y, rays.dir_y + to);
+  append.Append(world.z, rays.dir_z + to);
+  append.Append(throughput.x, rays.throughput_r + to);
+  append.Append(throughput.y, rays.throughput_g + to);
+  append.Append(throughput.z, rays.throughput_b + to);
+  append.Append(pdf, rays.pdf + to);
+  append.Move(s.path + i, rays.path + to);
+  append.Append(hn::Iota(U(), policy.first_row + i), rays.from + to);
+  Store(Set(std::numeric_limits<float>::infinity()), rays.t_far + to);
+  return to + append.count();
+}
+
+template <class Bsdf>
+std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials,
+                          const ScatterUniforms& uniforms, std::uint32_t n,
+                          const ScatterPolicy& policy, const RayColumns& rays,
+                          std::uint32_t appended) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const BsdfSample sample = bsdf.Draw(lanes.wo, Load(uniforms.direction.u + i),
+                                        Load(uniforms.direction.v + i), Load(uniforms.lobe.u + i));
+    const V3 world = ToWorld(lanes.frame, sample.wi);
+    V3 weight = sample.weight;
+    if (policy.transport == Transport::kFlux) {
+      const V3 wo = Outgoing(s, i);
+      VF factor = ShadingNormalFactor(lanes.frame.n, lanes.ng, wo, world);
+      if constexpr (kRefracts<Bsdf>) {
+        const MF through = hn::Lt(sample.wi.z, hn::Zero(F()));
+        factor = IfThen(through, hn::Div(factor, hn::Mul(bsdf.ratio, bsdf.ratio)), factor);
+      }
+      weight = Scale(weight, factor);
+    }
+    const MF alive =
+        hn::And(Connects<Bsdf>(lanes, world, sample.wi), hn::Gt(sample.pdf, hn::Zero(F())));
+    appended = AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, weight, sample.pdf, alive,
+                                                 Load(uniforms.lobe.v + i), policy, rays, appended);
+  }
+  return appended;
+}
+
+// Fresnel reflectance of a conductor of index eta + i k at cosine c of the angle of incidence,
+// unpolarised (Born and Wolf, 14.2); 1 for eta = k = 0.
+HWY_INLINE VF FresnelConductor(VF c, VF eta, VF k) {
+  const VF c2 = hn::Mul(c, c), s2 = hn::Sub(Set(1.0f), c2);
+  const VF eta2 = hn::Mul(eta, eta), k2 = hn::Mul(k, k);
+  const VF t0 = hn::Sub(hn::Sub(eta2, k2), s2);
+  const VF a2_plus_b2 = hn::Sqrt(hn::Add(hn::Mul(t0, t0), hn::Mul(Set(4.0f), hn::Mul(eta2, k2))));
+  const VF t1 = hn::Add(a2_plus_b2, c2);
+  const VF a = SafeSqrt(hn::Mul(Set(0.5f), hn::Add(a2_plus_b2, t0)));
+  const VF t2 = hn::Mul(hn::Mul(Set(2.0f), a), c);
+  const VF rs = hn::Div(hn::Sub(t1, t2), hn::Add(t1, t2));
+  const VF t3 = hn::Add(hn::Mul(c2, a2_plus_b2), hn::Mul(s2, s2));
+  const VF t4 = hn::Mul(t2, s2);
+  // At normal incidence on a perfect mirror t3 = t4 = 0.
+  const VF tiny = Set(1e-30f);
+  const VF rp =
+      hn::Mul(rs, hn::Div(hn::Add(hn::Sub(t3, t4), tiny), hn::Add(hn::Add(t3, t4), tiny)));
+  return hn::Mul(Set(0.5f), hn::Add(rs, rp));
+}
+HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
+  return {FresnelConductor(c, eta.x, k.x), FresnelConductor(c, eta.y, k.y),
+          FresnelConductor(c, eta.z, k.z)};
+}
+
+// What a dielectric does with unpolarised light that meets it at cosine cos_o; `ratio` is the index
+// on its side over that on the other one.
+struct Refraction {
+  VF reflectance;  // Fresnel's; 1 for total reflection
+  VF cosine;       // of the refracted ray, by Snell
+};
+HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
+  const VF one = Set(1.0f);
+  const VF ratio2 = hn::Mul(ratio, ratio);
+  const VF sin2_t = hn::Mul(ratio2, hn::Sub(one, hn::Mul(cos_o, cos_o)));
+  const MF total = hn::Ge(sin2_t, one);
+  const VF cos_t = SafeSqrt(hn::Sub(one, sin2_t));
+  // Amplitudes for both polarisations, divided by the index on the far side.
+  const VF ro = hn::Mul(ratio, cos_o), rt = hn::Mul(ratio, cos_t);
+  const VF parallel = hn::Div(hn::Sub(cos_o, rt), hn::Add(cos_o, rt));
+  const VF perpendicular = hn::Div(hn::Sub(ro, cos_t), hn::Add(ro, cos_t));
+  const VF both = hn::Mul(
+      Set(0.5f), hn::Add(hn::Mul(parallel, parallel), hn::Mul(perpendicular, perpendicular)));
+  return {IfThen(total, one, both), cos_t};
+}
+
+// The normal about which a delta BSDF acts: the shading normal, or the geometric one where the
+// reflection about the shading normal would go into the surface. Returned in world space.
+HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
+  const VF twice = hn::Mul(Set(2.0f), Dot(ns, wo));
+  const V3 reflected = Sub(Scale(ns, twice), wo);
+  return IfThen(hn::Gt(Dot(reflected, ng), hn::Zero(F())), ns, ng);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+// The entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
+// for every target, SKYWAVE_BSDF_TABLE(Name) under HWY_ONCE defines NameKernels(), which
+// dispatches; NameTraits, a constant, holds the fields of the table that are not functions. Macros,
+// because dispatch works on names of functions.
+#define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                \
+  void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, \
+                      std::uint32_t n, const BsdfValueColumns& out) {                             \
+    EvaluateRows<Bsdf>(s, m, lights, n, out);                                                     \
+  }                                                                                               \
+  void Evaluate##Bsdf##Lights(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,    \
+                              const MisPolicy& mis, const LightColumns& lights) {                 \
+    EvaluateLightRows<Bsdf>(s, m, n, mis, lights);                                                \
+  }                                                                                               \
+  void WeighCells##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,          \
+                        const LightCell* cells, std::uint32_t count, float* sums,                 \
+                        std::uint32_t stride) {                                                   \
+    WeighCellsRows<Bsdf>(s, m, n, cells, count, sums, stride);                                    \
+  }                                                                                               \
+  void WeighCell##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,           \
+                       const LightCell* cells, const std::uint32_t* cell, float* weight) {        \
+    WeighCellRows<Bsdf>(s, m, n, cells, cell, weight);                                            \
+  }                                                                                               \
+  std::uint32_t Scatter##Bsdf(const SurfaceColumns& s, const MaterialView& m,                     \
+                              const ScatterUniforms& uniforms, std::uint32_t n,                   \
+                              const ScatterPolicy& policy, const RayColumns& rays,                \
+                              std::uint32_t appended) {                                           \
+    return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
+  }
+
+#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                 \
+  HWY_EXPORT(Evaluate##Bsdf);                                                                    \
+  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                            \
+  HWY_EXPORT(WeighCells##Bsdf);                                                                  \
+  HWY_EXPORT(WeighCell##Bsdf);                                                                   \
+  HWY_EXPORT(Scatter##Bsdf);                                                                     \
+  BsdfKernels Bsdf##Kernels() {                                                                  \
+    return {                                                                                     \
+        .name = Bsdf##Traits.name,                                                               \
+        .delta = false,                                                                          \
+        .lobed = Bsdf##Traits.lobed,                                                             \
+        .varying = Bsdf##Traits.varying,                                                         \
+        .transmits = Bsdf##Traits.transmits,                                                     \
+        .refracts = Bsdf##Traits.refracts,                                                       \
+        .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
+        .evaluate_lights =                                                                       \
+            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
+               const MisPolicy& mis, const LightColumns& lights) {                               \
+              HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                \
+            },                                                                                   \
+        .weigh_cells =                                                                           \
+            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
+               const LightCell* cells, std::uint32_t count, float* sums, std::uint32_t stride) { \
+              HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)                                             \
+              (s, m, n, cells, count, sums, stride);                                             \
+            },                                                                                   \
+        .weigh_cell =                                                                            \
+            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
+               const LightCell* cells, const std::uint32_t* cell, float* weight) {               \
+              HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);               \
+            },                                                                                   \
+        .scatter = SKYWAVE_SCATTER(Scatter##Bsdf)};                                              \
+  }
+
+#define SKYWAVE_EVALUATE(function)                                                                \
+  [](const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, std::uint32_t n, \
+     const BsdfValueColumns& out) {                                                               \
+    HWY_DYNAMIC_DISPATCH(function)                                                                \
+    (s, m, lights, n, out);                                                                       \
+  }
+#define SKYWAVE_SCATTER(function)                                                     \
+  [](const SurfaceColumns& s, const MaterialView& m, const ScatterUniforms& uniforms, \
+     std::uint32_t n, const ScatterPolicy& policy, const RayColumns& rays,            \
+     std::uint32_t appended) {                                                        \
+    return HWY_DYNAMIC_DISPATCH(function)(s, m, uniforms, n, policy, rays, appended); \
+  }
+
+#endif  // per-target include guard

@@ -1,0 +1,145 @@
+// Layers over another BSDF: a clear dielectric coat of GGX facets, and sheen. A layer takes from
+// what is below it the larger of its albedos for wo and wi: that is reciprocal, and gives back at
+// most what it gets. (Attenuation by 1 - F(wo . h), as glTF writes it, is not.)
+#if defined(SKYWAVE_KERNELS_COAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_COAT_INL_H_
+#undef SKYWAVE_KERNELS_COAT_INL_H_
+#else
+#define SKYWAVE_KERNELS_COAT_INL_H_
+#endif
+
+#include "kernels/simd/exp-inl.h"
+#include "kernels/bsdf/ggx-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// Value and density of a layer of albedos `o` and `i` over `below`; `share`: its probability.
+HWY_INLINE BsdfValue Layer(const V3& own, VF own_pdf, VF o, VF i, VF share,
+                           const BsdfValue& below) {
+  const VF through = hn::Sub(Set(1.0f), hn::Max(o, i));
+  return {Add(own, Scale(below.value, through)),
+          hn::Add(below.pdf, hn::Mul(share, hn::Sub(own_pdf, below.pdf)))};
+}
+
+// Probability with which a layer of this albedo is drawn: what is below reflects about a half.
+HWY_INLINE VF LayerShare(VF albedo) {
+  const VF below = hn::Mul(Set(0.5f), hn::Sub(Set(1.0f), albedo));
+  const VF share = Clamp(hn::Div(albedo, hn::Max(hn::Add(albedo, below), Set(1e-6f))), 0.1f, 0.9f);
+  return hn::IfThenElseZero(hn::Gt(albedo, hn::Zero(F())), share);
+}
+// The uniform of a lobe that was not below `share`, made uniform again.
+HWY_INLINE VF BelowLayer(VF lobe, VF share) {
+  return Clamp(hn::Div(hn::Sub(lobe, share), hn::Sub(Set(1.0f), share)), 0.0f, 0x1.fffffep-1f);
+}
+
+// `Parameters` reads strength, width and F0 (Schlick) of the coat of each row.
+template <class Base, class Parameters>
+struct Coated {
+  HWY_INLINE Coated(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                    std::uint32_t n)
+      : base(s, m, i, n),
+        parameters(m, MaterialFields(s, i, n)),
+        ggx(parameters.alpha),
+        tables(*m.conductor) {}
+
+  HWY_INLINE VF Albedo(VF cosine) const {
+    const VF all = ggx.Table(tables.albedo, cosine), grazing = ggx.Table(tables.grazing, cosine);
+    const VF albedo = hn::Add(grazing, hn::Mul(parameters.f0, hn::Sub(all, grazing)));
+    return hn::Mul(parameters.strength, albedo);
+  }
+  HWY_INLINE VF Reflectance(const V3& wo, const V3& h) const {
+    const VF one = Set(1.0f), away = hn::Sub(one, Clamp(Dot(wo, h), 0.0f, 1.0f));
+    const VF away2 = hn::Mul(away, away), away5 = hn::Mul(hn::Mul(away2, away2), away);
+    const VF fresnel = hn::Add(parameters.f0, hn::Mul(away5, hn::Sub(one, parameters.f0)));
+    return hn::Mul(parameters.strength, fresnel);
+  }
+
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const VF coat = hn::Mul(Reflectance(wo, Ggx::HalfVector(wo, wi)), ggx.Blurred(wo, wi, radius));
+    const VF through = hn::Sub(Set(1.0f), hn::Max(Albedo(wo.z), Albedo(wi.z)));
+    return hn::Add(coat, hn::Mul(through, base.Blurred(wo, wi, radius)));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const VF one = Set(1.0f);
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
+    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
+    const VF own =
+        hn::Mul(Reflectance(wo, h), hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i)));
+    const VF albedo_o = Albedo(wo.z);
+    return Layer({own, own, own}, hn::Div(lobe, hn::Add(one, lambda_o)), albedo_o, Albedo(wi.z),
+                 LayerShare(albedo_o), base.Evaluate(wo, wi));
+  }
+  HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF share = LayerShare(Albedo(wo.z));
+    return IfThen(hn::Lt(lobe, share), ggx.Reflect(wo, u, v),
+                  base.Direction(wo, u, v, BelowLayer(lobe, share)));
+  }
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const V3 wi = Direction(wo, u, v, lobe);
+    return SampleOf(wi, Evaluate(wo, wi));
+  }
+
+  Base base;
+  Parameters parameters;
+  Ggx ggx;
+  const ConductorTables& tables;
+};
+
+// Sheen of the colour in fields 12 to 14 and the width in field 10 (SheenTables), drawn by the
+// cosine.
+template <class Base>
+struct Sheened {
+  HWY_INLINE Sheened(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                     std::uint32_t n)
+      : base(s, m, i, n),
+        fields(MaterialFields(s, i, n)),
+        color(Field3(m, fields, 12)),
+        // Only its place in the tables is used.
+        width(Clamp(Field(m, fields, 10), kMinSheenAlpha, 1.0f)),
+        tables(*m.sheen) {}
+
+  HWY_INLINE VF Albedo(VF cosine) const {
+    return hn::Mul(MaxComponent(color), width.Table(tables.albedo, cosine));
+  }
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const VF through = hn::Sub(Set(1.0f), hn::Max(Albedo(wo.z), Albedo(wi.z)));
+    return hn::Add(hn::Mul(Luminance(color), Lobe(wo, wi)),
+                   hn::Mul(through, base.Blurred(wo, wi, radius)));
+  }
+  HWY_INLINE VF Lobe(const V3& wo, const V3& wi) const {
+    const VF power = hn::Div(Set(1.0f), width.alpha);
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF sine = SafeSqrt(hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y)));
+    const VF d = hn::Mul(hn::Mul(hn::Add(Set(2.0f), power), Set(0.5f * kInvPi)), Pow(sine, power));
+    const VF spread = hn::Sub(hn::Add(wo.z, wi.z), hn::Mul(wo.z, wi.z));
+    const VF visible = hn::Div(Set(0.25f), hn::Max(spread, Set(1e-6f)));
+    return hn::Mul(hn::Mul(d, visible), hn::Mul(width.Mean(tables.scale), wi.z));
+  }
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const VF albedo_o = Albedo(wo.z);
+    return Layer(Scale(color, Lobe(wo, wi)), hn::Mul(wi.z, Set(kInvPi)), albedo_o, Albedo(wi.z),
+                 LayerShare(albedo_o), base.Evaluate(wo, wi));
+  }
+  HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF share = LayerShare(Albedo(wo.z));
+    return IfThen(hn::Lt(lobe, share), CosineHemisphere(u, v),
+                  base.Direction(wo, u, v, BelowLayer(lobe, share)));
+  }
+
+  Base base;
+  VU fields;
+  V3 color;
+  Ggx width;
+  const SheenTables& tables;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,41 @@
+// glTF's KHR_materials_clearcoat and KHR_materials_sheen: metallic-roughness under sheen under a
+// clear coat of index 1.5. In the record: k holds strength and width of the coat and width of the
+// sheen, multiscatter the colour of the sheen.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/coated_metallic_roughness.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/coat-inl.h"
+#include "kernels/bsdf/metallic_roughness-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct ClearCoat {
+  HWY_INLINE ClearCoat(const MaterialView& m, VU fields)
+      : strength(Field(m, fields, 8)),
+        alpha(Clamp(Field(m, fields, 9), 1e-3f, 1.0f)),
+        f0(Set(0.04f)) {}
+  VF strength, alpha, f0;
+};
+
+using CoatedMetallicRoughness = Coated<Sheened<MetallicRoughness>, ClearCoat>;
+
+SKYWAVE_BSDF_KERNELS(CoatedMetallicRoughness)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits CoatedMetallicRoughnessTraits = {
+    .name = "coated-metallic-roughness", .lobed = true, .varying = Varying::kRoughness};
+SKYWAVE_BSDF_TABLE(CoatedMetallicRoughness)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

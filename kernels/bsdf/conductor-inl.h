@@ -1,0 +1,74 @@
+// Rough conductor: GGX microfacets (Walter et al. 2007), height-correlated Smith masking, visible
+// normals (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023), Fresnel of a complex index,
+// and the reciprocal multiple-scattering lobe of Kulla and Conty 2017, so that F = 1 loses nothing.
+// The lobe is chosen with the probability with which light scatters more than once.
+#if defined(SKYWAVE_KERNELS_CONDUCTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_CONDUCTOR_INL_H_
+#undef SKYWAVE_KERNELS_CONDUCTOR_INL_H_
+#else
+#define SKYWAVE_KERNELS_CONDUCTOR_INL_H_
+#endif
+
+#include "kernels/bsdf/ggx-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct Conductor {
+  HWY_INLINE Conductor(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                       std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        tables(*m.conductor),
+        ggx(Field(m, fields, 3)),
+        eta(Field3(m, fields, 4)),
+        k(Field3(m, fields, 8)),
+        multiscatter(Field3(m, fields, 12)) {}
+
+  HWY_INLINE VF Albedo(VF cosine) const { return ggx.Table(tables.albedo, cosine); }
+
+  // Fresnel's reflectance is nearly the same for all wi that matter.
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    return hn::Mul(Luminance(color), ggx.Blurred(wo, wi, radius));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
+    const VF one = Set(1.0f);
+    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const VF g1 = hn::Div(one, hn::Add(one, lambda_o));
+    const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(wo, h)), one), eta, k);
+    const VF single = hn::Mul(hn::Mul(d, g2), quarter_over_cos);
+    const VF lost_o = hn::Sub(one, Albedo(wo.z)), lost_i = hn::Sub(one, Albedo(wi.z));
+    const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), wi.z);
+    const V3 value = Mul(color, Add(Scale(fresnel, single), Scale(multiscatter, multiple)));
+    const VF visible = hn::Mul(hn::Mul(d, g1), quarter_over_cos);
+    const VF diffuse = hn::Mul(wi.z, Set(kInvPi));
+    return {value, hn::Add(visible, hn::Mul(lost_o, hn::Sub(diffuse, visible)))};
+  }
+
+  HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
+    const MF multiple = hn::Lt(lobe, hn::Sub(Set(1.0f), Albedo(wo.z)));
+    return IfThen(multiple, CosineHemisphere(u, v), ggx.Reflect(wo, u, v));
+  }
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const V3 wi = Direction(wo, u, v, lobe);
+    return SampleOf(wi, Evaluate(wo, wi));
+  }
+
+  VU fields;
+  V3 color;
+  const ConductorTables& tables;
+  Ggx ggx;
+  V3 eta, k, multiscatter;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,27 @@
+// Rough conductor (conductor-inl.h).
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/conductor.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/conductor-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+SKYWAVE_BSDF_KERNELS(Conductor)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits ConductorTraits = {.name = "conductor", .lobed = true};
+SKYWAVE_BSDF_TABLE(Conductor)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

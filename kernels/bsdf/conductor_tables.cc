@@ -1,0 +1,181 @@
+#include "kernels/bsdf/conductor_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace skywave {
+namespace {
+
+// Means of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), and of it times (1
+// - wo . h)^5, by the midpoint rule in the spherical-cap parametrisation of Dupuy and Benyoub 2023.
+struct Albedos {
+  double all, grazing;
+};
+Albedos DirectionalAlbedo(double alpha, double mu) {
+  constexpr int kTurns = 32, kHeights = 128;
+  mu = std::max(mu, 1e-4);
+  const double sine = std::sqrt(1 - mu * mu);
+  double x = alpha * sine, z = mu;
+  const double norm = std::hypot(x, z);
+  x /= norm, z /= norm;
+  const auto lambda = [&](double cosine) {
+    const double tan2 = (1 - cosine * cosine) / (cosine * cosine);
+    return 0.5 * (std::sqrt(1 + alpha * alpha * tan2) - 1);
+  };
+  double sum = 0, grazing = 0;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const double phi = std::numbers::pi * (turn + 0.5) / kTurns;  // the other half mirrors it
+    for (int height = 0; height < kHeights; ++height) {
+      const double cap = 1 - (height + 0.5) / kHeights * (1 + z);
+      const double radius = std::sqrt(std::max(0.0, 1 - cap * cap));
+      double hx = (radius * std::cos(phi) + x) * alpha, hy = radius * std::sin(phi) * alpha;
+      double hz = std::max(0.0, cap + z);
+      const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
+      if (length == 0) continue;
+      hx /= length, hz /= length;
+      const double toward = hx * sine + hz * mu;
+      const double cosine = 2 * toward * hz - mu;
+      if (cosine <= 0) continue;
+      const double out = lambda(mu), in = lambda(std::min(cosine, 1.0));
+      const double weight = (1 + out) / (1 + out + in);
+      const double away = std::max(0.0, 1 - toward), away2 = away * away;
+      sum += weight, grazing += weight * away2 * away2 * away;
+    }
+  }
+  return {sum / (kTurns * kHeights), grazing / (kTurns * kHeights)};
+}
+
+using Column = std::array<double, kAlbedoColumns>;
+
+// 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
+double MeanOverCosine(const Column& column) {
+  constexpr int kSteps = 1024;
+  double mean = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) / kSteps, at = s * (kAlbedoColumns - 1);
+    const auto low = std::uint32_t(at);
+    const double high_share = at - low;
+    const double e =
+        column[low] * (1 - high_share) + column[std::min(low + 1, kAlbedoColumns - 1)] * high_share;
+    mean += e * 4 * s * s * s / kSteps;
+  }
+  return mean;
+}
+
+void StoreRow(const Column& column, std::uint32_t row, float* table) {
+  for (std::uint32_t c = 0; c <= kAlbedoColumns; ++c) {
+    table[row * (kAlbedoColumns + 1) + c] = float(column[std::min(c, kAlbedoColumns - 1)]);
+  }
+}
+
+std::unique_ptr<ConductorTables> Build() {
+  auto tables = std::make_unique<ConductorTables>();
+  Column all = {}, grazing = {};
+  for (std::uint32_t r = 0; r <= kAlbedoRows; ++r) {
+    if (r < kAlbedoRows) {
+      const double root = double(r) / (kAlbedoRows - 1);
+      const double alpha = std::max(root * root, 1e-4);
+      for (std::uint32_t c = 0; c < kAlbedoColumns; ++c) {
+        const double mu = double(c) / (kAlbedoColumns - 1);
+        const Albedos albedos = DirectionalAlbedo(alpha, mu * mu);
+        all[c] = albedos.all, grazing[c] = albedos.grazing;
+      }
+      tables->mean_albedo[r] = float(MeanOverCosine(all));
+    }
+    StoreRow(all, r, tables->albedo);
+    StoreRow(grazing, r, tables->grazing);
+    tables->padded_mean_albedo[r] = float(MeanOverCosine(all));
+    tables->mean_grazing[r] = float(MeanOverCosine(grazing));
+  }
+  return tables;
+}
+
+// Mean of the Fresnel reflectance over the cosine-weighted hemisphere.
+double MeanFresnel(double eta, double k) {
+  constexpr int kSteps = 256;
+  double mean = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double c = (i + 0.5) / kSteps, c2 = c * c, s2 = 1 - c2;
+    const double t0 = eta * eta - k * k - s2;
+    const double ab = std::sqrt(t0 * t0 + 4 * eta * eta * k * k);
+    const double a = std::sqrt(std::max(0.0, 0.5 * (ab + t0)));
+    const double rs = (ab + c2 - 2 * a * c) / (ab + c2 + 2 * a * c);
+    const double p = c2 * ab + s2 * s2, q = 2 * a * c * s2;
+    mean += 0.5 * rs * (1 + (p - q) / std::max(p + q, 1e-30)) * 2 * c / kSteps;
+  }
+  return mean;
+}
+
+}  // namespace
+
+const ConductorTables& GgxTables() {
+  static const std::unique_ptr<const ConductorTables> tables = Build();
+  return *tables;
+}
+
+namespace {
+
+double SheenAlbedo(double alpha, double mu) {
+  constexpr int kHeights = 64, kTurns = 32;
+  mu = std::max(mu, 1e-3);
+  const double sine = std::sqrt(1 - mu * mu), power = 1 / alpha;
+  double sum = 0;
+  for (int i = 0; i < kHeights; ++i) {
+    const double z = (i + 0.5) / kHeights, r = std::sqrt(1 - z * z);
+    for (int j = 0; j < kTurns; ++j) {
+      const double phi = std::numbers::pi * (j + 0.5) / kTurns;
+      const double hx = sine + r * std::cos(phi), hy = r * std::sin(phi), hz = mu + z;
+      const double across2 = hx * hx + hy * hy;
+      const double d = (2 + power) * std::pow(across2 / (across2 + hz * hz), power / 2);
+      sum += d * z / (4 * (mu + z - mu * z));
+    }
+  }
+  // dwi = dz dphi over a full turn; D has 1 / (2 pi).
+  return sum / (kHeights * kTurns);
+}
+
+std::unique_ptr<SheenTables> BuildSheen() {
+  auto tables = std::make_unique<SheenTables>();
+  Column column = {};
+  for (std::uint32_t r = 0; r <= kAlbedoRows; ++r) {
+    if (r < kAlbedoRows) {
+      const double root = double(r) / (kAlbedoRows - 1);
+      const double alpha = std::max(root * root, double(kMinSheenAlpha));
+      double largest = 1;
+      for (std::uint32_t c = 0; c < kAlbedoColumns; ++c) {
+        const double mu = double(c) / (kAlbedoColumns - 1);
+        column[c] = SheenAlbedo(alpha, mu * mu);
+        largest = std::max(largest, column[c]);
+      }
+      for (double& albedo : column) albedo /= largest;
+      tables->scale[r] = float(1 / largest);
+    } else {
+      tables->scale[r] = tables->scale[r - 1];
+    }
+    StoreRow(column, r, tables->albedo);
+  }
+  return tables;
+}
+
+}  // namespace
+
+const SheenTables& GetSheenTables() {
+  static const std::unique_ptr<const SheenTables> tables = BuildSheen();
+  return *tables;
+}
+
+float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k) {
+  const double at = std::sqrt(std::clamp(alpha, 0.0f, 1.0f)) * (kAlbedoRows - 1);
+  const auto low = std::min(std::uint32_t(at), kAlbedoRows - 2);
+  const double e = tables.mean_albedo[low] +
+                   (at - low) * (tables.mean_albedo[low + 1] - tables.mean_albedo[low]);
+  const double f = MeanFresnel(eta, k);
+  const double lost = std::max(1 - e, 1e-6);
+  // Every further bounce meets F again: a geometric series (Kulla and Conty 2017).
+  return float(f * f * e / (1 - f * lost) / (std::numbers::pi * lost));
+}
+
+}  // namespace skywave

@@ -1,0 +1,144 @@
+// The delta BSDFs. Mirror: reflection times the Fresnel reflectance of a complex index (eta = k =
+// 0: a perfect mirror). Dielectric: smooth glass, reflecting with the probability of the
+// unpolarised Fresnel reflectance and refracting otherwise (Snell), radiance scaled by the squared
+// index ratio. Thin dielectric: a sheet of it.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/delta.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/bsdf-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// No light can be met by chance: value and density are zero.
+void EvaluateDelta(const SurfaceColumns&, const MaterialView&, const LightColumns&, std::uint32_t n,
+                   const BsdfValueColumns& out) {
+  const VF zero = hn::Zero(F());
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    Store3({zero, zero, zero}, out.r + i, out.g + i, out.b + i);
+    Store(zero, out.pdf + i);
+  }
+}
+
+// Mirror and glass work in world space; only the normal of the shading frame is needed.
+HWY_INLINE V3 WorldWo(const SurfaceColumns& s, std::uint32_t i) {
+  return Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
+}
+
+std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
+                            const ScatterUniforms& uniforms, std::uint32_t n,
+                            const ScatterPolicy& policy, const RayColumns& rays,
+                            std::uint32_t appended) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const V3 wo = WorldWo(s, i);
+    const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
+    const VF cosine = Dot(normal, wo);
+    const V3 wi = Sub(Scale(normal, hn::Mul(Set(2.0f), cosine)), wo);
+    const VU fields = MaterialFields(s, i, n);
+    V3 weight = Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, 4),
+                                                    Field3(m, fields, 8)));
+    if (policy.transport == Transport::kFlux) {
+      weight = Scale(weight, ShadingNormalFactor(normal, lanes.ng, wo, wi));
+    }
+    const MF alive = hn::Gt(Dot(lanes.ng, wi), hn::Zero(F()));
+    appended = AppendScattered(s, lanes, i, n, wi, weight, hn::Zero(F()), alive,
+                               Load(uniforms.lobe.v + i), policy, rays, appended);
+  }
+  return appended;
+}
+
+// `thin`: both faces of a sheet at once. What is reflected between them adds up to 2 R / (1 + R),
+// and what comes through goes straight on.
+HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialView& m,
+                                      const ScatterUniforms& uniforms, std::uint32_t n,
+                                      const ScatterPolicy& policy, const RayColumns& rays,
+                                      std::uint32_t appended, bool thin) {
+  const VF one = Set(1.0f), zero = hn::Zero(F());
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const V3 wo = WorldWo(s, i);
+    const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
+    const VU fields = MaterialFields(s, i, n);
+    const VF ratio = thin ? hn::Div(one, Field(m, fields, 7)) : IndexRatio(s, m, fields, i);
+    const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
+    const VF ratio2 = hn::Mul(ratio, ratio);
+    const Refraction refraction = FresnelDielectric(cos_o, ratio);
+    VF reflectance = refraction.reflectance;
+    if (thin) reflectance = hn::Div(hn::Add(reflectance, reflectance), hn::Add(one, reflectance));
+    const MF reflects = hn::Lt(Load(uniforms.lobe.u + i), reflectance);
+
+    const V3 reflected = Sub(Scale(normal, hn::Mul(Set(2.0f), cos_o)), wo);
+    const V3 refracted = Normalize(
+        Sub(Scale(normal, hn::Sub(hn::Mul(ratio, cos_o), refraction.cosine)), Scale(wo, ratio)));
+    const V3 wi = IfThen(reflects, reflected, thin ? Neg(wo) : refracted);
+    const VF side = Dot(lanes.ng, wi);
+    const MF alive =
+        hn::Or(hn::And(reflects, hn::Gt(side, zero)), hn::AndNot(reflects, hn::Lt(side, zero)));
+    VF factor = IfThen(reflects, one, thin ? one : ratio2);
+    if (policy.transport == Transport::kFlux) {
+      factor = ShadingNormalFactor(normal, lanes.ng, wo, wi);
+    }
+    const V3 weight = Scale(ColorOf(s, i), factor);
+    appended = AppendScattered(s, lanes, i, n, wi, weight, zero, alive, Load(uniforms.lobe.v + i),
+                               policy, rays, appended);
+  }
+  return appended;
+}
+
+std::uint32_t ScatterDielectric(const SurfaceColumns& s, const MaterialView& m,
+                                const ScatterUniforms& uniforms, std::uint32_t n,
+                                const ScatterPolicy& policy, const RayColumns& rays,
+                                std::uint32_t appended) {
+  return ScatterGlass(s, m, uniforms, n, policy, rays, appended, false);
+}
+std::uint32_t ScatterThinDielectric(const SurfaceColumns& s, const MaterialView& m,
+                                    const ScatterUniforms& uniforms, std::uint32_t n,
+                                    const ScatterPolicy& policy, const RayColumns& rays,
+                                    std::uint32_t appended) {
+  return ScatterGlass(s, m, uniforms, n, policy, rays, appended, true);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(EvaluateDelta);
+HWY_EXPORT(ScatterMirror);
+HWY_EXPORT(ScatterDielectric);
+HWY_EXPORT(ScatterThinDielectric);
+
+namespace {
+BsdfKernels DeltaKernels(const BsdfTraits& traits, decltype(BsdfKernels::scatter) scatter) {
+  return {.name = traits.name,
+          .delta = true,
+          .lobed = traits.lobed,
+          .varying = traits.varying,
+          .transmits = traits.transmits,
+          .refracts = traits.refracts,
+          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
+          .scatter = scatter};
+}
+}  // namespace
+
+BsdfKernels MirrorKernels() {
+  return DeltaKernels({.name = "mirror"}, SKYWAVE_SCATTER(ScatterMirror));
+}
+BsdfKernels DielectricKernels() {
+  return DeltaKernels({.name = "dielectric", .lobed = true, .transmits = true, .refracts = true},
+                      SKYWAVE_SCATTER(ScatterDielectric));
+}
+BsdfKernels ThinDielectricKernels() {
+  return DeltaKernels({.name = "thin-dielectric", .lobed = true, .transmits = true},
+                      SKYWAVE_SCATTER(ScatterThinDielectric));
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

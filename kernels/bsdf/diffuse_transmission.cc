@@ -1,0 +1,59 @@
+// Diffuse transmission: a thin sheet that reflects and transmits as Lambert does, f = color / pi on
+// wo's side and eta / pi (the material's second colour) on the other. A side is drawn with the
+// probability of its larger channel, a direction by the cosine.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/diffuse_transmission.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/bsdf-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct DiffuseTransmission {
+  static constexpr bool kTransmits = true;
+
+  HWY_INLINE DiffuseTransmission(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                                 std::uint32_t n)
+      : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), 4)) {
+    const VF back = MaxComponent(reflected), through = MaxComponent(transmitted);
+    reflects = hn::Div(back, hn::Max(hn::Add(back, through), Set(1e-30f)));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3&, const V3& wi) const {
+    const MF above = hn::Gt(wi.z, hn::Zero(F()));
+    const VF cosine = hn::Mul(hn::Abs(wi.z), Set(kInvPi));
+    const VF share = IfThen(above, reflects, hn::Sub(Set(1.0f), reflects));
+    return {Scale(IfThen(above, reflected, transmitted), cosine), hn::Mul(share, cosine)};
+  }
+  HWY_INLINE BsdfSample Draw(const V3&, VF u, VF v, VF lobe) const {
+    const MF above = hn::Lt(lobe, reflects);
+    const V3 up = CosineHemisphere(u, v);
+    const VF share = IfThen(above, reflects, hn::Sub(Set(1.0f), reflects));
+    return {{up.x, up.y, IfThen(above, up.z, hn::Neg(up.z))},
+            Scale(IfThen(above, reflected, transmitted), hn::Div(Set(1.0f), share)),
+            hn::Mul(share, hn::Mul(up.z, Set(kInvPi)))};
+  }
+
+  V3 reflected, transmitted;
+  VF reflects;  // probability of wo's side
+};
+
+SKYWAVE_BSDF_KERNELS(DiffuseTransmission)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits DiffuseTransmissionTraits = {
+    .name = "diffuse-transmission", .lobed = true, .transmits = true};
+SKYWAVE_BSDF_TABLE(DiffuseTransmission)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,108 @@
+// GGX microfacets, as the BSDFs that are made of them share them: distribution, masking, visible
+// normals, and the albedo of the single-scattering lobe from its tables. Local frames.
+#if defined(SKYWAVE_KERNELS_GGX_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_GGX_INL_H_
+#undef SKYWAVE_KERNELS_GGX_INL_H_
+#else
+#define SKYWAVE_KERNELS_GGX_INL_H_
+#endif
+
+#include "kernels/bsdf/bsdf-inl.h"
+#include "kernels/bsdf/conductor_tables.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// A visible normal of widths x and y (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023).
+HWY_INLINE V3 VisibleGgxNormal(const V3& wo, VF x, VF y, VF u, VF v) {
+  const V3 stretched = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
+  const VF one = Set(1.0f);
+  const VF cap = hn::Sub(one, hn::Mul(v, hn::Add(one, stretched.z)));
+  const VF radius = SafeSqrt(hn::Sub(one, hn::Mul(cap, cap)));
+  VF s, c;
+  SinCosTurn(u, s, c);
+  return Normalize({hn::Mul(hn::Add(hn::Mul(radius, c), stretched.x), x),
+                    hn::Mul(hn::Add(hn::Mul(radius, s), stretched.y), y),
+                    hn::Max(hn::Add(cap, stretched.z), Set(1e-7f))});
+}
+
+// One vector of widths and their rows in the tables.
+struct Ggx {
+  HWY_INLINE explicit Ggx(VF width) : alpha(width) {
+    const VF row = hn::Mul(hn::Sqrt(alpha), Set(float(kAlbedoRows - 1)));
+    table_row = hn::Min(ToUnsigned(row), SetU(kAlbedoRows - 1));
+    row_share = hn::Sub(row, ToFloat(table_row));
+  }
+
+  // A table of the cosine, bilinear in the square roots.
+  HWY_INLINE VF Table(const float* table, VF cosine) const {
+    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VU column = ToUnsigned(at);
+    const VF share = hn::Sub(at, ToFloat(column));
+    const VU low = hn::Add(hn::Mul(table_row, SetU(kAlbedoColumns + 1)), column);
+    const VU high = hn::Add(low, SetU(kAlbedoColumns + 1));
+    const auto across = [&](VU from) HWY_ATTR {
+      const VF left = Gather(table, from);
+      const VF right = Gather(table, hn::Add(from, SetU(1)));
+      return hn::Add(left, hn::Mul(share, hn::Sub(right, left)));
+    };
+    const VF above = across(low), below = across(high);
+    return hn::Add(above, hn::Mul(row_share, hn::Sub(below, above)));
+  }
+  // A padded table of means.
+  HWY_INLINE VF Mean(const float* table) const {
+    const VF above = Gather(table, table_row), below = Gather(table, hn::Add(table_row, SetU(1)));
+    return hn::Add(above, hn::Mul(row_share, hn::Sub(below, above)));
+  }
+
+  // Smith's Lambda of GGX (Heitz 2014, eq. 72).
+  HWY_INLINE VF Lambda(const V3& w) const {
+    const VF z2 = hn::Max(hn::Mul(w.z, w.z), Set(1e-12f));
+    const VF tan2 = hn::Div(hn::Sub(Set(1.0f), hn::Min(z2, Set(1.0f))), z2);
+    const VF root = hn::Sqrt(hn::Add(Set(1.0f), hn::Mul(hn::Mul(alpha, alpha), tan2)));
+    return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
+  }
+
+  // D(h) of GGX of squared width a2. The sine is taken from x and y: 1 - z^2 has no digits left for
+  // narrow lobes.
+  static HWY_INLINE VF Distribution(const V3& h, VF a2) {
+    const VF s2 = hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y));
+    const VF d = hn::Add(hn::Mul(a2, hn::Mul(h.z, h.z)), s2);
+    return hn::Div(a2, hn::Mul(Set(kPi), hn::Max(hn::Mul(d, d), Set(1e-30f))));
+  }
+
+  static HWY_INLINE V3 HalfVector(const V3& wo, const V3& wi) {
+    const V3 sum = Add(wo, wi);
+    return Scale(sum, hn::Div(Set(1.0f), hn::Sqrt(hn::Max(Dot(sum, sum), Set(1e-20f)))));
+  }
+
+  // The lobe with Fresnel reflectance 1, blurred: the half vector turns half as far as wi, so light
+  // spread over an angle widens D by half of it. Masking by V-cavities (Cook and Torrance 1982).
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const V3 h = HalfVector(wo, wi);
+    const VF half = hn::Mul(Set(0.5f), radius);
+    const VF d = Distribution(h, hn::Add(hn::Mul(alpha, alpha), hn::Mul(half, half)));
+    const VF lower = hn::Min(wo.z, wi.z);
+    const VF g = hn::Mul(hn::Mul(Set(2.0f), h.z), hn::Div(lower, hn::Max(Dot(wo, h), Set(1e-6f))));
+    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    return hn::Mul(hn::Min(g, Set(1.0f)), hn::Mul(d, quarter_over_cos));
+  }
+
+  HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
+    return VisibleGgxNormal(wo, alpha, alpha, u, v);
+  }
+  HWY_INLINE V3 Reflect(const V3& wo, VF u, VF v) const {
+    const V3 h = VisibleNormal(wo, u, v);
+    return Sub(Scale(h, hn::Mul(Set(2.0f), Dot(wo, h))), wo);
+  }
+
+  VF alpha, row_share;
+  VU table_row;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,101 @@
+// A BRDF as it was measured, in the table of the MERL database (Matusik et al. 2003; columns.h),
+// constant within a bin, times the colour. Drawn by visible normals of the GGX lobe that resembles
+// it (width: alpha) with the probability in `ior`, else by the cosine: a table of its own
+// distribution for each wo would be larger than the BRDF.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/measured.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/ggx-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct Measured {
+  HWY_INLINE Measured(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                      std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        table(m.measured),
+        // Rows behind the end have material 0, which may be another BSDF's.
+        first(hn::IfThenElseZero(RowsBelow(i, n), AsBits(Field(m, fields, 15)))),
+        ggx(Field(m, fields, 3)),
+        share(Field(m, fields, 7)) {}
+
+  // The bin of a value in [0, 1].
+  static HWY_INLINE VU Bin(VF value, std::uint32_t bins) {
+    return hn::Min(ToUnsigned(hn::Mul(Clamp(value, 0.0f, 1.0f), Set(float(bins)))), SetU(bins - 1));
+  }
+  HWY_INLINE V3 LookUp(const V3& wi, const V3& h) const {
+    // wi in the frame of h whose first axis points away from the normal.
+    const VF sine = SafeSqrt(hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y)));
+    const MF upright = hn::Lt(sine, Set(1e-6f));
+    const VF over = hn::Div(Set(1.0f), hn::Max(sine, Set(1e-6f)));
+    const VF c = IfThen(upright, Set(1.0f), hn::Mul(h.x, over));
+    const VF s = IfThen(upright, hn::Zero(F()), hn::Mul(h.y, over));
+    const VF along = hn::Add(hn::Mul(c, wi.x), hn::Mul(s, wi.y));
+    const VF x = hn::Sub(hn::Mul(along, h.z), hn::Mul(wi.z, sine));
+    const VF y = hn::Sub(hn::Mul(c, wi.y), hn::Mul(s, wi.x));
+    const VF across = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+
+    const VF four = Set(4.0f);  // quarter turns
+    const VF half = hn::Sqrt(hn::Mul(four, Atan2Turn(sine, hn::Max(h.z, hn::Zero(F())))));
+    const VF difference = hn::Mul(four, Atan2Turn(across, hn::Max(Dot(wi, h), hn::Zero(F()))));
+    const VF turn = hn::Mul(Set(2.0f), Atan2Turn(y, x));  // half turns; negative: reciprocity
+    const VF turned = IfThen(hn::Lt(turn, hn::Zero(F())), hn::Add(turn, Set(1.0f)), turn);
+    VU at = hn::Add(hn::Mul(Bin(half, kMeasuredHalf), SetU(kMeasuredDifference)),
+                    Bin(difference, kMeasuredDifference));
+    at = hn::Add(hn::Mul(at, SetU(kMeasuredTurn)), Bin(turned, kMeasuredTurn));
+    at = hn::Add(first, hn::Add(at, hn::Add(at, at)));
+    return {Gather(table, at), Gather(table, hn::Add(at, SetU(1))),
+            Gather(table, hn::Add(at, SetU(2)))};
+  }
+
+  // Only the lobes that it is drawn from: a table does not blur.
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
+    const VF mix = hn::Mul(share, hn::Sub(ggx.Blurred(wo, wi, radius), cosine));
+    return hn::Mul(Luminance(color), hn::Add(cosine, mix));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
+    const VF visible = hn::Div(lobe, hn::Add(Set(1.0f), ggx.Lambda(wo)));
+    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
+    const V3 f = Mul(color, LookUp(wi, h));
+    return {Scale(f, hn::Max(wi.z, hn::Zero(F()))),
+            hn::Add(cosine, hn::Mul(share, hn::Sub(visible, cosine)))};
+  }
+
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const V3 wi = IfThen(hn::Lt(lobe, share), ggx.Reflect(wo, u, v), CosineHemisphere(u, v));
+    return SampleOf(wi, Evaluate(wo, wi));
+  }
+
+  VU fields;
+  V3 color;
+  const float* table;
+  VU first;
+  Ggx ggx;
+  VF share;
+};
+
+SKYWAVE_BSDF_KERNELS(Measured)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits MeasuredTraits = {.name = "measured", .lobed = true};
+SKYWAVE_BSDF_TABLE(Measured)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

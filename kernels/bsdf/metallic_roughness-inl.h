@@ -1,0 +1,144 @@
+// Metallic-roughness, the material of glTF 2.0 (appendix B): a mix of metal and of a diffuse body
+// under a dielectric coat, both of the same roughness. Schlick's Fresnel is linear in F0, so both
+// have one specular lobe, of F0 = mix(((ior - 1) / (ior + 1))^2, color, metallic).
+//
+// glTF's own diffuse term, (1 - F(wo . h)) color / pi, gives back more than it gets at grazing wo.
+// Here the body gets what the coat lets through, in the reciprocal form of Kelemen and
+// Szirmay-Kalos 2001: (1 - S(wo)) (1 - S(wi)) / (pi (1 - mean S)), S the albedo of the coat; and
+// what the facets of the metal lose comes back by the lobe of Kulla and Conty 2017. So a white body
+// and a white metal are white furnaces, and so is every mix of them.
+//
+// The specular lobe is drawn with the probability of its share of the albedo, by visible normals;
+// everything else by the cosine.
+#if defined(SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_
+#undef SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_
+#else
+#define SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_
+#endif
+
+#include "kernels/bsdf/ggx-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct MetallicRoughness {
+  HWY_INLINE MetallicRoughness(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                               std::uint32_t n)
+      // Rows behind the end hold anything.
+      : ggx(Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f)),
+        color(ColorOf(s, i)),
+        tables(*m.conductor),
+        metallic(Clamp(Load(s.varying_1 + i), 0.0f, 1.0f)) {
+    const VF one = Set(1.0f);
+    const VF ior = Field(m, MaterialFields(s, i, n), 7);
+    const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
+    coat = hn::Mul(amplitude, amplitude);
+    const VF body = hn::Sub(one, metallic);
+    f0 = Add(Scale(color, metallic), Splat(hn::Mul(coat, body)));
+
+    const VF mean = ggx.Mean(tables.padded_mean_albedo), grazing = ggx.Mean(tables.mean_grazing);
+    const VF through = hn::Sub(one, Mix(grazing, mean, coat));
+    diffuse = Scale(color, hn::Div(hn::Mul(body, Set(kInvPi)), hn::Max(through, Set(1e-6f))));
+
+    // As ConductorMultiscatter; the mean of Schlick's formula is F0 + (1 - F0) / 21.
+    const VF lost = hn::Max(hn::Sub(one, mean), Set(1e-6f));
+    const V3 f = Add(Scale(color, Set(20.0f / 21)), Splat(Set(1.0f / 21)));
+    const VF factor = hn::Div(hn::Mul(hn::Mul(metallic, mean), Set(kInvPi)), lost);
+    const auto further = [&](VF c) HWY_ATTR {
+      const VF series = hn::Sub(one, hn::Mul(c, lost));
+      return hn::Mul(factor, hn::Div(hn::Mul(c, c), hn::Max(series, Set(1e-6f))));
+    };
+    multiscatter = {further(f.x), further(f.y), further(f.z)};
+  }
+
+  static HWY_INLINE V3 Splat(VF value) { return {value, value, value}; }
+  // Of what is linear in F0: between its values for 0 and 1.
+  static HWY_INLINE VF Mix(VF zero, VF one, VF share) {
+    return hn::Add(zero, hn::Mul(share, hn::Sub(one, zero)));
+  }
+
+  // What is needed of one of both directions.
+  struct Side {
+    VF lost;     // by single scattering between facets that reflect everything
+    VF through;  // what the coat lets through: 1 - S
+    VF grazing;  // albedo for F0 = 0
+  };
+  HWY_INLINE Side SideOf(VF cosine) const {
+    const VF one = Set(1.0f);
+    const VF all = ggx.Table(tables.albedo, cosine);
+    const VF grazing = ggx.Table(tables.grazing, cosine);
+    return {hn::Sub(one, all), hn::Sub(one, Mix(grazing, all, coat)), grazing};
+  }
+
+  // Probability of the specular lobe.
+  HWY_INLINE VF SpecularShare(const Side& o) const {
+    const VF one = Set(1.0f);
+    const VF specular = Mix(o.grazing, hn::Sub(one, o.lost), Luminance(f0));
+    const VF body = hn::Mul(o.through, hn::Mul(hn::Sub(one, metallic), Luminance(color)));
+    const VF rest = hn::Add(body, hn::Mul(hn::Mul(o.lost, metallic), Luminance(color)));
+    const VF sum = hn::Max(hn::Add(specular, rest), Set(1e-6f));
+    // At least a tenth each, as the shares are of means only.
+    return Clamp(hn::Div(specular, sum), 0.1f, 0.9f);
+  }
+
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const VF spread = hn::Mul(hn::Mul(Luminance(diffuse), SideOf(wo.z).through), wi.z);
+    const VF c = Clamp(Dot(wo, Ggx::HalfVector(wo, wi)), 0.0f, 1.0f);
+    return hn::Add(spread, hn::Mul(Luminance(Fresnel(c)), ggx.Blurred(wo, wi, radius)));
+  }
+
+  HWY_INLINE V3 Fresnel(VF cosine) const {
+    const VF one = Set(1.0f), away = hn::Sub(one, cosine), away2 = hn::Mul(away, away);
+    const VF away5 = hn::Mul(hn::Mul(away2, away2), away);
+    return {Mix(away5, one, f0.x), Mix(away5, one, f0.y), Mix(away5, one, f0.z)};
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return Evaluate(wo, wi, SideOf(wo.z));
+  }
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi, const Side& o) const {
+    const VF one = Set(1.0f);
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
+    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    const VF over_4_cos = hn::Mul(d, quarter_over_cos);
+    const VF single = hn::Div(over_4_cos, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const V3 fresnel = Fresnel(Clamp(Dot(wo, h), 0.0f, 1.0f));
+    const Side in = SideOf(wi.z);
+    const VF body = hn::Mul(hn::Mul(o.through, in.through), wi.z);
+    const VF multiple = hn::Mul(hn::Mul(o.lost, in.lost), wi.z);
+    const V3 value =
+        Add(Scale(fresnel, single), Add(Scale(diffuse, body), Scale(multiscatter, multiple)));
+    const VF visible = hn::Div(over_4_cos, hn::Add(one, lambda_o));
+    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
+    return {value, hn::Add(cosine, hn::Mul(SpecularShare(o), hn::Sub(visible, cosine)))};
+  }
+
+  HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe) const {
+    return Direction(wo, u, v, lobe, SideOf(wo.z));
+  }
+  HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF lobe, const Side& o) const {
+    const MF specular = hn::Lt(lobe, SpecularShare(o));
+    return IfThen(specular, ggx.Reflect(wo, u, v), CosineHemisphere(u, v));
+  }
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const Side o = SideOf(wo.z);
+    const V3 wi = Direction(wo, u, v, lobe, o);
+    return SampleOf(wi, Evaluate(wo, wi, o));
+  }
+
+  Ggx ggx;
+  V3 color;
+  const ConductorTables& tables;
+  VF metallic, coat;
+  V3 f0, diffuse, multiscatter;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,175 @@
+// Anisotropic microfacets: GGX and Beckmann distributions of slopes, of width x along the tangent
+// and y across it, and the conductor made of either. Frames: z is the normal, x the tangent.
+#if defined(SKYWAVE_KERNELS_MICROFACET_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_MICROFACET_INL_H_
+#undef SKYWAVE_KERNELS_MICROFACET_INL_H_
+#else
+#define SKYWAVE_KERNELS_MICROFACET_INL_H_
+#endif
+
+#include "kernels/simd/exp-inl.h"
+#include "kernels/bsdf/ggx-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// A rotation of the shading frame about its normal, from Varying::kTangent.
+struct TangentTurn {
+  HWY_INLINE TangentTurn(const SurfaceColumns& s, std::uint32_t i)
+      : cosine(Load(s.varying_0 + i)), sine(Load(s.varying_1 + i)) {}
+  HWY_INLINE V3 To(const V3& w) const {
+    return {hn::Add(hn::Mul(cosine, w.x), hn::Mul(sine, w.y)),
+            hn::Sub(hn::Mul(cosine, w.y), hn::Mul(sine, w.x)), w.z};
+  }
+  HWY_INLINE V3 From(const V3& w) const {
+    return {hn::Sub(hn::Mul(cosine, w.x), hn::Mul(sine, w.y)),
+            hn::Add(hn::Mul(cosine, w.y), hn::Mul(sine, w.x)), w.z};
+  }
+  VF cosine, sine;
+};
+
+// Sum of the squared slopes of unit h, each over its width.
+HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
+  const VF sx = hn::Div(h.x, x), sy = hn::Div(h.y, y);
+  const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f));
+  return hn::Div(hn::Add(hn::Mul(sx, sx), hn::Mul(sy, sy)), z2);
+}
+
+struct AnisotropicGgx {
+  // Heitz 2014, eq. 85.
+  HWY_INLINE VF Density(const V3& h) const {
+    const VF one_plus = hn::Add(Set(1.0f), ScaledSlope2(h, x, y));
+    const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f)), z4 = hn::Mul(z2, z2);
+    const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
+    return hn::Div(Set(1.0f), hn::Mul(area, hn::Mul(one_plus, one_plus)));
+  }
+  // Heitz 2014, eq. 86.
+  HWY_INLINE VF Lambda(const V3& w) const {
+    const VF a = hn::Mul(w.x, x), b = hn::Mul(w.y, y);
+    const VF z2 = hn::Max(hn::Mul(w.z, w.z), Set(1e-12f));
+    const VF root =
+        hn::Sqrt(hn::Add(Set(1.0f), hn::Div(hn::Add(hn::Mul(a, a), hn::Mul(b, b)), z2)));
+    return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
+  }
+  HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
+    return VisibleGgxNormal(wo, x, y, u, v);
+  }
+  VF x, y;
+};
+
+struct Beckmann {
+  HWY_INLINE VF Density(const V3& h) const {
+    const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f)), z4 = hn::Mul(z2, z2);
+    const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
+    return hn::Div(Exp(hn::Neg(ScaledSlope2(h, x, y))), area);
+  }
+  // Exact (Heitz 2014, eq. 68), with a = cot / width.
+  HWY_INLINE VF Lambda(const V3& w) const {
+    const VF b = hn::Mul(w.x, x), c = hn::Mul(w.y, y);
+    const VF across = hn::Sqrt(hn::Max(hn::Add(hn::Mul(b, b), hn::Mul(c, c)), Set(1e-20f)));
+    const VF a = Clamp(hn::Div(hn::Abs(w.z), across), 1e-5f, 6.0f);
+    const VF bell = Exp(hn::Neg(hn::Mul(a, a)));
+    const VF tail = hn::Div(hn::Mul(Set(kHalfInvRootPi), bell), a);
+    const VF lambda = hn::Sub(tail, hn::Mul(Set(0.5f), hn::Sub(Set(1.0f), Erf(a, bell))));
+    return hn::Max(lambda, hn::Zero(F()));
+  }
+  // Slopes as an eye sees them (Heitz and d'Eon 2014): the surface is stretched until its width is
+  // 1, and seen along x. The slope across is normal; that along x has the cumulative distribution
+  // cos (1 + erf x) / 2 + sin exp(-x^2) / (2 sqrt(pi)) up to the cotangent, which Newton's method
+  // inverts between bounds that only shrink.
+  HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
+    const VF one = Set(1.0f), half = Set(0.5f), zero = hn::Zero(F());
+    const V3 seen = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
+    const VF cosine = hn::Max(seen.z, Set(1e-6f));
+    const VF sine = hn::Sqrt(hn::Add(hn::Mul(seen.x, seen.x), hn::Mul(seen.y, seen.y)));
+    const VF over = hn::Div(one, hn::Max(sine, Set(1e-20f)));
+    const MF upright = hn::Lt(sine, Set(1e-6f));
+    const VF c = IfThen(upright, one, hn::Mul(seen.x, over));
+    const VF s = IfThen(upright, zero, hn::Mul(seen.y, over));
+
+    const auto cumulative = [&](VF at, VF bell) HWY_ATTR {
+      const VF level = hn::Mul(hn::Mul(half, cosine), hn::Add(one, Erf(at, bell)));
+      return hn::Add(level, hn::Mul(hn::Mul(Set(kHalfInvRootPi), sine), bell));
+    };
+    VF low = Set(-4.5f);
+    VF high = hn::Min(hn::Div(cosine, hn::Max(sine, Set(1e-6f))), Set(4.5f));
+    const VF bell_high = Exp(hn::Neg(hn::Mul(high, high)));
+    const VF target = hn::Mul(u, cumulative(high, bell_high));
+    const VF mass = hn::Mul(u, hn::Add(one, Erf(high, bell_high)));
+    VF slope = hn::Max(hn::Min(ErfInverse(hn::Sub(mass, one)), high), low);
+    for (int step = 0; step < 8; ++step) {
+      const VF bell = Exp(hn::Neg(hn::Mul(slope, slope)));
+      const VF excess = hn::Sub(cumulative(slope, bell), target);
+      const MF below = hn::Lt(excess, zero);
+      low = IfThen(below, slope, low);
+      high = IfThen(below, high, slope);
+      const VF rise =
+          hn::Mul(hn::Mul(Set(2 * kHalfInvRootPi), bell), hn::Sub(cosine, hn::Mul(slope, sine)));
+      const VF next = hn::Sub(slope, hn::Div(excess, hn::Max(rise, Set(1e-20f))));
+      const MF between = hn::And(hn::Gt(next, low), hn::Lt(next, high));
+      // At the root the rounding of a step may leave the bounds: it is not bisected away again.
+      const MF settled = hn::Lt(hn::Abs(excess), Set(1e-6f));
+      const VF safe = IfThen(between, next, hn::Mul(half, hn::Add(low, high)));
+      slope = IfThen(settled, slope, safe);
+    }
+    const VF across = ErfInverse(hn::Sub(hn::Add(v, v), one));
+    const VF sx = hn::Sub(hn::Mul(c, slope), hn::Mul(s, across));
+    const VF sy = hn::Add(hn::Mul(s, slope), hn::Mul(c, across));
+    return Normalize({hn::Neg(hn::Mul(sx, x)), hn::Neg(hn::Mul(sy, y)), one});
+  }
+  static constexpr float kHalfInvRootPi = 0.282094791773878f;
+  VF x, y;
+};
+
+// A conductor of such facets: height-correlated Smith masking, Fresnel of a complex index, visible
+// normals. Scattering between facets is left out.
+template <class Facets>
+struct MicrofacetConductor {
+  HWY_INLINE MicrofacetConductor(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                                 std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        facets{Field(m, fields, 3), Field(m, fields, 7)},
+        eta(Field3(m, fields, 4)),
+        k(Field3(m, fields, 8)),
+        turn(s, i) {}
+
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const Ggx wider(hn::Min(hn::Max(facets.x, facets.y), Set(1.0f)));
+    return hn::Mul(Luminance(color), wider.Blurred(wo, wi, radius));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return InTangentFrame(turn.To(wo), turn.To(wi));
+  }
+  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
+    const VF one = Set(1.0f);
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
+    const VF lobe = hn::Mul(facets.Density(h), quarter_over_cos);
+    const VF lambda_o = facets.Lambda(wo), lambda_i = facets.Lambda(wi);
+    const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(wo, h)), one), eta, k);
+    return {Scale(Mul(color, fresnel), hn::Mul(lobe, g2)), hn::Div(lobe, hn::Add(one, lambda_o))};
+  }
+
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF) const {
+    const V3 eye = turn.To(wo);
+    const V3 h = facets.VisibleNormal(eye, u, v);
+    const V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), Dot(eye, h))), eye);
+    return SampleOf(turn.From(wi), InTangentFrame(eye, wi));
+  }
+
+  VU fields;
+  V3 color;
+  Facets facets;
+  V3 eta, k;
+  TangentTurn turn;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

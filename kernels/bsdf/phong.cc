@@ -1,0 +1,63 @@
+// Modified Phong (Lafortune and Willems 1994): color / pi plus the material's second colour (eta)
+// times (n + 2) / (2 pi) cos^n of the angle to the mirror direction; reciprocal, and at most 1 in
+// sum where both colours are. Drawn by the shares of the two.
+#include "kernels/bsdf/bsdf.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/bsdf/phong.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/simd/power-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+struct Phong {
+  HWY_INLINE Phong(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        diffuse(ColorOf(s, i)),
+        gloss(Field3(m, fields, 4)),
+        exponent(PowerOfWidth(Field(m, fields, 3))) {
+    const VF sum = hn::Add(MaxComponent(diffuse), MaxComponent(gloss));
+    share = hn::Div(MaxComponent(gloss), hn::Max(sum, Set(1e-30f)));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const V3 mirrored = {hn::Neg(wo.x), hn::Neg(wo.y), wo.z};
+    const VF power = Pow(Clamp(Dot(mirrored, wi), 0.0f, 1.0f), exponent);
+    const VF lobe = hn::Mul(hn::Mul(hn::Add(exponent, Set(2.0f)), Set(0.5f * kInvPi)), power);
+    const VF density = hn::Mul(hn::Mul(hn::Add(exponent, Set(1.0f)), Set(0.5f * kInvPi)), power);
+    const VF cosine = hn::Mul(wi.z, Set(kInvPi));
+    return {Add(Scale(diffuse, cosine), Scale(gloss, hn::Mul(lobe, wi.z))),
+            hn::Add(cosine, hn::Mul(share, hn::Sub(density, cosine)))};
+  }
+
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF one = Set(1.0f);
+    const V3 mirrored = {hn::Neg(wo.x), hn::Neg(wo.y), wo.z};
+    const V3 about = AboutPole(u, Pow(v, hn::Div(one, hn::Add(exponent, one))));
+    const V3 glossy = ToWorld(MakeFrame(mirrored), about);
+    const V3 wi = IfThen(hn::Lt(lobe, share), glossy, CosineHemisphere(u, v));
+    return SampleOf(wi, Evaluate(wo, wi));
+  }
+
+  VU fields;
+  V3 diffuse, gloss;
+  VF exponent, share;
+};
+
+SKYWAVE_BSDF_KERNELS(Phong)
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+inline constexpr BsdfTraits PhongTraits = {.name = "phong", .lobed = true};
+SKYWAVE_BSDF_TABLE(Phong)
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,55 @@
+#include "kernels/light_paths/arrival.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/light_paths/arrival.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/lights/local_lights-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+void SampleArrivals(const LocalLightView& view, const LightChoice& choice, const SurfaceColumns& s,
+                    const float* u, const LightColumns& samples, std::uint32_t n, float* arrival) {
+  const VF one = Set(1.0f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const LightPick pick(view, choice, u, i, n);
+    if (pick.none()) continue;
+    const LightLanes light(view, pick.light);
+    // Triangles send light by the cosine over the squared distance, and that is what turns the
+    // density of the sample's place into that of its direction.
+    const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
+    const VF places = hn::Div(pick.probability, hn::Mul(light.area(), sides));
+    const VF pdf = hn::Max(Load(samples.pdf + i), Set(1e-20f));
+    const V3 way = Sub(light.position(), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
+    const VF inverse2 = hn::Div(one, hn::Max(Dot(way, way), Set(1e-30f)));
+    const VF cone = hn::Max(hn::Sub(one, light.Number(12)), Set(1e-7f));
+    const VF from_point = hn::Mul(Set(0.25f * kInvPi), inverse2);
+    const VF from_spot = hn::Mul(hn::Div(Set(0.5f * kInvPi), cone), inverse2);
+    const VF distant = Load(arrival + i);
+    VF value = distant;
+    value = IfThen(light.Is(LocalLightKind::kTriangle), hn::Div(places, pdf), value);
+    value = IfThen(light.Is(LocalLightKind::kPoint), from_point, value);
+    value = IfThen(light.Is(LocalLightKind::kSpot), from_spot, value);
+    Store(IfThen(pick.picked, value, distant), arrival + i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(SampleArrivals);
+
+void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
+                    const SurfaceColumns& surfaces, const float* u, const LightColumns& samples,
+                    std::uint32_t n, float* arrival) {
+  HWY_DYNAMIC_DISPATCH(SampleArrivals)(view, choice, surfaces, u, samples, n, arrival);
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

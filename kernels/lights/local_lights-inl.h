@@ -1,0 +1,126 @@
+// Local lights by vectors: the fields of their records, how one is picked, where on it.
+#if defined(SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
+#undef SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
+#else
+#define SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
+#endif
+
+#include "kernels/lights/local_lights.h"
+#include "kernels/simd/math-inl.h"
+#include "kernels/surface/texture-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// The fields of one light a lane.
+struct LightLanes {
+  HWY_INLINE LightLanes(const LocalLightView& view, VU light)
+      : words(reinterpret_cast<const std::uint32_t*>(view.lights)), at(hn::ShiftLeft<4>(light)) {}
+  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
+  HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
+  HWY_INLINE V3 Vector(std::uint32_t field) const {
+    return {Number(field), Number(field + 1), Number(field + 2)};
+  }
+  HWY_INLINE MF Is(LocalLightKind kind) const {
+    return hn::RebindMask(F(), hn::Eq(Word(0), SetU(std::uint32_t(kind))));
+  }
+  HWY_INLINE V3 emission() const { return Vector(1); }
+  HWY_INLINE V3 position() const { return Vector(4); }
+  HWY_INLINE VF area() const { return Number(7); }
+  HWY_INLINE V3 axis() const { return Vector(8); }
+  HWY_INLINE MF two_sided() const { return hn::RebindMask(F(), hn::Ne(Word(11), SetU(0))); }
+  HWY_INLINE V3 edge() const { return Vector(12); }
+  HWY_INLINE VU triangle() const { return Word(15); }
+
+  const std::uint32_t* words;
+  VU at;
+};
+
+// The light whose interval holds `target`, which is below the last bound.
+HWY_INLINE VU FindLight(const LightChoice& choice, std::uint32_t count, VU target) {
+  VU light = SetU(0);
+  for (std::uint32_t length = count; length > 1;) {
+    const std::uint32_t half = length / 2;
+    const VU middle = hn::Add(light, SetU(half));
+    light = IfThen(hn::Gt(Gather(choice.first, middle), target), light, middle);
+    length -= half;
+  }
+  return light;
+}
+
+// Probability of being picked.
+HWY_INLINE VF Probability(const LightChoice& choice, VU light) {
+  const VU width =
+      hn::Sub(Gather(choice.first, hn::Add(light, SetU(1))), Gather(choice.first, light));
+  return hn::Mul(ToFloat(width), Set(1.0f / kChoiceUnits));
+}
+
+// The lights that uniforms u of rows i.. pick, for rows below n.
+struct LightPick {
+  HWY_INLINE LightPick(const LocalLightView& view, const LightChoice& choice, const float* u,
+                       std::uint32_t i, std::uint32_t n) {
+    VU target = ToUnsigned(hn::Mul(Load(u + i), Set(float(kChoiceUnits))));
+    const VU end = SetU(choice.first[view.count]);
+    const MU picks = hn::And(RowsBelow(i, n), hn::Gt(end, target));
+    picked = hn::RebindMask(F(), picks);
+    if (none()) return;
+    target = hn::IfThenElseZero(picks, target);
+    light = FindLight(choice, view.count, target);
+    probability = Probability(choice, light);
+    // In the middle of its 2^-24: in (0, 1), and uniform there.
+    const VF left = hn::Add(ToFloat(hn::Sub(target, Gather(choice.first, light))), Set(0.5f));
+    rest = hn::Div(left, hn::Mul(probability, Set(float(kChoiceUnits))));
+  }
+  HWY_INLINE bool none() const { return hn::AllFalse(F(), picked); }
+
+  MF picked;       // the others pick no light, and light 0 stands for theirs
+  VU light;        // unset if none() picks one, as what follows
+  VF probability;  // of being picked
+  VF rest;         // what the pick leaves of u
+};
+
+// Uniform over a triangle (Turk 1990): both of its free coordinates by monotone maps.
+struct TrianglePoint {
+  VF along_axis, along_edge;
+  HWY_INLINE V3 From(const V3& axis, const V3& edge) const {
+    return Add(Scale(axis, along_axis), Scale(edge, along_edge));
+  }
+};
+HWY_INLINE TrianglePoint PointOf(VF x, VF y) {
+  const VF root = hn::Sqrt(x);
+  return {hn::Sub(Set(1.0f), root), hn::Mul(y, root)};
+}
+
+HWY_INLINE VF LargestCoordinate(const V3& p) {
+  return hn::Max(hn::Max(hn::Abs(p.x), hn::Abs(p.y)), hn::Abs(p.z));
+}
+
+// Full inside the inner cone, dark outside the outer one, between them 3 t^2 - 2 t^3 of the cosine.
+HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
+  const VF t = Clamp(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)), 0.0f, 1.0f);
+  return hn::Mul(hn::Mul(t, t), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), t)));
+}
+
+// `emission` of the lights of `lanes` times their textures at barycentric (u, v) of their
+// triangles.
+HWY_INLINE V3 TexturedEmission(const LocalLightView& view, const LightLanes& light, VU index,
+                               MU lanes, VF u, VF v, const V3& emission) {
+  const VU named = hn::IfThenElseZero(lanes, Gather(view.emission_texture, index));
+  const MU textured = hn::Ne(named, hn::Zero(U()));
+  if (hn::AllFalse(U(), textured)) return emission;
+  const TextureLanes record(view.textures, hn::IfThenElseZero(textured, hn::Sub(named, SetU(1))));
+  const VU triangle = hn::IfThenElseZero(textured, light.triangle());
+  const MF inside = hn::RebindMask(F(), textured);
+  const V3 seen =
+      LookUpLevel(view.textures, record, record.Word(0), triangle, hn::IfThenElseZero(inside, u),
+                  hn::IfThenElseZero(inside, v), UnpackColor);
+  return IfThen(inside, Mul(emission, seen), emission);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

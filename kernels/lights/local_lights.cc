@@ -1,0 +1,202 @@
+#include "kernels/lights/local_lights.h"
+
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/lights/local_lights.cc"
+#include "hwy/cache_control.h"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/lights/local_lights-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of an entry
+
+// Density of points that are uniform over a triangle, as directions from where it is `distance2`
+// away and its normal has that cosine [1/sr]. Bounded: infinity would mean a directional light.
+HWY_INLINE VF SolidAngleDensity(VF probability, VF area, VF distance2, VF cosine) {
+  const VF seen = hn::Mul(area, hn::Max(cosine, Set(1e-20f)));
+  return hn::Min(hn::Div(hn::Mul(probability, distance2), seen), Set(1e18f));
+}
+
+// Light samples of one vector of surfaces at `org`, in the terms of LightColumns.
+struct DrawnLights {
+  V3 dir, radiance;
+  VF pdf, reach;
+  VF u, v;  // where on a triangle
+};
+HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x, VF y,
+                                  const V3& org, VF lift) {
+  const VF zero = hn::Zero(F()), one = Set(1.0f);
+  const VF infinity = Set(std::numeric_limits<float>::infinity());
+  const V3 axis = light.axis(), edge = light.edge();
+  const MF triangle = light.Is(LocalLightKind::kTriangle);
+
+  const TrianglePoint on = PointOf(x, y);
+  const V3 inside = on.From(axis, edge);
+  const V3 point = Add(light.position(), IfThen(triangle, inside, V3{zero, zero, zero}));
+  const V3 way = Sub(point, org);
+  const VF distance2 = hn::Max(Dot(way, way), Set(1e-30f));
+  const VF distance = hn::Sqrt(distance2);
+  // A light at the very point has no direction; any will do.
+  const MF apart = hn::Gt(distance2, Set(1e-30f));
+  V3 dir = IfThen(apart, Scale(way, hn::Div(one, distance)), V3{zero, zero, one});
+
+  const V3 cross = Cross(axis, edge);
+  const VF towards = hn::Div(hn::Neg(Dot(cross, dir)), hn::Sqrt(Dot(cross, cross)));
+  const VF cosine = IfThen(light.two_sided(), hn::Abs(towards), towards);
+  const VF density = SolidAngleDensity(probability, light.area(), distance2, cosine);
+  const MF shines = hn::And(triangle, hn::And(apart, hn::Gt(cosine, zero)));
+  const VF pdf = IfThen(triangle, hn::IfThenElseZero(shines, density), infinity);
+
+  const VF intensity_worth = hn::Div(one, hn::Mul(probability, distance2));
+  VF worth = IfThen(triangle, one, intensity_worth);
+  const MF spot = light.Is(LocalLightKind::kSpot);
+  if (!hn::AllFalse(F(), spot)) {
+    const VF falloff = SpotFalloff(light, hn::Neg(Dot(axis, dir)));
+    worth = IfThen(spot, hn::Mul(intensity_worth, falloff), worth);
+  }
+  // What is known of a hit's place, as surfaces are lifted (kernels/surface/surface.cc), and how much
+  // nearer an origin can come that is moved through its surface.
+  const VF known = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
+  const VF slack = hn::Add(known, hn::Add(lift, lift));
+  VF reach = hn::Sub(distance, slack);
+  const MF distant = light.Is(LocalLightKind::kDistant);
+  if (!hn::AllFalse(F(), distant)) {
+    dir = IfThen(distant, axis, dir);
+    worth = IfThen(distant, hn::Div(one, probability), worth);
+    reach = IfThen(distant, infinity, reach);
+  }
+  return {dir, Scale(light.emission(), worth), pdf, reach, on.along_axis, on.along_edge};
+}
+
+void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
+                       const SurfaceColumns& surfaces, const UniformColumns& uniforms,
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
+                       const HitColumns* places) {
+  const VF infinity = Set(std::numeric_limits<float>::infinity());
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const LightPick pick(view, choice, uniforms.u, i, n);
+    if (pick.none()) {
+      Store(infinity, reach + i);
+      if (places != nullptr) Store(SetU(kNoHit), places->geom + i);
+      continue;
+    }
+    const V3 org = Load3(surfaces.org_x + i, surfaces.org_y + i, surfaces.org_z + i);
+    const LightLanes light(view, pick.light);
+    DrawnLights drawn = DrawLights(light, hn::Mul(pick.probability, Set(samples)), pick.rest,
+                                   Load(uniforms.v + i), org, hn::Abs(Load(surfaces.lift + i)));
+    const MF picked = pick.picked;
+    if (view.emission_texture != nullptr) {
+      drawn.radiance = TexturedEmission(view, light, pick.light, hn::RebindMask(U(), picked),
+                                        drawn.u, drawn.v, drawn.radiance);
+    }
+    Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
+           out.dir_x + i, out.dir_y + i, out.dir_z + i);
+    Store3(IfThen(picked, drawn.radiance, Load3(out.r + i, out.g + i, out.b + i)), out.r + i,
+           out.g + i, out.b + i);
+    Store(IfThen(picked, drawn.pdf, Load(out.pdf + i)), out.pdf + i);
+    Store(IfThen(picked, drawn.reach, infinity), reach + i);
+    if (places == nullptr) continue;
+    const MF inside = hn::And(picked, light.Is(LocalLightKind::kTriangle));
+    Store(IfThen(hn::RebindMask(U(), inside), SetU(0), SetU(kNoHit)), places->geom + i);
+    Store(light.triangle(), places->triangle + i);
+    Store(drawn.u, places->u + i);
+    Store(drawn.v, places->v + i);
+  }
+}
+
+void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    Store(hn::Min(Load(lights.t_far + i), Load(reach + i)), lights.t_far + i);
+  }
+}
+
+std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
+                           const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
+                           float samples, const EscapeColumns& met, float* arrival) {
+  std::uint32_t to = 0;
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
+      if (ahead < n && hits.geom[ahead] != kNoHit) {
+        hwy::Prefetch(view.light_of_triangle + hits.triangle[ahead]);
+      }
+    }
+    const MU hit = hn::And(RowsBelow(i, n), hn::Ne(Load(hits.geom + i), SetU(kNoHit)));
+    const VU found =
+        Gather(view.light_of_triangle, hn::IfThenElseZero(hit, Load(hits.triangle + i)));
+    const MU emits = hn::And(hit, hn::Ne(found, SetU(kNoLight)));
+    if (hn::AllFalse(U(), emits)) continue;
+
+    const VU index = hn::IfThenElseZero(emits, found);
+    const LightLanes light(view, index);
+    const V3 ng = Load3(hits.ng_x + i, hits.ng_y + i, hits.ng_z + i);
+    const V3 dir = Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
+    const VF towards = hn::Neg(hn::Div(Dot(ng, dir), hn::Sqrt(Dot(ng, ng))));
+    const VF cosine = IfThen(light.two_sided(), hn::Abs(towards), towards);
+    const MF shines = hn::Gt(cosine, hn::Zero(F()));
+    const RowCompressor rows(hn::And(emits, hn::RebindMask(U(), shines)));
+    if (rows.count() == 0) continue;
+
+    const VF t = Load(rays.t_far + i);
+    const VF probability = hn::Mul(Probability(choice, index), Set(samples));
+    V3 radiance = light.emission();
+    if (view.emission_texture != nullptr) {
+      radiance =
+          TexturedEmission(view, light, index, emits, Load(hits.u + i), Load(hits.v + i), radiance);
+    }
+    rows.Move(rays.dir_x + i, met.dir_x + to);
+    rows.Move(rays.dir_y + i, met.dir_y + to);
+    rows.Move(rays.dir_z + i, met.dir_z + to);
+    rows.Move(rays.throughput_r + i, met.throughput_r + to);
+    rows.Move(rays.throughput_g + i, met.throughput_g + to);
+    rows.Move(rays.throughput_b + i, met.throughput_b + to);
+    rows.Move(rays.pdf + i, met.pdf + to);
+    rows.Move(rays.path + i, met.path + to);
+    rows.Move(rays.from + i, met.from + to);
+    rows.Append(radiance.x, met.radiance_r + to);
+    rows.Append(radiance.y, met.radiance_g + to);
+    rows.Append(radiance.z, met.radiance_b + to);
+    rows.Append(SolidAngleDensity(probability, light.area(), hn::Mul(t, t), cosine),
+                met.light_pdf + to);
+    if (arrival != nullptr) {
+      const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
+      rows.Append(hn::Div(cosine, hn::Mul(sides, hn::Mul(t, t))), arrival + to);
+    }
+    to += rows.count();
+  }
+  return to;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(SampleLocalLights);
+HWY_EXPORT(LimitShadows);
+HWY_EXPORT(MeetEmitters);
+
+void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
+                       const SurfaceColumns& surfaces, const UniformColumns& uniforms,
+                       std::uint32_t n, float samples, const LightColumns& out, float* reach,
+                       const HitColumns* places) {
+  HWY_DYNAMIC_DISPATCH(SampleLocalLights)
+  (view, choice, surfaces, uniforms, n, samples, out, reach, places);
+}
+void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights) {
+  HWY_DYNAMIC_DISPATCH(LimitShadows)(reach, n, lights);
+}
+std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
+                           const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
+                           float samples, const EscapeColumns& met, float* arrival) {
+  return HWY_DYNAMIC_DISPATCH(MeetEmitters)(view, choice, rays, hits, n, samples, met, arrival);
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

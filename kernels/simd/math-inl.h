@@ -1,0 +1,115 @@
+// Elementary functions on vectors of floats. Polynomials evaluated with plain multiplications and
+// additions, so that every target gives the same bits.
+#if defined(SKYWAVE_KERNELS_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_MATH_INL_H_
+#undef SKYWAVE_KERNELS_MATH_INL_H_
+#else
+#define SKYWAVE_KERNELS_MATH_INL_H_
+#endif
+
+#include "kernels/simd/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+inline constexpr float kPi = 3.14159265358979f;
+inline constexpr float kInvPi = 0.318309886183791f;
+
+// c[0] + c[1] x + ... by Horner.
+template <std::size_t N>
+HWY_INLINE VF Polynomial(VF x, const float (&c)[N]) {
+  VF sum = Set(c[N - 1]);
+  for (std::size_t i = N - 1; i-- > 0;) sum = hn::Add(hn::Mul(sum, x), Set(c[i]));
+  return sum;
+}
+
+// sin and cos of 2 pi t for t in [0, 1]: the turn is split exactly into quarters, the rest is a
+// Taylor polynomial in [-pi/4, pi/4]. Error below 2e-7.
+HWY_INLINE void SinCosTurn(VF t, VF& sine, VF& cosine) {
+  const VF quarters = hn::Mul(t, Set(4.0f));
+  const VF nearest = hn::Round(quarters);
+  const VF x = hn::Mul(hn::Sub(quarters, nearest), Set(0.5f * kPi));
+  const VF x2 = hn::Mul(x, x);
+  const VF s =
+      hn::Mul(x, Polynomial(x2, {1.0f, -1.0f / 6, 1.0f / 120, -1.0f / 5040, 1.0f / 362880}));
+  const VF c = Polynomial(x2, {1.0f, -0.5f, 1.0f / 24, -1.0f / 720, 1.0f / 40320});
+  const VU quadrant = ToUnsigned(nearest);
+  const MF swap = hn::RebindMask(F(), hn::TestBit(quadrant, SetU(1)));
+  const VF sine_sign = AsFloat(hn::ShiftLeft<30>(hn::And(quadrant, SetU(2))));
+  const VF cosine_sign = AsFloat(hn::ShiftLeft<30>(hn::And(hn::Add(quadrant, SetU(1)), SetU(2))));
+  sine = hn::Xor(IfThen(swap, c, s), sine_sign);
+  cosine = hn::Xor(IfThen(swap, s, c), cosine_sign);
+}
+
+// atan2(y, x) / (2 pi) in [-1/2, 1/2]; 0 for (0, 0). The ratio is brought below tan(pi/8) by
+// atan(q) = pi/4 + atan((q - 1) / (q + 1)), which needs one division only. Error below 3e-8 turns.
+HWY_INLINE VF Atan2Turn(VF y, VF x) {
+  const VF ax = hn::Abs(x), ay = hn::Abs(y);
+  const VF low = hn::Min(ax, ay), high = hn::Max(ax, ay);
+  const MF shift = hn::Gt(low, hn::Mul(high, Set(0.41421356f)));
+  const VF numerator = IfThen(shift, hn::Sub(low, high), low);
+  const VF denominator = IfThen(shift, hn::Add(low, high), high);
+  const VF q = hn::Div(numerator, hn::Max(denominator, Set(1e-37f)));
+  const VF q2 = hn::Mul(q, q);
+  // atan(q) / (2 pi q), interpolated at the Chebyshev nodes of [0, tan(pi/8)].
+  const VF series = Polynomial(q2, {0.1591549430f, -0.05305160562f, 0.03182809684f, -0.02266292012f,
+                                    0.01682240504f, -0.009591162693f});
+  VF turn = hn::Mul(q, series);
+  turn = IfThen(shift, hn::Add(turn, Set(0.125f)), turn);
+  turn = IfThen(hn::Gt(ay, ax), hn::Sub(Set(0.25f), turn), turn);
+  turn = IfThen(hn::Lt(x, hn::Zero(F())), hn::Sub(Set(0.5f), turn), turn);
+  return hn::CopySign(turn, y);
+}
+
+// The bits of every lane in reverse order.
+HWY_INLINE VU ReverseBits(VU v) {
+#if HWY_TARGET == HWY_SCALAR
+  const VU m1 = SetU(0x55555555u), m2 = SetU(0x33333333u), m4 = SetU(0x0F0F0F0Fu),
+           m8 = SetU(0x00FF00FFu);
+  v = hn::Or(hn::And(hn::ShiftRight<1>(v), m1), hn::ShiftLeft<1>(hn::And(v, m1)));
+  v = hn::Or(hn::And(hn::ShiftRight<2>(v), m2), hn::ShiftLeft<2>(hn::And(v, m2)));
+  v = hn::Or(hn::And(hn::ShiftRight<4>(v), m4), hn::ShiftLeft<4>(hn::And(v, m4)));
+  v = hn::Or(hn::And(hn::ShiftRight<8>(v), m8), hn::ShiftLeft<8>(hn::And(v, m8)));
+  return hn::RotateRight<16>(v);
+#else
+  // Each nibble by a table of sixteen bytes, then the bytes of each lane in reverse order.
+  alignas(16) static constexpr std::uint8_t kLow[16] = {0x00, 0x80, 0x40, 0xC0, 0x20, 0xA0,
+                                                        0x60, 0xE0, 0x10, 0x90, 0x50, 0xD0,
+                                                        0x30, 0xB0, 0x70, 0xF0};
+  alignas(16) static constexpr std::uint8_t kHigh[16] = {0x0, 0x8, 0x4, 0xC, 0x2, 0xA, 0x6, 0xE,
+                                                         0x1, 0x9, 0x5, 0xD, 0x3, 0xB, 0x7, 0xF};
+  alignas(16) static constexpr std::uint8_t kOrder[16] = {3,  2,  1, 0, 7,  6,  5,  4,
+                                                          11, 10, 9, 8, 15, 14, 13, 12};
+  const hn::Repartition<std::uint8_t, U> bytes;
+  const auto nibble = hn::Set(bytes, std::uint8_t{0x0F});
+  const auto b = hn::BitCast(bytes, v);
+  const auto low = hn::TableLookupBytes(hn::LoadDup128(bytes, kLow), hn::And(b, nibble));
+  const auto shifted = hn::BitCast(bytes, hn::ShiftRight<4>(v));
+  const auto high = hn::TableLookupBytes(hn::LoadDup128(bytes, kHigh), hn::And(shifted, nibble));
+  return hn::BitCast(U(), hn::TableLookupBytes(hn::Or(low, high), hn::LoadDup128(bytes, kOrder)));
+#endif
+}
+
+// 32 random bits to [0, 1): the top 24, which a float holds exactly.
+HWY_INLINE VF ToUnitFloat(VU bits) {
+  return hn::Mul(ToFloat(hn::ShiftRight<8>(bits)), Set(0x1p-24f));
+}
+
+// Unit vector of a TriangleRecord normal: two's complement 16-bit octahedral coordinates, x in the
+// low half (Cigolle et al. 2014). The inverse of EncodeNormal in kernels/surface/surface.h.
+HWY_INLINE V3 DecodeNormal(VU packed) {
+  const VF scale = Set(1.0f / 32767.0f);
+  const VI bits = AsInt(packed);
+  const VF x = hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(hn::ShiftLeft<16>(bits))), scale);
+  const VF y = hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(bits)), scale);
+  const VF z = hn::Sub(hn::Sub(Set(1.0f), hn::Abs(x)), hn::Abs(y));
+  const VF fold = hn::Max(hn::Neg(z), hn::Zero(F()));  // lower half: mirror over the diagonals
+  return Normalize({hn::Sub(x, hn::CopySign(fold, x)), hn::Sub(y, hn::CopySign(fold, y)), z});
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

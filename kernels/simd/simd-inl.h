@@ -1,0 +1,182 @@
+// What every kernel file shares: vector types, three-vectors, row compression, bit tricks. Included
+// once per instruction set, from inside foreach_target.
+//
+// Every lane of every target computes the same bits: no fused multiply-add, no approximate
+// reciprocal, no library function whose rounding could differ. So images do not depend on the
+// instruction set that the kernels run on.
+#if defined(SKYWAVE_KERNELS_SIMD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_SIMD_INL_H_
+#undef SKYWAVE_KERNELS_SIMD_INL_H_
+#else
+#define SKYWAVE_KERNELS_SIMD_INL_H_
+#endif
+
+#include <cstdint>
+
+#include "hwy/highway.h"
+#include "kernels/columns.h"
+#include "kernels/simd/compress_table.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using F = hn::CappedTag<float, kPadRows>;
+using U = hn::CappedTag<std::uint32_t, kPadRows>;
+using I = hn::CappedTag<std::int32_t, kPadRows>;
+using VF = hn::Vec<F>;
+using VU = hn::Vec<U>;
+using VI = hn::Vec<I>;
+using MF = hn::Mask<F>;
+using MU = hn::Mask<U>;
+
+// All functions that return vectors carry the target's attributes through HWY_BEFORE_NAMESPACE.
+
+HWY_INLINE VF Set(float value) { return hn::Set(F(), value); }
+HWY_INLINE VU SetU(std::uint32_t value) { return hn::Set(U(), value); }
+HWY_INLINE VF Load(const float* from) { return hn::LoadU(F(), from); }
+HWY_INLINE VU Load(const std::uint32_t* from) { return hn::LoadU(U(), from); }
+HWY_INLINE void Store(VF value, float* to) { hn::StoreU(value, F(), to); }
+HWY_INLINE void Store(VU value, std::uint32_t* to) { hn::StoreU(value, U(), to); }
+
+// Lanes i with row + i < n.
+HWY_INLINE MU RowsBelow(std::uint32_t row, std::uint32_t n) { return hn::FirstN(U(), n - row); }
+// Stores the lanes of rows below n only: for in-place work on a slice, behind whose end the rows of
+// another BSDF lie.
+HWY_INLINE void StoreBelow(VF value, float* to, std::uint32_t row, std::uint32_t n) {
+  if (row + hn::Lanes(F()) > n) {
+    const MF inside = hn::RebindMask(F(), RowsBelow(row, n));
+    value = hn::IfThenElse(inside, value, Load(to + row));
+  }
+  Store(value, to + row);
+}
+
+HWY_INLINE VF AsFloat(VU bits) { return hn::BitCast(F(), bits); }
+HWY_INLINE VU AsBits(VF value) { return hn::BitCast(U(), value); }
+HWY_INLINE VI AsInt(VU value) { return hn::BitCast(I(), value); }
+// Exact for values below 2^31.
+HWY_INLINE VF ToFloat(VU value) { return hn::ConvertTo(F(), AsInt(value)); }
+// Truncates; for values in [0, 2^31).
+HWY_INLINE VU ToUnsigned(VF value) { return hn::BitCast(U(), hn::ConvertTo(I(), value)); }
+
+// base[index] for float and uint32 tables; indices below 2^31.
+HWY_INLINE VF Gather(const float* base, VU index) {
+  return hn::GatherIndex(F(), base, AsInt(index));
+}
+HWY_INLINE VU Gather(const std::uint32_t* base, VU index) {
+  return hn::GatherIndex(U(), base, AsInt(index));
+}
+
+HWY_INLINE VF Clamp(VF value, float low, float high) {
+  return hn::Min(hn::Max(value, Set(low)), Set(high));
+}
+// sqrt of max(value, 0): for differences that rounding may push below zero.
+HWY_INLINE VF SafeSqrt(VF value) { return hn::Sqrt(hn::Max(value, hn::Zero(F()))); }
+HWY_INLINE VF IfThen(MF mask, VF yes, VF no) { return hn::IfThenElse(mask, yes, no); }
+HWY_INLINE VU IfThen(MU mask, VU yes, VU no) { return hn::IfThenElse(mask, yes, no); }
+
+struct V3 {
+  VF x, y, z;
+};
+
+HWY_INLINE V3 Load3(const float* x, const float* y, const float* z) {
+  return {Load(x), Load(y), Load(z)};
+}
+HWY_INLINE void Store3(const V3& value, float* x, float* y, float* z) {
+  Store(value.x, x), Store(value.y, y), Store(value.z, z);
+}
+HWY_INLINE V3 Set3(const float* values) { return {Set(values[0]), Set(values[1]), Set(values[2])}; }
+HWY_INLINE V3 Add(const V3& a, const V3& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_INLINE V3 Sub(const V3& a, const V3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE V3 Scale(const V3& a, VF s) {
+  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
+}
+HWY_INLINE V3 Mul(const V3& a, const V3& b) {
+  return {hn::Mul(a.x, b.x), hn::Mul(a.y, b.y), hn::Mul(a.z, b.z)};
+}
+HWY_INLINE V3 Neg(const V3& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
+HWY_INLINE VF Dot(const V3& a, const V3& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE V3 Cross(const V3& a, const V3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
+          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V3 IfThen(MF mask, const V3& yes, const V3& no) {
+  return {IfThen(mask, yes.x, no.x), IfThen(mask, yes.y, no.y), IfThen(mask, yes.z, no.z)};
+}
+HWY_INLINE V3 Normalize(const V3& a) { return Scale(a, hn::Div(Set(1.0f), hn::Sqrt(Dot(a, a)))); }
+HWY_INLINE VF MaxComponent(const V3& a) { return hn::Max(hn::Max(a.x, a.y), a.z); }
+
+// Two unit vectors that complete unit `n` to a right-handed frame (Duff et al. 2017).
+struct Frame {
+  V3 s, t, n;
+};
+HWY_INLINE Frame MakeFrame(const V3& n) {
+  const VF sign = hn::CopySign(Set(1.0f), n.z);
+  const VF a = hn::Div(Set(-1.0f), hn::Add(sign, n.z));
+  const VF b = hn::Mul(hn::Mul(n.x, n.y), a);
+  const VF sign_x = hn::Mul(sign, n.x);
+  return {{hn::Add(Set(1.0f), hn::Mul(hn::Mul(sign_x, n.x), a)), hn::Mul(sign, b), hn::Neg(sign_x)},
+          {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)},
+          n};
+}
+HWY_INLINE V3 ToLocal(const Frame& frame, const V3& w) {
+  return {Dot(frame.s, w), Dot(frame.t, w), Dot(frame.n, w)};
+}
+HWY_INLINE V3 ToWorld(const Frame& frame, const V3& w) {
+  return Add(Add(Scale(frame.s, w.x), Scale(frame.t, w.y)), Scale(frame.n, w.z));
+}
+
+// Moves the lanes of `mask` to the front, in order; what follows them is unspecified. Built once a
+// vector of rows, applied to every column: stable compaction at the price of one permutation each.
+// (Highway 1.0.3's own Compress copies its table to the stack under g++ 12 below AVX-512.)
+class RowCompressor {
+ public:
+  HWY_INLINE explicit RowCompressor(MU mask)
+      : mask_(mask), count_(static_cast<std::uint32_t>(hn::CountTrue(U(), mask))) {
+#if HWY_TARGET > HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(U(), mask, bits);
+    indices_ = hn::LoadU(U(), kCompressTable[bits[0]]);
+#endif
+  }
+  std::uint32_t count() const { return count_; }
+  // Appends the selected lanes of from[0..] at `to`; writes a whole vector.
+  template <class T>
+  HWY_INLINE void Move(const T* from, T* to) const {
+    Append(Load(from), to);
+  }
+  template <class V, class T>
+  HWY_INLINE void Append(V value, T* to) const {
+#if HWY_TARGET == HWY_SCALAR
+    if (count_ != 0) Store(value, to);
+#elif HWY_TARGET <= HWY_AVX3
+    const VU bits = hn::BitCast(U(), value);
+    hn::StoreU(hn::BitCast(hn::DFromV<V>(), hn::Compress(bits, mask_)), hn::DFromV<V>(), to);
+#else
+    const VU bits = hn::BitCast(U(), value);
+    const auto moved = hn::TableLookupLanes(bits, hn::IndicesFromVec(U(), indices_));
+    hn::StoreU(hn::BitCast(hn::DFromV<V>(), moved), hn::DFromV<V>(), to);
+#endif
+  }
+
+ private:
+  MU mask_;
+  std::uint32_t count_;
+#if HWY_TARGET > HWY_AVX3 && HWY_TARGET != HWY_SCALAR
+  VU indices_;
+#endif
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

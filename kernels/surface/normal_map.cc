@@ -1,0 +1,93 @@
+#include "kernels/surface/normal_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/surface/normal_map.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/bsdf/facing-inl.h"
+#include "kernels/surface/texture-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+HWY_INLINE V3 UnpackNormalTexel(VU packed) {
+  const auto field = [](VU bits, float half) HWY_ATTR {
+    return hn::Sub(hn::Mul(ToFloat(bits), Set(1 / half)), Set(1.0f));
+  };
+  return {field(hn::And(packed, SetU(0x7FFu)), 1023),
+          field(hn::And(hn::ShiftRight<11>(packed), SetU(0x7FFu)), 1023),
+          field(hn::ShiftRight<22>(packed), 511)};
+}
+
+void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel_angle,
+                 std::uint32_t n, const SurfaceColumns& s) {
+  const auto* records = reinterpret_cast<const std::uint32_t*>(maps.records);
+  const auto* tangents = reinterpret_cast<const std::uint32_t*>(maps.tangents);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const TexturedLanes<2> textured(maps.records, 0, s, i, n);
+    if (!textured.any) continue;
+    const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackNormalTexel);
+    const VU record = hn::ShiftLeft<2>(textured.material);
+    VF scale = AsFloat(Gather(records, hn::Add(record, SetU(1))));
+    const VU per_texel = Gather(records, hn::Add(record, SetU(2)));
+    const VF texels = TexelsALength(view, textured.texture, textured.triangle);
+    const MF of_lengths = hn::RebindMask(F(), hn::Ne(per_texel, hn::Zero(U())));
+    scale = Clamp(IfThen(of_lengths, hn::Mul(scale, texels), scale), -1e6f, 1e6f);
+
+    // The frame of the map on the outer side, about the shading normal.
+    const VU at = hn::ShiftLeft<2>(textured.triangle);
+    const VF b1 = Load(s.u + i), b2 = Load(s.v + i);
+    const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
+    const V3 t0 = DecodeNormal(Gather(tangents, at));
+    const V3 t1 = DecodeNormal(Gather(tangents, hn::Add(at, SetU(1))));
+    const V3 t2 = DecodeNormal(Gather(tangents, hn::Add(at, SetU(2))));
+    const VF side = AsFloat(Gather(tangents, hn::Add(at, SetU(3))));
+    const V3 ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
+    const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
+    const V3 outer = IfThen(back, Neg(ns), ns);
+    const V3 along = Add(Add(Scale(t0, b0), Scale(t1, b1)), Scale(t2, b2));
+    const V3 tangent = Sub(along, Scale(outer, Dot(outer, along)));
+    const VF length = hn::Sqrt(Dot(tangent, tangent));
+    const MF usable = hn::And(hn::Gt(length, Set(1e-4f)), hn::Ne(side, hn::Zero(F())));
+    const V3 x = Scale(tangent, hn::Div(Set(1.0f), hn::Max(length, Set(1e-4f))));
+    const V3 y = Scale(Cross(outer, x), side);
+    const V3 bent =
+        Normalize(Add(Add(Scale(x, hn::Mul(seen.x, scale)), Scale(y, hn::Mul(seen.y, scale))),
+                      Scale(outer, hn::Max(seen.z, Set(1e-3f)))));
+
+    const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
+    const V3 turned = FacingBentNormal(IfThen(back, Neg(bent), bent), wo);
+    Store3(IfThen(hn::And(textured.lanes, usable), turned, ns), s.ns_x + i, s.ns_y + i, s.ns_z + i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(BendNormals);
+
+void BendNormals(const TextureView& textures, const NormalMapView& maps, float pixel_angle,
+                 std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(BendNormals)(textures, maps, pixel_angle, n, surfaces);
+}
+
+std::uint32_t PackNormalTexel(const float* xyz) {
+  const double x = xyz[0], y = xyz[1], z = xyz[2];
+  const double length = std::sqrt(x * x + y * y + z * z);
+  const auto field = [&](double value, double half) {
+    const double unit = length > 0 ? value / length : 0;
+    return std::uint32_t(std::lround((unit + 1) * half));
+  };
+  return field(x, 1023) | field(y, 1023) << 11 | field(z, 511) << 22;
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

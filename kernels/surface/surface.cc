@@ -1,0 +1,138 @@
+#include "kernels/surface/surface.h"
+
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/surface/surface.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/simd/exp-inl.h"
+#include "kernels/simd/records-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
+                     std::uint32_t n, const SurfaceColumns& s) {
+  const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
+  const auto* material_words = reinterpret_cast<const std::uint32_t*>(materials);
+  // A hit is known to some 2^-22 of the coordinates it was computed from, the distance included;
+  // origins are lifted by sixty-four times that.
+  const VF lift_scale = Set(0x1p-16f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU record = hn::ShiftLeft<2>(hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i)));
+    const Words4 triangle = GatherWords4(words, record);
+    const V3 n0 = DecodeNormal(triangle.w0), n1 = DecodeNormal(triangle.w1),
+             n2 = DecodeNormal(triangle.w2);
+    const VU tag = triangle.w3;
+
+    const V3 wo = Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i);
+    const V3 wound = Normalize(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i));
+    const MF back = hn::Lt(Dot(wound, wo), hn::Zero(F()));
+    const V3 ng = IfThen(back, Neg(wound), wound);
+
+    const VF u = Load(s.u + i), v = Load(s.v + i);
+    const VF w = hn::Sub(hn::Sub(Set(1.0f), u), v);
+    const V3 smooth = Normalize(Add(Add(Scale(n0, w), Scale(n1, u)), Scale(n2, v)));
+    V3 ns = IfThen(back, Neg(smooth), smooth);
+    // Where the smooth normal looks away from the eye (silhouettes of coarse meshes) or is none,
+    // the geometric one shades.
+    const MF usable = hn::Gt(Dot(ns, wo), Set(1e-4f));
+    const MF flat = hn::RebindMask(F(), hn::TestBit(tag, SetU(kFlatTriangle)));
+    ns = IfThen(hn::AndNot(flat, usable), ns, ng);
+
+    const VF t = Load(s.t + i);
+    const V3 origin = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
+    const V3 hit = Sub(origin, Scale(wo, t));
+    const VF extent = hn::Max(hn::Max(hn::Abs(hit.x), hn::Abs(hit.y)), hn::Abs(hit.z));
+    const VF lift = hn::Mul(hn::Add(extent, t), lift_scale);
+    const V3 lifted = Add(hit, Scale(ng, lift));
+
+    const VU material = hn::And(tag, SetU(kMaterialMask));
+    const Words4 color = GatherWords4(material_words, hn::ShiftLeft<4>(material));
+    Store3({AsFloat(color.w0), AsFloat(color.w1), AsFloat(color.w2)}, s.color_r + i, s.color_g + i,
+           s.color_b + i);
+    Store3(ng, s.ng_x + i, s.ng_y + i, s.ng_z + i);
+    Store3(ns, s.ns_x + i, s.ns_y + i, s.ns_z + i);
+    Store3(lifted, s.org_x + i, s.org_y + i, s.org_z + i);
+    Store(lift, s.lift + i);
+    const VU side = hn::IfThenElseZero(hn::RebindMask(U(), back), SetU(kBackFace));
+    Store(hn::Or(material, side), s.material + i);
+  }
+}
+
+void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n, const SurfaceColumns& s) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU triangle = hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i));
+    const V3 tangent = DecodeNormal(Gather(tangents, triangle));
+    const Frame frame = MakeFrame(Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i));
+    const VF along = Dot(frame.s, tangent), across = Dot(frame.t, tangent);
+    const VF length = hn::Sqrt(hn::Add(hn::Mul(along, along), hn::Mul(across, across)));
+    const MF usable = hn::Gt(length, Set(1e-3f));
+    const VF inverse = hn::Div(Set(1.0f), length);
+    StoreBelow(IfThen(usable, hn::Mul(along, inverse), Set(1.0f)), s.varying_0, i, n);
+    StoreBelow(IfThen(usable, hn::Mul(across, inverse), hn::Zero(F())), s.varying_1, i, n);
+  }
+}
+
+void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const SurfaceColumns& s) {
+  const auto* fields = reinterpret_cast<const float*>(materials);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU material = hn::IfThenElseZero(RowsBelow(i, n), Load(s.material + i));
+    const MF back = hn::RebindMask(F(), hn::TestBit(material, SetU(kBackFace)));
+    if (hn::AllFalse(F(), back)) continue;
+    const VU field = hn::ShiftLeft<4>(hn::And(material, SetU(kMaterialMask)));
+    const VF way = hn::IfThenElseZero(back, Load(s.t + i));
+    const auto passes = [&](std::uint32_t channel) HWY_ATTR {
+      return Exp(hn::Neg(hn::Mul(Gather(fields, hn::Add(field, SetU(8 + channel))), way)));
+    };
+    const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+    Store3(IfThen(back, Mul(throughput, {passes(0), passes(1), passes(2)}), throughput),
+           s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(PrepareSurfaces);
+HWY_EXPORT(PrepareTangents);
+HWY_EXPORT(AbsorbInside);
+
+void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
+                     std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareSurfaces)(triangles, materials, n, surfaces);
+}
+
+void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
+                     const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareTangents)(tangents, n, surfaces);
+}
+
+void AbsorbInside(const MaterialRecord* materials, std::uint32_t n,
+                  const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(AbsorbInside)(materials, n, surfaces);
+}
+
+std::uint32_t EncodeNormal(float x, float y, float z) {
+  const float norm = std::fabs(x) + std::fabs(y) + std::fabs(z);
+  float px = x / norm, py = y / norm;
+  if (z < 0) {
+    const float folded_x = std::copysign(1 - std::fabs(py), px);
+    py = std::copysign(1 - std::fabs(px), py);
+    px = folded_x;
+  }
+  const auto quantize = [](float value) {
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(value * 32767.0f))) &
+           0xFFFFu;
+  };
+  return quantize(px) | quantize(py) << 16;
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,150 @@
+// Texture lookups on vectors.
+#if defined(SKYWAVE_KERNELS_TEXTURE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_TEXTURE_INL_H_
+#undef SKYWAVE_KERNELS_TEXTURE_INL_H_
+#else
+#define SKYWAVE_KERNELS_TEXTURE_INL_H_
+#endif
+
+#include "kernels/lights/texels-inl.h"
+#include "kernels/surface/texture.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// A coordinate brought into [0, 1].
+HWY_INLINE VF WrapCoordinate(VF u, VU wrap) {
+  const VF one = Set(1.0f);
+  const VF repeated = hn::Sub(u, hn::Floor(u));
+  const VF half = hn::Mul(u, Set(0.5f));
+  const VF pair = hn::Mul(Set(2.0f), hn::Sub(half, hn::Floor(half)));
+  const VF mirrored = hn::Sub(one, hn::Abs(hn::Sub(one, pair)));
+  const MF clamps = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kClamp))));
+  const MF mirrors = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kMirror))));
+  return IfThen(clamps, Clamp(u, 0.0f, 1.0f), IfThen(mirrors, mirrored, repeated));
+}
+
+// The two texels of a line of `count` between whose centres `at` in [0, 1] lies, and the share of
+// the second one.
+struct Neighbours {
+  HWY_INLINE Neighbours(VF at, VU count, VU wrap) {
+    const VF size = ToFloat(count), last = hn::Sub(size, Set(1.0f));
+    // Texel i has its centre at (i + 1/2) / count.
+    const VF x = hn::Sub(hn::Mul(at, size), Set(0.5f));
+    const VF low = hn::Floor(x), high = hn::Add(low, Set(1.0f));
+    share = hn::Sub(x, low);
+    const MF repeats = hn::RebindMask(F(), hn::Eq(wrap, SetU(std::uint32_t(TextureWrap::kRepeat))));
+    const VF zero = hn::Zero(F());
+    first = ToUnsigned(IfThen(hn::Lt(low, zero), IfThen(repeats, last, zero), low));
+    second = ToUnsigned(IfThen(hn::Gt(high, last), IfThen(repeats, zero, last), high));
+  }
+  VU first, second;
+  VF share;
+};
+
+HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return Add(a, Scale(Sub(b, a), share)); }
+
+// One texture a lane: the words of its record.
+struct TextureLanes {
+  HWY_INLINE TextureLanes(const TextureView& view, VU texture)
+      : words(reinterpret_cast<const std::uint32_t*>(view.records)),
+        at(hn::ShiftLeft<4>(texture)) {}
+  HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
+  HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
+
+  const std::uint32_t* words;
+  VU at;
+};
+
+// Looks up one level of a texture a lane at barycentric (b1, b2) of its triangle. `unpack` makes a
+// V3 of packed texels.
+template <class Unpack>
+HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level,
+                          VU triangle, VF b1, VF b2, const Unpack& unpack) {
+  const auto* corners = reinterpret_cast<const float*>(view.uvs);
+  const VU at = hn::ShiftLeft<3>(triangle);
+  const auto corner = [&](std::uint32_t f)
+                          HWY_ATTR { return Gather(corners, hn::Add(at, SetU(f))); };
+  const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
+  const auto interpolate = [&](std::uint32_t f) HWY_ATTR {
+    return hn::Add(hn::Add(hn::Mul(corner(f), b0), hn::Mul(corner(f + 2), b1)),
+                   hn::Mul(corner(f + 4), b2));
+  };
+  const VF u = interpolate(0), v = interpolate(1);
+  const VF tu = hn::Add(hn::Add(hn::Mul(record.Number(4), u), hn::Mul(record.Number(5), v)),
+                        record.Number(6));
+  const VF tv = hn::Add(hn::Add(hn::Mul(record.Number(7), u), hn::Mul(record.Number(8), v)),
+                        record.Number(9));
+
+  const auto* levels = reinterpret_cast<const std::uint32_t*>(view.levels);
+  const VU entry = hn::ShiftLeft<2>(level);
+  const VU first = Gather(levels, entry), columns = Gather(levels, hn::Add(entry, SetU(1))),
+           rows = Gather(levels, hn::Add(entry, SetU(2)));
+  const VU wrap_u = record.Word(2), wrap_v = record.Word(3);
+  const Neighbours x(WrapCoordinate(tu, wrap_u), columns, wrap_u);
+  const Neighbours y(WrapCoordinate(tv, wrap_v), rows, wrap_v);
+  const auto texel = [&](VU column, VU row) HWY_ATTR {
+    const VU place = hn::Add(first, hn::Add(hn::Mul(row, columns), column));
+    return unpack(Gather(view.texels, place));
+  };
+  return Mix(Mix(texel(x.first, y.first), texel(x.second, y.first), x.share),
+             Mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
+}
+
+// Texels of level 0 in a length of 1 in the world.
+HWY_INLINE VF TexelsALength(const TextureView& view, VU texture, VU triangle) {
+  const auto* corners = reinterpret_cast<const float*>(view.uvs);
+  return hn::Mul(Gather(corners, hn::Add(hn::ShiftLeft<3>(triangle), SetU(6))),
+                 TextureLanes(view, texture).Number(10));
+}
+
+// The lanes of rows below n whose material has a texture in word `field` of its record of
+// 2^kLogWords words, and what they look up; the others look up texture 0 at triangle 0.
+template <int kLogWords>
+struct TexturedLanes {
+  HWY_INLINE TexturedLanes(const void* records, std::uint32_t field, const SurfaceColumns& s,
+                           std::uint32_t i, std::uint32_t n) {
+    const auto* words = static_cast<const std::uint32_t*>(records);
+    const MU inside = RowsBelow(i, n);
+    material = hn::IfThenElseZero(inside, hn::And(Load(s.material + i), SetU(kMaterialMask)));
+    const VU named = Gather(words, hn::Add(hn::ShiftLeft<kLogWords>(material), SetU(field)));
+    const MU has = hn::And(inside, hn::Ne(named, hn::Zero(U())));
+    any = !hn::AllFalse(U(), has);
+    lanes = hn::RebindMask(F(), has);
+    texture = hn::IfThenElseZero(has, hn::Sub(named, SetU(1)));
+    triangle = hn::IfThenElseZero(has, Load(s.triangle + i));
+  }
+  bool any;
+  MF lanes;
+  VU material, texture, triangle;
+};
+
+// Looks up one texture a lane (TexturedLanes), at the level that the ray's cone asks for.
+template <class Textured, class Unpack>
+HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pixel_angle,
+                     const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
+  const TextureLanes record(view, textured.texture);
+  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
+  const VF cosine = hn::Max(
+      Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
+      Set(0.01f));
+  const VF width = hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)),
+                           TexelsALength(view, textured.texture, textured.triangle));
+  const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
+  const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
+  const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
+  const VU level = hn::Add(record.Word(0), hn::Min(wanted, hn::Sub(record.Word(1), SetU(1))));
+  // Behind the last row may stand anything, which is no place on an image.
+  const VF b1 = hn::IfThenElseZero(textured.lanes, Load(s.u + i));
+  const VF b2 = hn::IfThenElseZero(textured.lanes, Load(s.v + i));
+  return LookUpLevel(view, record, level, textured.triangle, b1, b2, unpack);
+}
+
+HWY_INLINE V3 UnpackColor(VU packed) { return UnpackRadiance(packed, 1.0f); }
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,163 @@
+#include "kernels/surface/texture.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/surface/texture.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/surface/texture-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+inline constexpr std::uint32_t kColorField = 11, kRoughnessField = 15;
+
+void TextureColors(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
+                   std::uint32_t n, const SurfaceColumns& s) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const TexturedLanes<4> textured(materials, kColorField, s, i, n);
+    if (!textured.any) continue;
+    const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
+    const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
+    Store3(IfThen(textured.lanes, Mul(color, seen), color), s.color_r + i, s.color_g + i,
+           s.color_b + i);
+  }
+}
+
+void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceColumns& s) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const MU inside = RowsBelow(i, n);
+    const VU triangle = hn::IfThenElseZero(inside, Load(s.triangle + i));
+    const VU first = hn::Add(triangle, hn::Add(triangle, triangle));
+    const auto corner = [&](std::uint32_t c) HWY_ATTR {
+      return UnpackColor(Gather(colors, hn::Add(first, SetU(c))));
+    };
+    const VF u = Load(s.u + i), v = Load(s.v + i), w = hn::Sub(hn::Sub(Set(1.0f), u), v);
+    const V3 tint = Add(Add(Scale(corner(0), w), Scale(corner(1), u)), Scale(corner(2), v));
+    const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
+    Store3(IfThen(hn::RebindMask(F(), inside), Mul(color, tint), color), s.color_r + i,
+           s.color_g + i, s.color_b + i);
+  }
+}
+
+void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* materials,
+                              float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
+  const auto* fields = reinterpret_cast<const float*>(materials);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU material =
+        hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
+    const VU field = hn::ShiftLeft<4>(material);
+    VF alpha = Gather(fields, hn::Add(field, SetU(3)));
+    VF metallic = Gather(fields, hn::Add(field, SetU(4)));
+    if (view.records != nullptr) {
+      const TexturedLanes<4> textured(materials, kRoughnessField, s, i, n);
+      if (textured.any) {
+        const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
+        const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
+        alpha = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), alpha);
+        metallic = IfThen(textured.lanes, Clamp(hn::Mul(metallic, seen.z), 0.0f, 1.0f), metallic);
+      }
+    }
+    StoreBelow(alpha, s.varying_0, i, n);
+    StoreBelow(metallic, s.varying_1, i, n);
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+namespace {
+
+// std::floor without a call, for values below 2^63.
+float Floor(float x) {
+  const float whole = float(std::int64_t(x));
+  return whole > x ? whole - 1 : whole;
+}
+
+// Neighbours of texture-inl.h, with the wrapping before it.
+struct ScalarNeighbours {
+  ScalarNeighbours(float at, std::uint32_t count, TextureWrap wrap) {
+    const float half = at * 0.5f;
+    const float pair = 2.0f * (half - Floor(half));
+    const float inside = wrap == TextureWrap::kClamp    ? std::min(std::max(at, 0.0f), 1.0f)
+                         : wrap == TextureWrap::kMirror ? 1.0f - std::fabs(1.0f - pair)
+                                                        : at - Floor(at);
+    const float last = float(count) - 1.0f, x = inside * float(count) - 0.5f;
+    const float low = Floor(x), high = low + 1.0f;
+    const bool repeats = wrap == TextureWrap::kRepeat;
+    first = std::uint32_t(low < 0 ? (repeats ? last : 0.0f) : low);
+    second = std::uint32_t(high > last ? (repeats ? 0.0f : last) : high);
+    share = x - low;
+  }
+  std::uint32_t first, second;
+  float share;
+};
+
+}  // namespace
+
+HWY_EXPORT(TextureColors);
+HWY_EXPORT(TintByVertices);
+HWY_EXPORT(PrepareMetallicRoughness);
+
+void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
+                   std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(TextureColors)(textures, materials, pixel_angle, n, surfaces);
+}
+void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(TintByVertices)(colors, n, surfaces);
+}
+void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
+                              float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareMetallicRoughness)(textures, materials, pixel_angle, n, surfaces);
+}
+
+float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,
+                   float u, float v) {
+  const TextureRecord& record = textures.records[texture];
+  const float(&uv)[3][2] = textures.uvs[triangle].uv;
+  const float w = 1.0f - u - v;
+  const float s = uv[0][0] * w + uv[1][0] * u + uv[2][0] * v;
+  const float t = uv[0][1] * w + uv[1][1] * u + uv[2][1] * v;
+  const float* m = record.transform;
+  const TextureLevel& level = textures.levels[record.first_level];
+  const ScalarNeighbours x(m[0] * s + m[1] * t + m[2], level.width, record.wrap_u);
+  const ScalarNeighbours y(m[3] * s + m[4] * t + m[5], level.height, record.wrap_v);
+  const auto texel = [&](std::uint32_t column, std::uint32_t row) {
+    const std::uint32_t packed = textures.texels[level.first_texel + row * level.width + column];
+    const std::uint32_t exponent = (packed >> 3 * kMantissaBits) + 127 - kMaxExponent;
+    return float(packed & ((1u << kMantissaBits) - 1)) * std::bit_cast<float>(exponent << 23);
+  };
+  const auto mix = [](float a, float b, float share) { return a + (b - a) * share; };
+  return mix(mix(texel(x.first, y.first), texel(x.second, y.first), x.share),
+             mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
+}
+
+std::uint32_t PackTexel(const float* rgb) {
+  constexpr std::uint32_t kMantissa = (1u << kMantissaBits) - 1;
+  float channel[3];
+  for (int c = 0; c < 3; ++c) channel[c] = rgb[c] > 0 ? std::min(rgb[c], float(kMantissa)) : 0.0f;
+  const float brightest = std::max({channel[0], channel[1], channel[2]});
+  if (!(brightest > 0)) return 0;
+  // The brightest mantissa is at least 2^8, unless rounding lifts it to 2^9.
+  int exponent = std::ilogb(brightest) - int(kMantissaBits - 1) + int(kMaxExponent);
+  exponent = std::clamp(exponent, 0, int(kMaxExponent));
+  if (std::lround(std::ldexp(brightest, int(kMaxExponent) - exponent)) > long{kMantissa}) {
+    exponent = std::min(exponent + 1, int(kMaxExponent));
+  }
+  std::uint32_t packed = std::uint32_t(exponent) << 3 * kMantissaBits;
+  for (int c = 0; c < 3; ++c) {
+    const long rounded = std::lround(std::ldexp(channel[c], int(kMaxExponent) - exponent));
+    packed |= std::min(std::uint32_t(rounded), kMantissa) << c * kMantissaBits;
+  }
+  return packed;
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

@@ -1,0 +1,99 @@
+#include "lights/light_sets/light_builder.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "lights/tables/max_pyramid.h"
+#include "lights/light_sets/median_cut.h"
+#include "lights/light_sets/penrose.h"
+#include "lights/light_sets/variance_cut.h"
+#include "lights/light_sets/voronoi.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::string_view kSources[] = {"penrose", "median-cut", "variance-cut"};
+constexpr std::string_view kPositions[] = {"sample", "center", "centroid"};
+constexpr std::string_view kFrequencies[] = {"F1", "F2", "F3"};
+
+constexpr StrategyParameter kLightParameters[] = {
+    {"lights", "64", "number of lights before clustering"},
+    {"position", "centroid", "of a light in its cell: centroid, center or sample"},
+    {"lloyd", "0", "energy-weighted Lloyd steps"},
+    {"cluster", "none", "merge lights pairwise by F1 (number), F2 (energy) or F3 (luminance)"},
+    {"clusters", "0", "merge until so many are left; 0: no such limit"},
+    {"separation", "0", "merge until lights are so far apart [degrees]; 0: no such limit"},
+};
+
+std::vector<Region> CutRegions(const SphereMap& map, const LightOptions& options) {
+  return options.source == LightSource::kMedianCut ? MedianCut(map, options.lights)
+                                                   : VarianceCut(map, options.lights);
+}
+
+std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& options) {
+  if (options.source == LightSource::kPenrose) {
+    return Directions(PenroseSamples(ImportancePyramid(map), options.lights, options.penrose));
+  }
+  std::vector<Vector3> samples;
+  const LightSet rectangles =
+      LightsOfRegions(map, CutRegions(map, options), LightPosition::kCentroid);
+  for (const DirectionalLight& light : rectangles.lights) samples.push_back(light.direction);
+  return samples;
+}
+
+std::vector<Vector3> Cluster(const SphereMap& map, const std::vector<Vector3>& samples,
+                             const LightOptions& options) {
+  const CellMap cells = VoronoiCells(map.width, map.height, samples);
+  const std::vector<CellSums> sums = SumCells(map, cells, samples.size());
+  return ClusterPairwise(samples, Frequencies(sums, *options.cluster), options.stop).directions;
+}
+
+template <class Enum, std::size_t kCount>
+std::optional<Enum> Parse(const std::string_view (&names)[kCount], std::string_view name) {
+  const auto found = std::find(std::begin(names), std::end(names), name);
+  if (found == std::end(names)) return std::nullopt;
+  return Enum(found - std::begin(names));
+}
+
+}  // namespace
+
+std::string_view ToString(LightSource source) { return kSources[std::size_t(source)]; }
+std::optional<LightSource> ParseLightSource(std::string_view name) {
+  return Parse<LightSource>(kSources, name);
+}
+std::optional<LightPosition> ParseLightPosition(std::string_view name) {
+  return Parse<LightPosition>(kPositions, name);
+}
+std::optional<ClusterFrequency> ParseClusterFrequency(std::string_view name) {
+  return Parse<ClusterFrequency>(kFrequencies, name);
+}
+
+LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
+  if (map.energy <= 0) return {{}, CellMap(map.texels(), kNoCell)};
+  const bool points =
+      options.source == LightSource::kPenrose || options.cluster || options.lloyd_steps > 0;
+  if (!points) return LightsOfRegions(map, CutRegions(map, options), options.position);
+  std::vector<Vector3> samples = PlaceSamples(map, options);
+  if (options.cluster) samples = Cluster(map, samples, options);
+  return VoronoiLights(map, std::move(samples), options.position, options.lloyd_steps);
+}
+
+std::span<const StrategyParameter> LightParameters() { return kLightParameters; }
+
+LightSource ReadLightSource(const StrategyValues& values) {
+  return LightSource(ChoiceValue(values, kFromParameter.key, kSources));
+}
+
+LightOptions ReadLightOptions(const StrategyValues& values) {
+  LightOptions options;
+  options.lights = IntValue(values, "lights", 1, 30000);
+  options.position = LightPosition(ChoiceValue(values, "position", kPositions));
+  options.lloyd_steps = IntValue(values, "lloyd", 0, 1000);
+  constexpr std::string_view kClusters[] = {"none", "F1", "F2", "F3"};
+  options.cluster = ParseClusterFrequency(kClusters[ChoiceValue(values, "cluster", kClusters)]);
+  options.stop.clusters = IntValue(values, "clusters", 0, 30000);
+  options.stop.separation = NumberValue(values, "separation", 0, 180) * std::numbers::pi / 180;
+  return options;
+}
+
+}  // namespace skywave

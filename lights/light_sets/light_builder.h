@@ -1,0 +1,47 @@
+// From a map, or a stratum of it, to the directional lights that stand for it: the parameters that
+// several strategies share, in one place.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "lights/tables/cells.h"
+#include "lights/light_sets/clustering.h"
+#include "lights/light_sets/penrose.h"
+#include "lights/strategies/strategy.h"
+
+namespace skywave {
+
+enum class LightSource { kPenrose, kMedianCut, kVarianceCut };
+
+struct LightOptions {
+  LightSource source = LightSource::kPenrose;
+  int lights = 64;
+  LightPosition position = LightPosition::kCentroid;
+  int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
+  std::optional<ClusterFrequency> cluster;
+  ClusterStop stop;  // used where cluster is set
+  PenroseParameters penrose;
+};
+
+// "penrose", "median-cut", "variance-cut"; "sample", "center", "centroid"; "F1", "F2", "F3".
+std::string_view ToString(LightSource source);
+std::optional<LightSource> ParseLightSource(std::string_view name);
+std::optional<LightPosition> ParseLightPosition(std::string_view name);
+std::optional<ClusterFrequency> ParseClusterFrequency(std::string_view name);
+
+// Places lights, clusters and relaxes them as the options say, and gives each the light of its
+// cell. The energy of the lights is the energy of the map. Fewer lights than asked for where texels
+// with energy or clustering allow no more; none for a black map.
+LightSet BuildLights(const SphereMap& map, const LightOptions& options);
+
+// The parameters behind LightOptions, for the table of strategies; `kFromParameter` besides for
+// strategies that take lights from any source.
+std::span<const StrategyParameter> LightParameters();
+inline constexpr StrategyParameter kFromParameter = {
+    "from", "penrose", "who places the lights: penrose, median-cut or variance-cut"};
+
+LightOptions ReadLightOptions(const StrategyValues& values);
+LightSource ReadLightSource(const StrategyValues& values);
+
+}  // namespace skywave

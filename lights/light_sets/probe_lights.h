@@ -1,0 +1,33 @@
+// From a map to a set of lights by any method: what `skywave probe` offers of this folder.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "lights/light_sets/light_builder.h"
+#include "lights/light_sets/strata.h"
+
+namespace skywave {
+
+// "0.54", "variation", "64:10" (64 lights, 10 degrees apart).
+std::optional<StrataRequest> ParseStrata(std::string_view text);
+
+struct LightRequest {
+  LightOptions lights = {.source = LightSource::kVarianceCut};
+  std::optional<StrataRequest> strata;  // set: lights for the bright part A only
+};
+
+struct ProbeLights {
+  LightSet set;                  // cells over the whole map
+  std::optional<Strata> strata;  // if asked for
+  Image residual;                // stratum B; empty if there are no strata
+  double map_energy = 0, lights_energy = 0, residual_energy = 0;
+};
+
+// The energy of the lights and of the residual add up to that of the map. Throws InputError for
+// requests out of range.
+ProbeLights MakeProbeLights(const SphereMap& map, const LightRequest& request);
+
+}  // namespace skywave

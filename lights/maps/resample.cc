@@ -1,0 +1,200 @@
+#include "lights/maps/resample.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "lights/maps/projections.h"
+
+namespace skywave {
+namespace {
+
+using Rgb = std::array<double, 3>;
+
+bool IsDisk(Projection p) { return p == Projection::kAngular || p == Projection::kMirrorBall; }
+
+// Half-open range of columns or rows that interpolation may read around a coordinate.
+struct Range {
+  int begin, end;
+};
+
+// Reads a picture between its pixel centres.
+class Source {
+ public:
+  Source(const Image& image, Projection projection) : image_(image), projection_(projection) {
+    if (projection == Projection::kHorizontalCross) face_ = image.width / 4;
+    if (projection == Projection::kVerticalCross) face_ = image.width / 3;
+    if (projection == Projection::kCubeStrip) face_ = image.width / 6;
+  }
+
+  // Adds weight * radiance at a point that has light.
+  void Add(ImagePoint point, double weight, Rgb& sum) const {
+    if (IsDisk(projection_)) {
+      // The centres of the four pixels around a point are up to sqrt(2) pixels away: kept so far
+      // inside, none of them is cut by the rim.
+      const double x = 2 * point.u - 1, y = 2 * point.v - 1, r = std::sqrt(x * x + y * y);
+      const double limit = std::max(0.0, 1 - 3.0 / std::min(image_.width, image_.height));
+      if (r > limit) {
+        point = {(1 + x * limit / r) / 2, (1 + y * limit / r) / 2};
+      }
+    }
+    const double px = point.u * image_.width - 0.5, py = point.v * image_.height - 0.5;
+    const int x0 = int(std::floor(px)), y0 = int(std::floor(py));
+    const double fx = px - x0, fy = py - y0;
+    const Range columns = Bounds(point.u, image_.width), rows = Bounds(point.v, image_.height);
+    AddTexel(x0, y0, columns, rows, weight * (1 - fx) * (1 - fy), sum);
+    AddTexel(x0 + 1, y0, columns, rows, weight * fx * (1 - fy), sum);
+    AddTexel(x0, y0 + 1, columns, rows, weight * (1 - fx) * fy, sum);
+    AddTexel(x0 + 1, y0 + 1, columns, rows, weight * fx * fy, sum);
+  }
+
+ private:
+  Range Bounds(double position, int size) const {
+    if (face_ == 0) return {0, size};
+    const int face = std::clamp(int(position * size) / face_, 0, size / face_ - 1);
+    return {face * face_, (face + 1) * face_};
+  }
+
+  void AddTexel(int x, int y, Range columns, Range rows, double weight, Rgb& sum) const {
+    if (weight == 0) return;
+    if (projection_ == Projection::kLatLong) {
+      // Over a pole the sphere goes on half a turn away.
+      if (y < 0 || y >= image_.height) {
+        y = y < 0 ? -1 - y : 2 * image_.height - 1 - y;
+        x += image_.width / 2;
+      }
+      x = (x % image_.width + image_.width) % image_.width;
+    } else if (projection_ == Projection::kOctahedral) {
+      // Every edge of the square is folded at its middle.
+      const int width = image_.width, height = image_.height;
+      if (x < 0 || x >= width) {
+        x = x < 0 ? -1 - x : 2 * width - 1 - x;
+        y = height - 1 - y;
+      }
+      if (y < 0 || y >= height) {
+        y = y < 0 ? -1 - y : 2 * height - 1 - y;
+        x = width - 1 - x;
+      }
+    }
+    x = std::clamp(x, columns.begin, columns.end - 1);
+    y = std::clamp(y, rows.begin, rows.end - 1);
+    const float* rgb = image_.Pixel(x, y);
+    for (int c = 0; c < 3; ++c) sum[c] += weight * rgb[c];
+  }
+
+  const Image& image_;
+  Projection projection_;
+  int face_ = 0;  // side of a cube's face [pixels]; 0: no cube
+};
+
+// Whether the rim of a disk leaves the pixel whole.
+bool IsWhole(const Image& image, int x, int y) {
+  for (int corner = 0; corner < 4; ++corner) {
+    const double px = 2.0 * (x + (corner & 1)) / image.width - 1;
+    const double py = 2.0 * (y + (corner >> 1)) / image.height - 1;
+    if (px * px + py * py > 1) return false;
+  }
+  return true;
+}
+
+// Samples along each side of a target pixel: four, or three for each source pixel that is met
+// there, were both even over the sphere.
+int SamplesAlongSide(const Image& image, int width, int height) {
+  constexpr int kLeast = 4, kMost = 64;
+  const double ratio = std::sqrt(double(image.width) * image.height / (double(width) * height));
+  return std::clamp(int(std::ceil(3 * ratio)), kLeast, kMost);
+}
+
+void FillPixel(const Source& source, Projection from, Projection to, int side, int x, int y,
+               Image& target) {
+  Rgb sum = {};
+  double weights = 0;
+  for (int s = 0; s < side * side; ++s) {
+    const ImagePoint point = {(x + (s % side + 0.5) / side) / target.width,
+                              (y + (s / side + 0.5) / side) / target.height};
+    const double weight = SolidAngleDensity(to, point);
+    if (!(weight > 0)) continue;
+    const std::optional<Vector3> direction = DirectionOfPoint(to, point);
+    if (!direction) continue;
+    source.Add(PointOfDirection(from, *direction), weight, sum);
+    weights += weight;
+  }
+  if (!(weights > 0)) return;
+  for (int c = 0; c < 3; ++c) target.Pixel(x, y)[c] = float(sum[c] / weights);
+}
+
+// Adds channel c of every source pixel to the target pixel that has its direction.
+void Splat(const Image& image, Projection from, Projection to, int c, Image& target) {
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double value = image.Pixel(x, y)[c];
+      if (value == 0) continue;
+      const auto direction =
+          DirectionOfPoint(from, {(x + 0.5) / image.width, (y + 0.5) / image.height});
+      if (!direction) continue;
+      const ImagePoint point = PointOfDirection(to, *direction);
+      const int tx = std::min(int(point.u * target.width), target.width - 1);
+      const int ty = std::min(int(point.v * target.height), target.height - 1);
+      const double area = PixelSolidAngle(to, target.width, target.height, tx, ty);
+      if (!(area > 0)) continue;
+      target.Pixel(tx, ty)[c] +=
+          float(value * PixelSolidAngle(from, image.width, image.height, x, y) / area);
+    }
+  }
+}
+
+}  // namespace
+
+std::array<double, 3> SphereIntegral(const Image& image, Projection projection) {
+  const Source source(image, projection);
+  std::vector<Rgb> rows(image.height);
+  tbb::parallel_for(0, image.height, [&](int y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double area = PixelSolidAngle(projection, image.width, image.height, x, y);
+      if (area == 0) continue;
+      if (IsDisk(projection) && !IsWhole(image, x, y)) {
+        source.Add({(x + 0.5) / image.width, (y + 0.5) / image.height}, area, rows[y]);
+        continue;
+      }
+      for (int c = 0; c < 3; ++c) rows[y][c] += area * image.Pixel(x, y)[c];
+    }
+  });
+  Rgb integral = {};
+  for (const Rgb& row : rows) {
+    for (int c = 0; c < 3; ++c) integral[c] += row[c];
+  }
+  return integral;
+}
+
+Image Resample(const Image& image, Projection from, Projection to, int width, int height) {
+  CheckProjectionSize(from, image.width, image.height);
+  CheckProjectionSize(to, width, height);
+  if (from == to && image.width == width && image.height == height) return image;
+  Image target(width, height);
+  const Source source(image, from);
+  const int side = SamplesAlongSide(image, width, height);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) FillPixel(source, from, to, side, x, y, target);
+  });
+
+  const Rgb wanted = SphereIntegral(image, from);
+  Rgb found = SphereIntegral(target, to);
+  for (int c = 0; c < 3; ++c) {
+    if (found[c] == 0 && wanted[c] > 0) {
+      Splat(image, from, to, c, target);
+      found[c] = SphereIntegral(target, to)[c];
+    }
+    if (found[c] == 0) continue;
+    const double scale = wanted[c] / found[c];
+    for (std::size_t i = std::size_t(c); i < target.rgb.size(); i += 3) {
+      target.rgb[i] = float(target.rgb[i] * scale);
+    }
+  }
+  return target;
+}
+
+}  // namespace skywave

@@ -1,0 +1,26 @@
+// Pictures of the sphere from one projection to another, light kept.
+#pragma once
+
+#include <array>
+
+#include "image/image.h"
+#include "lights/maps/environment_map.h"
+
+namespace skywave {
+
+// `image` as `to` of width x height. Every pixel is the mean over its solid angle of the source
+// interpolated between pixel centres, by as many samples as the ratio of the resolutions asks for;
+// interpolation goes across the seam and the poles of a lat-long map, never across the rim of a
+// disk or the edges of faces. The sphere integral of that is within about 1e-3 of the source's
+// (more for a source whose light is in a few pixels); in the end every channel is scaled so that it
+// equals it to float rounding. Pixels without light are black. Light that falls between all samples
+// goes to the pixel that has its direction. Both projections the same and the same size: an exact
+// copy. Parallel; the result does not depend on the threads. Throws InputError where
+// CheckProjectionSize does.
+Image Resample(const Image& image, Projection from, Projection to, int width, int height);
+
+// Integral over the sphere per channel [radiance * sr]: every pixel times its solid angle. Pixels
+// that the rim of a disk cuts count with the value of the nearest whole pixel, as they are read.
+std::array<double, 3> SphereIntegral(const Image& image, Projection projection);
+
+}  // namespace skywave

@@ -1,0 +1,35 @@
+// What there is to know about a map before it lights anything.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lights/maps/sphere_map.h"
+#include "lights/light_sets/strata.h"
+
+namespace skywave {
+
+struct BrightSpot {
+  int x, y;           // brightest texel
+  Vector3 direction;  // of its centre, map space
+  double luminance;   // there
+  double share = 0;   // of the map's energy within kSpotRadiusDegrees of it
+};
+inline constexpr double kSpotRadiusDegrees = 5;
+
+struct ProbeInfo {
+  int width, height;                       // of the lat-long map
+  double least, greatest, least_positive;  // luminance
+  double energy;                           // [luminance * sr]
+  std::array<double, 3> mean;              // radiance per channel over the sphere
+  std::vector<BrightSpot> spots;           // descending; no two within kSpotRadiusDegrees
+  // The row of the thesis's table 7.1, areas and energies in pixels: of the whole sphere
+  // 2 W H / pi (SphereMap::AreaInPixels). A and B by the greatest variation.
+  double sphere_pixels, energy_pixels, zeta_minimum;
+  Strata strata;
+};
+
+// spots: how many at most.
+ProbeInfo DescribeMap(const SphereMap& map, int spots = 5);
+
+}  // namespace skywave

@@ -1,0 +1,54 @@
+// importance: directions drawn with a density proportional to the luminance of the map, by
+// inversion of its two-dimensional distribution: a row by the marginal, a column by the row's own
+// distribution (T 6.1; Pharr and Humphreys 2004). Monotone in both uniforms, so well-distributed
+// points stay so.
+//
+// Parameters
+//   compensate=0    share of the mean luminance that is subtracted from the density, 0 to 1 (Karlik
+//                   et al. 2019, "MIS Compensation"): light samples go where BSDF samples would not
+//                   find the light. 1 suits one light sample a hit, 1 / n suits n of them; more
+//                   makes noise, for the one BSDF sample is alone with the rest. Dark directions
+//                   are then never drawn, so it needs BSDF sampling beside it and is refused with
+//                   --no-mis.
+//
+// Densities are exact: whatever rounding the tables have, the density that is reported is the one
+// that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexels). A black map is sampled
+// uniformly over the sphere.
+#pragma once
+
+#include <optional>
+
+#include "lights/tables/inversion_table.h"
+#include "lights/strategies/strategy.h"
+#include "lights/tables/texels.h"
+
+namespace skywave {
+
+class ImportanceStrategy final : public EnvStrategy {
+ public:
+  ImportanceStrategy(const EnvironmentMap& map, double compensate);
+  // By another importance of every texel than its luminance: >= 0, not all 0, and not 0 where there
+  // is light.
+  ImportanceStrategy(const EnvironmentMap& map, const std::vector<double>& importance);
+
+  std::string_view name() const override { return "importance"; }
+  std::size_t table_bytes() const override {
+    return texels_.bytes() + (weights_ ? weights_->bytes() : 0) + table_.bytes();
+  }
+  bool complete() const override { return compensated_ == 0; }
+  void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
+              LightCall call, const LightColumns& out) const override;
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                       const EscapeColumns& rows) const override;
+
+ private:
+  Texels texels_;
+  std::optional<Texels> weights_;  // what is drawn by in place of texels_
+  double compensated_;             // share of the mean
+  InversionTable table_;
+};
+
+// Luminance times solid angle of every texel, row-major; solid angle alone for a black map.
+std::vector<double> TexelImportance(const Texels& texels);
+
+}  // namespace skywave

@@ -1,0 +1,44 @@
+// product: directions drawn in proportion to the map times the BSDF, as far as a coarse map knows
+// them (Conty Estevez and Lecocq 2018): the map is cut into cells of little spread; a surface
+// weighs every cell by its light times the BSDF in its centre, picks one, and a texel of it by
+// luminance. Light below the horizon is never drawn, glossy surfaces look where they reflect.
+//
+// Parameters
+//   cells=96   number of cells (up to 256): more follow map and BSDF closer and cost more to weigh
+//
+// Unbiased, with a density, so it takes part in multiple importance sampling. The cells come from
+// variance cuts, which end where the light is: a sun is a cell of its own.
+#pragma once
+
+#include <optional>
+
+#include "kernels/bsdf/product.h"
+#include "lights/tables/cell_sampler.h"
+#include "lights/strategies/strategy.h"
+#include "lights/tables/texels.h"
+
+namespace skywave {
+
+class ProductStrategy final : public EnvStrategy {
+ public:
+  ProductStrategy(const EnvironmentMap& map, int cells);
+
+  std::string_view name() const override { return "product"; }
+  bool depends_on_surface() const override { return true; }
+  std::size_t table_bytes() const override;
+  void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
+              LightCall call, const LightColumns& out) const override;
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                       const EscapeColumns& rows) const override;
+
+ private:
+  CellsView InCells() const;
+
+  Texels texels_;
+  CellMap cell_of_texel_;  // no kNoCell: texels without light belong to cell 0
+  std::vector<LightCell> cells_;
+  std::optional<CellSampler> sampler_;
+  std::vector<float> density_;  // of each texel inside its cell [1/sr]
+};
+
+}  // namespace skywave

@@ -1,0 +1,138 @@
+#include "lights/strategies/texels.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+
+#include "lights/strategies/importance.h"
+
+namespace skywave {
+namespace {
+
+// A pyramid level: sums over regions, row-major.
+struct Sums {
+  std::uint32_t width, height;
+  std::vector<double> value;
+  double At(std::uint32_t x, std::uint32_t y) const { return value[std::size_t(y) * width + x]; }
+};
+
+// Share of the first of two weights in units of 1 / kWarpOne: none rounds to 0 or to all unless it
+// is.
+std::uint16_t Share(double first, double second) {
+  if (first + second <= 0 || second <= 0) return std::uint16_t(kWarpOne);
+  if (first <= 0) return 0;
+  const double share = std::round(first / (first + second) * kWarpOne);
+  return std::uint16_t(std::clamp(share, 1.0, double(kWarpOne - 1)));
+}
+
+}  // namespace
+
+WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
+  const std::uint32_t width = texels_.width(), height = texels_.height();
+  const std::vector<double> importance = TexelImportance(texels_);
+  std::vector<Sums> pyramid = {{std::bit_ceil(width), std::bit_ceil(height), {}}};
+  pyramid[0].value.resize(std::size_t(pyramid[0].width) * pyramid[0].height);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    std::copy_n(&importance[std::size_t(y) * width], width,
+                &pyramid[0].value[std::size_t(y) * pyramid[0].width]);
+  }
+  // Up to one region: both sides are halved while they are equal, the longer one before that.
+  while (pyramid.back().width > 1 || pyramid.back().height > 1) {
+    const Sums& fine = pyramid.back();
+    const std::uint32_t across = fine.width >= fine.height ? 2 : 1;
+    const std::uint32_t down = fine.height >= fine.width ? 2 : 1;
+    Sums coarse = {fine.width / across, fine.height / down, {}};
+    coarse.value.assign(std::size_t(coarse.width) * coarse.height, 0.0);
+    for (std::uint32_t y = 0; y < fine.height; ++y) {
+      for (std::uint32_t x = 0; x < fine.width; ++x) {
+        coarse.value[std::size_t(y / down) * coarse.width + x / across] += fine.At(x, y);
+      }
+    }
+    pyramid.push_back(std::move(coarse));
+  }
+  const auto levels = std::uint32_t(pyramid.size() - 1);
+  assert(levels <= kMaxWarpLevels);
+  view_.levels = levels;
+  // Down again: the records of each level, and the probability that they give every region.
+  std::vector<double> probability = {1.0};
+  for (std::uint32_t l = 0; l < levels; ++l) {
+    const Sums &coarse = pyramid[levels - l], &fine = pyramid[levels - l - 1];
+    const bool split_x = fine.width > coarse.width, split_y = fine.height > coarse.height;
+    std::vector<WarpRecord> records(coarse.value.size());
+    std::vector<double> next(fine.value.size());
+    for (std::uint32_t y = 0; y < coarse.height; ++y) {
+      for (std::uint32_t x = 0; x < coarse.width; ++x) {
+        const std::uint32_t fx = split_x ? 2 * x : x, fy = split_y ? 2 * y : y;
+        double child[2][2] = {};  // [bottom][right]
+        for (std::uint32_t b = 0; b <= std::uint32_t(split_y); ++b) {
+          for (std::uint32_t r = 0; r <= std::uint32_t(split_x); ++r) {
+            child[b][r] = fine.At(fx + r, fy + b);
+          }
+        }
+        WarpRecord& record = records[std::size_t(y) * coarse.width + x];
+        record = {Share(child[0][0] + child[0][1], child[1][0] + child[1][1]),
+                  Share(child[0][0], child[0][1]), Share(child[1][0], child[1][1]), 0};
+        const double top = double(record.top) / kWarpOne;
+        const double left[2] = {double(record.left_of_top) / kWarpOne,
+                                double(record.left_of_bottom) / kWarpOne};
+        const double here = probability[std::size_t(y) * coarse.width + x];
+        for (std::uint32_t b = 0; b <= std::uint32_t(split_y); ++b) {
+          const double row = split_y ? (b == 0 ? top : 1 - top) : 1;
+          for (std::uint32_t r = 0; r <= std::uint32_t(split_x); ++r) {
+            const double column = split_x ? (r == 0 ? left[b] : 1 - left[b]) : 1;
+            next[std::size_t(fy + b) * fine.width + fx + r] = here * row * column;
+          }
+        }
+      }
+    }
+    records_.push_back(std::move(records));
+    view_.level[l] = {records_.back().data(), coarse.width, split_x, split_y};
+    probability = std::move(next);
+  }
+  density_.resize(std::size_t(width) * height);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    const double solid_angle = RowSolidAngle(int(width), int(height), int(y));
+    for (std::uint32_t x = 0; x < width; ++x) {
+      density_[std::size_t(y) * width + x] =
+          float(probability[std::size_t(y) * pyramid[0].width + x] / solid_angle);
+    }
+  }
+}
+
+std::size_t WarpStrategy::table_bytes() const {
+  std::size_t bytes = texels_.bytes() + density_.size() * sizeof(float);
+  for (const auto& level : records_) bytes += level.size() * sizeof(WarpRecord);
+  return bytes;
+}
+
+void WarpStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
+                          LightCall call, const LightColumns& out) const {
+  SampleTexelsByWarp(texels_.view(), view_, density_.data(), uniforms, n, call.samples(), out);
+}
+
+void WarpStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
+                                   const EscapeColumns& rows) const {
+  skywave::EvaluateEscaped(texels_.view(), {.table = density_.data()}, n, samples, rows);
+}
+
+CellStrategy::CellStrategy(std::string_view name, const EnvironmentMap& map,
+                           const CellMap& cell_of_texel, std::uint32_t cells)
+    : name_(name),
+      texels_(map),
+      sampler_(map.latlong.width, map.latlong.height, TexelImportance(texels_), cell_of_texel,
+               cells) {}
+
+void CellStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, std::uint32_t n,
+                          LightCall call, const LightColumns& out) const {
+  const SearchTreeView tree = sampler_.tree();
+  SampleCells(texels_.view(), sampler_.view(), sampler_.cells() > 1 ? &tree : nullptr, uniforms, n,
+              call.samples(), out);
+}
+
+void CellStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
+                                   const EscapeColumns& rows) const {
+  skywave::EvaluateEscaped(texels_.view(), {.table = sampler_.density().data()}, n, samples, rows);
+}
+
+}  // namespace skywave

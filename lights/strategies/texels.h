@@ -1,0 +1,55 @@
+// Strategies that draw single texels in proportion to the luminance of the map, beside importance.
+//
+// warp   hierarchical warp (Clarberg et al. 2005): both uniforms are split level by level down a
+//        pyramid. Keeps the stratification of the points it is fed.
+// alias  one alias table over all texels (Walker 1977): constant time, not monotone. Kept to show
+//        what losing stratification costs.
+// presampled  a few hundred cells, placed by `from` (T 7.3): a cell is picked by its energy, then
+//   mode=fixed     the direction of the cell's light, worth its whole irradiance (the thesis):
+//                  biased, a finite set of directions
+//   mode=jittered  a texel in the cell by importance: unbiased, with a density
+//   lights=360 cells, from=penrose, and the other parameters of directional lights.
+#pragma once
+
+#include "lights/tables/cell_sampler.h"
+#include "lights/strategies/strategy.h"
+#include "lights/tables/texels.h"
+
+namespace skywave {
+
+class WarpStrategy final : public EnvStrategy {
+ public:
+  explicit WarpStrategy(const EnvironmentMap& map);
+  std::string_view name() const override { return "warp"; }
+  std::size_t table_bytes() const override;
+  void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
+              LightCall call, const LightColumns& out) const override;
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                       const EscapeColumns& rows) const override;
+
+ private:
+  Texels texels_;
+  std::vector<std::vector<WarpRecord>> records_;  // coarsest level first
+  WarpView view_;
+  std::vector<float> density_;  // of each texel [1/sr]
+};
+
+// alias, and presampled with mode=jittered.
+class CellStrategy final : public EnvStrategy {
+ public:
+  CellStrategy(std::string_view name, const EnvironmentMap& map, const CellMap& cell_of_texel,
+               std::uint32_t cells);
+  std::string_view name() const override { return name_; }
+  std::size_t table_bytes() const override { return texels_.bytes() + sampler_.bytes(); }
+  void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
+              LightCall call, const LightColumns& out) const override;
+  void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                       const EscapeColumns& rows) const override;
+
+ private:
+  std::string_view name_;
+  Texels texels_;
+  CellSampler sampler_;
+};
+
+}  // namespace skywave

@@ -1,0 +1,32 @@
+// The trees of a two-dimensional inversion (kernels/lights/environment.h) with their densities.
+#pragma once
+
+#include <vector>
+
+#include "lights/tables/search_tree.h"
+#include "lights/tables/texels.h"
+
+namespace skywave {
+
+// The luminance that importance sampling subtracts from all texels: `compensate` (0 to 1) times the
+// mean over the sphere. A map that nowhere rises above it has nothing to compensate: then
+// `compensate` becomes 0. A black map gets -1, so all its texels weigh the same.
+float BaseLuminance(const Texels& texels, double& compensate);
+
+class InversionTable {
+ public:
+  // Directions are drawn with a probability proportional to max(0, luminance - base) times solid
+  // angle, except for a rounding that the density knows. Some texel must rise above the base.
+  // `texels` must outlive it, and nobody else make a table of them: their lines get the densities.
+  InversionTable(Texels& texels, float base);
+
+  InversionView view() const;
+  std::size_t bytes() const { return rows_.bytes() + lines_.bytes(); }
+
+ private:
+  const Texels* texels_;
+  float base_;  // in units of the texels
+  SearchTrees rows_, lines_;
+};
+
+}  // namespace skywave

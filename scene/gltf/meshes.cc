@@ -1,0 +1,145 @@
+#include "scene/gltf/meshes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/error.h"
+#include "scene/gltf/buffers.h"
+#include "scene/shapes/mesh.h"
+
+namespace skywave {
+namespace {
+
+[[noreturn]] void Fail(const std::string& path, const std::string& reason) {
+  throw InputError(InputPosition::File(path), reason);
+}
+
+// Corners of triangles, by the primitive's mode. In a strip every other triangle is turned.
+std::vector<glm::uvec3> Connect(const std::vector<std::uint32_t>& indices, int mode) {
+  std::vector<glm::uvec3> triangles;
+  const std::size_t n = indices.size();
+  if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+    for (std::size_t i = 2; i < n; ++i) {
+      const std::size_t turned = i % 2;
+      triangles.emplace_back(indices[i - 2], indices[i - 1 + turned], indices[i - turned]);
+    }
+  } else if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+    for (std::size_t i = 2; i < n; ++i) {
+      triangles.emplace_back(indices[0], indices[i - 1], indices[i]);
+    }
+  } else {
+    for (std::size_t i = 2; i < n; i += 3) {
+      triangles.emplace_back(indices[i - 2], indices[i - 1], indices[i]);
+    }
+  }
+  return triangles;
+}
+
+// An attribute of every vertex, or nothing if the primitive has none.
+std::vector<float> Attribute(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
+                             const std::string& name, int components, std::size_t vertices,
+                             const std::string& path) {
+  const auto found = primitive.attributes.find(name);
+  if (found == primitive.attributes.end()) return {};
+  std::vector<float> numbers = ReadGltfNumbers(model, found->second, components, path);
+  if (vertices != 0 && numbers.size() != vertices * std::size_t(components)) {
+    Fail(path, fmt::format("{} of a primitive has {} elements for {} vertices", name,
+                           numbers.size() / std::size_t(components), vertices));
+  }
+  return numbers;
+}
+
+std::vector<glm::vec3> Vectors(const std::vector<float>& numbers) {
+  std::vector<glm::vec3> vectors;
+  for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
+    vectors.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  }
+  return vectors;
+}
+
+// COLOR_0, linear RGB or RGBA, clamped to [0, 1].
+std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
+                                    const tinygltf::Primitive& primitive, std::size_t vertices,
+                                    const std::string& path, Warnings& warnings) {
+  const auto found = primitive.attributes.find("COLOR_0");
+  if (found == primitive.attributes.end()) return {};
+  const int accessor = found->second;
+  const bool has_alpha = accessor >= 0 && std::size_t(accessor) < model.accessors.size() &&
+                         model.accessors[std::size_t(accessor)].type == TINYGLTF_TYPE_VEC4;
+  const std::size_t channels = has_alpha ? 4 : 3;
+  const std::vector<float> numbers =
+      Attribute(model, primitive, "COLOR_0", int(channels), vertices, path);
+  std::vector<glm::vec3> colors;
+  bool veiled = false;
+  for (std::size_t i = 0; i + channels <= numbers.size(); i += channels) {
+    colors.push_back(glm::clamp(glm::vec3(numbers[i], numbers[i + 1], numbers[i + 2]), 0.0f, 1.0f));
+    veiled = veiled || (has_alpha && numbers[i + 3] < 1);
+  }
+  const bool opaque = primitive.material < 0 ||
+                      model.materials[std::size_t(primitive.material)].alphaMode == "OPAQUE";
+  if (veiled && !opaque) {
+    AddWarning(warnings, InputPosition::File(path),
+               "the alpha of the colours of vertices is not supported: 1 is used");
+  }
+  return colors;
+}
+
+Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive, int mode,
+              const GltfMaterials& materials, const std::string& path, Warnings& warnings) {
+  Mesh mesh;
+  const int count = int(materials.uv_set.size()) - 1;
+  if (primitive.material >= count) {
+    Fail(path, fmt::format("there is no material {}", primitive.material));
+  }
+  mesh.material = std::uint32_t(primitive.material < 0 ? count : primitive.material);
+  mesh.positions = Vectors(Attribute(model, primitive, "POSITION", 3, 0, path));
+  const std::size_t vertices = mesh.positions.size();
+  mesh.normals = Vectors(Attribute(model, primitive, "NORMAL", 3, vertices, path));
+  const std::string set = fmt::format("TEXCOORD_{}", materials.uv_set[mesh.material]);
+  const std::vector<float> uvs = Attribute(model, primitive, set, 2, vertices, path);
+  for (std::size_t i = 0; i + 1 < uvs.size(); i += 2) mesh.uvs.emplace_back(uvs[i], uvs[i + 1]);
+  if (materials.uses_tangents[mesh.material]) {
+    const std::vector<float> t = Attribute(model, primitive, "TANGENT", 4, vertices, path);
+    for (std::size_t i = 0; i + 3 < t.size(); i += 4) {
+      mesh.tangents.emplace_back(t[i], t[i + 1], t[i + 2], t[i + 3]);
+    }
+  }
+  mesh.colors = VertexColors(model, primitive, vertices, path, warnings);
+
+  std::vector<std::uint32_t> indices(vertices);
+  std::iota(indices.begin(), indices.end(), 0u);
+  if (primitive.indices >= 0) indices = ReadGltfIndices(model, primitive.indices, path);
+  for (const std::uint32_t index : indices) {
+    if (index >= vertices) {
+      Fail(path, fmt::format("a primitive names vertex {} of {}", index, vertices));
+    }
+  }
+  mesh.triangles = Connect(indices, mode);
+  if (!mesh.normals.empty()) NormalizeNormals(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
+                                 const GltfMaterials& materials, const std::string& path,
+                                 Warnings& warnings) {
+  if (std::size_t(mesh) >= model.meshes.size())
+    Fail(path, fmt::format("there is no mesh {}", mesh));
+  const tinygltf::Mesh& from = model.meshes[std::size_t(mesh)];
+  std::vector<Mesh> meshes;
+  for (const tinygltf::Primitive& primitive : from.primitives) {
+    const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    if (mode < TINYGLTF_MODE_TRIANGLES || mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+      AddWarning(warnings, InputPosition::File(path), "points and lines are left out");
+      continue;
+    }
+    meshes.push_back(MakeMesh(model, primitive, mode, materials, path, warnings));
+    meshes.back().name = from.name.empty() ? fmt::format("mesh {}", mesh) : from.name;
+  }
+  return meshes;
+}
+
+}  // namespace skywave

@@ -1,0 +1,253 @@
+#include "scene/gltf/reader.h"
+
+#include <fmt/format.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/gltf/lights.h"
+#include "scene/gltf/materials.h"
+#include "scene/gltf/meshes.h"
+#include "scene/shapes/mesh.h"
+
+namespace skywave {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void Fail(const std::string& path, const std::string& reason) {
+  throw InputError(InputPosition::File(path), reason);
+}
+
+// ---- Files that the file names: only below its folder ----
+
+struct Folder {
+  fs::path path;
+  std::string refused;  // the first name that leaves it
+};
+
+// The file of that name, or nothing. tinygltf puts "./" before names, or nothing.
+std::optional<fs::path> Inside(Folder& folder, const std::string& name) {
+  const fs::path relative(name);
+  const bool leaves = relative.is_absolute() || name.find('\\') != std::string::npos ||
+                      name.find(':') != std::string::npos ||
+                      std::find(relative.begin(), relative.end(), "..") != relative.end() ||
+                      name.starts_with(".//");
+  if (leaves) {
+    if (folder.refused.empty()) folder.refused = name;
+    return std::nullopt;
+  }
+  return folder.path / relative;
+}
+
+bool Exists(const std::string& name, void* user) {
+  const auto path = Inside(*static_cast<Folder*>(user), name);
+  std::error_code ignored;
+  return path && fs::is_regular_file(*path, ignored);
+}
+// The default one hands names to a shell's expansion.
+std::string KeepPath(const std::string& name, void*) { return name; }
+bool ReadWhole(std::vector<unsigned char>* out, std::string* error, const std::string& name,
+               void* user) {
+  const auto path = Inside(*static_cast<Folder*>(user), name);
+  if (!path) return false;
+  try {
+    const std::string bytes = ReadFile(path->string(), std::size_t{2} << 30);
+    out->assign(bytes.begin(), bytes.end());
+    return true;
+  } catch (const InputError& reason) {
+    if (error != nullptr) *error += reason.what();
+    return false;
+  }
+}
+
+// Images stay as they are in the file. Those in buffer views are looked up once their range has
+// been checked: tinygltf has not.
+bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
+               const unsigned char* bytes, int size, void*) {
+  if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+tinygltf::Model Load(const std::string& bytes, const std::string& path) {
+  Folder folder{fs::path(path).parent_path(), ""};
+  tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({Exists, KeepPath, ReadWhole, nullptr, &folder});
+  loader.SetImageLoader(KeepImage, nullptr);
+  tinygltf::Model model;
+  std::string error, warning;
+  bool loaded = false;
+  try {
+    const auto size = static_cast<unsigned int>(bytes.size());
+    loaded = bytes.starts_with("glTF")
+                 ? loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                               reinterpret_cast<const unsigned char*>(bytes.data()),
+                                               size, "")
+                 : loader.LoadASCIIFromString(&model, &error, &warning, bytes.c_str(), size, "");
+  } catch (const std::exception& reason) {
+    // Of its JSON parser, on types that it did not expect.
+    error = reason.what();
+  }
+  if (!folder.refused.empty()) {
+    Fail(path, fmt::format("names \"{}\", which is not below its folder", folder.refused));
+  }
+  if (!loaded) {
+    std::replace(error.begin(), error.end(), '\n', ' ');
+    Fail(path, "is no glTF file to read: " + error.substr(0, 300));
+  }
+  for (const std::string& extension : model.extensionsRequired) {
+    static const char* const kKnown[] = {
+        "KHR_texture_transform", "KHR_materials_ior",      "KHR_materials_transmission",
+        "KHR_materials_unlit",   "KHR_mesh_quantization",  "KHR_materials_emissive_strength",
+        "KHR_lights_punctual",   "KHR_materials_specular", "KHR_materials_clearcoat",
+        "KHR_materials_sheen",   "KHR_materials_volume"};
+    if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown)) {
+      Fail(path, fmt::format("needs the extension {}, which is not supported", extension));
+    }
+  }
+  return model;
+}
+
+// ---- Nodes ----
+
+glm::dmat4 LocalTransform(const tinygltf::Node& node) {
+  if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
+  glm::dmat4 matrix(1);
+  if (node.rotation.size() == 4) {
+    const auto& r = node.rotation;
+    matrix = glm::mat4_cast(glm::normalize(glm::dquat(r[3], r[0], r[1], r[2])));
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (node.scale.size() == 3) matrix[c] *= node.scale[std::size_t(c)];
+    if (node.translation.size() == 3) matrix[3][c] = node.translation[std::size_t(c)];
+  }
+  return matrix;
+}
+
+// The roots of what is shown.
+std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
+  if (!model.scenes.empty()) {
+    const int scene = std::max(model.defaultScene, 0);
+    if (std::size_t(scene) >= model.scenes.size()) {
+      Fail(path, fmt::format("there is no scene {}", scene));
+    }
+    return model.scenes[std::size_t(scene)].nodes;
+  }
+  std::vector<bool> is_child(model.nodes.size());
+  for (const tinygltf::Node& node : model.nodes) {
+    for (const int child : node.children) {
+      if (child >= 0 && std::size_t(child) < is_child.size()) is_child[std::size_t(child)] = true;
+    }
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < is_child.size(); ++i) {
+    if (!is_child[i]) roots.push_back(int(i));
+  }
+  return roots;
+}
+
+// glTF's cameras look along -z. Their height is in yfov; Camera's angle is that of the shorter
+// side.
+Camera MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world, const std::string& path) {
+  Camera camera;
+  camera.world_from_camera =
+      glm::mat4(world * glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0),
+                                   glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 0, 0, 1)));
+  const auto check = [&](bool valid) {
+    if (!valid) Fail(path, fmt::format("camera '{}' has no usable numbers", from.name));
+  };
+  check(std::abs(glm::determinant(glm::mat3(camera.world_from_camera))) > 0);
+  if (from.type == "orthographic") {
+    const double x = from.orthographic.xmag, y = from.orthographic.ymag;
+    check(std::abs(x) > 0 && std::abs(y) > 0 && std::abs(x) < 1e18 && std::abs(y) < 1e18);
+    camera.kind = CameraKind::kOrthographic;
+    camera.window = ScreenWindow{-float(std::abs(x)), float(std::abs(x)), -float(std::abs(y)),
+                                 float(std::abs(y))};
+    return camera;
+  }
+  double slope = std::tan(0.5 * from.perspective.yfov);
+  check(from.perspective.yfov > 0 && from.perspective.yfov < 3.14159);
+  const double aspect = from.perspective.aspectRatio;
+  if (aspect > 0 && aspect < 1) slope *= aspect;
+  camera.fov_degrees = float(2 * glm::degrees(std::atan(slope)));
+  return camera;
+}
+
+// Walks the trees below the roots; every node has one parent at most.
+void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, const std::string& path,
+              std::size_t max_triangles, Scene& scene, Warnings& warnings) {
+  struct Visit {
+    int node;
+    glm::dmat4 parent;
+  };
+  std::vector<Visit> open;
+  for (const int root : Roots(model, path)) open.push_back({root, glm::dmat4(1)});
+  std::reverse(open.begin(), open.end());
+  std::vector<bool> seen(model.nodes.size());
+  std::size_t triangles = 0;
+  while (!open.empty()) {
+    const Visit visit = open.back();
+    open.pop_back();
+    if (visit.node < 0 || std::size_t(visit.node) >= model.nodes.size()) {
+      Fail(path, fmt::format("there is no node {}", visit.node));
+    }
+    if (seen[std::size_t(visit.node)]) {
+      Fail(path, fmt::format("node {} has two parents or is its own ancestor", visit.node));
+    }
+    seen[std::size_t(visit.node)] = true;
+    const tinygltf::Node& node = model.nodes[std::size_t(visit.node)];
+    const glm::dmat4 world = visit.parent * LocalTransform(node);
+    if (node.skin >= 0) {
+      AddWarning(warnings, InputPosition::File(path), "skins are not supported: left at rest");
+    }
+    if (node.mesh >= 0) {
+      for (Mesh& mesh : MakeGltfMeshes(model, node.mesh, materials, path, warnings)) {
+        triangles += mesh.triangles.size();
+        if (triangles > max_triangles) {
+          Fail(path, fmt::format("has more than {} triangles (--max-triangles)", max_triangles));
+        }
+        TransformMesh(world, mesh);
+        scene.meshes.push_back(std::move(mesh));
+      }
+    }
+    AddGltfLight(model, node, world, path, scene, warnings);
+    if (node.camera >= 0 && !scene.camera) {
+      if (std::size_t(node.camera) >= model.cameras.size()) {
+        Fail(path, fmt::format("there is no camera {}", node.camera));
+      }
+      scene.camera = MakeCamera(model.cameras[std::size_t(node.camera)], world, path);
+    }
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
+      open.push_back({*child, world});
+    }
+  }
+}
+
+}  // namespace
+
+Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options) {
+  const tinygltf::Model model = Load(bytes, path);
+  Scene scene;
+  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
+  const GltfMaterials materials = AddGltfMaterials(model, path, scene, warnings);
+  AddNodes(model, materials, path, options.max_triangles, scene, warnings);
+  if (!model.animations.empty()) {
+    AddWarning(warnings, InputPosition::File(path), "animations are not supported: left at rest");
+  }
+  scene.warnings = WarningLines(warnings);
+  return scene;
+}
+
+Scene ReadGltf(const std::string& path, const ReadOptions& options) {
+  return ParseGltf(ReadFile(path, std::size_t{2} << 30), path, options);
+}
+
+}  // namespace skywave

@@ -1,0 +1,35 @@
+#include "scene/materials/metals.h"
+
+namespace skywave {
+namespace {
+
+struct Entry {
+  std::string_view symbol;
+  MetalIndex index;
+};
+
+// The measured spectra of Palik, "Handbook of Optical Constants of Solids", in the tables that pbrt
+// and Mitsuba distribute, weighted by the CIE 1931 observer and converted to linear Rec. 709. The
+// rounded results are those of the Tungsten renderer's table of conductors.
+constexpr Entry kMetals[] = {
+    {"Ag", {{0.15526f, 0.11672f, 0.13838f}, {4.82834f, 3.12225f, 2.14695f}}},
+    {"Al", {{1.65746f, 0.88037f, 0.52123f}, {9.22387f, 6.26952f, 4.83700f}}},
+    {"Au", {{0.14312f, 0.37496f, 1.44248f}, {3.98316f, 2.38572f, 1.60322f}}},
+    {"Cu", {{0.20044f, 0.92403f, 1.10221f}, {3.91295f, 2.45285f, 2.14219f}}},
+};
+
+}  // namespace
+
+std::optional<MetalIndex> FindMetal(std::string_view symbol) {
+  for (const Entry& entry : kMetals) {
+    if (entry.symbol == symbol) return entry.index;
+  }
+  return std::nullopt;
+}
+
+MetalIndex MetalOfReflectance(const glm::vec3& reflectance) {
+  const glm::vec3 r = glm::min(reflectance, glm::vec3(0.9999f));
+  return {.eta = glm::vec3(1), .k = 2.0f * glm::sqrt(r / (1.0f - r))};
+}
+
+}  // namespace skywave

@@ -1,0 +1,260 @@
+#include "scene/materials/texture_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "base/error.h"
+#include "kernels/surface/surface.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::size_t kMaxTexels = std::size_t{1} << 29;
+// Coordinates beyond this have lost the place within a texel anyway.
+constexpr float kMaxCoordinate = 1e6f;
+
+// Halves one direction: `stride` between neighbours, `lines` of `count` texels.
+std::vector<double> HalveLines(const std::vector<double>& from, std::size_t count,
+                               std::size_t lines, bool along_rows) {
+  const std::size_t half = std::max<std::size_t>(count / 2, 1);
+  const double step = double(count) / double(half);
+  std::vector<double> to(half * lines * 3);
+  for (std::size_t line = 0; line < lines; ++line) {
+    for (std::size_t i = 0; i < half; ++i) {
+      const double begin = double(i) * step, end = begin + step;
+      for (auto k = std::size_t(begin); k < count && double(k) < end; ++k) {
+        const double share = (std::min(end, double(k + 1)) - std::max(begin, double(k))) / step;
+        const std::size_t source = along_rows ? line * count + k : k * lines + line;
+        const std::size_t target = along_rows ? line * half + i : i * lines + line;
+        for (std::size_t c = 0; c < 3; ++c) to[3 * target + c] += share * from[3 * source + c];
+      }
+    }
+  }
+  return to;
+}
+
+// Every channel the mean of the three.
+Image Grey(Image image) {
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    std::fill_n(&image.rgb[i], 3, (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3);
+  }
+  return image;
+}
+
+// Texels of normals, from [0, 1] to [-1, 1].
+Image SignedNormals(Image image) {
+  for (float& value : image.rgb) value = 2 * value - 1;
+  return image;
+}
+
+// Normals of the heights of `texture`, steepened or flattened so that the steepest slope is 1;
+// `slope`: what it was [height a texel].
+Image NormalsOfHeights(const Image& image, const Texture& texture, float& slope) {
+  const Image heights = Grey(image);
+  const auto at = [&](int x, int y) {
+    const auto inside = [](int i, int count, TextureWrap wrap) {
+      return wrap == TextureWrap::kRepeat ? (i + count) % count : std::clamp(i, 0, count - 1);
+    };
+    return heights.Pixel(inside(x, image.width, texture.wrap_u),
+                         inside(y, image.height, texture.wrap_v))[0];
+  };
+  Image normals(image.width, image.height);
+  slope = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      float* normal = normals.Pixel(x, y);
+      normal[0] = (at(x - 1, y) - at(x + 1, y)) / 2;
+      normal[1] = (at(x, y + 1) - at(x, y - 1)) / 2;
+      slope = std::max({slope, std::abs(normal[0]), std::abs(normal[1])});
+    }
+  }
+  if (!(slope > 0)) slope = 1;
+  for (std::size_t i = 0; i < normals.rgb.size(); i += 3) {
+    normals.rgb[i] /= slope, normals.rgb[i + 1] /= slope, normals.rgb[i + 2] = 1;
+  }
+  return normals;
+}
+
+std::uint32_t AppendLevels(Image image, std::uint32_t (*pack)(const float*), TextureTables& tables,
+                           const std::string& path) {
+  std::uint32_t count = 0;
+  while (true) {
+    if (tables.texels.size() + image.rgb.size() / 3 > kMaxTexels) {
+      throw InputError(InputPosition::File(path),
+                       fmt::format("the textures have more than {} texels", kMaxTexels));
+    }
+    tables.levels.push_back({std::uint32_t(tables.texels.size()), std::uint32_t(image.width),
+                             std::uint32_t(image.height), 0});
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+      tables.texels.push_back(pack(&image.rgb[i]));
+    }
+    ++count;
+    if (image.width == 1 && image.height == 1) return count;
+    image = HalfSize(image);
+  }
+}
+
+// The levels of a texture in the table.
+struct Pyramid {
+  std::uint32_t first, count;
+  float slope;
+};
+
+Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables& tables,
+                      const std::string& path) {
+  Pyramid pyramid = {.first = std::uint32_t(tables.levels.size()), .count = 0, .slope = 1};
+  switch (texture.use) {
+    case TextureUse::kColor:
+      pyramid.count = AppendLevels(image, PackTexel, tables, path);
+      break;
+    case TextureUse::kOpacity:
+      pyramid.count = AppendLevels(Grey(image), PackTexel, tables, path);
+      break;
+    case TextureUse::kNormals:
+      pyramid.count = AppendLevels(SignedNormals(image), PackNormalTexel, tables, path);
+      break;
+    case TextureUse::kHeights:
+      pyramid.count = AppendLevels(NormalsOfHeights(image, texture, pyramid.slope), PackNormalTexel,
+                                   tables, path);
+      break;
+  }
+  return pyramid;
+}
+
+}  // namespace
+
+Image HalfSize(const Image& image) {
+  const auto width = std::size_t(image.width), height = std::size_t(image.height);
+  std::vector<double> pixels(image.rgb.begin(), image.rgb.end());
+  pixels = HalveLines(pixels, width, height, true);
+  const std::size_t half_width = std::max<std::size_t>(width / 2, 1);
+  pixels = HalveLines(pixels, height, half_width, false);
+  Image half(int(half_width), std::max(image.height / 2, 1));
+  std::transform(pixels.begin(), pixels.end(), half.rgb.begin(),
+                 [](double value) { return float(value); });
+  return half;
+}
+
+TextureView TextureTables::view() const {
+  if (records.empty()) return {};
+  return {records.data(), levels.data(), texels.data(), uvs.data()};
+}
+
+std::size_t TextureTables::bytes() const {
+  return records.size() * sizeof(TextureRecord) + levels.size() * sizeof(TextureLevel) +
+         texels.size() * sizeof(std::uint32_t) + uvs.size() * sizeof(TriangleUvs);
+}
+
+TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
+  TextureTables tables;
+  // What is made of an image depends on its use; that of heights on the wrapping too.
+  using Key = std::tuple<std::uint32_t, TextureUse, TextureWrap, TextureWrap>;
+  std::map<Key, Pyramid> pyramids;
+  for (const Texture& texture : scene.textures) {
+    if (texture.image >= scene.images.size()) {
+      throw InputError(InputPosition::File(path), "a texture has no image");
+    }
+    const Image& image = scene.images[texture.image];
+    const bool heights = texture.use == TextureUse::kHeights;
+    const Key key = {texture.image, texture.use, heights ? texture.wrap_u : TextureWrap::kRepeat,
+                     heights ? texture.wrap_v : TextureWrap::kRepeat};
+    auto pyramid = pyramids.find(key);
+    if (pyramid == pyramids.end()) {
+      pyramid = pyramids.emplace(key, AppendPyramid(image, texture, tables, path)).first;
+    }
+    tables.slopes.push_back(pyramid->second.slope);
+    TextureRecord record = {.first_level = pyramid->second.first,
+                            .levels = pyramid->second.count,
+                            .wrap_u = texture.wrap_u,
+                            .wrap_v = texture.wrap_v,
+                            .transform = {},
+                            .texels = 0,
+                            .unused = {}};
+    for (int column = 0; column < 3; ++column) {
+      for (int row = 0; row < 2; ++row) {
+        const float number = texture.transform[column][row];
+        if (!(std::abs(number) <= kMaxCoordinate)) {
+          throw InputError(InputPosition::File(path),
+                           "a texture has a transform that is not finite or too large");
+        }
+        record.transform[3 * row + column] = number;
+      }
+    }
+    const float* t = record.transform;
+    record.texels =
+        std::sqrt(std::abs(t[0] * t[4] - t[1] * t[3]) * float(image.width) * float(image.height));
+    tables.records.push_back(record);
+  }
+  return tables;
+}
+
+TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corners,
+                                      const Texture& texture) {
+  TriangleTangents record = {};
+  const auto pack = [](const glm::dvec3& t) {
+    const glm::dvec3 unit = glm::normalize(t);
+    return EncodeNormal(float(unit.x), float(unit.y), float(unit.z));
+  };
+  if (!mesh.tangents.empty()) {
+    bool usable = true;
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 tangent(mesh.tangents[corners[i]]);
+      const double length = glm::length(tangent);
+      usable = usable && std::isfinite(length) && length > 0;
+      if (usable) record.tangent[i] = pack(tangent);
+    }
+    record.side = usable ? (mesh.tangents[corners.x].w < 0 ? -1.0f : 1.0f) : 0.0f;
+    return record;
+  }
+  if (mesh.uvs.empty()) return record;
+  // Where x of the image grows on the triangle, and where its y does, upwards.
+  glm::dvec2 place[3];
+  for (int i = 0; i < 3; ++i) {
+    place[i] = glm::dmat3x2(texture.transform) * glm::dvec3(mesh.uvs[corners[i]], 1);
+    place[i].y = -place[i].y;
+  }
+  const glm::dvec3 a(mesh.positions[corners.x]);
+  const glm::dvec3 e1 = glm::dvec3(mesh.positions[corners.y]) - a;
+  const glm::dvec3 e2 = glm::dvec3(mesh.positions[corners.z]) - a;
+  const glm::dvec2 d1 = place[1] - place[0], d2 = place[2] - place[0];
+  const double area = d1.x * d2.y - d1.y * d2.x;
+  const glm::dvec3 x = (e1 * d2.y - e2 * d1.y) * area, y = (e2 * d1.x - e1 * d2.x) * area;
+  glm::dvec3 outer = glm::cross(e1, e2);
+  if (!mesh.normals.empty()) {
+    outer = glm::dvec3(mesh.normals[corners.x]) + glm::dvec3(mesh.normals[corners.y]) +
+            glm::dvec3(mesh.normals[corners.z]);
+  }
+  const double side = glm::dot(glm::cross(outer, x), y);
+  if (!(glm::length(x) > 0) || !std::isfinite(glm::length(x)) || !(std::abs(side) > 0)) {
+    return record;
+  }
+  std::fill_n(record.tangent, 3, pack(x));
+  record.side = side < 0 ? -1.0f : 1.0f;
+  return record;
+}
+
+TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners) {
+  TriangleUvs record = {};
+  if (mesh.uvs.empty()) return record;
+  for (int i = 0; i < 3; ++i) {
+    for (int axis = 0; axis < 2; ++axis) {
+      const float value = mesh.uvs[corners[i]][axis];
+      // min and max turn NaN into a number.
+      record.uv[i][axis] = std::min(std::max(-kMaxCoordinate, value), kMaxCoordinate);
+    }
+  }
+  const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
+                  &c = mesh.positions[corners.z];
+  const float area = glm::length(glm::cross(b - a, c - a));
+  const float s1 = record.uv[1][0] - record.uv[0][0], t1 = record.uv[1][1] - record.uv[0][1];
+  const float s2 = record.uv[2][0] - record.uv[0][0], t2 = record.uv[2][1] - record.uv[0][1];
+  const float density = std::sqrt(std::abs(s1 * t2 - s2 * t1) / area);
+  record.density = std::isfinite(density) ? density : 0.0f;
+  return record;
+}
+
+}  // namespace skywave

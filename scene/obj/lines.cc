@@ -1,0 +1,100 @@
+#include "scene/obj/lines.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace skywave {
+namespace {
+
+bool IsSpace(char c) { return c == ' ' || c == '\t'; }
+
+void CheckCount(const ObjLines& lines, const std::vector<std::string_view>& words,
+                std::size_t least, std::size_t most) {
+  const std::size_t count = words.size() - 1;
+  if (count >= least && count <= most) return;
+  const std::string wanted =
+      least == most ? fmt::format("{}", least) : fmt::format("{} to {}", least, most);
+  throw InputError(PositionOf(lines),
+                   fmt::format("'{}' takes {} numbers, not {}", words[0], wanted, count));
+}
+
+}  // namespace
+
+ObjLines MakeObjLines(std::string text, std::string path) {
+  ObjLines lines{.path = std::move(path), .text = std::move(text)};
+  std::string& t = lines.text;
+  for (std::size_t i = t.find('\r'); i != std::string::npos; i = t.find('\r', i + 1)) {
+    t[i] = i + 1 < t.size() && t[i + 1] == '\n' ? ' ' : '\n';
+  }
+  for (std::size_t i = t.find('\\'); i != std::string::npos; i = t.find('\\', i + 1)) {
+    std::size_t end = i + 1;
+    while (end < t.size() && IsSpace(t[end])) ++end;
+    if (end >= t.size() || t[end] != '\n') continue;
+    t[i] = t[end] = ' ';
+    lines.joined.push_back(end);
+  }
+  return lines;
+}
+
+bool NextStatement(ObjLines& lines, std::vector<std::string_view>& words) {
+  const std::string_view text = lines.text;
+  while (lines.next < text.size()) {
+    const std::size_t end = std::min(text.find('\n', lines.next), text.size());
+    lines.line = lines.next_line++;
+    while (lines.joins_read < lines.joined.size() && lines.joined[lines.joins_read] < end) {
+      ++lines.joins_read, ++lines.next_line;
+    }
+    words.clear();
+    for (std::size_t i = lines.next; i < end;) {
+      while (i < end && IsSpace(text[i])) ++i;
+      const std::size_t begin = i;
+      while (i < end && !IsSpace(text[i])) ++i;
+      if (i > begin) words.push_back(text.substr(begin, i - begin));
+    }
+    lines.next = end + 1;
+    if (!words.empty() && words[0][0] != '#') return true;
+  }
+  return false;
+}
+
+std::string RestOfStatement(const std::vector<std::string_view>& words) {
+  if (words.size() < 2) return "";
+  return std::string(words[1].data(), words.back().data() + words.back().size());
+}
+
+InputPosition PositionOf(const ObjLines& lines) {
+  return InputPosition::Line(lines.path, lines.line);
+}
+
+float ParseObjNumber(const ObjLines& lines, std::string_view word) {
+  std::string_view digits = word;
+  if (digits.starts_with('+')) digits.remove_prefix(1);
+  double value = 0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument) {
+    throw InputError(PositionOf(lines), fmt::format("'{}' is no number", word.substr(0, 40)));
+  }
+  if (error != std::errc() || !std::isfinite(static_cast<float>(value))) {
+    throw InputError(PositionOf(lines), fmt::format("'{}' is not finite", word.substr(0, 40)));
+  }
+  return static_cast<float>(value);
+}
+
+std::vector<float> ParseObjNumbers(const ObjLines& lines,
+                                   const std::vector<std::string_view>& words, std::size_t least,
+                                   std::size_t most) {
+  CheckCount(lines, words, least, most);
+  std::vector<float> numbers;
+  for (std::size_t i = 1; i < words.size(); ++i) numbers.push_back(ParseObjNumber(lines, words[i]));
+  return numbers;
+}
+
+void CheckObjNumbers(const ObjLines& lines, const std::vector<std::string_view>& words,
+                     std::size_t least, std::size_t most) {
+  CheckCount(lines, words, least, most);
+  for (std::size_t i = 1; i < words.size(); ++i) ParseObjNumber(lines, words[i]);
+}
+
+}  // namespace skywave

@@ -1,0 +1,309 @@
+#include "scene/obj/mtl.h"
+
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/materials/metals.h"
+#include "scene/obj/lines.h"
+
+namespace skywave {
+namespace {
+
+// The statements of one material: where each was given last, and whether with a single number.
+struct Statement {
+  std::size_t line = 0;
+  bool single = false;
+};
+struct Entry {
+  std::string name;
+  InputPosition position;  // of newmtl
+  std::map<std::string, Statement, std::less<>> statements;
+
+  bool Has(std::string_view word) const { return statements.contains(word); }
+};
+
+InputPosition At(const Entry& entry, std::string_view word) {
+  const auto found = entry.statements.find(word);
+  return found == entry.statements.end()
+             ? entry.position
+             : InputPosition::Line(entry.position.path, found->second.line);
+}
+
+bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool IsMap(std::string_view word) {
+  return word.starts_with("map_") || IsOneOf(word, {"bump", "disp", "decal", "refl", "norm"});
+}
+
+// The statements for the one map of normals or heights.
+constexpr std::array<std::string_view, 4> kReliefMaps = {"norm", "bump", "map_bump", "map_Bump"};
+
+bool IsRenderedMap(std::string_view word) {
+  return IsOneOf(word, {"map_Kd", "map_Ke", "map_d"}) ||
+         std::find(kReliefMaps.begin(), kReliefMaps.end(), word) != kReliefMaps.end();
+}
+
+// A colour is one number (grey) or three. Spectra are refused by their first word.
+void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& words,
+                    Warnings& warnings) {
+  const std::string_view word = words[0];
+  if (IsOneOf(word, {"Ka", "Kd", "Ks", "Ke", "Kt", "Tf"})) {
+    const auto values = ParseObjNumbers(lines, words, 1, 3);
+    if (values.size() == 2 || *std::min_element(values.begin(), values.end()) < 0) {
+      throw InputError(PositionOf(lines),
+                       fmt::format("'{}' takes one or three numbers that are not negative", word));
+    }
+    if (word == "Ke" && *std::max_element(values.begin(), values.end()) > 1e18) {
+      throw InputError(PositionOf(lines), "'Ke' is brighter than 1e18");
+    }
+  } else if (IsOneOf(word, {"Ns", "Ni", "d", "Tr", "illum", "Pr", "Pm"})) {
+    const bool halo = word == "d" && words.size() > 1 && words[1] == "-halo";
+    if (halo) {
+      throw InputError(PositionOf(lines), "'d -halo' is not supported: give a plain number");
+    }
+    ParseObjNumbers(lines, words, 1, 1);
+  } else if (IsMap(word) && !IsRenderedMap(word)) {
+    AddWarning(warnings, PositionOf(lines),
+               fmt::format("{}: textures are not supported: the plain value is used", word));
+  } else if (!IsMap(word) && !IsOneOf(word, {"sharpness", "Ps", "Pc", "Pcr", "aniso", "anisor"})) {
+    AddWarning(warnings, PositionOf(lines),
+               fmt::format("'{}' is no statement of MTL: ignored", word.substr(0, 40)));
+  }
+}
+
+std::vector<Entry> CheckMtl(ObjLines& lines, Warnings& warnings) {
+  std::vector<Entry> entries;
+  std::vector<std::string_view> words;
+  while (NextStatement(lines, words)) {
+    if (words[0] == "newmtl") {
+      if (words.size() < 2) throw InputError(PositionOf(lines), "'newmtl' without a name");
+      entries.push_back({RestOfStatement(words), PositionOf(lines), {}});
+      continue;
+    }
+    if (entries.empty()) {
+      throw InputError(PositionOf(lines),
+                       fmt::format("'{}' before the first newmtl", words[0].substr(0, 40)));
+    }
+    CheckStatement(lines, words, warnings);
+    entries.back().statements[std::string(words[0])] = {lines.line, words.size() == 2};
+  }
+  return entries;
+}
+
+// tinyobjloader leaves 0 in the channels that a grey given by one number does not name.
+glm::vec3 Color(const float* values, const Entry& entry, std::string_view word) {
+  const auto found = entry.statements.find(word);
+  const bool grey = found != entry.statements.end() && found->second.single;
+  return grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
+}
+
+// A reflectance, clamped to [0, 1].
+glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
+                   Warnings& warnings) {
+  const glm::vec3 color = Color(values, entry, word);
+  const glm::vec3 clamped = glm::clamp(color, 0.0f, 1.0f);
+  if (clamped != color) {
+    AddWarning(warnings, At(entry, word), fmt::format("{} is clamped to [0, 1]", word));
+  }
+  return clamped;
+}
+
+bool IsBlack(const glm::vec3& color) { return color == glm::vec3(0); }
+
+bool IsGlass(const tinyobj::material_t& mtl) {
+  if (mtl.illum == 6 || mtl.illum == 7) return true;
+  const bool transmits =
+      std::max({mtl.transmittance[0], mtl.transmittance[1], mtl.transmittance[2]}) > 0;
+  if ((mtl.illum == 4 || mtl.illum == 9) && (mtl.dissolve < 1 || transmits)) return true;
+  return mtl.dissolve < 0.5f;
+}
+
+Material Glass(const tinyobj::material_t& mtl) {
+  return {.bsdf = BsdfKind::kDielectric,
+          .reflectance = glm::vec3(1),
+          .ior = mtl.ior > 1 ? mtl.ior : 1.5f};
+}
+
+float AlphaOfExponent(float exponent) { return std::sqrt(2 / (std::max(exponent, 0.0f) + 2)); }
+
+Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
+  const MetalIndex index = MetalOfReflectance(normal_reflectance);
+  return {.bsdf = BsdfKind::kConductor,
+          .reflectance = glm::vec3(1),
+          .eta = index.eta,
+          .k = index.k,
+          .alpha = std::max(alpha, 1e-3f)};
+}
+
+// The path of the file that the statement `word` names, or nothing.
+std::optional<std::string> FindMap(std::string name, const Entry& entry, std::string_view word,
+                                   Warnings& warnings) {
+  if (name.empty()) return std::nullopt;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  const auto path = std::filesystem::path(entry.position.path).parent_path() / name;
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) return path.string();
+  AddWarning(warnings, At(entry, word),
+             fmt::format("{}: there is no file \"{}\": the plain value is used", word, name));
+  return std::nullopt;
+}
+
+std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture_option_t& option,
+                     TextureFiles& textures) {
+  Texture texture;
+  texture.use = use;
+  texture.image = image;
+  texture.wrap_u = texture.wrap_v = option.clamp ? TextureWrap::kClamp : TextureWrap::kRepeat;
+  texture.transform = UpwardTextureTransform({option.scale[0], option.scale[1]},
+                                             {option.origin_offset[0], option.origin_offset[1]});
+  textures.scene->textures.push_back(texture);
+  return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
+}
+
+// The texture of map_Kd or map_Ke, or nothing.
+std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
+                                      const Entry& entry, std::string_view word,
+                                      TextureFiles& textures, Warnings& warnings) {
+  const auto path = FindMap(std::move(name), entry, word, warnings);
+  if (!path) return std::nullopt;
+  return AddMap(AddTextureImage(textures, *path, Encoding::kSrgb), TextureUse::kColor, option,
+                textures);
+}
+
+// But for what JPEG does to grey pictures.
+bool IsGrey(const Image& image) {
+  constexpr float kNoise = 0.05f;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    const auto [low, high] = std::minmax({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+    if (high - low > kNoise) return false;
+  }
+  return true;
+}
+
+// d times map_d.
+void SetOpacity(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                Warnings& warnings, Material& material) {
+  material.opacity = std::clamp(mtl.dissolve, 0.0f, 1.0f);
+  const auto path = FindMap(mtl.alpha_texname, entry, "map_d", warnings);
+  if (!path) return;
+  // Many exporters name a picture with an alpha channel and mean that.
+  std::uint32_t image = AddTextureImage(textures, *path, Encoding::kAlpha);
+  if (IsWhite(textures.scene->images[image])) {
+    image = AddTextureImage(textures, *path, Encoding::kLinear);
+  }
+  if (IsWhite(textures.scene->images[image])) return;
+  material.opacity_texture = AddMap(image, TextureUse::kOpacity, mtl.alpha_texopt, textures);
+}
+
+// A map of normals if it is coloured, as many exporters have it under all names, else of heights.
+void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                  Warnings& warnings, Material& material) {
+  const bool bumped = mtl.normal_texname.empty();
+  const auto word = std::find_if(kReliefMaps.begin(), kReliefMaps.end(),
+                                 [&](std::string_view w) { return entry.Has(w); });
+  const auto path = FindMap(bumped ? mtl.bump_texname : mtl.normal_texname, entry,
+                            word == kReliefMaps.end() ? "bump" : *word, warnings);
+  if (!path) return;
+  const tinyobj::texture_option_t& option = bumped ? mtl.bump_texopt : mtl.normal_texopt;
+  const std::uint32_t index = AddTextureImage(textures, *path, Encoding::kLinear);
+  const Image& image = textures.scene->images[index];
+  const bool heights = bumped && IsGrey(image);
+  material.normal_texture =
+      AddMap(index, heights ? TextureUse::kHeights : TextureUse::kNormals, option, textures);
+  material.normal_scale = option.bump_multiplier;
+  if (heights) {
+    constexpr float kHeightOfWhite = 0.01f;  // widths of the image
+    material.height_in_texels = true;
+    material.normal_scale *= kHeightOfWhite * float(image.width);
+  }
+}
+
+Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                    Warnings& warnings) {
+  const glm::vec3 diffuse = Fraction(mtl.diffuse, entry, "Kd", warnings);
+  const glm::vec3 specular = Fraction(mtl.specular, entry, "Ks", warnings);
+  if (IsGlass(mtl)) return Glass(mtl);
+  if (mtl.metallic >= 0.5f) return Conductor(diffuse, mtl.roughness * mtl.roughness);
+  const auto map =
+      ColorMap(mtl.diffuse_texname, mtl.diffuse_texopt, entry, "map_Kd", textures, warnings);
+  if (!map && IsBlack(diffuse) && !IsBlack(specular)) {
+    if (mtl.illum == 3 || mtl.illum == 5) {
+      return {.bsdf = BsdfKind::kMirror, .reflectance = specular};
+    }
+    return Conductor(specular, AlphaOfExponent(mtl.shininess));
+  }
+  Material material;
+  if (!IsBlack(specular)) {
+    AddWarning(warnings, At(entry, "Ks"),
+               "Ks over a diffuse colour is approximated by a coat of index 1.5");
+    material.bsdf = BsdfKind::kMetallicRoughness;
+    material.alpha = AlphaOfExponent(mtl.shininess);
+  }
+  material.color_texture = map;
+  // Blender, Mitsuba and tinyobjloader differ in what they take where nothing is said.
+  material.reflectance = diffuse;
+  if (!entry.Has("Kd")) material.reflectance = glm::vec3(entry.Has("map_Kd") ? 0.6f : 0.5f);
+  // Exporters write black for "as the map has it".
+  if (map && (!entry.Has("Kd") || IsBlack(diffuse))) material.reflectance = glm::vec3(1);
+  return material;
+}
+
+void SetEmission(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
+                 Warnings& warnings, Material& material) {
+  material.emits_on_both_sides = true;
+  material.emission = Color(mtl.emission, entry, "Ke");
+  if (entry.Has("Ke") && IsBlack(material.emission)) return;
+  material.emission_texture =
+      ColorMap(mtl.emissive_texname, mtl.emissive_texopt, entry, "map_Ke", textures, warnings);
+  if (material.emission_texture && !entry.Has("Ke")) material.emission = glm::vec3(1);
+}
+
+}  // namespace
+
+std::vector<Material> ParseMtl(std::string text, const std::string& path, TextureFiles& textures,
+                               Warnings& warnings) {
+  ObjLines lines = MakeObjLines(std::move(text), path);
+  const std::vector<Entry> entries = CheckMtl(lines, warnings);
+  std::vector<Material> materials;
+  if (entries.empty()) return materials;
+
+  std::map<std::string, int> by_name;
+  std::vector<tinyobj::material_t> read;
+  std::string notes, errors;
+  std::istringstream stream(std::move(lines.text));
+  tinyobj::LoadMtl(&by_name, &read, &stream, &notes, &errors);
+  if (read.size() != entries.size() || !errors.empty()) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("tinyobjloader reads {} materials of {}: {}", read.size(),
+                                 entries.size(), errors));
+  }
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    materials.push_back(ToMaterial(read[i], entries[i], textures, warnings));
+    if (!IsGlass(read[i])) {
+      SetOpacity(read[i], entries[i], textures, warnings, materials.back());
+      SetNormalMap(read[i], entries[i], textures, warnings, materials.back());
+    }
+    SetEmission(read[i], entries[i], textures, warnings, materials.back());
+    materials.back().name = entries[i].name;
+  }
+  return materials;
+}
+
+std::vector<Material> ReadMtl(const std::string& path, TextureFiles& textures, Warnings& warnings) {
+  return ParseMtl(ReadFile(path), path, textures, warnings);
+}
+
+}  // namespace skywave

@@ -1,0 +1,130 @@
+#include "scene/obj/reader.h"
+
+#include <fmt/format.h>
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/obj/mtl.h"
+#include "scene/obj/check.h"
+#include "scene/obj/meshes.h"
+
+namespace skywave {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The files of one mtllib: one name with spaces, or several names. Windows writes backslashes.
+std::vector<std::string> ResolveLibraries(const ObjName& library, const std::string& path) {
+  const fs::path folder = fs::path(path).parent_path();
+  std::error_code ignored;
+  const auto find = [&](std::string name) -> std::string {
+    if (fs::exists(folder / name, ignored)) return (folder / name).string();
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return fs::exists(folder / name, ignored) ? (folder / name).string() : "";
+  };
+  if (const std::string whole = find(library.name); !whole.empty()) return {whole};
+  std::vector<std::string> files;
+  std::istringstream names(library.name);
+  for (std::string name; names >> name;) {
+    files.push_back(find(name));
+    if (files.back().empty()) {
+      throw InputError(InputPosition::Line(path, library.line),
+                       fmt::format("there is no file \"{}\"", name), kExitIo);
+    }
+  }
+  return files;
+}
+
+// Appends the materials of every library to the scene; returns their indices by name. Of two with
+// the same name the first counts.
+std::map<std::string, int> ReadLibraries(const ObjStatements& statements, const std::string& path,
+                                         Scene& scene, Warnings& warnings) {
+  std::map<std::string, int> by_name;
+  std::vector<std::string> done;
+  TextureFiles textures{&scene};
+  for (const ObjName& library : statements.libraries) {
+    for (const std::string& file : ResolveLibraries(library, path)) {
+      if (std::find(done.begin(), done.end(), file) != done.end()) continue;
+      done.push_back(file);
+      for (Material& material : ReadMtl(file, textures, warnings)) {
+        by_name.try_emplace(material.name, static_cast<int>(scene.materials.size()));
+        scene.materials.push_back(std::move(material));
+      }
+    }
+  }
+  return by_name;
+}
+
+// tinyobjloader asks for libraries by names cut at spaces, and cuts the names of usemtl likewise:
+// it is given the materials that the file uses under the names that it will look for.
+class UsedMaterials : public tinyobj::MaterialReader {
+ public:
+  std::map<std::string, int> by_name;
+
+  bool operator()(const std::string&, std::vector<tinyobj::material_t>*,
+                  std::map<std::string, int>* map, std::string*, std::string*) override {
+    *map = by_name;
+    return true;
+  }
+};
+
+UsedMaterials FindUsedMaterials(const ObjStatements& statements, const std::string& path,
+                                const std::map<std::string, int>& known, Warnings& warnings) {
+  UsedMaterials used;
+  for (const ObjName& use : statements.materials) {
+    const auto position = InputPosition::Line(path, use.line);
+    const auto found = known.find(use.name);
+    if (found == known.end()) {
+      AddWarning(warnings, position,
+                 fmt::format("no material \"{}\" is in a library: grey Lambert is used", use.name));
+    }
+    const int index = found == known.end() ? 0 : found->second;
+    const std::string first_word = use.name.substr(0, use.name.find_first_of(" \t"));
+    const auto [entry, is_new] = used.by_name.try_emplace(first_word, index);
+    if (!is_new && entry->second != index) {
+      throw InputError(position, fmt::format("the material \"{}\" differs from another one only "
+                                             "behind a space: rename it",
+                                             use.name));
+    }
+  }
+  return used;
+}
+
+}  // namespace
+
+Scene ParseObj(std::string text, const std::string& path, const ReadOptions& options) {
+  Scene scene;
+  Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
+  scene.materials.push_back({.name = "default"});
+  ObjLines lines = MakeObjLines(std::move(text), path);
+  const ObjStatements statements = CheckObj(lines, warnings);
+  const auto known = ReadLibraries(statements, path, scene, warnings);
+  UsedMaterials materials = FindUsedMaterials(statements, path, known, warnings);
+
+  tinyobj::attrib_t attributes;
+  std::vector<tinyobj::shape_t> shapes;
+  std::vector<tinyobj::material_t> ignored;
+  std::string notes, errors;
+  // A first mtllib, so that materials are known wherever the file names its own.
+  std::istringstream stream("mtllib used\n" + lines.text);
+  if (!tinyobj::LoadObj(&attributes, &shapes, &ignored, &notes, &errors, &stream, &materials,
+                        /*triangulate=*/true, /*default_vcols_fallback=*/false)) {
+    throw InputError(InputPosition::File(path), "tinyobjloader cannot read it: " + errors);
+  }
+  BuildObjMeshes(attributes, shapes, statements.has_smoothing, path, scene);
+  scene.warnings = WarningLines(warnings);
+  return scene;
+}
+
+Scene ReadObj(const std::string& path, const ReadOptions& options) {
+  return ParseObj(ReadFile(path), path, options);
+}
+
+}  // namespace skywave

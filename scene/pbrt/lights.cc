@@ -1,0 +1,229 @@
+// pbrt's lights. RGB is what it says in linear Rec. 709, radiance or intensity as the scene's units
+// have it: none of pbrt-v4's scaling by the spectrum of an illuminant. Spectra: docs/pbrt.md.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <utility>
+
+#include "base/error.h"
+#include "scene/local_lights.h"
+#include "scene/pbrt/state.h"
+
+namespace skywave {
+namespace {
+
+constexpr double kPi = glm::pi<double>();
+
+// The colour `name`, 1 if there is none, times "scale": a number in pbrt-v4, a colour in pbrt-v3.
+glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_view name) {
+  glm::vec3 emission =
+      FindColor(parameters, name, reader.color_textures, reader.warnings, SpectrumUse::kEmission)
+          .value_or(glm::vec3(1));
+  if (Find(parameters, {"float"}, "scale")) {
+    emission *= *FindFloat(parameters, "scale");
+  } else if (const auto scale =
+                 FindColor(parameters, "scale", reader.color_textures, reader.warnings)) {
+    emission *= *scale;
+  }
+  // Also refuses NaN, and what sums of lights could not hold.
+  if (!glm::all(glm::greaterThanEqual(emission, glm::vec3(0))) ||
+      !glm::all(glm::lessThanEqual(emission, glm::vec3(1e18f)))) {
+    throw InputError(parameters.position,
+                     parameters.directive + ": negative radiance, or more than 1e18");
+  }
+  return emission;
+}
+
+// A number that is not negative and replaces the strength of a light; nothing, or negative (pbrt's
+// default), if it does not.
+std::optional<float> Strength(PbrtParameters& parameters, std::string_view name) {
+  const auto value = FindFloat(parameters, name);
+  if (!value || *value < 0) return std::nullopt;
+  if (!(*value <= 1e18f)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: \"{}\" is {}", parameters.directive, name, *value));
+  }
+  return value;
+}
+
+// A point of the light's space, in the world.
+glm::dvec3 FindPoint(PbrtReader& reader, PbrtParameters& parameters, std::string_view name,
+                     const glm::dvec3& otherwise) {
+  glm::dvec3 point = otherwise;
+  if (const PbrtParameter* found = Find(parameters, {"point", "point3"}, name)) {
+    if (found->floats.size() != 3) {
+      throw InputError(found->position,
+                       fmt::format("\"{} {}\" takes one point", found->type, name));
+    }
+    point = {found->floats[0], found->floats[1], found->floats[2]};
+  }
+  return glm::dvec3(reader.state.to_world * glm::dvec4(point, 1));
+}
+
+glm::vec3 Direction(PbrtParameters& parameters, const glm::dvec3& from, const glm::dvec3& to) {
+  const double length = glm::length(to - from);
+  if (!(length > 0) || !std::isfinite(length)) {
+    throw InputError(parameters.position,
+                     parameters.directive + ": \"from\" and \"to\" are no direction");
+  }
+  return glm::vec3((to - from) / length);
+}
+
+void PointLight(PbrtReader& reader, PbrtParameters& parameters) {
+  PunctualLight light = {.kind = LocalLightKind::kPoint};
+  light.emission = Emission(reader, parameters, "I");
+  if (const auto power = Strength(parameters, "power")) light.emission *= *power / (4 * kPi);
+  light.position = glm::vec3(FindPoint(reader, parameters, "from", {0, 0, 0}));
+  reader.scene.lights.push_back(light);
+}
+
+void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
+  PunctualLight light = {.kind = LocalLightKind::kSpot};
+  light.emission = Emission(reader, parameters, "I");
+  const glm::dvec3 from = FindPoint(reader, parameters, "from", {0, 0, 0});
+  const glm::dvec3 to = FindPoint(reader, parameters, "to", {0, 0, 1});
+  light.position = glm::vec3(from);
+  light.direction = Direction(parameters, from, to);
+  const float cone = FindFloat(parameters, "coneangle").value_or(30);
+  const float full = cone - FindFloat(parameters, "conedeltaangle").value_or(5);
+  if (!(cone > 0 && cone <= 180 && full <= cone)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: a cone of {} degrees, full up to {}, is none",
+                                 parameters.directive, cone, full));
+  }
+  light.cos_dark = std::cos(glm::radians(cone));
+  light.cos_full = std::cos(glm::radians(std::max(full, 0.0f)));
+  if (const auto power = Strength(parameters, "power")) {
+    light.emission *= *power / SpotSolidAngle(light.cos_full, light.cos_dark);
+  }
+  reader.scene.lights.push_back(light);
+}
+
+void DistantLight(PbrtReader& reader, PbrtParameters& parameters) {
+  PunctualLight light = {.kind = LocalLightKind::kDistant};
+  light.emission = Emission(reader, parameters, "L");
+  if (const auto lux = Strength(parameters, "illuminance")) light.emission *= *lux;
+  const glm::dvec3 from = FindPoint(reader, parameters, "from", {0, 0, 0});
+  const glm::dvec3 to = FindPoint(reader, parameters, "to", {0, 0, 1});
+  light.direction = Direction(parameters, to, from);
+  reader.scene.lights.push_back(light);
+}
+
+// Columns right, forward, up of a lat-long map in the light's space (see pbrt_reader.h), in the
+// world. Frames are unit vectors: pbrt's directions do not change by a scale either.
+glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
+  const glm::dmat3 linear(reader.state.to_world);
+  glm::dmat3 frame(-linear[1], -linear[0], linear[2]);
+  for (int i = 0; i < 3; ++i) frame[i] = glm::normalize(frame[i]);
+  const double skew = std::abs(glm::dot(frame[0], frame[1])) +
+                      std::abs(glm::dot(frame[1], frame[2])) +
+                      std::abs(glm::dot(frame[2], frame[0]));
+  const double lengths[] = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
+  const bool even = std::max({lengths[0], lengths[1], lengths[2]}) <=
+                    1.001 * std::min({lengths[0], lengths[1], lengths[2]});
+  if (skew > 1e-4 || !even) {
+    AddWarning(
+        reader.warnings, parameters.position,
+        parameters.directive + ": its transform stretches the map: only the rotation is used");
+    const double side = glm::determinant(frame) < 0 ? -1 : 1;
+    frame[1] = glm::normalize(frame[1] - frame[2] * glm::dot(frame[1], frame[2]));
+    frame[0] = side * glm::cross(frame[1], frame[2]);
+  }
+  return frame;
+}
+
+void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
+  EnvironmentLight light;
+  light.scale = Emission(reader, parameters, "L");
+  for (const char* name : {"filename", "mapname"}) {
+    const auto file = FindString(parameters, name);
+    if (!file || file->empty()) continue;
+    light.map_path = ResolvePbrtPath(reader, *file, parameters.position);
+    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3 has lat-longs
+  }
+  light.world_from_map = MapFrame(reader, parameters);
+  reader.scene.environments.push_back(std::move(light));
+}
+
+double Area(const Mesh& mesh) {
+  double area = 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    area += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  return area;
+}
+
+}  // namespace
+
+void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string type = ExpectString(source, "the type of LightSource");
+  PbrtParameters parameters =
+      ReadParameters(source, position, fmt::format("LightSource \"{}\"", type));
+  if (type == "infinite" || type == "exinfinite") {
+    InfiniteLight(reader, parameters);
+  } else if (type == "point") {
+    PointLight(reader, parameters);
+  } else if (type == "spot") {
+    SpotLight(reader, parameters);
+  } else if (type == "distant") {
+    DistantLight(reader, parameters);
+  } else {
+    AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
+    return;
+  }
+  ReportUnused(parameters, reader.warnings);
+}
+
+void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string type = ExpectString(source, "the type of AreaLightSource");
+  PbrtParameters parameters =
+      ReadParameters(source, position, fmt::format("AreaLightSource \"{}\"", type));
+  if (type != "diffuse" && type != "area") {
+    AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
+    reader.state.area_light.reset();
+    return;
+  }
+  PbrtAreaLight light = {.number = reader.area_lights++};
+  light.radiance = Emission(reader, parameters, "L");
+  light.two_sided = FindBool(parameters, "twosided").value_or(false);
+  light.power = Strength(parameters, "power");
+  // How many light samples there are is said elsewhere.
+  for (const char* name : {"samples", "nsamples"}) FindInt(parameters, name);
+  ReportUnused(parameters, reader.warnings);
+  reader.state.area_light = light;
+}
+
+std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const Mesh& mesh,
+                                  const InputPosition& position) {
+  if (!reader.state.area_light) return plain;
+  const PbrtAreaLight& light = *reader.state.area_light;
+  const auto key = std::pair(plain, light.number);
+  const auto known = reader.shining_materials.find(key);
+  if (known != reader.shining_materials.end()) return known->second;
+  Material material = reader.scene.materials[plain];
+  if (material.opacity == 0) {
+    // pbrt-v4 makes an exception for these.
+    AddWarning(reader.warnings, position, "a shape of alpha 0 gives no light");
+  }
+  material.emission = light.radiance;
+  material.emits_on_both_sides = light.two_sided;
+  if (light.power) {
+    const double area = Area(mesh) * (light.two_sided ? 2 : 1);
+    if (!(area > 0)) {
+      throw InputError(position, "an area light with a power needs a shape with an area");
+    }
+    material.emission *= float(*light.power / (kPi * area));
+  }
+  const auto index = std::uint32_t(reader.scene.materials.size());
+  reader.scene.materials.push_back(std::move(material));
+  // A power is that of each shape, whatever its size.
+  if (!light.power) reader.shining_materials.emplace(key, index);
+  return index;
+}
+
+}  // namespace skywave

@@ -1,0 +1,443 @@
+#include "scene/pbrt/materials.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "scene/materials/merl.h"
+#include "scene/materials/metals.h"
+#include "scene/pbrt/state.h"
+
+namespace skywave {
+namespace {
+
+struct Context {
+  PbrtParameters& parameters;
+  PbrtReader& reader;
+  Warnings& warnings = reader.warnings;
+};
+
+void Warn(Context& context, std::string_view text) {
+  AddWarning(context.warnings, context.parameters.position,
+             fmt::format("{}: {}", context.parameters.directive, text));
+}
+
+// A colour that is a fraction of light: clamped to [0, 1], with a warning where that changes it.
+std::optional<glm::vec3> FindFraction(Context& context, std::string_view name) {
+  const auto color =
+      FindColor(context.parameters, name, context.reader.color_textures, context.warnings);
+  if (!color) return std::nullopt;
+  const glm::vec3 clamped = glm::clamp(*color, 0.0f, 1.0f);
+  if (clamped != *color) {
+    AddWarning(context.warnings, context.parameters.position,
+               fmt::format("{}: \"{}\" is clamped to [0, 1]", context.parameters.directive, name));
+  }
+  return clamped;
+}
+
+// The first that is given of a v4 and a v3 name.
+glm::vec3 FractionOr(Context& context, std::initializer_list<std::string_view> names,
+                     const glm::vec3& fallback) {
+  for (const std::string_view name : names) {
+    if (const auto color = FindFraction(context, name)) return *color;
+  }
+  return fallback;
+}
+
+// A float, or a texture of one value.
+std::optional<float> FindScalar(Context& context, std::string_view name) {
+  const auto color =
+      FindColor(context.parameters, name, context.reader.float_textures, context.warnings);
+  if (!color) return std::nullopt;
+  return color->x;
+}
+
+// The reflectance of a diffuse surface, with its image if it has one.
+void SetReflectance(Context& context, float fallback, Material& material) {
+  for (const std::string_view name : {"reflectance", "Kd"}) {
+    const auto texture = FindImageTexture(context.parameters, name, context.reader.color_textures);
+    if (!texture) continue;
+    material.reflectance = glm::max(texture->value.value_or(glm::vec3(1)), glm::vec3(0));
+    material.color_texture = texture->image;
+    return;
+  }
+  material.reflectance = FractionOr(context, {"reflectance", "Kd"}, glm::vec3(fallback));
+}
+
+Material Lambert(Context& context) {
+  Material material;
+  SetReflectance(context, 0.5f, material);
+  return material;
+}
+
+// sigma: standard deviation of the facets' angles [degrees]. The energy-preserving model has its
+// shape for Oren and Nayar's own ratio B / A of the two terms (1994, "qualitative model").
+float OrenNayarRoughness(float sigma_degrees) {
+  const float sigma = sigma_degrees * 0.0174532925f, sigma2 = sigma * sigma;
+  const float a = 1 - 0.5f * sigma2 / (sigma2 + 0.33f), b = 0.45f * sigma2 / (sigma2 + 0.09f);
+  return std::min(b / a, 1.0f);
+}
+
+Material Matte(Context& context) {
+  Material material = Lambert(context);
+  const float sigma = FindScalar(context, "sigma").value_or(0);
+  if (!(sigma >= 0)) {
+    throw InputError(context.parameters.position,
+                     context.parameters.directive + ": \"sigma\" is negative");
+  }
+  if (sigma > 0) {
+    material.bsdf = BsdfKind::kOrenNayar;
+    material.alpha = OrenNayarRoughness(sigma);
+  }
+  return material;
+}
+
+Material DiffuseTransmission(Context& context) {
+  const float scale = FindScalar(context, "scale").value_or(1);
+  if (!(scale >= 0)) {
+    throw InputError(context.parameters.position,
+                     context.parameters.directive + ": \"scale\" is negative");
+  }
+  Material material;
+  material.bsdf = BsdfKind::kDiffuseTransmission;
+  SetReflectance(context, 0.25f, material);
+  material.second_color = FractionOr(context, {"transmittance"}, glm::vec3(0.25f)) * scale;
+  material.reflectance *= scale;
+  const glm::vec3 sum = material.reflectance + material.second_color;
+  const float largest = std::max({sum.x, sum.y, sum.z});
+  if (largest > 1) {
+    Warn(context, "reflectance and transmittance exceed 1 in sum: both are scaled down");
+    material.reflectance /= largest, material.second_color /= largest;
+  }
+  return material;
+}
+
+// pbrt-v3: Kd of both sides, each times its share of the light.
+Material Translucent(Context& context) {
+  Material material;
+  material.bsdf = BsdfKind::kDiffuseTransmission;
+  SetReflectance(context, 0.25f, material);
+  const glm::vec3 body = material.reflectance;
+  material.reflectance = body * FractionOr(context, {"reflect"}, glm::vec3(0.5f));
+  material.second_color = body * FractionOr(context, {"transmit"}, glm::vec3(0.5f));
+  FindScalar(context, "roughness"), FindFraction(context, "Ks");
+  FindBool(context.parameters, "remaproughness");
+  Warn(context, "rendered without its gloss");
+  return material;
+}
+
+Material LambertInstead(Context& context) {
+  AddWarning(context.warnings, context.parameters.position,
+             fmt::format("{} is not supported: rendered as Lambert of its diffuse colour",
+                         context.parameters.directive));
+  return Lambert(context);
+}
+
+Material Mirror(Context& context) {
+  Material material;
+  material.bsdf = BsdfKind::kMirror;
+  material.reflectance = FractionOr(context, {"Kr"}, glm::vec3(0.9f));
+  return material;
+}
+
+// The metal of "metal-Cu-eta" (v4) or "spds/Cu.eta.spd" (v3), if it is one that is known.
+std::optional<MetalIndex> MetalOfSpectrumName(std::string_view name, std::string_view part) {
+  constexpr std::string_view kPrefix = "metal-";
+  const std::string v4_ending = "-" + std::string(part),
+                    v3_ending = "." + std::string(part) + ".spd";
+  if (name.starts_with(kPrefix) && name.ends_with(v4_ending) &&
+      name.size() > kPrefix.size() + v4_ending.size()) {
+    return FindMetal(name.substr(kPrefix.size(), name.size() - kPrefix.size() - v4_ending.size()));
+  }
+  if (name.ends_with(v3_ending)) {
+    name.remove_suffix(v3_ending.size());
+    const std::size_t slash = name.find_last_of('/');
+    return FindMetal(slash == std::string_view::npos ? name : name.substr(slash + 1));
+  }
+  return std::nullopt;
+}
+
+// `part` is "eta" or "k", the parameter's name `prefix` and that.
+glm::vec3 ConductorIndex(Context& context, const std::string& prefix, const std::string& part,
+                         const MetalIndex& fallback) {
+  const std::string name = prefix + part;
+  const auto pick = [&](const MetalIndex& metal) { return part == "eta" ? metal.eta : metal.k; };
+  if (const PbrtParameter* named = Find(context.parameters, {"spectrum"}, name);
+      named && named->strings.size() == 1) {
+    if (const auto metal = MetalOfSpectrumName(named->strings[0], part)) return pick(*metal);
+  }
+  const auto color =
+      FindColor(context.parameters, name, context.reader.color_textures, context.warnings);
+  if (color && !glm::all(glm::greaterThanEqual(*color, glm::vec3(0)))) {
+    throw InputError(context.parameters.position,
+                     fmt::format("{}: \"{}\" is negative", context.parameters.directive, name));
+  }
+  return color.value_or(pick(fallback));
+}
+
+// pbrt's roughness as a GGX width. pbrt-v3 remaps by a polynomial in log(roughness), pbrt-v4 by a
+// square root.
+float AlphaFromRoughness(float roughness, bool remap, bool v4) {
+  if (!remap) return roughness;
+  if (v4) return std::sqrt(roughness);
+  const float x = std::log(std::max(roughness, 1e-3f));
+  return 1.62142f + x * (0.819955f + x * (0.1734f + x * (0.0171201f + x * 0.000640711f)));
+}
+
+// GGX widths along and across the direction in which u grows. The names of v4's coatedconductor and
+// coateddiffuse begin with "conductor." or "interface.".
+struct Widths {
+  float along, across;
+  float mean() const { return std::sqrt(along * across); }
+};
+Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
+  const float roughness = FindScalar(context, prefix + "roughness").value_or(fallback);
+  const float u = FindScalar(context, prefix + "uroughness").value_or(roughness);
+  const float v = FindScalar(context, prefix + "vroughness").value_or(roughness);
+  if (!(u >= 0 && v >= 0)) {
+    throw InputError(context.parameters.position,
+                     context.parameters.directive + ": roughness is negative");
+  }
+  const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
+  return {AlphaFromRoughness(u, remap, v4), AlphaFromRoughness(v, remap, v4)};
+}
+// For what has no anisotropic kernel.
+float OneWidth(Context& context, const Widths& widths) {
+  if (widths.along != widths.across) {
+    Warn(context, fmt::format("anisotropic roughness is not supported here: rendered with the "
+                              "geometric mean, alpha {:.3g}",
+                              widths.mean()));
+  }
+  return widths.mean();
+}
+
+void SetIndex(Context& context, const std::string& prefix, Material& material) {
+  if (const auto reflectance = FindFraction(context, "reflectance")) {
+    const MetalIndex index = MetalOfReflectance(*reflectance);
+    material.eta = index.eta;
+    material.k = index.k;
+    return;
+  }
+  const MetalIndex copper = *FindMetal("Cu");
+  material.eta = ConductorIndex(context, prefix, "eta", copper);
+  material.k = ConductorIndex(context, prefix, "k", copper);
+}
+
+// pbrt's own threshold between rough and specular.
+constexpr float kSmoothWidth = 1e-3f;
+
+Material Conductor(Context& context, bool v4) {
+  Material material;
+  material.bsdf = BsdfKind::kConductor;
+  material.reflectance = glm::vec3(1);
+  SetIndex(context, "", material);
+  const Widths widths = FindWidths(context, "", v4 ? 0.0f : 0.01f, v4);
+  material.alpha = widths.mean();
+  if (material.alpha < kSmoothWidth) {
+    material.bsdf = BsdfKind::kMirror;
+  } else if (widths.along != widths.across) {
+    material.bsdf = BsdfKind::kAnisotropicConductor;
+    material.alpha = widths.along, material.alpha_across = widths.across;
+  }
+  return material;
+}
+
+// The index of a dielectric, checked.
+float DielectricIndex(Context& context, std::initializer_list<std::string_view> names);
+
+Material CoatedConductor(Context& context) {
+  Material material;
+  material.bsdf = BsdfKind::kCoatedConductor;
+  material.reflectance = glm::vec3(1);
+  SetIndex(context, "conductor.", material);
+  material.alpha = OneWidth(context, FindWidths(context, "conductor.", 0, true));
+  material.coat_alpha = OneWidth(context, FindWidths(context, "interface.", 0, true));
+  material.ior = DielectricIndex(context, {"interface.eta"});
+  FindFraction(context, "albedo");
+  for (const char* name : {"thickness", "g"}) FindScalar(context, name);
+  for (const char* name : {"maxdepth", "nsamples"}) FindInt(context.parameters, name);
+  Warn(context, "approximated by a coat that takes from the metal what it reflects itself");
+  return material;
+}
+
+// A diffuse body under a dielectric coat. pbrt's four differ in how the coat is weighted and what
+// it lets through; here it is that of an index.
+Material Coated(Context& context, bool v4) {
+  PbrtParameters& parameters = context.parameters;
+  Material material;
+  material.bsdf = BsdfKind::kMetallicRoughness;
+  SetReflectance(context, v4 ? 0.5f : 0.25f, material);
+  material.alpha = FindWidths(context, "", v4 ? 0.0f : 0.1f, v4).mean();
+  material.ior = DielectricIndex(context, {"eta", "index"});
+  FindFraction(context, "Ks");
+  AddWarning(context.warnings, parameters.position,
+             fmt::format("{} is approximated by a diffuse body under a coat of index {:.4g}",
+                         parameters.directive, material.ior));
+  return material;
+}
+
+struct NamedGlass {
+  std::string_view name;
+  float ior;  // at the sodium D line, 589 nm
+};
+// Schott's catalogue; the names are pbrt-v4's.
+constexpr std::array kGlasses = {
+    NamedGlass{"glass-BK7", 1.5168f},   NamedGlass{"glass-BAF10", 1.6700f},
+    NamedGlass{"glass-FK51A", 1.4866f}, NamedGlass{"glass-LASF9", 1.8503f},
+    NamedGlass{"glass-F5", 1.6034f},    NamedGlass{"glass-F10", 1.6228f},
+    NamedGlass{"glass-SF10", 1.7283f},  NamedGlass{"glass-SF11", 1.7847f},
+};
+
+float DielectricIndex(Context& context, std::initializer_list<std::string_view> names) {
+  PbrtParameters& parameters = context.parameters;
+  float ior = 1.5f;
+  for (const std::string_view name : names) {
+    const PbrtParameter* named = Find(parameters, {"spectrum"}, name);
+    const auto* glass = named && named->strings.size() == 1
+                            ? std::find_if(kGlasses.begin(), kGlasses.end(),
+                                           [&](auto& g) { return g.name == named->strings[0]; })
+                            : kGlasses.end();
+    if (glass != kGlasses.end()) {
+      ior = glass->ior;
+    } else {
+      ior = FindScalar(context, name).value_or(ior);
+    }
+  }
+  if (!(ior > 0)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: the index of refraction is {}", parameters.directive, ior));
+  }
+  return ior;
+}
+
+Material Dielectric(Context& context, bool v4) {
+  Material material;
+  material.bsdf = BsdfKind::kDielectric;
+  material.reflectance = glm::vec3(1);
+  material.ior = DielectricIndex(context, {"eta", "index"});
+  const Widths widths = FindWidths(context, "", 0, v4);
+  // Without roughness v3's polynomial still gives a width.
+  const bool rough = std::any_of(context.parameters.list.begin(), context.parameters.list.end(),
+                                 [](const auto& parameter) {
+                                   return parameter.name.ends_with("roughness") &&
+                                          !parameter.floats.empty() && parameter.floats[0] != 0;
+                                 });
+  // A rough surface between equal indices bends nothing, and has no facets that could be told.
+  if (rough && widths.mean() >= kSmoothWidth && std::fabs(material.ior - 1) > 1e-3f) {
+    material.bsdf = BsdfKind::kRoughDielectric;
+    material.alpha = OneWidth(context, widths);
+  }
+  const glm::vec3 reflect = FractionOr(context, {"Kr"}, glm::vec3(1));
+  const glm::vec3 transmit = FractionOr(context, {"Kt"}, glm::vec3(1));
+  if (reflect != glm::vec3(1) || transmit != glm::vec3(1)) {
+    Warn(context, "\"Kr\" and \"Kt\" are not supported: rendered with 1");
+  }
+  return material;
+}
+
+Material ThinDielectric(Context& context) {
+  Material material;
+  material.bsdf = BsdfKind::kThinDielectric;
+  material.reflectance = glm::vec3(1);
+  material.ior = DielectricIndex(context, {"eta"});
+  return material;
+}
+
+// A BRDF in the MERL format, as pbrt up to version 2 had it.
+Material Measured(Context& context) {
+  const auto file = FindString(context.parameters, "filename");
+  if (!file || !file->ends_with(".binary")) {
+    throw InputError(context.parameters.position,
+                     context.parameters.directive +
+                         ": only BRDFs of the MERL format (\"string filename\", a .binary file) "
+                         "are supported");
+  }
+  Material material;
+  material.bsdf = BsdfKind::kMeasured;
+  material.reflectance = glm::vec3(1);
+  std::vector<MeasuredBrdf>& measured = context.reader.scene.measured;
+  material.measured = std::uint32_t(measured.size());
+  measured.push_back(ReadMerl(ResolvePbrtPath(context.reader, *file, context.parameters.position)));
+  return material;
+}
+
+// v4: "materials" and the share of the second; v3: "namedmaterial1", "namedmaterial2" and the share
+// of the first.
+Material Mix(Context& context) {
+  PbrtParameters& parameters = context.parameters;
+  std::vector<std::string> names;
+  const PbrtParameter* list = Find(parameters, {"string"}, "materials");
+  if (list != nullptr) names = list->strings;
+  for (const char* name : {"namedmaterial1", "namedmaterial2"}) {
+    if (const auto named = FindString(parameters, name)) names.push_back(*named);
+  }
+  if (names.size() != 2) {
+    throw InputError(parameters.position, parameters.directive + " needs the names of 2 materials");
+  }
+  std::uint32_t rows[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto& known = context.reader.named_materials;
+    const auto found = known.find(names[i]);
+    if (found == known.end() || !found->second) {
+      throw InputError(parameters.position, fmt::format("{}: there is no material \"{}\" to mix",
+                                                        parameters.directive, names[i]));
+    }
+    rows[i] = *found->second;
+  }
+  // A colour in version 3, a float in version 4.
+  const PbrtParameter* const texture = Find(context.parameters, {"texture"}, "amount");
+  const bool scalar = texture != nullptr && texture->strings.size() == 1 &&
+                      !context.reader.color_textures.contains(texture->strings[0]);
+  const glm::vec3 amount =
+      scalar ? glm::vec3(glm::clamp(FindScalar(context, "amount").value_or(0.5f), 0.0f, 1.0f))
+             : FractionOr(context, {"amount"}, glm::vec3(0.5f));
+  if (amount.x != amount.y || amount.y != amount.z) {
+    Warn(context, "\"amount\" is a colour: its mean is used");
+  }
+  const float mean = (amount.x + amount.y + amount.z) / 3;
+  Material material;
+  material.mixture = {rows[0], rows[1], list != nullptr ? mean : 1 - mean};
+  return material;
+}
+
+Material ByType(const std::string& type, Context& context) {
+  if (type == "diffuse") return Lambert(context);
+  if (type == "matte") return Matte(context);
+  if (type == "mirror") return Mirror(context);
+  if (type == "metal") return Conductor(context, false);
+  if (type == "conductor") return Conductor(context, true);
+  if (type == "coatedconductor") return CoatedConductor(context);
+  if (type == "glass") return Dielectric(context, false);
+  if (type == "dielectric") return Dielectric(context, true);
+  if (type == "thindielectric") return ThinDielectric(context);
+  if (type == "diffusetransmission") return DiffuseTransmission(context);
+  if (type == "translucent") return Translucent(context);
+  if (type == "coateddiffuse") return Coated(context, true);
+  if (type == "plastic" || type == "substrate" || type == "uber") return Coated(context, false);
+  if (type == "measured") return Measured(context);
+  if (type == "mix") return Mix(context);
+  for (const char* other : {"shinymetal", "disney"}) {
+    if (type == other) return LambertInstead(context);
+  }
+  AddWarning(context.warnings, context.parameters.position,
+             context.parameters.directive + " is not supported: rendered as grey Lambert");
+  return Material{};
+}
+
+}  // namespace
+
+Material MakePbrtMaterial(const std::string& type, PbrtParameters& parameters, PbrtReader& reader) {
+  Context context{parameters, reader};
+  Material material = ByType(type, context);
+  ReportUnused(parameters, reader.warnings);
+  return material;
+}
+
+bool IsInvisiblePbrtMaterial(const std::string& type) {
+  return type.empty() || type == "none" || type == "interface";
+}
+
+}  // namespace skywave

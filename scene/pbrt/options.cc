@@ -1,0 +1,334 @@
+// pbrt's directives that describe the rendering: they come before WorldBegin.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+#include "base/error.h"
+#include "scene/pbrt/state.h"
+
+namespace skywave {
+namespace {
+
+// The rest of `Directive "type" parameters`.
+struct Implementation {
+  std::string type;
+  PbrtParameters parameters;
+};
+
+Implementation ReadImplementation(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  if (reader.in_world) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("{} has to come before WorldBegin", word.text));
+  }
+  const std::string type = ExpectString(source, fmt::format("the type of {}", word.text));
+  return {type, ReadParameters(source, PositionOf(source, word),
+                               fmt::format("{} \"{}\"", word.text, type))};
+}
+
+void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
+  AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
+}
+
+void Note(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
+  AddNote(reader.warnings, parameters.position, parameters.directive + ": " + text);
+}
+
+int RequirePositive(const PbrtParameters& parameters, std::string_view name, int value) {
+  if (value <= 0) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: \"{}\" is {}", parameters.directive, name, value));
+  }
+  return value;
+}
+
+// pbrt's default: [-1, 1] on the shorter side, by the aspect of the film or by the one given.
+std::optional<ScreenWindow> ReadScreenWindow(PbrtParameters& parameters) {
+  std::optional<ScreenWindow> window;
+  if (const auto aspect = FindFloat(parameters, "frameaspectratio")) {
+    if (!(*aspect > 0)) {
+      throw InputError(parameters.position, fmt::format("{}: \"frameaspectratio\" is {}",
+                                                        parameters.directive, *aspect));
+    }
+    const float x = std::max(*aspect, 1.0f), y = std::max(1 / *aspect, 1.0f);
+    window = ScreenWindow{-x, x, -y, y};
+  }
+  if (const PbrtParameter* given = Find(parameters, {"float"}, "screenwindow")) {
+    const std::vector<float>& w = given->floats;
+    if (w.size() != 4 || !(w[0] < w[1] && w[2] < w[3])) {
+      throw InputError(given->position,
+                       fmt::format("{}: \"screenwindow\" takes left < right, bottom < top",
+                                   parameters.directive));
+    }
+    window = ScreenWindow{w[0], w[1], w[2], w[3]};
+  }
+  return window;
+}
+
+void ReadLens(PbrtParameters& parameters, Camera& camera) {
+  camera.lens_radius = FindFloat(parameters, "lensradius").value_or(0);
+  camera.focal_distance = FindFloat(parameters, "focaldistance").value_or(camera.focal_distance);
+  if (!(camera.lens_radius >= 0 && camera.focal_distance > 0)) {
+    throw InputError(parameters.position,
+                     parameters.directive + ": the lens is negative or focused on itself");
+  }
+}
+
+void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
+  camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
+  if (const auto half = FindFloat(parameters, "halffov")) camera.fov_degrees = 2 * *half;
+  if (!(camera.fov_degrees > 0 && camera.fov_degrees < 180)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: \"fov\" is {}: not between 0 and 180 degrees",
+                                 parameters.directive, camera.fov_degrees));
+  }
+}
+
+// pbrt-v4's "spherical" and pbrt-v3's "environment", which is its lat-long mapping: the middle of
+// the picture looks along -x, its right half along -z.
+void ReadSphericalCamera(PbrtReader& reader, PbrtParameters& parameters, bool v4, Camera& camera) {
+  const std::string mapping =
+      v4 ? FindString(parameters, "mapping").value_or("equalarea") : "equirectangular";
+  if (mapping == "equalarea") {
+    camera.kind = CameraKind::kEqualArea;
+    return;
+  }
+  if (mapping != "equirectangular") {
+    Warn(reader, parameters,
+         fmt::format("mapping \"{}\" is not supported: equirectangular is used", mapping));
+  }
+  camera.kind = CameraKind::kLatLong;
+  camera.world_from_camera *= glm::mat4({0, 0, -1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {0, 0, 0, 1});
+}
+
+void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  Camera camera;
+  camera.world_from_camera = glm::inverse(reader.state.to_world);
+  reader.coordinate_systems["camera"] = glm::inverse(reader.state.to_world);
+  if (type == "spherical" || type == "environment") {
+    ReadSphericalCamera(reader, parameters, type == "spherical", camera);
+  } else if (type == "orthographic") {
+    camera.kind = CameraKind::kOrthographic;
+    ReadLens(parameters, camera);
+    camera.window = ReadScreenWindow(parameters);
+  } else {
+    if (type != "perspective") {
+      Warn(reader, parameters, "is not supported: rendered as perspective");
+    }
+    ReadFieldOfView(parameters, camera);
+    ReadLens(parameters, camera);
+    camera.window = ReadScreenWindow(parameters);
+  }
+  ReportUnused(parameters, reader.warnings);
+  reader.scene.camera = camera;
+}
+
+void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
+  // pbrt-v4: [left right top bottom] in pixels. Fractions are rounded up to pixels again.
+  if (const PbrtParameter* given = Find(parameters, {"integer"}, "pixelbounds")) {
+    const std::vector<std::int32_t>& p = given->ints;
+    const int width = settings.width.value_or(1280), height = settings.height.value_or(720);
+    if (p.size() != 4 || !(0 <= p[0] && p[0] < p[1] && p[1] <= width) ||
+        !(0 <= p[2] && p[2] < p[3] && p[3] <= height)) {
+      throw InputError(given->position,
+                       fmt::format("{}: \"pixelbounds\" takes left < right and top < bottom on the "
+                                   "film of {} x {}",
+                                   parameters.directive, width, height));
+    }
+    const auto fraction = [](int pixel, int size) {
+      return std::max(0.0f, (float(pixel) - 0.25f) / float(size));
+    };
+    settings.width = width, settings.height = height;
+    settings.crop = CropFractions{fraction(p[0], width), fraction(p[1], width),
+                                  fraction(p[2], height), fraction(p[3], height)};
+  }
+  if (const PbrtParameter* given = Find(parameters, {"float"}, "cropwindow")) {
+    const std::vector<float>& c = given->floats;
+    if (c.size() != 4 || !(0 <= c[0] && c[0] < c[1] && c[1] <= 1) ||
+        !(0 <= c[2] && c[2] < c[3] && c[3] <= 1)) {
+      throw InputError(given->position,
+                       fmt::format("{}: \"cropwindow\" takes 0 <= left < right <= 1 and "
+                                   "0 <= top < bottom <= 1",
+                                   parameters.directive));
+    }
+    settings.crop = CropFractions{c[0], c[1], c[2], c[3]};
+  }
+}
+
+void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  RenderSettings& settings = reader.scene.settings;
+  for (auto [name, value] :
+       {std::pair("xresolution", &settings.width), std::pair("yresolution", &settings.height)}) {
+    if (const auto found = FindInt(parameters, name)) {
+      *value = RequirePositive(parameters, name, *found);
+    }
+  }
+  ReadCrop(parameters, settings);
+  // The film's size in millimetres decides nothing for the cameras that are rendered, and 16-bit
+  // output nothing here.
+  FindFloat(parameters, "diagonal");
+  FindBool(parameters, "savefp16");
+  if (const auto sensor = FindString(parameters, "sensor"); sensor && *sensor != "cie1931") {
+    Warn(reader, parameters,
+         fmt::format("sensor \"{}\" is not supported: cie1931 is used", *sensor));
+  }
+  if (FindString(parameters, "filename")) {
+    Note(reader, parameters, "\"filename\" is ignored: the output is named on the command line");
+  }
+  if (type != "image" && type != "rgb") Warn(reader, parameters, "only an RGB picture is rendered");
+  ReportUnused(parameters, reader.warnings);
+}
+
+void ReadSampler(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  auto& samples = reader.scene.settings.samples_per_pixel;
+  if (const auto found = FindInt(parameters, "pixelsamples")) {
+    samples = RequirePositive(parameters, "pixelsamples", *found);
+  }
+  const auto x = FindInt(parameters, "xsamples"), y = FindInt(parameters, "ysamples");
+  if (x && y) {
+    const std::int64_t product = std::int64_t{RequirePositive(parameters, "xsamples", *x)} *
+                                 RequirePositive(parameters, "ysamples", *y);
+    samples = static_cast<int>(std::min<std::int64_t>(product, 1 << 30));
+  }
+  // Whatever else it says concerns the noise only.
+  Note(reader, parameters, "only the number of samples is taken; the sampler is Skywave's own");
+}
+
+// Stochastic progressive photon mapping: a sample of a pixel is an iteration.
+void ReadPhotons(PbrtReader& reader, PbrtParameters& parameters) {
+  RenderSettings& settings = reader.scene.settings;
+  settings.photons_each_sample = true;
+  // As pbrt-v3 says it.
+  for (const char* const name : {"iterations", "numiterations"}) {
+    const auto found = FindInt(parameters, name);
+    if (found) settings.samples_per_pixel = RequirePositive(parameters, name, *found);
+  }
+  if (const auto radius = FindFloat(parameters, "radius")) {
+    if (!(*radius > 0)) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"radius\" is {}", parameters.directive, *radius));
+    }
+    settings.photon_distance = float(*radius);
+  }
+  if (FindInt(parameters, "photonsperiteration")) {
+    Note(reader, parameters, "\"photonsperiteration\" is ignored: --photons says how many");
+  }
+  if (FindInt(parameters, "imagewritefrequency")) {
+    Note(reader, parameters, "\"imagewritefrequency\" is ignored: a picture is written at the end");
+  }
+}
+
+void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  RenderSettings& settings = reader.scene.settings;
+  static const std::map<std::string_view, const char*> kNames = {
+      {"path", "path"},       {"volpath", "path"},
+      {"direct", "direct"},   {"directlighting", "direct"},
+      {"lightpath", "light"}, {"bdpt", "bdpt"},
+      {"sppm", "photon"}};
+  const auto known = kNames.find(type);
+  settings.integrator = known != kNames.end() ? known->second : "path";
+  if (known == kNames.end()) Warn(reader, parameters, "is not supported: rendered with path");
+  if (type == "sppm") ReadPhotons(reader, parameters);
+  if (const auto depth = FindInt(parameters, "maxdepth")) {
+    if (*depth < 0) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"maxdepth\" is {}", parameters.directive, *depth));
+    }
+    settings.max_depth = *depth;
+  }
+  for (const char* name : {"lightsampler", "lightsamplestrategy", "strategy", "rrthreshold"}) {
+    if (!Find(parameters, {"string", "float"}, name)) continue;
+    Note(reader, parameters, fmt::format("\"{}\" is ignored: --strategy chooses lights", name));
+  }
+  ReportUnused(parameters, reader.warnings);
+}
+
+void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  auto [type, parameters] = ReadImplementation(reader, source, word);
+  RenderSettings& settings = reader.scene.settings;
+  if (type == "box") {
+    settings.filter = PixelFilter::kBox;
+  } else if (type == "triangle") {
+    settings.filter = PixelFilter::kTriangle;
+  } else if (type == "gaussian") {
+    settings.filter = PixelFilter::kGaussian;
+  } else {
+    Warn(reader, parameters, "is not supported: the default filter is used");
+    return;
+  }
+  // pbrt-v4 and pbrt-v3 names; both are half the width.
+  const auto v4_x = FindFloat(parameters, "xradius"), v3_x = FindFloat(parameters, "xwidth");
+  const auto v4_y = FindFloat(parameters, "yradius"), v3_y = FindFloat(parameters, "ywidth");
+  const auto x = v4_x ? v4_x : v3_x, y = v4_y ? v4_y : v3_y;
+  if (x || y) {
+    const float radius = std::max(x.value_or(0), y.value_or(0));
+    if (!(x.value_or(radius) > 0 && y.value_or(radius) > 0)) {
+      throw InputError(parameters.position, parameters.directive + ": the radius is not positive");
+    }
+    if (x.value_or(radius) != y.value_or(radius)) {
+      Warn(reader, parameters, "radii differ: the larger one is used for both axes");
+    }
+    settings.filter_radius = radius;
+  }
+  ReportUnused(parameters, reader.warnings);
+}
+
+// Changes nothing in the picture.
+void Accelerator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  Note(reader, ReadImplementation(reader, source, word).parameters, "is ignored");
+}
+
+void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  Warn(reader, ReadImplementation(reader, source, word).parameters, "is not supported: ignored");
+}
+
+// pbrt-v4: `Option "type name" value`.
+void ReadOption(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const PbrtParameters options = ReadParameters(source, PositionOf(source, word), "Option");
+  if (options.list.empty()) {
+    throw InputError(PositionOf(source, word), "Option needs a parameter \"type name\"");
+  }
+  ReportUnused(options, reader.warnings);
+}
+
+void ReadColorSpace(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, "the name of a colour space");
+  if (name == "srgb") return;
+  AddWarning(
+      reader.warnings, PositionOf(source, word),
+      fmt::format("ColorSpace \"{}\" is not supported: colours are taken as linear sRGB", name));
+}
+
+struct Entry {
+  std::string_view word;
+  PbrtHandler handler;
+};
+constexpr Entry kDirectives[] = {
+    {"Camera", ReadCamera},
+    {"Film", ReadFilm},
+    {"Sampler", ReadSampler},
+    {"Integrator", ReadIntegrator},
+    {"SurfaceIntegrator", ReadIntegrator},  // pbrt-v2
+    {"PixelFilter", ReadPixelFilter},
+    {"Accelerator", Accelerator},
+    {"VolumeIntegrator", Ignore},  // pbrt-v2
+    {"Renderer", Ignore},          // pbrt-v2
+    {"Option", ReadOption},
+    {"ColorSpace", ReadColorSpace},
+};
+
+}  // namespace
+
+PbrtHandler FindPbrtOptionDirective(std::string_view word) {
+  for (const Entry& entry : kDirectives) {
+    if (entry.word == word) return entry.handler;
+  }
+  return nullptr;
+}
+
+}  // namespace skywave

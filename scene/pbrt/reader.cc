@@ -1,0 +1,137 @@
+#include "scene/pbrt/reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/gzip.h"
+#include "scene/pbrt/state.h"
+
+namespace skywave {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::unique_ptr<PbrtSource> MakeSource(const PbrtReader& reader, std::string path,
+                                       std::string text) {
+  auto source = std::make_unique<PbrtSource>();
+  source->main_path = reader.sources.empty() ? path : reader.sources.front()->path;
+  source->path = std::move(path);
+  source->text = std::move(text);
+  return source;
+}
+
+void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
+  PbrtSource& source = *reader.sources.back();
+  const InputPosition position = PositionOf(source, word);
+  const std::string name = ExpectString(source, "the name of a file");
+  const std::string path = ResolvePbrtPath(reader, name, position);
+  for (const auto& open : reader.sources) {
+    std::error_code ignored;
+    if (fs::equivalent(open->path, path, ignored)) {
+      throw InputError(position, fmt::format("{} includes itself", path));
+    }
+  }
+  if (reader.sources.size() > kMaxPbrtIncludeDepth) {
+    throw InputError(position,
+                     fmt::format("includes are nested more than {} deep", kMaxPbrtIncludeDepth));
+  }
+  if (++reader.includes > kMaxPbrtIncludes) {
+    throw InputError(position, fmt::format("more than {} includes", kMaxPbrtIncludes));
+  }
+  std::string text;
+  try {
+    text = Gunzip(ReadFile(path), path);
+  } catch (const InputError& error) {
+    throw InputError(position, error.what(), error.exit_code());
+  }
+  reader.sources.push_back(MakeSource(reader, path, std::move(text)));
+}
+
+PbrtHandler RequireHandler(const PbrtSource& source, const PbrtToken& word) {
+  PbrtHandler handler = nullptr;
+  if (word.kind == PbrtTokenKind::kWord) {
+    handler = FindPbrtWorldDirective(word.text);
+    if (!handler) handler = FindPbrtTransformDirective(word.text);
+    if (!handler) handler = FindPbrtOptionDirective(word.text);
+  }
+  if (!handler) {
+    const bool is_word = word.kind == PbrtTokenKind::kWord;
+    throw InputError(
+        PositionOf(source, word),
+        (is_word ? "unknown directive " : "a directive is expected, not ") + Describe(word));
+  }
+  return handler;
+}
+
+void ReadDirectives(PbrtReader& reader) {
+  while (!reader.sources.empty()) {
+    PbrtSource& source = *reader.sources.back();
+    const PbrtToken word = NextToken(source);
+    if (word.kind == PbrtTokenKind::kEnd) {
+      reader.sources.pop_back();
+    } else if (reader.ended) {
+      AddWarning(reader.warnings, PositionOf(source, word), "everything after WorldEnd is ignored");
+      return;
+    } else if (word.kind == PbrtTokenKind::kWord &&
+               (word.text == "Include" || word.text == "Import")) {
+      OpenInclude(reader, word);
+    } else {
+      RequireHandler(source, word)(reader, source, word);
+    }
+  }
+}
+
+}  // namespace
+
+std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
+                            const InputPosition& position) {
+  const std::string path = FindPbrtFile(*reader.sources.back(), name);
+  if (!path.empty()) return path;
+  throw InputError(position, fmt::format("there is no file \"{}\"", name), kExitIo);
+}
+
+PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
+                                           const InputPosition& position, std::string_view kind,
+                                           const std::string& directive) {
+  PbrtParameters parameters = ReadParameters(source, position, directive);
+  if (!reader.state.attributes) return parameters;
+  const auto given = reader.state.attributes->find(kind);
+  if (given == reader.state.attributes->end()) return parameters;
+  const std::size_t own = parameters.list.size();
+  for (const PbrtParameter& parameter : given->second) {
+    const auto end = parameters.list.begin() + std::ptrdiff_t(own);
+    if (std::none_of(parameters.list.begin(), end,
+                     [&](const PbrtParameter& other) { return other.name == parameter.name; })) {
+      parameters.list.push_back(parameter);
+    }
+  }
+  return parameters;
+}
+
+Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& options) {
+  PbrtReader reader;
+  reader.options = options;
+  reader.warnings.strict = options.strict;
+  reader.scene.left_handed = true;
+  reader.scene.materials.push_back({.name = "default"});
+  reader.state.material = 0;
+  reader.sources.push_back(MakeSource(reader, path, std::move(text)));
+  ReadDirectives(reader);
+  if (!reader.scopes.empty()) {
+    const PbrtScope& open = reader.scopes.back();
+    throw InputError(open.position, open.begin + " is never closed");
+  }
+  reader.scene.warnings = WarningLines(reader.warnings);
+  return std::move(reader.scene);
+}
+
+Scene ReadPbrt(const std::string& path, const ReadOptions& options) {
+  return ParsePbrt(Gunzip(ReadFile(path), path), path, options);
+}
+
+}  // namespace skywave

@@ -1,0 +1,256 @@
+#include "scene/pbrt/shapes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "scene/shapes/patches.h"
+#include "scene/shapes/ply.h"
+#include "scene/shapes/shapes.h"
+
+namespace skywave {
+namespace {
+
+using TypeNames = std::initializer_list<std::string_view>;
+
+std::vector<glm::vec3> FindVectors(PbrtParameters& parameters, TypeNames types,
+                                   std::string_view name) {
+  const PbrtParameter* found = Find(parameters, types, name);
+  std::vector<glm::vec3> vectors;
+  if (!found) return vectors;
+  vectors.reserve(found->floats.size() / 3);
+  for (std::size_t i = 0; i + 2 < found->floats.size(); i += 3) {
+    vectors.emplace_back(found->floats[i], found->floats[i + 1], found->floats[i + 2]);
+  }
+  return vectors;
+}
+
+std::vector<glm::vec3> RequirePositions(PbrtParameters& parameters) {
+  std::vector<glm::vec3> positions = FindVectors(parameters, {"point", "point3"}, "P");
+  if (positions.empty()) {
+    throw InputError(parameters.position, parameters.directive + " needs vertices \"point3 P\"");
+  }
+  return positions;
+}
+
+// "indices" in groups of `group`, all of them vertices. pbrt-v4: one group of vertices in their
+// order needs no indices.
+std::vector<std::uint32_t> RequireIndices(PbrtParameters& parameters, std::size_t group,
+                                          std::string_view groups, std::size_t vertices) {
+  const PbrtParameter* found = Find(parameters, {"integer"}, "indices");
+  std::vector<std::uint32_t> indices;
+  if (!found) {
+    if (vertices != group) {
+      throw InputError(parameters.position, parameters.directive + " needs \"integer indices\"");
+    }
+    for (std::uint32_t i = 0; i < group; ++i) indices.push_back(i);
+    return indices;
+  }
+  if (found->ints.empty() || found->ints.size() % group != 0) {
+    throw InputError(found->position, fmt::format("{}: {} indices are no {}", parameters.directive,
+                                                  found->ints.size(), groups));
+  }
+  indices.reserve(found->ints.size());
+  for (const std::int32_t index : found->ints) {
+    if (index < 0 || static_cast<std::size_t>(index) >= vertices) {
+      throw InputError(found->position,
+                       fmt::format("{}: index {} (number {}) is not in 0..{}, the vertices given",
+                                   parameters.directive, index, indices.size(), vertices - 1));
+    }
+    indices.push_back(static_cast<std::uint32_t>(index));
+  }
+  return indices;
+}
+
+std::vector<glm::uvec3> RequireTriangles(PbrtParameters& parameters, std::size_t vertices) {
+  const std::vector<std::uint32_t> indices = RequireIndices(parameters, 3, "triangles", vertices);
+  std::vector<glm::uvec3> triangles(indices.size() / 3);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    triangles[i / 3][static_cast<int>(i % 3)] = indices[i];
+  }
+  return triangles;
+}
+
+void CheckPerVertex(const PbrtParameters& parameters, std::string_view name, std::size_t count,
+                    std::size_t vertices) {
+  if (count != 0 && count != vertices) {
+    throw InputError(parameters.position, fmt::format("{}: {} \"{}\" for {} vertices",
+                                                      parameters.directive, count, name, vertices));
+  }
+}
+
+std::vector<glm::vec2> FindUvs(PbrtParameters& parameters) {
+  std::vector<glm::vec2> uvs;
+  for (const std::string_view name : {"uv", "st"}) {
+    const PbrtParameter* found = Find(parameters, {"point2", "float"}, name);
+    if (!found || !uvs.empty()) continue;
+    if (found->floats.size() % 2 != 0) {
+      throw InputError(found->position,
+                       fmt::format("{}: {} values of \"{}\" are no pairs", parameters.directive,
+                                   found->floats.size(), name));
+    }
+    for (std::size_t i = 0; i < found->floats.size(); i += 2) {
+      uvs.emplace_back(found->floats[i], found->floats[i + 1]);
+    }
+  }
+  return uvs;
+}
+
+Mesh TriangleMesh(PbrtParameters& parameters) {
+  Mesh mesh;
+  mesh.positions = RequirePositions(parameters);
+  mesh.triangles = RequireTriangles(parameters, mesh.positions.size());
+  mesh.normals = FindVectors(parameters, {"normal", "normal3"}, "N");
+  mesh.uvs = FindUvs(parameters);
+  CheckPerVertex(parameters, "N", mesh.normals.size(), mesh.positions.size());
+  CheckPerVertex(parameters, "uv", mesh.uvs.size(), mesh.positions.size());
+  NormalizeNormals(mesh);
+  // As pbrt, which turns the geometric normal to the side of the shading normals.
+  AlignWindingWithNormals(mesh);
+  return mesh;
+}
+
+Mesh PlyMesh(PbrtParameters& parameters,
+             const std::function<std::string(const std::string&)>& resolve) {
+  const auto filename = FindString(parameters, "filename");
+  if (!filename) {
+    throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
+  }
+  try {
+    return ReadPly(resolve(*filename));
+  } catch (const InputError& error) {
+    // Both places: the mesh's, and that of the scene that asks for it.
+    throw InputError(parameters.position, error.what(), error.exit_code());
+  }
+}
+
+Mesh LoopSubdivisionSurface(PbrtParameters& parameters, std::size_t limit, Warnings& warnings) {
+  const std::vector<glm::vec3> positions = RequirePositions(parameters);
+  const std::vector<glm::uvec3> triangles = RequireTriangles(parameters, positions.size());
+  const auto v4_levels = FindInt(parameters, "levels"), v3_levels = FindInt(parameters, "nlevels");
+  const int levels = v4_levels.value_or(v3_levels.value_or(3));
+  std::size_t count = triangles.size();
+  for (int level = 0; level < levels && count <= limit; ++level) count *= 4;
+  if (levels < 0 || count > limit) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: {} levels are negative or make more than {} triangles",
+                                 parameters.directive, levels, limit));
+  }
+  const std::string scheme = FindString(parameters, "scheme").value_or("loop");
+  if (scheme != "loop") {
+    AddWarning(warnings, parameters.position,
+               fmt::format("{}: scheme \"{}\" is not supported: loop is used", parameters.directive,
+                           scheme));
+  }
+  return LoopSubdivide(positions, triangles, levels);
+}
+
+// A number that has to be above zero.
+float FindPositive(PbrtParameters& parameters, std::string_view name, float otherwise) {
+  const float value = FindFloat(parameters, name).value_or(otherwise);
+  if (!(value > 0)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: the {} is {}", parameters.directive, name, value));
+  }
+  return value;
+}
+
+float FindPhi(PbrtParameters& parameters) {
+  return std::min(FindPositive(parameters, "phimax", 360), 360.0f);
+}
+
+// "zmin" and "zmax" in order. Throws InputError if they are one.
+struct Range {
+  float low, high;
+};
+Range FindRange(PbrtParameters& parameters, float low, float high) {
+  const float z0 = FindFloat(parameters, "zmin").value_or(low),
+              z1 = FindFloat(parameters, "zmax").value_or(high);
+  if (z0 == z1) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: zmin and zmax are both {}", parameters.directive, z0));
+  }
+  return {std::min(z0, z1), std::max(z0, z1)};
+}
+
+// A whole sphere has no poles and no seam, unless texture coordinates need them.
+Mesh PbrtSphere(PbrtParameters& parameters, bool needs_uvs) {
+  const float radius = FindPositive(parameters, "radius", 1);
+  const float phi = FindPhi(parameters);
+  const auto [z0, z1] = FindRange(parameters, -radius, radius);
+  const float low = std::clamp(z0, -radius, radius), high = std::clamp(z1, -radius, radius);
+  const bool whole = low == -radius && high == radius && phi == 360;
+  return whole && !needs_uvs ? Sphere(radius) : SpherePatch(radius, low, high, phi);
+}
+
+Mesh PbrtDisk(PbrtParameters& parameters) {
+  const float radius = FindPositive(parameters, "radius", 1);
+  const float inner = FindFloat(parameters, "innerradius").value_or(0);
+  if (!(inner >= 0 && inner < radius)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: the innerradius {} is not between 0 and the radius",
+                                 parameters.directive, inner));
+  }
+  const float height = FindFloat(parameters, "height").value_or(0);
+  return DiskPatch(radius, inner, height, FindPhi(parameters));
+}
+
+Mesh PbrtCylinder(PbrtParameters& parameters) {
+  const float radius = FindPositive(parameters, "radius", 1);
+  const auto [low, high] = FindRange(parameters, -1, 1);
+  return CylinderPatch(radius, low, high, FindPhi(parameters));
+}
+
+Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit) {
+  const std::vector<glm::vec3> positions = RequirePositions(parameters);
+  const std::vector<glm::vec3> normals = FindVectors(parameters, {"normal", "normal3"}, "N");
+  const std::vector<glm::vec2> uvs = FindUvs(parameters);
+  CheckPerVertex(parameters, "N", normals.size(), positions.size());
+  CheckPerVertex(parameters, "uv", uvs.size(), positions.size());
+  const std::vector<std::uint32_t> indices =
+      RequireIndices(parameters, 4, "bilinear patches", positions.size());
+  if (indices.size() / 4 > limit / (2 * kBilinearSteps * kBilinearSteps)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: {} patches may become more than {} triangles",
+                                 parameters.directive, indices.size() / 4, limit));
+  }
+  Mesh mesh;
+  for (std::size_t i = 0; i + 3 < indices.size(); i += 4) {
+    AddBilinearPatch({positions, normals, uvs},
+                     {indices[i], indices[i + 1], indices[i + 2], indices[i + 3]}, mesh);
+  }
+  AlignWindingWithNormals(mesh);
+  return mesh;
+}
+
+}  // namespace
+
+std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
+                                  const std::function<std::string(const std::string&)>& resolve,
+                                  const PbrtShapeOptions& options, Warnings& warnings) {
+  const std::size_t limit = std::min(options.max_triangles, kMaxSubdividedTriangles);
+  std::optional<Mesh> mesh;
+  if (type == "trianglemesh") {
+    mesh = TriangleMesh(parameters);
+  } else if (type == "plymesh") {
+    mesh = PlyMesh(parameters, resolve);
+  } else if (type == "loopsubdiv") {
+    mesh = LoopSubdivisionSurface(parameters, limit, warnings);
+  } else if (type == "sphere") {
+    mesh = PbrtSphere(parameters, options.needs_uvs);
+  } else if (type == "disk") {
+    mesh = PbrtDisk(parameters);
+  } else if (type == "cylinder") {
+    mesh = PbrtCylinder(parameters);
+  } else if (type == "bilinearmesh") {
+    mesh = BilinearMesh(parameters, limit);
+  } else {
+    AddWarning(warnings, parameters.position, parameters.directive + " is not supported: left out");
+    return std::nullopt;
+  }
+  ReportUnused(parameters, warnings);
+  return mesh;
+}
+
+}  // namespace skywave

@@ -1,0 +1,65 @@
+#include "scene/pbrt/surface_maps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace skywave {
+namespace {
+
+// The texture of the scene, for another use.
+std::uint32_t CopyTexture(Scene& scene, std::uint32_t index, TextureUse use) {
+  Texture texture = scene.textures[index];
+  texture.use = use;
+  scene.textures.push_back(texture);
+  return static_cast<std::uint32_t>(scene.textures.size() - 1);
+}
+
+float Mean(const glm::vec3& v) { return (v.x + v.y + v.z) / 3; }
+
+}  // namespace
+
+std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& parameters,
+                                    std::uint32_t material) {
+  const auto image = FindImageTexture(parameters, "alpha", reader.float_textures);
+  const auto value =
+      image ? image->value : FindColor(parameters, "alpha", reader.float_textures, reader.warnings);
+  const float opacity = value ? std::clamp(Mean(*value), 0.0f, 1.0f) : 1.0f;
+  if (!image && opacity == 1) return material;
+  const auto key = std::tuple(material, opacity, image ? *image->image : ~0u);
+  if (const auto found = reader.materials_with_alpha.find(key);
+      found != reader.materials_with_alpha.end()) {
+    return found->second;
+  }
+  Material copy = reader.scene.materials[material];
+  copy.opacity = opacity;
+  if (image) copy.opacity_texture = CopyTexture(reader.scene, *image->image, TextureUse::kOpacity);
+  reader.scene.materials.push_back(std::move(copy));
+  const auto index = static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
+  reader.materials_with_alpha.emplace(key, index);
+  return index;
+}
+
+void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& material) {
+  for (const char* name : {"displacement", "bumpmap"}) {
+    if (const auto heights = FindImageTexture(parameters, name, reader.float_textures)) {
+      material.normal_texture = CopyTexture(reader.scene, *heights->image, TextureUse::kHeights);
+      material.normal_scale = Mean(heights->value.value_or(glm::vec3(1)));
+    } else {
+      // A constant height is no relief; what is not understood is named.
+      FindColor(parameters, name, reader.float_textures, reader.warnings);
+    }
+  }
+  if (const auto file = FindString(parameters, "normalmap")) {
+    const std::string path = ResolvePbrtPath(reader, *file, parameters.position);
+    Texture texture;
+    texture.use = TextureUse::kNormals;
+    texture.image = AddTextureImage(reader.texture_files, path, Encoding::kLinear);
+    texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
+    reader.scene.textures.push_back(texture);
+    material.normal_texture = static_cast<std::uint32_t>(reader.scene.textures.size() - 1);
+    material.normal_scale = 1;
+  }
+}
+
+}  // namespace skywave

@@ -1,0 +1,236 @@
+// pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), and scale, mix and checkerboard,
+// which become images (texture_baking.h) unless all they are made of is constant. Others are known
+// by name only: what uses them takes its default, with a warning.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "scene/pbrt/state.h"
+#include "scene/materials/texture_baking.h"
+
+namespace skywave {
+namespace {
+
+void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
+  AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
+}
+
+PbrtTexture Constant(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  const auto value = FindColor(parameters, "value", same, reader.warnings);
+  return {.value = value.value_or(glm::vec3(1)), .image = {}};
+}
+
+TextureWrap Wrap(PbrtReader& reader, PbrtParameters& parameters) {
+  const std::string wrap = FindString(parameters, "wrap").value_or("repeat");
+  if (wrap == "repeat") return TextureWrap::kRepeat;
+  if (wrap != "clamp") {
+    Warn(reader, parameters, fmt::format("the wrap \"{}\" is not supported: clamped", wrap));
+  }
+  return TextureWrap::kClamp;
+}
+
+// How the numbers of 8-bit files are meant, in the words of version 3 or 4.
+struct TexelEncoding {
+  Encoding encoding = Encoding::kSrgb;
+  float gamma = 1;  // numbers are raised to this, after `encoding`
+};
+TexelEncoding EncodingOf(PbrtReader& reader, PbrtParameters& parameters, const std::string& path) {
+  if (!FindBool(parameters, "gamma").value_or(true)) return {Encoding::kLinear};
+  const std::string encoding = FindString(parameters, "encoding").value_or("sRGB");
+  if (encoding == "linear") return {Encoding::kLinear};
+  constexpr std::string_view kGamma = "gamma ";
+  if (encoding.starts_with(kGamma)) {
+    const char *begin = encoding.data() + kGamma.size(), *end = encoding.data() + encoding.size();
+    float gamma = 0;
+    const auto [stop, error] = std::from_chars(begin, end, gamma);
+    if (error != std::errc() || stop != end || !(gamma > 0 && gamma < 100)) {
+      throw InputError(parameters.position, fmt::format("{}: the encoding \"{}\" has no exponent",
+                                                        parameters.directive, encoding));
+    }
+    const std::string ending = std::filesystem::path(path).extension().string();
+    const bool bytes = ending == ".png" || ending == ".jpg" || ending == ".jpeg";
+    return {Encoding::kLinear, bytes ? gamma : 1};
+  }
+  if (encoding != "sRGB") {
+    Warn(reader, parameters,
+         fmt::format("the encoding \"{}\" is not supported: read as sRGB", encoding));
+  }
+  return {};
+}
+
+// Where (u, v) lie: nothing, with a warning, for mappings that do not use them.
+struct UvMapping {
+  glm::vec2 scale, offset;
+};
+std::optional<UvMapping> MappingOf(PbrtReader& reader, PbrtParameters& parameters) {
+  if (const std::string mapping = FindString(parameters, "mapping").value_or("uv");
+      mapping != "uv") {
+    Warn(reader, parameters,
+         fmt::format("the mapping \"{}\" is not supported: its users take their default", mapping));
+    return std::nullopt;
+  }
+  const auto number = [&](const char* name, float otherwise) {
+    return FindFloat(parameters, name).value_or(otherwise);
+  };
+  return UvMapping{{number("uscale", 1), number("vscale", 1)},
+                   {number("udelta", 0), number("vdelta", 0)}};
+}
+
+PbrtTexture AddTexture(PbrtReader& reader, const Texture& texture, const glm::vec3& factor) {
+  reader.scene.textures.push_back(texture);
+  return {.value = factor, .image = static_cast<std::uint32_t>(reader.scene.textures.size() - 1)};
+}
+
+// `combine` of textures. What is constant stays so; images are baked.
+PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
+                    std::initializer_list<PbrtTexture> textures, const CombineTexels& combine) {
+  std::vector<TextureOperand> operands;
+  std::vector<glm::vec3> values;
+  for (const PbrtTexture& texture : textures) {
+    values.push_back(texture.value.value_or(glm::vec3(1)));
+    operands.push_back(
+        {values.back(), texture.image ? &reader.scene.textures[*texture.image] : nullptr});
+  }
+  const bool constant = std::none_of(operands.begin(), operands.end(),
+                                     [](const TextureOperand& o) { return o.texture != nullptr; });
+  if (constant) return {.value = combine(values), .image = {}};
+  const std::optional<Texture> baked = BakeTexture(operands, combine, reader.scene);
+  if (!baked) {
+    Warn(reader, parameters,
+         "its images lie differently and do not all repeat a whole number of times in the unit "
+         "square: its users take their default");
+    return {};
+  }
+  const Image& image = reader.scene.images[baked->image];
+  reader.baked_texels += std::size_t(image.width) * std::size_t(image.height);
+  if (reader.baked_texels > kMaxBakedTexels) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: textures that are computed have more than {} texels from "
+                                 "here on",
+                                 parameters.directive, kMaxBakedTexels));
+  }
+  return AddTexture(reader, *baked, glm::vec3(1));
+}
+
+PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters) {
+  const auto filename = FindString(parameters, "filename");
+  if (!filename) {
+    throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
+  }
+  // How pbrt filters: here the pyramid is always used.
+  FindString(parameters, "filter");
+  FindFloat(parameters, "maxanisotropy");
+  FindBool(parameters, "trilinear");
+
+  const auto mapping = MappingOf(reader, parameters);
+  if (!mapping) return {};
+  Texture texture;
+  texture.wrap_u = texture.wrap_v = Wrap(reader, parameters);
+  texture.transform = UpwardTextureTransform(mapping->scale, mapping->offset);
+  const glm::vec3 scale(FindFloat(parameters, "scale").value_or(1));
+  const std::string path = ResolvePbrtPath(reader, *filename, parameters.position);
+  const TexelEncoding encoding = EncodingOf(reader, parameters, path);
+  const bool invert = FindBool(parameters, "invert").value_or(false);
+  texture.image = AddTextureImage(reader.texture_files, path, encoding.encoding);
+  const PbrtTexture plain = AddTexture(reader, texture, scale);
+  if (encoding.gamma == 1 && !invert) return plain;
+  return Combine(reader, parameters, {{.value = glm::vec3(1), .image = plain.image}},
+                 [&](std::span<const glm::vec3> values) {
+                   const glm::vec3 decoded = scale * glm::pow(values[0], glm::vec3(encoding.gamma));
+                   return invert ? glm::max(1.0f - decoded, glm::vec3(0)) : decoded;
+                 });
+}
+
+// What a parameter of a texture is: another one of `textures`, or a colour.
+PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& textures,
+                    std::string_view name, float otherwise) {
+  if (const auto image = FindImageTexture(parameters, name, textures)) return *image;
+  const auto color = FindColor(parameters, name, textures, reader.warnings);
+  return {.value = color.value_or(glm::vec3(otherwise)), .image = {}};
+}
+
+// tex1 and tex2 in version 3, tex and scale, a float, in version 4.
+PbrtTexture Scale(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  const bool v3 = Find(parameters, {"rgb", "color", "xyz", "float", "texture", "spectrum"}, "tex1");
+  const PbrtTexture a = Operand(reader, parameters, same, v3 ? "tex1" : "tex", 1),
+                    b = v3 ? Operand(reader, parameters, same, "tex2", 1)
+                           : Operand(reader, parameters, reader.float_textures, "scale", 1);
+  const glm::vec3 factor = a.value.value_or(glm::vec3(1)) * b.value.value_or(glm::vec3(1));
+  // One image needs no other copy.
+  if (!a.image || !b.image) return {.value = factor, .image = a.image ? a.image : b.image};
+  return Combine(reader, parameters, {a, b},
+                 [](std::span<const glm::vec3> values) { return values[0] * values[1]; });
+}
+
+glm::vec3 MixTexels(std::span<const glm::vec3> values) {
+  return glm::mix(values[0], values[1], values[2]);
+}
+
+PbrtTexture Mix(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  return Combine(
+      reader, parameters,
+      {Operand(reader, parameters, same, "tex1", 0), Operand(reader, parameters, same, "tex2", 1),
+       Operand(reader, parameters, reader.float_textures, "amount", 0.5f)},
+      MixTexels);
+}
+
+PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  FindString(parameters, "aamode");  // how pbrt-v3 filters
+  if (const int dimension = FindInt(parameters, "dimension").value_or(2); dimension != 2) {
+    Warn(reader, parameters,
+         fmt::format("dimension {} is not supported: its users take their default", dimension));
+    return {};
+  }
+  const auto mapping = MappingOf(reader, parameters);
+  if (!mapping) return {};
+  if (!reader.checker_image) {
+    reader.checker_image = AddTextureImage(reader.scene, CheckerSelector());
+  }
+  Texture selector{.image = *reader.checker_image};
+  selector.transform = UpwardTextureTransform(0.5f * mapping->scale, 0.5f * mapping->offset);
+  const PbrtTexture tex1 = Operand(reader, parameters, same, "tex1", 1),
+                    tex2 = Operand(reader, parameters, same, "tex2", 0);
+  return Combine(reader, parameters, {tex1, tex2, AddTexture(reader, selector, glm::vec3(1))},
+                 MixTexels);
+}
+
+}  // namespace
+
+void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string name = ExpectString(source, "the name of a texture");
+  const std::string type = ExpectString(source, "the type of a texture");
+  const std::string kind = ExpectString(source, "the class of a texture");
+  PbrtParameters parameters = ReadParametersAndAttributes(
+      reader, source, position, "texture", fmt::format("Texture \"{}\" \"{}\"", name, kind));
+  if (type != "float" && type != "spectrum" && type != "color") {
+    throw InputError(position, fmt::format("{}: the types are float and spectrum, not \"{}\"",
+                                           parameters.directive, type));
+  }
+  PbrtTextures& textures = type == "float" ? reader.float_textures : reader.color_textures;
+  PbrtTexture texture;
+  if (kind == "constant") {
+    texture = Constant(reader, parameters, textures);
+  } else if (kind == "scale") {
+    texture = Scale(reader, parameters, textures);
+  } else if (kind == "imagemap") {
+    texture = ImageMap(reader, parameters);
+  } else if (kind == "mix") {
+    texture = Mix(reader, parameters, textures);
+  } else if (kind == "checkerboard") {
+    texture = Checkerboard(reader, parameters, textures);
+  } else {
+    textures[name] = {};
+    AddWarning(reader.warnings, position,
+               parameters.directive + " is not supported: its users take their default");
+    return;
+  }
+  textures[name] = texture;
+  ReportUnused(parameters, reader.warnings);
+}
+
+}  // namespace skywave

@@ -1,0 +1,166 @@
+// pbrt's transform directives. Each multiplies the current matrix from the right.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "base/error.h"
+#include "scene/pbrt/state.h"
+
+namespace skywave {
+namespace {
+
+// All later uses need the inverse: refuse a matrix without one where it enters.
+void SetTransform(PbrtReader& reader, const InputPosition& position, std::string_view directive,
+                  const glm::dmat4& matrix) {
+  const double determinant = glm::determinant(matrix);
+  const glm::dmat4 inverse = glm::inverse(matrix);
+  bool usable = std::isnormal(determinant);
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 4; ++row) {
+      usable = usable && std::isfinite(matrix[column][row]) && std::isfinite(inverse[column][row]);
+    }
+  }
+  if (!usable) {
+    throw InputError(position, fmt::format("{} makes the transform singular", directive));
+  }
+  if (reader.state.transform_active) reader.state.to_world = matrix;
+}
+
+void Concatenate(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
+                 const glm::dmat4& matrix) {
+  SetTransform(reader, PositionOf(source, word), word.text, reader.state.to_world * matrix);
+}
+
+void Identity(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
+  if (reader.state.transform_active) reader.state.to_world = glm::dmat4(1);
+}
+
+void Translate(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  glm::dvec3 by;
+  ExpectNumbers(source, word.text, 3, glm::value_ptr(by));
+  Concatenate(reader, source, word, glm::translate(glm::dmat4(1), by));
+}
+
+void Scale(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  glm::dvec3 by;
+  ExpectNumbers(source, word.text, 3, glm::value_ptr(by));
+  Concatenate(reader, source, word, glm::scale(glm::dmat4(1), by));
+}
+
+void Rotate(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  std::array<double, 4> n{};  // angle in degrees, axis
+  ExpectNumbers(source, word.text, 4, n.data());
+  const glm::dvec3 axis(n[1], n[2], n[3]);
+  if (axis == glm::dvec3(0)) {
+    throw InputError(PositionOf(source, word), "Rotate about an axis of length zero");
+  }
+  Concatenate(reader, source, word, glm::rotate(glm::dmat4(1), glm::radians(n[0]), axis));
+}
+
+// The matrix that LookAt concatenates: from the world to a viewer with x right, y up, z forward in
+// pbrt's left-handed world.
+void LookAt(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  std::array<double, 9> n{};
+  ExpectNumbers(source, word.text, 9, n.data());
+  const glm::dvec3 eye = glm::make_vec3(&n[0]), target = glm::make_vec3(&n[3]),
+                   up = glm::make_vec3(&n[6]);
+  const glm::dvec3 forward = glm::normalize(target - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(glm::normalize(up), forward));
+  const glm::dmat4 to_world(glm::dvec4(right, 0), glm::dvec4(glm::cross(forward, right), 0),
+                            glm::dvec4(forward, 0), glm::dvec4(eye, 1));
+  Concatenate(reader, source, word, glm::inverse(to_world));
+}
+
+// Both list columns, as GLM stores them.
+glm::dmat4 ReadMatrix(PbrtSource& source, const PbrtToken& word) {
+  std::array<double, 16> n{};
+  ExpectNumbers(source, word.text, 16, n.data());
+  const glm::dmat4 matrix = glm::make_mat4(n.data());
+  if (matrix[0].w != 0 || matrix[1].w != 0 || matrix[2].w != 0 || matrix[3].w == 0) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("{}: projective matrices are not supported: numbers 4, 8, 12 and "
+                                 "16 have to be 0 0 0 1",
+                                 word.text));
+  }
+  return matrix / matrix[3].w;
+}
+
+void Transform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  SetTransform(reader, PositionOf(source, word), word.text, ReadMatrix(source, word));
+}
+
+void ConcatTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  Concatenate(reader, source, word, ReadMatrix(source, word));
+}
+
+void CoordinateSystem(PbrtReader& reader, PbrtSource& source, const PbrtToken&) {
+  const std::string name = ExpectString(source, "the name of a coordinate system");
+  reader.coordinate_systems[name] = reader.state.to_world;
+}
+
+void CoordSysTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, "the name of a coordinate system");
+  const auto found = reader.coordinate_systems.find(name);
+  if (found == reader.coordinate_systems.end()) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("there is no coordinate system \"{}\"", name));
+  }
+  reader.state.to_world = found->second;
+}
+
+void ReverseOrientation(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
+  reader.state.reverse_orientation = !reader.state.reverse_orientation;
+}
+
+// Motion is not rendered: everything stands where it is at the start of the exposure.
+void ActiveTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const PbrtToken which = NextToken(source);
+  if (which.text != "All" && which.text != "StartTime" && which.text != "EndTime") {
+    throw InputError(PositionOf(source, which),
+                     "ActiveTransform takes All, StartTime or EndTime, not " + Describe(which));
+  }
+  reader.state.transform_active = which.text != "EndTime";
+  if (which.text == "All") return;
+  AddWarning(reader.warnings, PositionOf(source, word),
+             "ActiveTransform: motion is not supported: rendered as at StartTime");
+}
+
+void TransformTimes(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  std::array<double, 2> times{};
+  ExpectNumbers(source, word.text, 2, times.data());
+  AddWarning(reader.warnings, PositionOf(source, word),
+             "TransformTimes: motion is not supported: ignored");
+}
+
+struct Entry {
+  std::string_view word;
+  PbrtHandler handler;
+};
+constexpr Entry kDirectives[] = {
+    {"Identity", Identity},
+    {"Translate", Translate},
+    {"Scale", Scale},
+    {"Rotate", Rotate},
+    {"LookAt", LookAt},
+    {"Transform", Transform},
+    {"ConcatTransform", ConcatTransform},
+    {"CoordinateSystem", CoordinateSystem},
+    {"CoordSysTransform", CoordSysTransform},
+    {"ReverseOrientation", ReverseOrientation},
+    {"ActiveTransform", ActiveTransform},
+    {"TransformTimes", TransformTimes},
+};
+
+}  // namespace
+
+PbrtHandler FindPbrtTransformDirective(std::string_view word) {
+  for (const Entry& entry : kDirectives) {
+    if (entry.word == word) return entry.handler;
+  }
+  return nullptr;
+}
+
+}  // namespace skywave

@@ -1,0 +1,272 @@
+// pbrt's directives that describe the world: scopes, materials, shapes, objects, lights.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "base/error.h"
+#include "scene/shapes/mesh.h"
+#include "scene/pbrt/materials.h"
+#include "scene/pbrt/reader.h"
+#include "scene/pbrt/shapes.h"
+#include "scene/pbrt/state.h"
+#include "scene/pbrt/surface_maps.h"
+
+namespace skywave {
+namespace {
+
+void OpenScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word) {
+  if (reader.scopes.size() >= kMaxPbrtScopes) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("scopes are nested more than {} deep", kMaxPbrtScopes));
+  }
+  reader.scopes.push_back({std::string(word.text), PositionOf(source, word), reader.state});
+}
+
+// Closes the innermost scope, which `begin` has to have opened; returns the state saved there.
+PbrtGraphicsState CloseScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
+                             std::string_view begin) {
+  if (reader.scopes.empty()) {
+    throw InputError(PositionOf(source, word), fmt::format("{} without {}", word.text, begin));
+  }
+  const PbrtScope scope = std::move(reader.scopes.back());
+  if (scope.begin != begin) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("{} cannot close the {} of {}", word.text, scope.begin,
+                                 ToString(scope.position)));
+  }
+  reader.scopes.pop_back();
+  return scope.saved;
+}
+
+void WorldBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  if (reader.in_world) throw InputError(PositionOf(source, word), "a second WorldBegin");
+  if (!reader.scopes.empty()) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("WorldBegin inside the {} of {}", reader.scopes.back().begin,
+                                 ToString(reader.scopes.back().position)));
+  }
+  reader.in_world = true;
+  reader.state.to_world = glm::dmat4(1);
+  reader.state.transform_active = true;
+  reader.coordinate_systems["world"] = glm::dmat4(1);
+}
+
+void WorldEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  if (!reader.in_world) throw InputError(PositionOf(source, word), "WorldEnd without WorldBegin");
+  reader.ended = true;
+}
+
+void AttributeBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  OpenScope(reader, source, word);
+}
+void AttributeEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  reader.state = CloseScope(reader, source, word, "AttributeBegin");
+}
+void TransformBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  OpenScope(reader, source, word);
+}
+void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const PbrtGraphicsState saved = CloseScope(reader, source, word, "TransformBegin");
+  reader.state.to_world = saved.to_world;
+  reader.state.transform_active = saved.transform_active;
+}
+
+void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, "the name of an object");
+  if (reader.object) {
+    throw InputError(PositionOf(source, word), "ObjectBegin inside another object");
+  }
+  const auto [object, is_new] = reader.objects.try_emplace(name);
+  if (!is_new) {
+    throw InputError(PositionOf(source, word), fmt::format("a second object \"{}\"", name));
+  }
+  OpenScope(reader, source, word);
+  reader.object = &object->second;
+}
+
+void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  reader.state = CloseScope(reader, source, word, "ObjectBegin");
+  reader.object = nullptr;
+}
+
+void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh,
+             std::vector<Mesh>& meshes) {
+  reader.triangles += mesh.triangles.size();
+  if (reader.triangles > reader.options.max_triangles) {
+    throw InputError(position, fmt::format("the scene has more than {} triangles from here on; "
+                                           "instances count as copies (--max-triangles)",
+                                           reader.options.max_triangles));
+  }
+  const std::size_t bad = FirstNonFinite(mesh.positions);
+  if (bad < mesh.positions.size()) {
+    throw InputError(position, fmt::format("vertex {} is not finite after its transform", bad));
+  }
+  meshes.push_back(std::move(mesh));
+}
+
+void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, "the name of an object");
+  const InputPosition position = PositionOf(source, word);
+  const auto object = reader.objects.find(name);
+  if (object == reader.objects.end()) {
+    throw InputError(position, fmt::format("there is no object \"{}\"", name));
+  }
+  if (reader.object) throw InputError(position, "ObjectInstance inside an object");
+  for (Mesh mesh : object->second) {
+    TransformMesh(reader.state.to_world, mesh);
+    AddMesh(reader, position, std::move(mesh), reader.scene.meshes);
+  }
+}
+
+void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string type = ExpectString(source, "the type of Shape");
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "shape",
+                                                          fmt::format("Shape \"{}\"", type));
+  const auto resolve = [&](const std::string& name) {
+    return ResolvePbrtPath(reader, name, position);
+  };
+  std::optional<std::uint32_t> material = reader.state.material;
+  if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
+  std::optional<Mesh> mesh = MakePbrtShape(
+      type, parameters, resolve,
+      {.needs_uvs = !reader.scene.textures.empty(), .max_triangles = reader.options.max_triangles},
+      reader.warnings);
+  if (!mesh) return;
+  if (!material) {
+    AddWarning(reader.warnings, position,
+               "a shape that only bounds a medium is not supported: left out");
+    return;
+  }
+  TransformMesh(reader.state.to_world, *mesh);
+  if (reader.state.reverse_orientation) FlipOrientation(*mesh);
+  mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
+  mesh->name = fmt::format("{} ({})", type, ToString(position));
+  AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
+}
+
+std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& type,
+                                         const std::string& name, PbrtParameters& parameters) {
+  if (IsInvisiblePbrtMaterial(type)) {
+    ReportUnused(parameters, reader.warnings);
+    return std::nullopt;
+  }
+  Material relief;
+  if (type != "mix") ReadPbrtRelief(reader, parameters, relief);
+  Material material = MakePbrtMaterial(type, parameters, reader);
+  material.name = name;
+  material.normal_texture = relief.normal_texture;
+  material.normal_scale = relief.normal_scale;
+  reader.scene.materials.push_back(std::move(material));
+  return static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
+}
+
+void ReadMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string type = ExpectString(source, "the type of Material");
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "material",
+                                                          fmt::format("Material \"{}\"", type));
+  reader.state.material = AddMaterial(reader, type, type, parameters);
+}
+
+void MakeNamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string name = ExpectString(source, "the name of a material");
+  PbrtParameters parameters = ReadParametersAndAttributes(
+      reader, source, position, "material", fmt::format("MakeNamedMaterial \"{}\"", name));
+  const auto type = FindString(parameters, "type");
+  if (!type) {
+    throw InputError(position,
+                     fmt::format("MakeNamedMaterial \"{}\" needs a \"string type\"", name));
+  }
+  parameters.directive += fmt::format(" (type \"{}\")", *type);
+  reader.named_materials[name] = AddMaterial(reader, *type, name, parameters);
+}
+
+void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, "the name of a material");
+  const auto found = reader.named_materials.find(name);
+  if (found == reader.named_materials.end()) {
+    throw InputError(PositionOf(source, word), fmt::format("there is no material \"{}\"", name));
+  }
+  reader.state.material = found->second;
+}
+
+// pbrt-v4: parameters for all later directives of a kind, within the scope.
+void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const InputPosition position = PositionOf(source, word);
+  const std::string kind = ExpectString(source, "the kind of Attribute");
+  const PbrtParameters given =
+      ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind));
+  if (kind == "light" || kind == "medium") {
+    AddWarning(reader.warnings, position, given.directive + " is not supported: ignored");
+    return;
+  }
+  if (kind != "shape" && kind != "material" && kind != "texture") {
+    throw InputError(
+        position, given.directive + ": the kinds are shape, light, material, medium and texture");
+  }
+  auto all = reader.state.attributes ? *reader.state.attributes : PbrtAttributeMap();
+  for (const PbrtParameter& parameter : given.list) {
+    std::erase_if(all[kind], [&](auto& other) { return other.name == parameter.name; });
+    all[kind].push_back(parameter);
+  }
+  if (all[kind].size() > kMaxPbrtParameters) {
+    throw InputError(position, fmt::format("{} has more than {} parameters", given.directive,
+                                           kMaxPbrtParameters));
+  }
+  reader.state.attributes = std::make_shared<const PbrtAttributeMap>(std::move(all));
+}
+
+// `Word "name" parameters`, of which nothing is rendered.
+void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  const std::string name = ExpectString(source, fmt::format("the name of {}", word.text));
+  ReadParameters(source, PositionOf(source, word), std::string(word.text));
+  AddWarning(reader.warnings, PositionOf(source, word),
+             fmt::format("{} \"{}\" is not supported: ignored", word.text, name));
+}
+
+void MediumInterface(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+  ExpectString(source, "the name of a medium");
+  if (PeekToken(source).kind == PbrtTokenKind::kString) NextToken(source);
+  AddWarning(reader.warnings, PositionOf(source, word),
+             "MediumInterface is not supported: ignored");
+}
+
+struct Entry {
+  std::string_view word;
+  PbrtHandler handler;
+};
+constexpr Entry kDirectives[] = {
+    {"WorldBegin", WorldBegin},
+    {"WorldEnd", WorldEnd},
+    {"AttributeBegin", AttributeBegin},
+    {"AttributeEnd", AttributeEnd},
+    {"TransformBegin", TransformBegin},
+    {"TransformEnd", TransformEnd},
+    {"ObjectBegin", ObjectBegin},
+    {"ObjectEnd", ObjectEnd},
+    {"ObjectInstance", ObjectInstance},
+    {"Shape", ReadShape},
+    {"Material", ReadMaterial},
+    {"MakeNamedMaterial", MakeNamedMaterial},
+    {"NamedMaterial", NamedMaterial},
+    {"Texture", ReadPbrtTexture},
+    {"LightSource", ReadPbrtLightSource},
+    {"AreaLightSource", ReadPbrtAreaLight},
+    {"MakeNamedMedium", Ignore},
+    {"Attribute", Attribute},
+    {"Volume", Ignore},  // pbrt-v2
+    {"MediumInterface", MediumInterface},
+};
+
+}  // namespace
+
+PbrtHandler FindPbrtWorldDirective(std::string_view word) {
+  for (const Entry& entry : kDirectives) {
+    if (entry.word == word) return entry.handler;
+  }
+  return nullptr;
+}
+
+}  // namespace skywave

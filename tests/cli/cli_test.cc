@@ -1,0 +1,691 @@
+// The program as its users meet it: help, exit codes, messages, files.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "image/exr_header.h"
+#include "image/image.h"
+#include "tests/support/program.h"
+#include "wavefront/film/aovs.h"
+
+namespace skywave {
+namespace {
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+constexpr char kTriangle[] =
+    "WorldBegin\nShape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+    "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n";
+constexpr char kLight[] = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+
+std::string Ply(const std::string& vertices, const std::string& face) {
+  return "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+         vertices + face + "\n";
+}
+constexpr char kVertices[] = "0 0 0\n1 0 0\n0 1 0\n";
+
+Image Map(float value) {
+  Image map(8, 4);
+  for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = value * float(1 + i % 5);
+  return map;
+}
+
+class Cli : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    Put("dark.pbrt", kTriangle);
+    Put("scene.pbrt", std::string("WorldBegin\n") + kLight + (kTriangle + 11));
+    Put("unknown.pbrt", std::string("# a comment\n\nFrobnicate 3\n") + kTriangle);
+    Put("empty.pbrt", std::string("WorldBegin\n") + kLight + "WorldEnd\n");
+    Put("range.pbrt", std::string("WorldBegin\n") + kLight +
+                          "\nShape \"trianglemesh\" \"integer indices\" [0 1 3]\n"
+                          "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+    Put("point.pbrt", std::string("WorldBegin\n") + kLight +
+                          "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+                          "  \"point P\" [1 1 1 1 1 1 1 1 1]\nWorldEnd\n");
+    Put("film.pbrt",
+        std::string("Film \"image\" \"integer xresolution\" 0\n") + Bytes("scene.pbrt"));
+    Put("good.ply", Ply(kVertices, "3 0 1 2"));
+    Put("range.ply", Ply(kVertices, "3 0 1 3"));
+    Put("nan.ply", Ply("0 0 0\n1 nan 0\n0 1 0\n", "3 0 1 2"));
+    Put("far.ply", Ply("0 0 0\n1 3e38 0\n0 1 0\n", "3 0 1 2"));
+    Put("scene.blend", "BLENDER");
+    const std::string corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    Put("good.obj", corners + "f 1 2 3\n");
+    Put("empty.obj", corners);
+    Put("range.obj", corners + "f 1 2 4\n");
+    Put("nan.obj", corners + "v 1 nan 1\nf 1 2 3\n");
+    Put("library.obj", "mtllib nosuch.mtl\n" + corners + "f 1 2 3\n");
+    WriteExr(Path("map.exr"), Map(1));
+    Put("cut.exr", Bytes("map.exr").substr(0, Bytes("map.exr").size() - 40));
+    Put("text.exr", "not a picture");
+    Image odd(7, 4);
+    WriteExr(Path("odd.exr"), odd);
+    Image bad = Map(1);
+    bad.rgb[0] = std::numeric_limits<float>::quiet_NaN();
+    bad.rgb[7] = -2;
+    bad.rgb[30] = std::numeric_limits<float>::infinity();
+    bad.rgb[33] = -1;
+    WritePfm(Path("bad.pfm"), bad);
+    std::filesystem::create_directory(Path("folder"));
+  }
+};
+
+// ---- Help ----
+
+TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
+  const Result result = Run("--help");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* const part :
+       {"render", "info", "compare", "strategies", "converge", "bench", "-o gallery.exr"}) {
+    EXPECT_TRUE(Contains(result.out, part)) << part;
+  }
+  EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(Contains(Run("--version").out, "skywave 0."));
+}
+
+TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
+  for (const std::string command :
+       {"render", "info", "compare", "strategies", "converge", "bench"}) {
+    const Result result = Run(command + " --help");
+    EXPECT_EQ(result.exit_code, 0) << command;
+    EXPECT_TRUE(Contains(result.out, "Example")) << command;
+    EXPECT_TRUE(Contains(result.out, "  skywave ")) << command;
+  }
+  const std::string help = Run("render --help").out;
+  for (const char* const flag :
+       {"--env", "--strategy", "--size", "--spp", "--integrator", "--max-depth", "--filter",
+        "--seed", "--threads", "--wave", "--backend", "--output", "--stats"}) {
+    EXPECT_TRUE(Contains(help, flag)) << flag;
+  }
+}
+
+TEST_F(Cli, StrategiesAreListedWithTheirParameters) {
+  const Result result = Run("strategies");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* const part : {"importance", "compensate=0", "uniform", "cosine"}) {
+    EXPECT_TRUE(Contains(result.out, part)) << part;
+  }
+}
+
+// ---- Bad input ----
+
+struct BadCase {
+  std::string arguments;
+  int exit_code;
+  std::vector<std::string> message;  // parts of it
+};
+
+TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
+  const std::string small = " --size 4x3 --spp 1";
+  const BadCase cases[] = {
+      // Scenes
+      {"render nosuch.pbrt", kExitBadInput, {"nosuch.pbrt", "no such file", "gallery"}},
+      {"render galery", kExitBadInput, {"galery", "gallery, spheres"}},
+      {"render scene.blend", kExitBadInput, {"scene.blend", ".pbrt, .obj, .gltf, .glb or .ply"}},
+      {"render good.obj", kExitBadInput, {"good.obj", "no light", "--env"}},
+      {"render empty.obj --env map.exr", kExitBadInput, {"empty.obj", "no triangle"}},
+      {"render range.obj --env map.exr", kExitBadInput, {"range.obj:4: ", "index 4"}},
+      {"render nan.obj --env map.exr", kExitBadInput, {"nan.obj:4: ", "nan"}},
+      {"render library.obj --env map.exr", kExitIo, {"library.obj:1: ", "nosuch.mtl"}},
+      {"render folder", kExitBadInput, {"folder"}},
+      {"render unknown.pbrt", kExitBadInput, {"unknown.pbrt:3: ", "Frobnicate"}},
+      {"render empty.pbrt", kExitBadInput, {"empty.pbrt", "no triangle"}},
+      {"render dark.pbrt", kExitBadInput, {"dark.pbrt", "no light", "--env"}},
+      {"render good.ply", kExitBadInput, {"good.ply", "no light", "--env"}},
+      {"render range.pbrt", kExitBadInput, {"range.pbrt:4: ", "3"}},
+      {"render range.ply --env map.exr", kExitBadInput, {"range.ply", "3"}},
+      {"render nan.ply --env map.exr", kExitBadInput, {"nan.ply"}},
+      {"render far.ply --env map.exr", kExitBadInput, {"far.ply", "vertex 1"}},
+      {"render film.pbrt", kExitBadInput, {"film.pbrt:1: ", "resolution"}},
+      // Maps
+      {"render scene.pbrt --env nosuch.exr", kExitIo, {"nosuch.exr", "No such file"}},
+      {"render scene.pbrt --env folder", kExitIo, {"folder"}},
+      {"render scene.pbrt --env cut.exr", kExitBadInput, {"cut.exr", "byte"}},
+      {"render scene.pbrt --env text.exr", kExitBadInput, {"text.exr"}},
+      {"render scene.pbrt --env odd.exr", kExitBadInput, {"odd.exr", "7 x 4", "--env-projection"}},
+      // Outputs
+      {"render scene.pbrt -o missing/a.exr", kExitIo, {"missing/a.exr", "no folder missing"}},
+      {"render scene.pbrt -o folder", kExitUsage, {"folder", ".exr"}},
+      {"render scene.pbrt -o a.png", kExitUsage, {"a.png", ".exr"}},
+      {"render scene.pbrt -o scene.pbrt/a.exr", kExitIo, {"scene.pbrt/a.exr"}},
+      {"render scene.pbrt -o a.exr --stats missing/s.json", kExitIo, {"missing/s.json"}},
+      {"compare map.exr odd.exr", kExitBadInput, {"8 x 4", "7 x 4"}},
+      {"compare map.exr nosuch.exr", kExitIo, {"nosuch.exr"}},
+      {"compare map.exr cut.exr --map e.png --json e.json", kExitBadInput, {"cut.exr"}},
+      {"compare map.exr map.exr --json missing/e.json", kExitIo, {"missing/e.json"}},
+      // Flags
+      {"", kExitUsage, {"--help"}},
+      {"rendr", kExitUsage, {"--help"}},
+      {"render", kExitUsage, {"scene is required"}},
+      {"compare map.exr", kExitUsage, {"reference is required"}},
+      {"render scene.pbrt --frob", kExitUsage, {"--frob"}},
+      {"render scene.pbrt surplus", kExitUsage, {"surplus"}},
+      {"render scene.pbrt --size 0x0", kExitUsage, {"--size", "0x0"}},
+      {"render scene.pbrt --size -4x3", kExitUsage, {"--size"}},
+      {"render scene.pbrt --size 10", kExitUsage, {"--size", "WxH"}},
+      {"render scene.pbrt --size 4x3x2", kExitUsage, {"--size", "4x3x2"}},
+      {"render scene.pbrt --size 99999999999x1", kExitUsage, {"--size"}},
+      {"render scene.pbrt --size 30000x30000", kExitBadInput, {"30000 x 30000"}},
+      {"render scene.pbrt --spp 0", kExitUsage, {"--spp"}},
+      {"render scene.pbrt --spp many", kExitUsage, {"--spp", "many"}},
+      {"render scene.pbrt --max-depth -1", kExitUsage, {"--max-depth"}},
+      {"render scene.pbrt --light-samples 0", kExitUsage, {"--light-samples"}},
+      {"render scene.pbrt --wave 0", kExitUsage, {"--wave"}},
+      {"render scene.pbrt --threads -1", kExitUsage, {"--threads"}},
+      {"render scene.pbrt --seed 99999999999", kExitUsage, {"--seed"}},
+      {"render scene.pbrt --integrator nosuch",
+       kExitUsage,
+       {"--integrator", "nosuch", "direct|path"}},
+      {"render scene.pbrt --filter cubic", kExitUsage, {"--filter", "cubic", "gaussian"}},
+      {"render scene.pbrt --filter-radius nan", kExitUsage, {"--filter-radius", "nan"}},
+      {"render scene.pbrt --filter-radius -1", kExitUsage, {"--filter-radius"}},
+      {"render scene.pbrt --backend gpu", kExitUsage, {"--backend", "gpu", "stream"}},
+      {"render scene.pbrt --env-up w", kExitUsage, {"--env-up", "x|y|z"}},
+      {"render scene.pbrt --env-rotate inf", kExitUsage, {"--env-rotate", "inf"}},
+      {"render scene.pbrt --env-intensity nan", kExitUsage, {"--env-intensity", "nan"}},
+      {"render scene.pbrt --env-projection flat", kExitUsage, {"--env-projection", "latlong"}},
+      {"render scene.pbrt --camera pinhole", kExitUsage, {"--camera", "pinhole", "orthographic"}},
+      {"render scene.pbrt --eye 1,2", kExitUsage, {"--eye", "1,2", "X,Y,Z"}},
+      {"render scene.pbrt --eye 1,2,nan", kExitUsage, {"--eye", "X,Y,Z"}},
+      {"render scene.pbrt --eye 1,2,3 --target 1,2,3", kExitUsage, {"--target", "look"}},
+      {"render scene.pbrt --fov 180", kExitUsage, {"--fov", "180", "perspective", "fisheye"}},
+      {"render scene.pbrt --camera fisheye --fov 361", kExitUsage, {"--fov", "361"}},
+      {"render scene.pbrt --aovs albedo,colour", kExitUsage, {"colour", "albedo", "position"}},
+      {"render scene.pbrt --aovs depth -o a.png", kExitUsage, {"a.png", "--aovs", "EXR"}},
+      {"render scene.pbrt --aovs depth --max-depth 0", kExitUsage, {"--aovs", "--max-depth"}},
+      {"render scene.pbrt --shutter 1/60", kExitUsage, {"--shutter", "--f-number"}},
+      {"render scene.pbrt --f-number 8", kExitUsage, {"--f-number", "--shutter"}},
+      {"render scene.pbrt --iso 100", kExitUsage, {"--iso", "--shutter"}},
+      {"render scene.pbrt --f-number 8 --shutter 1/0", kExitUsage, {"--shutter", "1/0", "1/125"}},
+      {"render scene.pbrt --f-number 8 --shutter 1/60s", kExitUsage, {"--shutter", "1/60s"}},
+      {"render scene.pbrt --f-number 0 --shutter 1", kExitUsage, {"--f-number"}},
+      {"render scene.pbrt --lens-radius -1", kExitUsage, {"--lens-radius"}},
+      {"render scene.pbrt --focal-distance 0", kExitUsage, {"--focal-distance"}},
+      {"render scene.pbrt --crop 2x2", kExitUsage, {"--crop", "WxH+X+Y"}},
+      {"render scene.pbrt --crop 2x2+3+0", kExitBadInput, {"2x2+3+0", "4 x 3"}},
+      {"render scene.pbrt --crop 0x1+0+0", kExitBadInput, {"0x1+0+0"}},
+      {"render scene.pbrt --exposure nan", kExitUsage, {"--exposure", "nan"}},
+      {"render scene.pbrt --tone rosy", kExitUsage, {"--tone", "filmic"}},
+      {"render scene.pbrt --strategy best", kExitUsage, {"best", "importance"}},
+      {"render scene.pbrt --strategy uniform:a=1", kExitUsage, {"a=1", "uniform", "none"}},
+      {"render scene.pbrt --strategy importance:b=1", kExitUsage, {"b=1", "compensate"}},
+      {"render scene.pbrt --strategy importance:compensate=2", kExitUsage, {"compensate=2"}},
+      {"render scene.pbrt --env map.exr --strategy importance:compensate=1 --no-mis",
+       kExitUsage,
+       {"compensate=1", "--no-mis"}},
+      {"render scene.pbrt --integrator light --strategy cosine",
+       kExitUsage,
+       {"cosine", "light path", "importance"}},
+      {"render scene.pbrt --integrator light --aovs variance", kExitUsage, {"variance", "light"}},
+      {"render scene.pbrt --integrator bdpt --no-mis", kExitUsage, {"--no-mis", "--paths"}},
+      {"render scene.pbrt --integrator bdpt --max-depth 65", kExitUsage, {"--max-depth 65", "64"}},
+      {"render scene.pbrt --paths 1,2", kExitUsage, {"--paths", "bdpt"}},
+      {"render scene.pbrt --integrator bdpt --paths 1,1", kExitUsage, {"--paths", "T >= 2"}},
+      {"render scene.pbrt --integrator bdpt --paths 1x2", kExitUsage, {"1x2", "S,T"}},
+      {"render scene.pbrt --integrator vcm --paths 1,2", kExitUsage, {"--paths", "vcm", "bdpt"}},
+      {"render scene.pbrt --integrator vcm --photon-distance -1",
+       kExitUsage,
+       {"--photon-distance"}},
+      {"render scene.pbrt --integrator vcm --photon-distance 1e9",
+       kExitUsage,
+       {"--photon-distance 1000000000", "radius"}},
+      {"render scene.pbrt --integrator vcm --photons 0", kExitUsage, {"--photons 0", "bdpt"}},
+      {"render scene.pbrt --integrator bdpt --paths=-1,2", kExitUsage, {"--paths", "-1,2", "S,T"}},
+      {"render scene.pbrt --integrator bdpt --paths 9,9",
+       kExitUsage,
+       {"--paths", "16 surfaces", "--max-depth is 5"}},
+      {"render scene.pbrt --integrator light --photon-distance nan",
+       kExitUsage,
+       {"--photon-distance", "nan"}},
+      {"render scene.pbrt --integrator photon --photon-distance -1",
+       kExitUsage,
+       {"--photon-distance", "-1"}},
+      {"render scene.pbrt --integrator photon --photons 0 --caustic-photons 0",
+       kExitUsage,
+       {"needs photons", "--integrator direct"}},
+      {"render scene.pbrt --integrator photon --photons 0",
+       kExitUsage,
+       {"--photons 0", "mirrors", "--integrator direct"}},
+      {"render scene.pbrt --integrator photon --photons -3", kExitUsage, {"--photons", "-3"}},
+      {"render scene.pbrt --integrator photon --photon-neighbors 1",
+       kExitUsage,
+       {"--photon-neighbors"}},
+      {"render scene.pbrt --integrator photon --photon-kernel box",
+       kExitUsage,
+       {"--photon-kernel", "box", "cone"}},
+      {"render scene.pbrt --integrator photon --gather -1", kExitUsage, {"--gather"}},
+      {"render scene.pbrt --integrator photon --progressive 5",
+       kExitUsage,
+       {"--progressive 5", "--spp is 1"}},
+      {"render scene.pbrt --integrator vcm --progressive 0", kExitUsage, {"--progressive"}},
+      {"render scene.pbrt --integrator vcm --progressive-alpha 2",
+       kExitUsage,
+       {"--progressive-alpha"}},
+      {"render far.ply --env map.exr --integrator bdpt", kExitBadInput, {"vertex 1", "1e18"}},
+      {"paths scene.pbrt --integrator vcm", kExitUsage, {"--integrator", "bdpt"}},
+      {"paths scene.pbrt --paths 1,2", kExitUsage, {"--paths", "every way"}},
+      {"paths scene.pbrt -o ways.png", kExitUsage, {"ways.png", ".exr"}},
+      {"paths scene.pbrt --max-depth 9", kExitUsage, {"--max-depth 9", "layers"}},
+      {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
+      {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
+  };
+  std::vector<BadCase> all(std::begin(cases), std::end(cases));
+  // Nothing for light paths to start from, or nowhere to go.
+  for (const std::string integrator : {"light", "bdpt", "photon", "vcm"}) {
+    const std::string flag = " --integrator " + integrator;
+    all.push_back({"render scene.pbrt --env map.exr --env-intensity 0" + flag,
+                   kExitBadInput,
+                   {"scene.pbrt", "black", "--env"}});
+    all.push_back({"render dark.pbrt" + flag, kExitBadInput, {"dark.pbrt", "no light", "--env"}});
+    all.push_back({"render empty.pbrt" + flag, kExitBadInput, {"empty.pbrt", "no triangle"}});
+    all.push_back({"render point.pbrt" + flag,
+                   kExitBadInput,
+                   {"point.pbrt", "radius 0", "--integrator path"}});
+  }
+  const std::set<std::string> before = Files();
+  for (const BadCase& test : all) {
+    SCOPED_TRACE("skywave " + test.arguments);
+    const bool sized = Contains(test.arguments, "--size") ||
+                       Contains(test.arguments, "film.pbrt") ||
+                       !Contains(test.arguments, "render ");
+    const Result result = Run(test.arguments + (sized ? "" : small));
+    EXPECT_EQ(result.exit_code, test.exit_code) << result.err;
+    for (const std::string& part : test.message) {
+      EXPECT_TRUE(Contains(result.err, part)) << "no \"" << part << "\" in: " << result.err;
+    }
+    EXPECT_EQ(result.out, "");
+    EXPECT_EQ(Files(), before);
+  }
+}
+
+TEST_F(Cli, LayersStandBesideThePicture) {
+  const std::string picture = "render scene.pbrt --size 6x4 --spp 3 -q";
+  ASSERT_EQ(Run(picture + " -o plain.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --aovs uv,depth -o layers.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("plain.exr")).rgb, ReadImage(Path("layers.exr")).rgb);
+  EXPECT_EQ(Bytes("plain.png"), Bytes("layers.png"));
+  const ExrHeader header = ParseExrHeader("layers.exr", Bytes("layers.exr"), {});
+  std::vector<std::string> names;
+  for (const ExrChannel& channel : header.channels) names.push_back(channel.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "depth.Z", "uv.A", "uv.U", "uv.V"}));
+  // The command of the header repeats the file, layers included.
+  std::string command;
+  for (const auto& [name, text] : header.strings) command += name == "command" ? text : "";
+  ASSERT_EQ(command.find("skywave "), 0u);
+  ASSERT_EQ(Run(command.substr(8) + " -q -o again.exr").exit_code, 0);
+  EXPECT_TRUE(Bytes("layers.exr") == Bytes("again.exr"));
+  for (const Aov& aov : Aovs()) {
+    EXPECT_TRUE(Contains(Run("render --help").out, std::string(aov.name)));
+  }
+}
+
+TEST_F(Cli, ACameraExposesThePng) {
+  const std::string picture = "render scene.pbrt --size 6x4 --spp 2 -q";
+  // 1.2 * 2^0 is white, and two stops less than that.
+  ASSERT_EQ(Run(picture + " --shutter 1 --f-number 1 -o camera.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --exposure=-0.263034 -o stops.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("camera.png"), Bytes("stops.png"));
+  ASSERT_EQ(
+      Run(picture + " --shutter 1/4 --f-number 2 --iso 400 --exposure=-2 -o sum.exr").exit_code, 0);
+  ASSERT_EQ(Run(picture + " --exposure=-4.263034 -o less.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("sum.png"), Bytes("less.png"));
+  EXPECT_NE(Bytes("sum.png"), Bytes("stops.png"));
+  EXPECT_EQ(Bytes("sum.exr"), Bytes("stops.exr"));
+}
+
+// A flag that cannot do what it is for is told, and only then.
+TEST_F(Cli, SaysWhenThereIsNothingToGuide) {
+  const auto notes = [&](const std::string& arguments) {
+    const Result result = Run("render " + arguments + " --size 4x3 --spp 1 --guide -o a.exr");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_TRUE(Contains(notes("lamps --integrator bdpt"), "--guide changes nothing"));
+  EXPECT_TRUE(Contains(notes("furnace"), "--integrator path has no light paths"));
+  EXPECT_FALSE(Contains(notes("furnace --integrator bdpt"), "--guide"));
+}
+
+// What was there before a failure is there after it.
+TEST_F(Cli, AFailureKeepsTheOldPicture) {
+  Put("a.exr", "old");
+  EXPECT_NE(Run("render scene.pbrt --env cut.exr -o a.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("a.exr"), "old");
+}
+
+TEST_F(Cli, AnInputIsNeverOverwritten) {
+  WriteExr(Path("sky.exr"), Image(4, 2));
+  Put("sky.pbrt", "WorldBegin Shape \"sphere\"");
+  const std::string before = Bytes("sky.exr");
+  const Result result = Run("render sky.pbrt --env sky.exr --size 8x8 --spp 1");
+  EXPECT_EQ(result.exit_code, 64);
+  EXPECT_NE(result.err.find("sky.exr: is an input"), std::string::npos) << result.err;
+  EXPECT_EQ(Bytes("sky.exr"), before);
+}
+
+TEST_F(Cli, LinksAndPipesSurviveBeingWrittenTo) {
+  std::filesystem::create_symlink("real.json", Path("link.json"));
+  Put("real.json", "old");
+  ASSERT_EQ(Run("render furnace --size 8x8 --spp 1 -q -o a.exr --stats link.json").exit_code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(Path("link.json")));
+  EXPECT_EQ(Bytes("real.json").front(), '{');
+  ASSERT_EQ(::mkfifo(Path("pipe").c_str(), 0600), 0);
+  const Result read = Run("render furnace --size 8x8 --spp 1 -q -o b.exr --stats pipe & cat pipe");
+  EXPECT_EQ(read.out.front(), '{') << read.out;
+  EXPECT_TRUE(std::filesystem::is_fifo(Path("pipe")));
+}
+
+TEST_F(Cli, SquareMapsOfPbrtFourAreOctahedral) {
+  Image map(8, 8);
+  for (float& value : map.rgb) value = 1;
+  WriteExr(Path("square.exr"), map);
+  for (const auto& [name, projection] :
+       {std::pair("filename", "octahedral"), std::pair("mapname", "angular")}) {
+    Put("s.pbrt", std::string("WorldBegin LightSource \"infinite\" \"string ") + name +
+                      "\" \"square.exr\" Shape \"sphere\"");
+    const Result result = Run("render s.pbrt --size 8x8 --spp 1 -o s.exr");
+    EXPECT_NE(result.err.find(projection), std::string::npos) << result.err;
+  }
+}
+
+// Constants and maps, turned or not: what each of them looks like, added, in every eighth of the
+// sphere. Smooth maps, which lose little where they are interpolated again.
+TEST_F(Cli, InfiniteLightsAreSummed) {
+  const auto write = [&](const std::string& name, int width, int height) {
+    Image map(width, height);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          const double phi = 2 * M_PI * (x + 0.5) / width + c, theta = M_PI * (y + 0.5) / height;
+          map.Pixel(x, y)[c] = float(1.5 + std::sin(theta) * std::sin(phi) + 0.4 * std::cos(theta));
+        }
+      }
+    }
+    WriteExr(Path(name), map);
+  };
+  write("map.exr", 32, 16), write("fine.exr", 64, 32);
+  const std::string begin =
+      "Camera \"environment\" WorldBegin Translate 0 0 9 Shape \"sphere\" \"float radius\" .001\n";
+  const std::string flat = "LightSource \"infinite\" \"rgb L\" [1 2 3]\n",
+                    coarse = "LightSource \"infinite\" \"string mapname\" \"map.exr\"\n",
+                    turned =
+                        "AttributeBegin Rotate 50 1 2 0\n"
+                        "LightSource \"infinite\" \"string mapname\" \"fine.exr\"\nAttributeEnd\n";
+  const auto seen = [&](const std::string& lights) {
+    Put("sum.pbrt", begin + lights);
+    const Result result = Run("render sum.pbrt --strict --size 64x32 --spp 4 -o sum.exr");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("are summed") != std::string::npos,
+              lights.find("LightSource") != lights.rfind("LightSource"))
+        << result.err;
+    const Image picture = ReadImage(Path("sum.exr"));
+    std::vector<double> eighths(8 * 3);
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          eighths[std::size_t((y / 16 * 4 + x / 16) * 3 + c)] += picture.Pixel(x, y)[c] / 256;
+        }
+      }
+    }
+    return eighths;
+  };
+  const auto one = seen(flat), two = seen(coarse), three = seen(turned);
+  const auto expect_sum = [&](const std::string& lights, double a, double b, double c) {
+    const auto sum = seen(lights);
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const double expected = a * one[i] + b * two[i] + c * three[i];
+      EXPECT_NEAR(sum[i], expected, 1e-2 * expected) << lights << i;
+    }
+  };
+  expect_sum(flat + flat, 2, 0, 0);
+  expect_sum(flat + coarse, 1, 1, 0);
+  expect_sum(coarse + flat + coarse, 1, 2, 0);
+  expect_sum(flat + coarse + turned, 1, 1, 1);
+}
+
+TEST_F(Cli, BadPixelsOfAMapAreReported) {
+  const Result result = Run("render good.ply --env bad.pfm --size 4x3 --spp 2 -o a.exr");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(Contains(result.err, "bad.pfm: 1 NaN, 1 infinite and 2 negative pixels"))
+      << result.err;
+  EXPECT_TRUE(Contains(result.err, "no camera")) << result.err;
+  for (const float value : ReadImage(Path("a.exr")).rgb) EXPECT_TRUE(std::isfinite(value));
+  EXPECT_EQ(Run("render good.ply --env bad.pfm --size 4x3 --spp 2 -o a.exr --quiet").err, "");
+}
+
+// ---- What it writes ----
+
+TEST_F(Cli, RenderWritesAnExrAndAPngNamedAfterTheScene) {
+  const std::set<std::string> before = Files();
+  const Result result = Run("render scene.pbrt --size 5x4 --spp 2");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "scene.exr") && Contains(result.out, "scene.png")) << result.out;
+  std::set<std::string> expected = before;
+  expected.insert({"scene.exr", "scene.png"});
+  EXPECT_EQ(Files(), expected);
+  const Image image = ReadImage(Path("scene.exr"));
+  EXPECT_EQ(image.width, 5);
+  EXPECT_EQ(image.height, 4);
+}
+
+TEST_F(Cli, StatisticsHaveThePromisedKeys) {
+  ASSERT_EQ(Run("render scene.pbrt --size 6x5 --spp 3 -q --stats s.json --threads 1 --max-depth 3")
+                .exit_code,
+            0);
+  const auto json = nlohmann::json::parse(Bytes("s.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-render-stats-1");
+  EXPECT_TRUE(json.at("version").is_string());
+  const auto& settings = json.at("settings");
+  EXPECT_EQ(settings.at("width"), 6);
+  EXPECT_EQ(settings.at("height"), 5);
+  EXPECT_EQ(settings.at("samples_per_pixel"), 3);
+  EXPECT_EQ(settings.at("integrator"), "path");
+  EXPECT_EQ(settings.at("max_depth"), 3);
+  EXPECT_EQ(settings.at("strategy"), "importance");
+  EXPECT_EQ(settings.at("threads"), 1);
+  EXPECT_EQ(settings.at("wave"), 2048);
+  EXPECT_EQ(settings.at("backend"), "best");
+  EXPECT_EQ(json.at("scene").at("triangles"), 1);
+  EXPECT_EQ(json.at("scene").at("hash").get<std::string>().size(), 16u);
+  for (const char* const key : {"load", "build", "tables", "render", "write"}) {
+    EXPECT_GE(json.at("seconds").at(key).get<double>(), 0) << key;
+  }
+  EXPECT_GT(json.at("peak_memory_mib").get<double>(), 1);
+  EXPECT_EQ(json.at("samples"), 6 * 5 * 3);
+  // Camera rays come in blocks of 4 x 2 pixels.
+  EXPECT_EQ(json.at("rays").at("camera").at("count"), 8 * 6 * 3);
+  for (const char* const key : {"camera", "bounce", "shadow"}) {
+    EXPECT_GE(json.at("rays").at(key).at("mrays_per_s").get<double>(), 0) << key;
+  }
+  double share = 0;
+  EXPECT_EQ(json.at("stages").size(), 12u);
+  for (const auto& stage : json.at("stages")) share += stage.at("share").get<double>();
+  EXPECT_NEAR(share, 1, 1e-9);
+  EXPECT_GE(json.at("waves").get<int>(), 1);
+  EXPECT_FALSE(json.at("occupancy").empty());
+  EXPECT_EQ(json.at("clamped_samples"), 0);
+  EXPECT_EQ(json.at("invalid_samples"), 0);
+  for (const char* const key : {"msamples_per_s", "mrays_per_s"}) EXPECT_GT(json.at(key), 0) << key;
+}
+
+std::string Value(const Metadata& metadata, const std::string& name) {
+  for (const auto& [key, value] : metadata) {
+    if (key == name) return value;
+  }
+  return "(none)";
+}
+
+// The metadata says how the picture came to be, and its command repeats it to the last byte.
+TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
+  std::filesystem::create_directory(Path("my maps"));
+  std::filesystem::copy_file(Path("map.exr"), Path("my maps/sky's.exr"));
+  const std::string commands[] = {
+      "render scene.pbrt --size 9x7 --spp 3",
+      "render good.ply --env map.exr --env-rotate 31.7 --env-intensity 0.3 --env-up z --seed 77 "
+      "--size 8x6 --spp 5 --integrator direct --light-samples 3 --no-mis --threads 2 --wave 33",
+      "render scene.pbrt --env \"my maps/sky's.exr\" --env-projection latlong --size 7x7 --spp 2 "
+      "--filter gaussian --filter-radius 0.7 --max-depth 2 --embree-config isa=sse2 "
+      "--strategy importance:compensate=1 --backend single",
+      "render good.ply --env map.exr --ground --size 12x9 --crop 7x5+2+3 --spp 2 --eye=-1.5,2,3 "
+      "--fov 31.5 --lens-radius 0.1 --focal-distance 2.25",
+      "render good.ply --env map.exr --size 8x4 --spp 2 --camera latlong --target 0.1,0.2,-0.3",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator light --wave 7",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator bdpt --wave 7",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator bdpt --paths 2,1 "
+      "--no-mis",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 2 --integrator vcm --wave 7",
+      "render good.ply --env map.exr --ground --size 12x9 --spp 6 --integrator vcm --progressive 3 "
+      "--photons 100 --progressive-alpha 0.5 --photon-kernel cone",
+  };
+  for (const std::string& command : commands) {
+    SCOPED_TRACE(command);
+    const Result first = Run(command + " -q -o first.exr");
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const Metadata metadata = ReadExrMetadata(Path("first.exr"));
+    EXPECT_TRUE(Contains(Value(metadata, "software"), "skywave 0."));
+    EXPECT_TRUE(Contains(command, "--spp " + Value(metadata, "samples")));
+    EXPECT_EQ(Value(metadata, "seed"), Contains(command, "--seed") ? "77" : "0");
+    EXPECT_EQ(Value(metadata, "sceneHash").size(), 16u);
+    const std::string repeat = Value(metadata, "command");
+    ASSERT_EQ(repeat.substr(0, 8), "skywave ");
+    const Result second = Run(repeat.substr(8) + " -q -o second.exr");
+    ASSERT_EQ(second.exit_code, 0) << repeat << "\n" << second.err;
+    EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
+    EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
+  }
+}
+
+// Every way to join sub-paths on a sheet, and in layers of its own.
+TEST_F(Cli, PathsShowsEveryWay) {
+  const std::string common = "good.ply --env map.exr --ground --size 12x9 --spp 2 --max-depth 2 -q";
+  ASSERT_EQ(Run("paths " + common + " -o ways.exr").exit_code, 0);
+  ASSERT_EQ(Run("render " + common + " --integrator bdpt -o whole.exr").exit_code, 0);
+  EXPECT_TRUE(ReadImage(Path("ways.exr")).rgb == ReadImage(Path("whole.exr")).rgb);
+  const std::string bytes = Bytes("ways.exr");
+  for (const char* const way : {"s0t2", "s0t3", "s1t2", "s2t1", "s0t4", "s1t3", "s2t2", "s3t1"}) {
+    EXPECT_TRUE(Contains(bytes, std::string("unweighted_") + way + ".G")) << way;
+    EXPECT_TRUE(Contains(bytes, std::string("weighted_") + way + ".R")) << way;
+  }
+  EXPECT_FALSE(Contains(bytes, "weighted_s1t1"));
+  // Four columns and six rows of 12 x 9 with gaps of 2, each picture below its caption.
+  const Image sheet = ReadTexture(Path("ways.png"), Encoding::kSrgb);
+  EXPECT_EQ(sheet.width, 4 * 14 - 2);
+  EXPECT_EQ(sheet.height, 6 * 22 - 2);
+}
+
+// A part of the film has the pixels that the whole has there, to the last bit.
+TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
+  for (const std::string camera : {"perspective --lens-radius 0.2", "orthographic", "latlong",
+                                   "perspective --integrator photon --photons 300 --guide"}) {
+    const std::string common =
+        "render good.ply --env map.exr --ground --size 12x9 --spp 4 -q "
+        "--camera " +
+        camera;
+    ASSERT_EQ(Run(common + " -o whole.exr").exit_code, 0);
+    ASSERT_EQ(Run(common + " --crop 7x5+2+3 -o part.exr").exit_code, 0);
+    const Image whole = ReadImage(Path("whole.exr")), part = ReadImage(Path("part.exr"));
+    ASSERT_EQ(part.width, 7);
+    ASSERT_EQ(part.height, 5);
+    for (int y = 0; y < 5; ++y) {
+      for (int x = 0; x < 7; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          ASSERT_EQ(part.Pixel(x, y)[c], whole.Pixel(x + 2, y + 3)[c]) << x << ", " << y;
+        }
+      }
+    }
+  }
+}
+
+// pbrt rounds the fractions of a cropwindow up to pixels; a flag comes before the file.
+TEST_F(Cli, ACropWindowOfAPbrtFileIsTaken) {
+  const auto with = [&](const std::string& parameters) {
+    return "Film \"rgb\" \"integer xresolution\" 9 \"integer yresolution\" 6 " + parameters + "\n" +
+           Bytes("scene.pbrt");
+  };
+  Put("whole.pbrt", with(""));
+  Put("part.pbrt", with("\"float cropwindow\" [.25 .75 .5 1]"));
+  ASSERT_EQ(Run("render part.pbrt --spp 2 -q -o a.exr").exit_code, 0);
+  ASSERT_EQ(Run("render whole.pbrt --crop 4x3+3+3 --spp 2 -q -o b.exr").exit_code, 0);
+  EXPECT_EQ(Bytes("a.png"), Bytes("b.png"));
+  EXPECT_EQ(ReadImage(Path("a.exr")).width, 4);
+  ASSERT_EQ(Run("render part.pbrt --crop 1x2+0+0 --spp 2 -q -o a.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("a.exr")).height, 2);
+}
+
+TEST_F(Cli, CamerasSeeDifferently) {
+  std::set<std::string> pictures;
+  for (const std::string camera :
+       {"", "--camera orthographic", "--camera latlong", "--camera equal-area", "--fov 20",
+        "--eye 0,1,3", "--target 1,1,1", "--lens-radius 0.3",
+        "--lens-radius 0.3 --focal-distance 1"}) {
+    ASSERT_EQ(Run("render good.ply --env map.exr --ground --size 8x6 --spp 2 -q -o a.exr " + camera)
+                  .exit_code,
+              0)
+        << camera;
+    pictures.insert(Bytes("a.png"));
+  }
+  EXPECT_EQ(pictures.size(), 9u);
+}
+
+TEST_F(Cli, TheSceneHashTellsScenesApart) {
+  const auto hash = [&](const std::string& arguments) {
+    EXPECT_EQ(Run("render " + arguments + " -q --size 3x3 --spp 1 -o h.exr").exit_code, 0);
+    return Value(ReadExrMetadata(Path("h.exr")), "sceneHash");
+  };
+  const std::string plain = hash("scene.pbrt");
+  EXPECT_EQ(hash("scene.pbrt --seed 3"), plain);
+  EXPECT_NE(hash("scene.pbrt --env map.exr"), plain);
+  EXPECT_NE(hash("good.ply --env map.exr"), hash("good.ply --env map.exr --env-rotate 5"));
+}
+
+TEST_F(Cli, CompareOfEqualPicturesIsZero) {
+  const Result result = Run("compare map.exr map.exr --json c.json --map d.png");
+  EXPECT_EQ(result.exit_code, 0);
+  const auto json = nlohmann::json::parse(Bytes("c.json"));
+  for (const char* const key : {"mse", "rmse", "relative_mse", "mean_absolute", "thesis_euclidean",
+                                "thesis_luminance", "max_absolute"}) {
+    EXPECT_EQ(json.at(key).get<double>(), 0) << key;
+    EXPECT_TRUE(Contains(result.out, key)) << key;
+  }
+  EXPECT_EQ(json.at("different_pixels"), 0);
+  EXPECT_TRUE(Files().contains("d.png"));
+}
+
+TEST_F(Cli, CompareFindsTheDifference) {
+  Image other = Map(1);
+  other.Pixel(3, 2)[1] += 0.5f;
+  WriteExr(Path("other.exr"), other);
+  ASSERT_EQ(Run("compare other.exr map.exr --json c.json").exit_code, 0);
+  const auto json = nlohmann::json::parse(Bytes("c.json"));
+  EXPECT_EQ(json.at("max_absolute").get<double>(), 0.5);
+  EXPECT_EQ(json.at("max_at"), nlohmann::json({3, 2}));
+  EXPECT_EQ(json.at("different_pixels"), 1);
+  EXPECT_NEAR(json.at("mse").get<double>(), 0.25 / 3 / 32, 1e-9);
+}
+
+TEST_F(Cli, BenchReportsItsSummary) {
+  const Result result =
+      Run("bench scene.pbrt --size 16x16 --spp 2 --repetitions 3 --json b.json --threads 1");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "SUMMARY msamples_per_s=")) << result.out;
+  const auto json = nlohmann::json::parse(Bytes("b.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-bench-2");
+  EXPECT_EQ(json.at("render_seconds").size(), 3u);
+  for (const char* const backend : {"stream", "packet", "array", "single"}) {
+    EXPECT_EQ(json.at("replay_seconds").at(backend).at("camera").size(), 3u);
+  }
+  EXPECT_GT(json.at("summary").at("embree_fraction").get<double>(), 0);
+}
+
+}  // namespace
+}  // namespace skywave

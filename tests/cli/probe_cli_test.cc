@@ -1,0 +1,128 @@
+// Every subcommand of `skywave probe` on a small map, and what it says to bad input.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "lights/maps/resample.h"
+#include "tests/support/light_test_maps.h"
+
+namespace skywave {
+namespace {
+
+class ProbeCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("skywave_probe_" + std::to_string(getpid()) + "_" +
+               testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+    WriteExr(File("sun.exr"), test::SunMap(64, 32, 1000));
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string File(const std::string& name) const { return (folder_ / name).string(); }
+  // The exit code; both streams go to out_.
+  int Probe(const std::string& arguments) {
+    const int status = std::system(("cd '" + folder_.string() + "' && " SKYWAVE_PROGRAM " probe " +
+                                    arguments + " > out.txt 2>&1")
+                                       .c_str());
+    out_ = ReadFile(File("out.txt"));
+    return WEXITSTATUS(status);
+  }
+
+  std::filesystem::path folder_;
+  std::string out_;
+};
+
+TEST_F(ProbeCommand, InfoTellsTheMap) {
+  ASSERT_EQ(Probe("info sun.exr --json info.json"), 0) << out_;
+  const auto json = nlohmann::json::parse(ReadFile(File("info.json")));
+  EXPECT_EQ(json["projection"], "latlong");
+  EXPECT_EQ(json["spots"][0]["x"], 21);
+  EXPECT_GT(json["table_7_1"]["p"], 0.5);
+}
+
+TEST_F(ProbeCommand, ConvertGoesThereAndBack) {
+  const auto before = SphereIntegral(test::SunMap(64, 32, 1000), Projection::kLatLong);
+  for (const char* name : {"angular", "mirror-ball", "horizontal-cross", "vertical-cross",
+                           "cube-strip", "octahedral"}) {
+    ASSERT_EQ(Probe(std::string("convert sun.exr there.exr --to ") + name), 0) << out_;
+    ASSERT_EQ(Probe(std::string("convert there.exr back.exr --to latlong --size 64x32 "
+                                "--projection ") +
+                    name),
+              0)
+        << out_;
+    const auto after = SphereIntegral(ReadImage(File("back.exr")), Projection::kLatLong);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(after[c] / before[c], 1, 1e-5) << name;
+  }
+  ASSERT_EQ(Probe("convert sun.exr cube.exr --to cube-faces --size 16"), 0) << out_;
+  EXPECT_EQ(ReadImage(File("cube-up.exr")).width, 16);
+  ASSERT_EQ(Probe("convert cube.exr back.exr --from-faces --to latlong --size 32"), 0) << out_;
+  EXPECT_EQ(ReadImage(File("back.exr")).width, 64);
+}
+
+TEST_F(ProbeCommand, LightsComeInEveryFormat) {
+  for (const char* format : {"table", "json", "pbrt", "povray", "blender", "maya"}) {
+    for (const char* method : {"median-cut", "variance-cut", "penrose"}) {
+      ASSERT_EQ(Probe(std::string("lights sun.exr -n 9 --strata 0.6 --residual rest.exr -o l.txt "
+                                  "--format ") +
+                      format + " --method " + method),
+                0)
+          << out_;
+      EXPECT_GT(ReadFile(File("l.txt")).size(), 300u);
+      EXPECT_NE(out_.find("map"), std::string::npos);
+    }
+  }
+  EXPECT_EQ(ReadImage(File("rest.exr")).width, 64);
+  ASSERT_EQ(Probe("lights sun.exr -n 40 --clusters 7 --cluster F1 --lloyd 2"), 0) << out_;
+  EXPECT_NE(out_.find("7 lights"), std::string::npos) << out_;
+}
+
+TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
+  ASSERT_EQ(Probe("presample sun.exr -n 30 -o set.json --cells cells.png"), 0) << out_;
+  const auto json = nlohmann::json::parse(ReadFile(File("set.json")));
+  double probability = 0;
+  for (const auto& sample : json["samples"]) probability += double(sample["probability"]);
+  EXPECT_NEAR(probability, 1, 1e-9);
+  for (const char* what : {"map", "lights", "cells", "strata"}) {
+    for (const char* view : {"latlong", "sphere --side up", "sphere --side left"}) {
+      ASSERT_EQ(Probe(std::string("plot sun.exr -n 9 --height 64 -o p.png --what ") + what +
+                      " --view " + view),
+                0)
+          << out_;
+      EXPECT_EQ(ReadFile(File("p.png")).substr(1, 3), "PNG");
+    }
+  }
+  ASSERT_EQ(Probe("calibrate -o c.exr --height 256"), 0) << out_;
+  const Image map = ReadImage(File("c.exr"));
+  EXPECT_NEAR(map.Pixel(384, 128)[0], 1, 0.01);  // right: red
+  EXPECT_NEAR(map.Pixel(384, 128)[1], 0.05, 0.01);
+  EXPECT_NEAR(map.Pixel(256, 128)[1], 1, 0.01);  // forward: green
+  EXPECT_NEAR(map.Pixel(10, 0)[2], 1, 0.01);     // up: blue
+}
+
+TEST_F(ProbeCommand, BadInputIsNamed) {
+  EXPECT_EQ(Probe("info missing.exr"), kExitIo);
+  EXPECT_NE(out_.find("missing.exr"), std::string::npos) << out_;
+  WriteExr(File("odd.exr"), Image(5, 3));
+  EXPECT_EQ(Probe("info odd.exr"), kExitBadInput);
+  EXPECT_EQ(Probe("info odd.exr --projection latlong"), 0) << out_;
+  EXPECT_EQ(Probe("info odd.exr --projection nonsense"), kExitUsage);
+  EXPECT_EQ(Probe("lights sun.exr --residual r.exr"), kExitUsage);
+  EXPECT_NE(out_.find("--strata"), std::string::npos) << out_;
+  EXPECT_EQ(Probe("lights sun.exr -n 0"), kExitUsage);
+  EXPECT_EQ(Probe("lights sun.exr --strata 2"), kExitUsage);
+  EXPECT_EQ(Probe("convert sun.exr x.exr --to latlong --size 3y4"), kExitUsage);
+  EXPECT_EQ(Probe("convert sun.exr x.exr --to horizontal-cross --size 10x10"), kExitBadInput);
+  EXPECT_EQ(Probe("plot sun.exr -o p.png --height 3"), kExitUsage);
+  EXPECT_EQ(Probe(""), kExitUsage);
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,353 @@
+// Damaged, cut, hostile and missing files end in an InputError: no crash, no half picture, and no
+// memory beyond what the file itself can account for.
+
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputPart.h>
+#include <ImfStringVectorAttribute.h>
+#include <zlib.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <fstream>
+#include <new>
+
+#include "base/error.h"
+#include "tests/support/image_test_files.h"
+
+// Every allocation of the program, OpenEXR's included, is measured.
+namespace {
+std::atomic<std::size_t> largest_allocation{0};
+}  // namespace
+
+// Not inlined, or g++ takes new and free for a mismatched pair.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  if (size > largest_allocation) largest_allocation = size;
+  if (void* const memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void* operator new[](std::size_t size) { return operator new(size); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return std::malloc(size); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return std::malloc(size); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { operator delete(memory); }
+void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { operator delete(memory); }
+
+namespace skywave {
+namespace {
+
+// [bytes] What reading a file of a few hundred bytes may allocate at once: a damaged width within
+// the limits can make OpenEXR's buffer of 32 rows this large.
+constexpr std::size_t kSmall = std::size_t{16} << 20;
+
+class BadInput : public ImageFiles {
+ protected:
+  // Small valid files, one for every path through the readers.
+  std::vector<std::string> ValidFiles() const {
+    const Image image = Numbered(11, 5);
+    std::vector<std::string> files;
+    for (const char* const name : {"a.exr", "a.pfm", "a.hdr"}) {
+      WriteImage(Path(name), image);
+      files.push_back(ReadFile(Path(name)));
+    }
+    for (const Imf::Compression compression :
+         {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+      WriteExrKind(Path("b.exr"), HeaderFor(image, compression), image);
+      files.push_back(ReadFile(Path("b.exr")));
+    }
+    Imf::Header tiled = HeaderFor(image, Imf::ZIPS_COMPRESSION);
+    tiled.setTileDescription(Imf::TileDescription(4, 4, Imf::MIPMAP_LEVELS));
+    tiled.insert("views", Imf::StringVectorAttribute({"left", "right"}));
+    WriteExrKind(Path("b.exr"), tiled, image,
+                 {{"A", Imf::HALF}, {"B", Imf::HALF}, {"G", Imf::HALF}, {"R", Imf::HALF}});
+    files.push_back(ReadFile(Path("b.exr")));
+    WriteRgbe(Path("b.hdr"), Numbered(4, 3));  // plain pixels
+    files.push_back(ReadFile(Path("b.hdr")));
+    return files;
+  }
+
+  // Reads `bytes` as a picture; true when it was one. Anything but a whole picture or an InputError
+  // is a failure.
+  bool Reads(const std::string& bytes, const ReadLimits& limits = {}) {
+    const std::string path = Path("input");
+    std::ofstream(path, std::ios::binary) << bytes;
+    largest_allocation = 0;
+    try {
+      const Image image = ReadImage(path, limits);
+      EXPECT_LT(largest_allocation, kSmall);
+      EXPECT_GE(image.width, 1);
+      EXPECT_GE(image.height, 1);
+      EXPECT_EQ(image.rgb.size(), std::size_t(image.width) * image.height * 3);
+      return true;
+    } catch (const InputError& error) {
+      EXPECT_LT(largest_allocation, kSmall) << error.what();
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+      message_ = error.what();
+      return false;
+    }
+  }
+  const std::string& message() const { return message_; }
+
+ private:
+  std::string message_;
+};
+
+TEST_F(BadInput, EveryPrefixIsRefused) {
+  for (const std::string& file : ValidFiles()) {
+    ASSERT_TRUE(Reads(file)) << message();
+    for (std::size_t length = 0; length < file.size(); ++length) {
+      EXPECT_FALSE(Reads(file.substr(0, length))) << length << " of " << file.size();
+    }
+  }
+}
+
+TEST_F(BadInput, EveryFlippedBitIsSurvived) {
+  int refused = 0;
+  for (const std::string& file : ValidFiles()) {
+    for (std::size_t bit = 0; bit < std::min<std::size_t>(file.size(), 700) * 8; ++bit) {
+      std::string damaged = file;
+      damaged[bit / 8] = char(damaged[bit / 8] ^ (1 << bit % 8));
+      refused += !Reads(damaged);
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST_F(BadInput, HugeSizesAreRefusedBeforeAnythingIsAllocated) {
+  for (const char* const size : {"999999999 999999999", "32769 1", "1 32769", "32768 32768", "0 5",
+                                 "5 0", "-5 5", "99999999999999999999 1", "32768 8192"}) {
+    EXPECT_FALSE(Reads("PF\n" + std::string(size) + "\n-1\n0123456789ab")) << size;
+    std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y " + std::string(size);
+    hdr.replace(hdr.rfind(' '), 1, " +X ");
+    EXPECT_FALSE(Reads(hdr + "\n0123456789ab")) << size;
+  }
+  WriteExr(Path("a.exr"), Numbered(4, 4));
+  const std::string exr = ReadFile(Path("a.exr"));
+  const std::size_t box = exr.find("dataWindow") + 21;
+  for (const auto& [width, height] :
+       std::initializer_list<std::pair<std::uint32_t, std::uint32_t>>{{0x7fffffff, 0x7fffffff},
+                                                                      {0x80000000, 4},
+                                                                      {32769, 1},
+                                                                      {1, 32769},
+                                                                      {32768, 32768},
+                                                                      {32768, 8192},
+                                                                      {0, 4},
+                                                                      {4, 0},
+                                                                      {5, 4},
+                                                                      {4, 17}}) {
+    std::string damaged = exr;
+    const std::uint32_t x_max = width - 1, y_max = height - 1;
+    std::memcpy(&damaged[box + 8], &x_max, 4);
+    std::memcpy(&damaged[box + 12], &y_max, 4);
+    EXPECT_FALSE(Reads(damaged)) << width << " " << height;
+  }
+}
+
+// A header and chunk table without fault, for a picture of gigabytes; only the chunks are too
+// short.
+TEST_F(BadInput, ExrOfFewBytesIsNotTakenForAHugePicture) {
+  constexpr std::uint32_t kWidth = 32768, kHeight = 8192, kRowsPerChunk = 32;
+  const Image image = Numbered(4, 4);
+  WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::PIZ_COMPRESSION), image);
+  std::string exr = ReadFile(Path("a.exr"));
+  exr.resize(exr.find("screenWindowWidth") + 33);  // name, type, size, value, end of header
+  const std::size_t box = exr.find("dataWindow") + 21;
+  const auto put = [](std::uint64_t number, int bytes, char* place) {
+    std::memcpy(place, &number, std::size_t(bytes));
+  };
+  put(kWidth - 1, 4, &exr[box + 8]);
+  put(kHeight - 1, 4, &exr[box + 12]);
+  constexpr std::uint32_t kChunks = kHeight / kRowsPerChunk;
+  const std::size_t table = exr.size(), chunks = table + kChunks * 8;
+  exr.resize(chunks + kChunks * 9);
+  for (std::uint32_t i = 0; i < kChunks; ++i) {
+    put(chunks + i * 9, 8, &exr[table + i * 8]);
+    put(i * kRowsPerChunk, 4, &exr[chunks + i * 9]);
+    put(1, 4, &exr[chunks + i * 9 + 4]);
+  }
+  EXPECT_FALSE(Reads(exr));
+  EXPECT_NE(message().find("too short"), std::string::npos) << message();
+}
+
+TEST_F(BadInput, LimitsOfTheCallerHold) {
+  ReadLimits narrow, low, few;
+  narrow.max_width = 10;
+  low.max_height = 4;
+  few.max_pixels = 54;
+  for (const std::string& file : ValidFiles()) {
+    if (file.find("-Y 3") != std::string::npos) continue;  // the one smaller picture
+    for (const ReadLimits& limits : {narrow, low, few}) {
+      EXPECT_FALSE(Reads(file, limits));
+      EXPECT_NE(message().find("limit"), std::string::npos) << message();
+    }
+  }
+}
+
+TEST_F(BadInput, ErrorsSayWhereInTheFile) {
+  EXPECT_FALSE(Reads("PF\n4 nine\n-1\n"));
+  EXPECT_NE(message().find("(byte 3)"), std::string::npos) << message();
+  // A run of 100 pixels in a scan line of 8.
+  EXPECT_FALSE(Reads("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02" +
+                     std::string("\0\x08\xe4\x01", 4)));
+  EXPECT_NE(message().find("(byte 50)"), std::string::npos) << message();
+}
+
+TEST_F(BadInput, TextThatIsNoHeader) {
+  const std::string pixels(4 * 8 * 4, '\x40');
+  for (const char* const header :
+       {"#?RADIANC\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n", "#?RADIANCE\n\n-Y 4 +X 8\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 4 +X 8\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 -Y 8\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n*Y 4 +X 8\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4x +X 8\n",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8 \n", "PX\n4 8\n-1\n", "PF\n4 8\n0\n",
+        "PF\n4 8\nnan\n", "PF\n4 8\n-1x\n", "PF\n4\n\n8 -1\n", "P6\n4 8\n255\n",
+        "\x89PNG\r\n\x1a\n"}) {
+    EXPECT_FALSE(Reads(header + pixels)) << header;
+  }
+  EXPECT_TRUE(Reads("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n" + pixels)) << message();
+  EXPECT_FALSE(Reads("#?RADIANCE\n" + std::string(200000, 'x')));
+  EXPECT_FALSE(Reads("PF\n" + std::string(200000, '1')));
+  EXPECT_FALSE(Reads("Pf\n4 4\n-1\n" + std::string(65, '\0'))) << "a byte too many";
+}
+
+// OpenEXR fills the rest of such chunks with whatever its memory held.
+TEST_F(BadInput, ExrChunksThatDecodeToTooLittleAreRefused) {
+  const Image image(16, 1);
+  const auto with_pixels = [&](Imf::Compression compression, const std::string& stored) {
+    WriteExrKind(Path("a.exr"), HeaderFor(image, compression), image);
+    std::string exr = ReadFile(Path("a.exr"));
+    std::uint64_t chunk = 0;  // the only one; its offset stands right behind the header
+    for (std::size_t i = exr.size(); i-- > 8;) {
+      std::memcpy(&chunk, &exr[i - 8], 8);
+      if (chunk == i) break;
+    }
+    const std::uint32_t size = std::uint32_t(stored.size());
+    std::memcpy(&exr[chunk + 4], &size, 4);
+    return exr.substr(0, chunk + 8) + stored;
+  };
+  // 16 pixels of 12 bytes: one run of 128 bytes and one of 64, or of 63.
+  EXPECT_TRUE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 63, 0}))) << message();
+  EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 62, 0})));
+  EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 64, 0})));
+  EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 63})));
+  for (const uLong decoded : {192, 191, 193, 1}) {
+    const std::string zeros(decoded, '\0');
+    std::string deflated(200, '\0');
+    uLongf size = uLongf(deflated.size());
+    ASSERT_EQ(compress(reinterpret_cast<Bytef*>(deflated.data()), &size,
+                       reinterpret_cast<const Bytef*>(zeros.data()), decoded),
+              Z_OK);
+    deflated.resize(size);
+    EXPECT_EQ(Reads(with_pixels(Imf::ZIP_COMPRESSION, deflated)), decoded == 192) << decoded;
+  }
+}
+
+TEST_F(BadInput, RiskyKindsOfExrNeedTrust) {
+  ReadLimits trusting;
+  trusting.trust_input = true;
+  const Image image = Numbered(40, 36);
+  for (const Imf::Compression compression :
+       {Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION, Imf::B44A_COMPRESSION, Imf::DWAA_COMPRESSION,
+        Imf::DWAB_COMPRESSION}) {
+    WriteExrKind(Path("a.exr"), HeaderFor(image, compression), image,
+                 {{"R", Imf::HALF}, {"G", Imf::HALF}, {"B", Imf::HALF}});
+    EXPECT_FALSE(Reads(ReadFile(Path("a.exr"))));
+    EXPECT_NE(message().find("--trust-input"), std::string::npos) << message();
+    ASSERT_TRUE(Reads(ReadFile(Path("a.exr")), trusting)) << message();
+    const Image back = ReadImage(Path("a.exr"), trusting);
+    ASSERT_EQ(back.rgb.size(), image.rgb.size());
+    // All but PXR24 are lossy; 255 is the largest value of the picture.
+    const float tolerance = compression == Imf::PXR24_COMPRESSION ? 0 : 64;
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+      EXPECT_NEAR(back.rgb[i], image.rgb[i], tolerance) << int(compression) << " " << i;
+    }
+  }
+}
+
+TEST_F(BadInput, MultiPartExrNeedsTrust) {
+  const Image image = Numbered(9, 5);
+  std::string pixels[3];
+  Imf::FrameBuffer frame;
+  Imf::Header headers[2];
+  for (int part = 0; part < 2; ++part) {
+    headers[part] = HeaderFor(image, Imf::ZIP_COMPRESSION);
+    headers[part].setName(part == 0 ? "first" : "second");
+    headers[part].setType("scanlineimage");
+    for (const auto& [name, type] : kFloatRgb) headers[part].channels().insert(name, type);
+  }
+  for (int c = 0; c < 3; ++c) {
+    pixels[c] = TypedPixels(image, kFloatRgb[c].first, Imf::FLOAT);
+    frame.insert(kFloatRgb[c].first,
+                 Imf::Slice::Make(Imf::FLOAT, pixels[c].data(), headers[0].dataWindow()));
+  }
+  {
+    Imf::MultiPartOutputFile file(Path("a.exr").c_str(), headers, 2, false, 0);
+    for (int part = 0; part < 2; ++part) {
+      Imf::OutputPart output(file, part);
+      output.setFrameBuffer(frame);
+      output.writePixels(image.height);
+    }
+  }
+  EXPECT_THROW(ReadImage(Path("a.exr")), InputError);
+  ReadLimits trusting;
+  trusting.trust_input = true;
+  ExpectSame(ReadImage(Path("a.exr"), trusting), image);
+}
+
+TEST_F(BadInput, DeepAndSubSampledExrAreRefused) {
+  WriteExr(Path("a.exr"), Numbered(4, 4));
+  std::string exr = ReadFile(Path("a.exr"));
+  std::string deep = exr;
+  deep[5] = char(deep[5] | 0x08);
+  EXPECT_FALSE(Reads(deep));
+  EXPECT_NE(message().find("--trust-input"), std::string::npos) << message();
+  // Channel B: name, type, hint, then the sampling rate in x.
+  const std::size_t channel_b = exr.find("chlist") + 11;
+  ASSERT_EQ(exr[channel_b], 'B');
+  exr[channel_b + 10] = 2;
+  EXPECT_FALSE(Reads(exr));
+  EXPECT_NE(message().find("sub-sampled"), std::string::npos) << message();
+}
+
+TEST_F(BadInput, MissingFilesAndFolders) {
+  for (const std::string& path : {Path("missing.exr"), folder(), std::string()}) {
+    try {
+      ReadImage(path);
+      ADD_FAILURE() << path;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.exit_code(), kExitIo) << error.what();
+    }
+    EXPECT_THROW(ReadExrMetadata(path), InputError);
+  }
+  EXPECT_THROW(ReadExrMetadata(Put("a.pfm", "PF\n1 1\n-1\n0123456789ab")), InputError);
+}
+
+TEST_F(BadInput, UnwritableOutputLeavesNothingBehind) {
+  std::filesystem::create_directory(Path("a.exr"));
+  std::filesystem::create_directory(Path("a.pfm"));
+  std::filesystem::create_directory(Path("a.hdr"));
+  std::filesystem::create_directory(Path("a.png"));
+  const Image image = Numbered(3, 3);
+  const std::vector<std::uint8_t> rgb(27);
+  for (const char* const place : {"a", "missing/a"}) {
+    for (const char* const ending : {".exr", ".pfm", ".hdr"}) {
+      EXPECT_THROW(WriteImage(Path(place) + ending, image), InputError) << place << ending;
+    }
+    EXPECT_THROW(WritePng(Path(place) + ".png", 3, 3, rgb), InputError) << place;
+  }
+  // A name that OpenEXR keeps for itself, none at all, and one longer than a file can hold.
+  for (const std::string& name : {std::string("channels"), std::string(), std::string(256, 'n')}) {
+    EXPECT_THROW(WriteExr(Path("b.exr"), image, {{name, "text"}}), InputError) << name;
+  }
+  int entries = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder())) {
+    EXPECT_TRUE(entry.is_directory()) << entry.path();
+    ++entries;
+  }
+  EXPECT_EQ(entries, 4);
+}
+
+}  // namespace
+}  // namespace skywave

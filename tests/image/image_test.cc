@@ -1,0 +1,282 @@
+// Pictures come back from every file format as they went in, the right way up.
+
+#include "image/image.h"
+
+#include <ImfInputFile.h>
+#include <ImfThreading.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "base/error.h"
+#include "tests/support/image_test_files.h"
+
+namespace skywave {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+Image Unusual() {
+  Image image(3, 2);
+  image.rgb = {kNan,   -kNan, kInf,  -kInf, -0.0f, 1e-45f, 3.4028235e38f, -1,           0.1f, 1e6f,
+               1e-38f, 65504, 65520, 1e-7f, 0,     1,      0x1.8p-20f,    0x1.FFFFFEp3f};
+  image.rgb[0] = std::bit_cast<float>(0x7fc12345u);  // a NaN with a payload
+  return image;
+}
+
+TEST_F(ImageFiles, ExrKeepsEveryBit) {
+  WriteExr(Path("a.exr"), Unusual());
+  ExpectSame(ReadImage(Path("a.exr")), Unusual());
+  WriteExr(Path("b.exr"), Numbered(70, 37));  // several chunks of 16 rows, the last one cut
+  ExpectSame(ReadImage(Path("b.exr")), Numbered(70, 37));
+}
+
+TEST_F(ImageFiles, ExrBytesOnlyDependOnTheInput) {
+  const Metadata metadata = {{"scene", "cornell"}, {"samples", "64"}};
+  WriteExr(Path("a.exr"), Numbered(40, 20), metadata);
+  WriteExr(Path("b.exr"), Numbered(40, 20), metadata);
+  EXPECT_EQ(ReadFile(Path("a.exr")), ReadFile(Path("b.exr")));
+  EXPECT_EQ(Imf::globalThreadCount(), 0);
+}
+
+TEST_F(ImageFiles, ExrLayersComeBack) {
+  const Image image = Numbered(5, 3);
+  const std::vector<float> depth = {1e10f, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, -1, 0.5f};
+  const std::vector<float> red(15, 0.25f);
+  WriteExr(Path("a.exr"), image, {}, {{"depth.Z", depth}, {"albedo.R", red}});
+  ExpectSame(ReadImage(Path("a.exr")), image);
+  Imf::InputFile file(Path("a.exr").c_str());
+  std::vector<float> back(15), red_back(15);
+  Imf::FrameBuffer frame;
+  const auto slice = [&](std::vector<float>& to) {
+    return Imf::Slice::Make(Imf::FLOAT, to.data(), file.header().dataWindow());
+  };
+  frame.insert("depth.Z", slice(back));
+  frame.insert("albedo.R", slice(red_back));
+  file.setFrameBuffer(frame);
+  file.readPixels(0, 2);
+  EXPECT_EQ(back, depth);
+  EXPECT_EQ(red_back, red);
+}
+
+TEST_F(ImageFiles, ExrMetadataComesBack) {
+  const Metadata metadata = {
+      {"a", ""}, {"b", "line\nline \xc3\xa9"}, {std::string(100, 'c'), std::string(100000, 'x')}};
+  WriteExr(Path("a.exr"), Numbered(4, 4), metadata);
+  EXPECT_EQ(ReadExrMetadata(Path("a.exr")), metadata);
+  ExpectSame(ReadImage(Path("a.exr")), Numbered(4, 4));
+  // In the order of the file, which OpenEXR sorts by name.
+  WriteExr(Path("b.exr"), Numbered(4, 4), {{"z", "1"}, {"y", "2"}});
+  EXPECT_EQ(ReadExrMetadata(Path("b.exr")), (Metadata{{"y", "2"}, {"z", "1"}}));
+}
+
+TEST_F(ImageFiles, ExrOfEveryLosslessCompression) {
+  const Image image = Numbered(70, 67);
+  for (const Imf::Compression compression :
+       {Imf::NO_COMPRESSION, Imf::RLE_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::ZIP_COMPRESSION,
+        Imf::PIZ_COMPRESSION}) {
+    WriteExrKind(Path("a.exr"), HeaderFor(image, compression), image);
+    ExpectSame(ReadImage(Path("a.exr")), image);
+  }
+}
+
+TEST_F(ImageFiles, ExrOfEveryPixelType) {
+  const Image image = Numbered(9, 5);
+  for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT, Imf::UINT}) {
+    WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::ZIP_COMPRESSION), image,
+                 {{"R", type}, {"G", type}, {"B", type}});
+    ExpectSame(ReadImage(Path("a.exr")), image);
+  }
+}
+
+TEST_F(ImageFiles, ExrAlphaAndLayersAreLeftOut) {
+  const Image image = Numbered(9, 5);
+  WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::PIZ_COMPRESSION), image,
+               {{"A", Imf::HALF},
+                {"B", Imf::FLOAT},
+                {"G", Imf::HALF},
+                {"R", Imf::UINT},
+                {"Y", Imf::FLOAT},
+                {"diffuse.R", Imf::FLOAT}});
+  ExpectSame(ReadImage(Path("a.exr")), image);
+}
+
+TEST_F(ImageFiles, ExrLuminanceAloneIsGrey) {
+  Image image = Numbered(9, 5);
+  WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::ZIP_COMPRESSION), image,
+               {{"A", Imf::FLOAT}, {"Y", Imf::HALF}});
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = image.rgb[i - i % 3];
+  ExpectSame(ReadImage(Path("a.exr")), image);
+}
+
+TEST_F(ImageFiles, ExrWithoutColoursIsRefused) {
+  const Image image = Numbered(9, 5);
+  for (const ExrChannels& channels :
+       {ExrChannels{{"R", Imf::FLOAT}, {"G", Imf::FLOAT}}, ExrChannels{{"left.R", Imf::FLOAT}},
+        ExrChannels{{"Y", Imf::FLOAT}, {"RY", Imf::FLOAT}, {"BY", Imf::FLOAT}}}) {
+    WriteExrKind(Path("a.exr"), HeaderFor(image, Imf::ZIP_COMPRESSION), image, channels);
+    EXPECT_THROW(ReadImage(Path("a.exr")), InputError);
+  }
+}
+
+TEST_F(ImageFiles, ExrDataWindowIsThePicture) {
+  const Image image = Numbered(9, 5);
+  Imf::Header header(Imath::Box2i({0, 0}, {99, 49}), Imath::Box2i({-3, 20}, {5, 24}));
+  WriteExrKind(Path("a.exr"), header, image);
+  ExpectSame(ReadImage(Path("a.exr")), image);
+  header.lineOrder() = Imf::DECREASING_Y;
+  header.compression() = Imf::NO_COMPRESSION;
+  WriteExrKind(Path("b.exr"), header, image);
+  ExpectSame(ReadImage(Path("b.exr")), image);
+}
+
+TEST_F(ImageFiles, ExrTilesOfEveryLevelMode) {
+  const Image image = Numbered(37, 21);
+  for (const Imf::LevelMode levels : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS}) {
+    for (const Imf::LevelRoundingMode rounding : {Imf::ROUND_DOWN, Imf::ROUND_UP}) {
+      for (const unsigned side : {8u, 64u}) {
+        Imf::Header header = HeaderFor(image, Imf::ZIP_COMPRESSION);
+        header.setTileDescription(Imf::TileDescription(side, side / 2, levels, rounding));
+        WriteExrKind(Path("a.exr"), header, image);
+        ExpectSame(ReadImage(Path("a.exr")), image);
+      }
+    }
+  }
+}
+
+TEST_F(ImageFiles, PfmKeepsEveryBit) {
+  WritePfm(Path("a.pfm"), Unusual());
+  ExpectSame(ReadImage(Path("a.pfm")), Unusual());
+}
+
+TEST_F(ImageFiles, PfmInBothByteOrdersAndGrey) {
+  // Two rows of one pixel; the file starts with the lower one.
+  const std::string little("\0\0\x80\x3f\0\0\0\x40", 8);  // 1, 2
+  const std::string big("\x3f\x80\0\0\x40\0\0\0", 8);
+  for (const std::string& file :
+       {"Pf 1 2 -1.0\n" + little, "Pf\n1 2\n1\n" + big, "Pf\n1\t2\n0.5e-3\n" + big}) {
+    const Image image = ReadImage(Put("a.pfm", file));
+    ASSERT_EQ(image.width, 1);
+    ASSERT_EQ(image.height, 2);
+    EXPECT_EQ(image.rgb, (std::vector<float>{2, 2, 2, 1, 1, 1}));
+  }
+  const std::string colour("\x3f\x80\0\0\x40\0\0\0\xc0\0\0\0", 12);
+  EXPECT_EQ(ReadImage(Put("b.pfm", "PF 1 1 2.5e3\n" + colour)).rgb, (std::vector<float>{1, 2, -2}));
+}
+
+TEST_F(ImageFiles, RgbeIsExactWhereItCan) {
+  for (const int width : {1, 7, 8, 127, 128, 300, 40000}) {  // flat and run-length coded
+    const Image image = Numbered(width, 3);
+    WriteRgbe(Path("a.hdr"), image);
+    ReadLimits wide;
+    wide.max_width = 40000;
+    ExpectSame(ReadImage(Path("a.hdr"), wide), image);
+  }
+  Image extremes(1, 3);
+  extremes.rgb = {0x1p-128f, 0, 0, 0x1.FEp126f, 0x1p119f, 0, 255, 128, 1};
+  WriteRgbe(Path("b.hdr"), extremes);
+  ExpectSame(ReadImage(Path("b.hdr")), extremes);
+}
+
+TEST_F(ImageFiles, RgbeKeepsRuns) {
+  Image image(700, 1);
+  for (int x = 0; x < image.width; ++x) {
+    // Runs of 1 to 300 pixels, among them those where coding as a run starts and stops to pay.
+    const int run = x < 3 ? 0 : x < 7 ? 1 : x < 10 ? 2 : x < 138 ? 3 : x < 400 ? 4 : x;
+    for (int c = 0; c < 3; ++c) image.Pixel(x, 0)[c] = float(128 + run % 100);
+  }
+  WriteRgbe(Path("a.hdr"), image);
+  ExpectSame(ReadImage(Path("a.hdr")), image);
+  WriteRgbe(Path("black.hdr"), Image(700, 50));
+  ExpectSame(ReadImage(Path("black.hdr")), Image(700, 50));
+  EXPECT_LT(std::filesystem::file_size(Path("black.hdr")), 50 * 60u);
+}
+
+TEST_F(ImageFiles, RgbeIsNearest) {
+  Image image(200, 1);
+  for (int i = 0; i < 600; ++i) image.rgb[i] = std::exp(0.05f * float(i * 37 % 600) - 15);
+  image.rgb[0] = image.rgb[1] = 255.75f;  // rounds up into the next exponent
+  WriteRgbe(Path("a.hdr"), image);
+  const Image back = ReadImage(Path("a.hdr"));
+  for (int x = 0; x < image.width; ++x) {
+    const float* const pixel = image.Pixel(x, 0);
+    const float largest = std::max({pixel[0], pixel[1], pixel[2]});
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_LE(std::abs(back.Pixel(x, 0)[c] - pixel[c]), largest / 256) << x;
+    }
+  }
+}
+
+TEST_F(ImageFiles, RgbeClampsWhatItCannotHold) {
+  Image image(3, 1);
+  image.rgb = {kNan, -1, 2, kInf, 1, 0, -kInf, 1e-40f, 0};
+  WriteRgbe(Path("a.hdr"), image);
+  EXPECT_EQ(ReadImage(Path("a.hdr")).rgb,
+            (std::vector<float>{0, 0, 2, 0x1.FEp126f, 0, 0, 0, 0, 0}));
+}
+
+std::string RgbeFile(const std::string& resolution, const std::string& pixels) {
+  return "#?RGBE\n# comment\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n" + resolution + "\n" + pixels;
+}
+
+TEST_F(ImageFiles, RgbeDecodesAsDocumented) {
+  // Exposure is not applied; mantissas are neither rounded nor shifted by half a step.
+  const Image image = ReadImage(
+      Put("a.hdr", RgbeFile("-Y 1 +X 2", "\x80\x01\xff\x88\x80\x80\x80" + std::string(1, '\0'))));
+  EXPECT_EQ(image.rgb, (std::vector<float>{128, 1, 255, 0, 0, 0}));
+}
+
+TEST_F(ImageFiles, RgbeOfEveryOrientation) {
+  // A picture of two columns and three rows, the red channel numbered by rows: 0 1 / 2 3 / 4 5.
+  const std::pair<const char*, std::vector<int>> kCases[] = {
+      {"-Y 3 +X 2", {0, 1, 2, 3, 4, 5}}, {"-Y 3 -X 2", {1, 0, 3, 2, 5, 4}},
+      {"+Y 3 +X 2", {4, 5, 2, 3, 0, 1}}, {"+Y 3 -X 2", {5, 4, 3, 2, 1, 0}},
+      {"+X 2 -Y 3", {0, 2, 4, 1, 3, 5}}, {"+X 2 +Y 3", {4, 2, 0, 5, 3, 1}},
+      {"-X 2 -Y 3", {1, 3, 5, 0, 2, 4}}, {"-X 2 +Y 3", {5, 3, 1, 4, 2, 0}}};
+  for (const auto& [resolution, order] : kCases) {
+    std::string pixels;
+    for (const int number : order) pixels += {char(number), 0, 0, char(136)};
+    const Image image = ReadImage(Put("a.hdr", RgbeFile(resolution, pixels)));
+    ASSERT_EQ(image.width, 2) << resolution;
+    ASSERT_EQ(image.height, 3) << resolution;
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(image.rgb[i * 3], i) << resolution;
+  }
+}
+
+TEST_F(ImageFiles, RgbeOfTheOldRunLengthCoding) {
+  // Pixel 5, three more of it, pixel 7, and 0x104 more in two bytes of count, the lowest first.
+  const std::string pixels{
+      "\x05\0\0\x88\x01\x01\x01\x03\x07\0\0\x88\x01\x01\x01\x04\x01\x01\x01\x01", 20};
+  const Image image = ReadImage(Put("a.hdr", RgbeFile("-Y 1 +X 265", pixels)));
+  for (int x = 0; x < 265; ++x) EXPECT_EQ(image.Pixel(x, 0)[0], x < 4 ? 5 : 7);
+}
+
+TEST_F(ImageFiles, TopLeftStaysTopLeft) {
+  Image image(9, 5);
+  image.Pixel(0, 0)[0] = 1;
+  image.Pixel(8, 0)[1] = 1;
+  image.Pixel(0, 4)[2] = 1;
+  for (const char* const name : {"a.exr", "a.pfm", "a.hdr", "b.EXR", "b.Pfm", "b.HDR"}) {
+    WriteImage(Path(name), image);
+    ExpectSame(ReadImage(Path(name)), image);
+  }
+}
+
+TEST_F(ImageFiles, EndingDecidesWhatIsWrittenAndContentWhatIsRead) {
+  WriteImage(Path("a.exr"), Numbered(3, 3), {{"key", "value"}});
+  EXPECT_EQ(ReadExrMetadata(Path("a.exr")), (Metadata{{"key", "value"}}));
+  std::filesystem::rename(Path("a.exr"), Path("a.hdr"));
+  ExpectSame(ReadImage(Path("a.hdr")), Numbered(3, 3));
+  for (const char* const name : {"a.png", "a", "exr", "a.exr/b"}) {
+    try {
+      WriteImage(Path(name), Numbered(3, 3));
+      ADD_FAILURE() << name;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.exit_code(), kExitUsage) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skywave

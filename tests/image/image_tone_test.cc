@@ -1,0 +1,121 @@
+// What happens to a picture on its way to 8 bits: repair, tone mapping and PNG.
+
+#include <png.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "tests/support/image_test_files.h"
+
+namespace skywave {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+Image Grey(const std::vector<float>& values) {
+  Image image(int(values.size()), 1);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = values[i / 3];
+  return image;
+}
+
+// The bytes of one channel, after checking that all three are alike.
+std::vector<int> MapGrey(const std::vector<float>& values, const ToneMapping& mapping) {
+  const std::vector<std::uint8_t> rgb = ToneMap(Grey(values), mapping);
+  std::vector<int> grey;
+  for (std::size_t i = 0; i < rgb.size(); i += 3) {
+    EXPECT_EQ(rgb[i], rgb[i + 1]);
+    EXPECT_EQ(rgb[i], rgb[i + 2]);
+    grey.push_back(rgb[i]);
+  }
+  return grey;
+}
+
+TEST(RepairRadiance, CountsPixelsByTheirWorstChannel) {
+  Image image(6, 1);
+  image.rgb = {kNan, kInf, -1, 1, -kInf, -1, 2, -0.5f, 3, 4, 5, 6, -0.0f, 0, 0, 1, 2, kNan};
+  const BadPixels bad = RepairRadiance(image);
+  EXPECT_EQ(bad.nan, 2u);
+  EXPECT_EQ(bad.infinite, 1u);
+  EXPECT_EQ(bad.negative, 1u);
+  EXPECT_EQ(bad.total(), 4u);
+  EXPECT_EQ(image.rgb, (std::vector<float>{0, 0, 0, 1, 0, 0, 2, 0, 3, 4, 5, 6, 0, 0, 0, 1, 2, 0}));
+  EXPECT_EQ(RepairRadiance(image).total(), 0u);
+}
+
+TEST(ToneMap, ClippedValuesFollowSrgb) {
+  // 12.92 * 0.001 * 255 = 3.29; 0.18 -> 117.6; 0.2140411 is half of the code range -> 127.5;
+  // 0.5 -> 187.5 and a little.
+  EXPECT_EQ(MapGrey({0, 0.001f, 0.18f, 0.2141f, 0.5f, 1, 7}, {}),
+            (std::vector<int>{0, 3, 118, 128, 188, 255, 255}));
+  EXPECT_EQ(MapGrey({-1, kNan, -kInf, kInf}, {}), (std::vector<int>{0, 0, 0, 255}));
+}
+
+TEST(ToneMap, ExposureIsInStops) {
+  const std::vector<float> values = {0.01f, 0.1f, 0.25f, 0.4f};
+  std::vector<float> doubled = values;
+  for (float& value : doubled) value *= 2;
+  EXPECT_EQ(MapGrey(values, {.exposure_stops = 1}), MapGrey(doubled, {}));
+  EXPECT_EQ(MapGrey({8}, {.exposure_stops = -4}), MapGrey({0.5f}, {}));
+}
+
+TEST(PhotographicExposure, FollowsTheFormula) {
+  // Sunny sixteen: f/16 at 1/100 s and ISO 100 is EV 14.64 and saturates at 1.2 * 16^2 * 100.
+  const PhotographicExposure sunny = {.iso = 100, .shutter_seconds = 0.01f, .f_number = 16};
+  EXPECT_NEAR(ExposureValue100(sunny), 14.6439, 1e-4);
+  EXPECT_NEAR(std::exp2(-ExposureStops(sunny)), 30720, 1);
+  // A stop more: twice the time, twice the speed, or the f-number over the square root of two.
+  for (const PhotographicExposure& brighter :
+       {PhotographicExposure{.iso = 100, .shutter_seconds = 0.02f, .f_number = 16},
+        PhotographicExposure{.iso = 200, .shutter_seconds = 0.01f, .f_number = 16},
+        PhotographicExposure{.iso = 100, .shutter_seconds = 0.01f, .f_number = 11.3137085f}}) {
+    EXPECT_NEAR(ExposureStops(brighter) - ExposureStops(sunny), 1, 1e-5);
+  }
+}
+
+TEST(ToneMap, FilmicValuesFollowTheFit) {
+  // (2.51 x^2 + 0.03 x) / (2.43 x^2 + 0.59 x + 0.14): 0.18 -> 0.26695, 1 -> 0.80380.
+  const ToneMapping filmic = {.curve = ToneCurve::kFilmic};
+  EXPECT_EQ(MapGrey({0, 0.18f, 1, 1e4f, 1e30f, kInf, kNan, -1}, filmic),
+            (std::vector<int>{0, 141, 232, 255, 255, 255, 0, 0}));
+}
+
+TEST(ToneMap, KeepsChannelsApart) {
+  Image image(1, 2);
+  image.rgb = {1, 0, 0.5f, 0, 1, 0};
+  EXPECT_EQ(ToneMap(image, {}), (std::vector<std::uint8_t>{255, 0, 188, 0, 255, 0}));
+}
+
+class Png : public ImageFiles {};
+
+TEST_F(Png, PixelsComeBackTheRightWayUp) {
+  std::vector<std::uint8_t> rgb(5 * 3 * 3);
+  for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = std::uint8_t(i * 5);
+  WritePng(Path("a.png"), 5, 3, rgb);
+
+  png_image png = {};
+  png.version = PNG_IMAGE_VERSION;
+  ASSERT_TRUE(png_image_begin_read_from_file(&png, Path("a.png").c_str()));
+  EXPECT_EQ(png.width, 5u);
+  EXPECT_EQ(png.height, 3u);
+  EXPECT_EQ(png.format, unsigned(PNG_FORMAT_RGB));
+  std::vector<std::uint8_t> back(rgb.size());
+  ASSERT_TRUE(png_image_finish_read(&png, nullptr, back.data(), 0, nullptr));
+  EXPECT_EQ(back, rgb);
+}
+
+TEST_F(Png, BytesOnlyDependOnTheInput) {
+  const std::vector<std::uint8_t> rgb(64 * 64 * 3, 77);
+  WritePng(Path("a.png"), 64, 64, rgb);
+  WritePng(Path("b.png"), 64, 64, rgb);
+  EXPECT_EQ(ReadFile(Path("a.png")), ReadFile(Path("b.png")));
+}
+
+TEST_F(Png, ImpossibleSizeIsAnError) {
+  EXPECT_THROW(WritePng(Path("a.png"), 0, 0, {}), InputError);
+  EXPECT_FALSE(std::filesystem::exists(Path("a.png")));
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,207 @@
+// Normal maps: a constant one is a tilted normal, whatever the mesh, its side and its coordinates.
+#include "kernels/surface/normal_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#define GLM_ENABLE_EXPERIMENTAL
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtx/string_cast.hpp>
+
+#include "kernels/surface/surface.h"
+#include "scene/geometry.h"
+#include "scene/shapes/mesh.h"
+#include "scene/materials/texture_tables.h"
+#include "tests/support/random_rows.h"
+#include "tests/support/screens_scene.h"
+#include "tests/support/targets.h"
+#include "wavefront/soa.h"
+
+namespace skywave {
+namespace {
+
+glm::vec3 Unpacked(std::uint32_t packed) {
+  return {float(packed & 2047) / 1023 - 1, float(packed >> 11 & 2047) / 1023 - 1,
+          float(packed >> 22) / 511 - 1};
+}
+
+TEST(PackNormalTexel, IsOffByAtMostATenthOfADegreeAndExactWhereFlat) {
+  const float up[3] = {0, 0, 1};
+  EXPECT_EQ(Unpacked(PackNormalTexel(up)), glm::vec3(0, 0, 1));
+  Random random(81);
+  for (int i = 0; i < 10000; ++i) {
+    const glm::vec3 n =
+        glm::normalize(glm::vec3(float(random.Between(-1, 1)), float(random.Between(-1, 1)), 0.3f));
+    EXPECT_LT(glm::length(glm::cross(Unpacked(PackNormalTexel(&n.x)), n)), 0.0018f);
+  }
+}
+
+// A square in the plane y = 0 whose uvs grow along x and against z, as Quad's, turned by `world`,
+// seen in its middle from `wo`; the bent normal.
+struct Relief {
+  Scene scene;
+  explicit Relief(TextureUse use, const Image& image) {
+    AddLambert(scene, "relief", glm::vec3(1));
+    scene.images = {image};
+    scene.textures = {{.image = 0, .use = use}};
+    scene.materials[0].normal_texture = 0;
+    Place(scene, Quad(1), 0, {0, 0, 0});
+  }
+  // Directions of the image's axes on Quad.
+  static glm::vec3 Axis(const Mesh& mesh, glm::vec2 step) {
+    const glm::uvec3& t = mesh.triangles[0];
+    const glm::mat2 uv(mesh.uvs[t.y] - mesh.uvs[t.x], mesh.uvs[t.z] - mesh.uvs[t.x]);
+    const glm::vec2 edges = glm::inverse(uv) * step;
+    return glm::normalize(edges.x * (mesh.positions[t.y] - mesh.positions[t.x]) +
+                          edges.y * (mesh.positions[t.z] - mesh.positions[t.x]));
+  }
+  glm::vec3 Bent(const glm::vec3& wo, glm::vec2 place = {0.25f, 0.25f}) const {
+    const Geometry geometry(scene, "test");
+    const soa::Table<SurfaceColumns> table(1);
+    const SurfaceColumns& s = table;
+    const Mesh& mesh = scene.meshes[0];
+    const glm::uvec3& t = mesh.triangles[0];
+    const glm::vec3 ng = glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                    mesh.positions[t.z] - mesh.positions[t.x]);
+    s.ng_x[0] = ng.x, s.ng_y[0] = ng.y, s.ng_z[0] = ng.z;
+    s.wo_x[0] = wo.x, s.wo_y[0] = wo.y, s.wo_z[0] = wo.z;
+    s.u[0] = place.x, s.v[0] = place.y, s.t[0] = 1, s.triangle[0] = 0;
+    PrepareSurfaces(geometry.triangles(), geometry.materials().records, 1, s);
+    BendNormals(geometry.textures(), geometry.normal_maps(), 0, 1, s);
+    return {s.ns_x[0], s.ns_y[0], s.ns_z[0]};
+  }
+};
+
+void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
+  EXPECT_LT(glm::length(a - b), 2e-3) << glm::to_string(a) << " is not " << glm::to_string(b);
+}
+
+const glm::vec3 kTilt(0.3f, 0.2f, 1);
+
+TEST(NormalMaps, AConstantOneTiltsAlongTheAxesOfTheImage) {
+  Relief relief(TextureUse::kNormals, Plain(NormalColor(kTilt)));
+  const Mesh flat = relief.scene.meshes[0];
+  for (const bool mirrored : {false, true}) {
+    for (const bool facetted : {false, true}) {
+      for (const bool upwards : {false, true}) {
+        Mesh mesh = facetted ? Facetted(flat) : flat;
+        glm::dmat4 world = glm::rotate(glm::dmat4(1), 0.7, glm::dvec3(0.3, 1, 0.2));
+        if (mirrored) world = glm::scale(world, glm::dvec3(-1, 2, 1));
+        TransformMesh(world, mesh);
+        // In OBJ and pbrt v goes upwards, and the transform turns it.
+        relief.scene.textures[0].transform =
+            upwards ? glm::mat3x2(1, 0, 0, -1, 0, 1) : glm::mat3x2(1, 0, 0, 1, 0, 0);
+        relief.scene.meshes = {mesh};
+        const glm::vec3 x = Relief::Axis(mesh, {1, 0}),
+                        y = Relief::Axis(mesh, {0, upwards ? 1 : -1});
+        const glm::uvec3& t = mesh.triangles[0];
+        const glm::vec3 up = glm::normalize(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                                       mesh.positions[t.z] - mesh.positions[t.x]));
+        const glm::vec3 bent = glm::normalize(kTilt.x * x + kTilt.y * y + kTilt.z * up);
+        SCOPED_TRACE(testing::Message() << mirrored << facetted << upwards);
+        ExpectNear(relief.Bent(up), bent);
+        ExpectNear(relief.Bent(-up), -bent);
+      }
+    }
+  }
+}
+
+TEST(NormalMaps, ScaleTiltsMore) {
+  Relief relief(TextureUse::kNormals, Plain(NormalColor(kTilt)));
+  const glm::vec3 x = Relief::Axis(relief.scene.meshes[0], {1, 0}),
+                  y = Relief::Axis(relief.scene.meshes[0], {0, -1}), up(0, 1, 0);
+  for (const float scale : {0.0f, 0.5f, 2.0f, -1.0f}) {
+    relief.scene.materials[0].normal_scale = scale;
+    ExpectNear(relief.Bent(up),
+               glm::normalize(scale * kTilt.x * x + scale * kTilt.y * y + kTilt.z * up));
+  }
+}
+
+TEST(NormalMaps, TangentsOfTheFileComeBeforeThoseOfTheCoordinates) {
+  Relief relief(TextureUse::kNormals, Plain(NormalColor(kTilt)));
+  Mesh& mesh = relief.scene.meshes[0];
+  for (const float side : {1.0f, -1.0f}) {
+    mesh.tangents.assign(mesh.positions.size(), glm::vec4(0, 0, 1, side));
+    const glm::vec3 up(0, 1, 0), x(0, 0, 1), y = side * glm::cross(up, x);
+    ExpectNear(relief.Bent(up), glm::normalize(kTilt.x * x + kTilt.y * y + kTilt.z * up));
+  }
+  mesh.tangents.assign(mesh.positions.size(), glm::vec4(0));
+  ExpectNear(relief.Bent({0, 1, 0}), {0, 1, 0});
+}
+
+// A ramp of heights: as steep in the world as it says, whatever the size of square and image.
+TEST(NormalMaps, HeightsAreLengthsOfTheWorld) {
+  for (const auto& [width, half_size] : {std::pair{16, 1.0f}, {64, 1.0f}, {16, 3.0f}}) {
+    Image ramp(width, width);
+    for (int y = 0; y < width; ++y) {
+      for (int x = 0; x < width; ++x) {
+        std::fill_n(ramp.Pixel(x, y), 3, (float(x) + 0.5f) / float(width));
+      }
+    }
+    Relief relief(TextureUse::kHeights, ramp);
+    relief.scene.textures[0].wrap_u = TextureWrap::kClamp;
+    relief.scene.meshes.clear();
+    Place(relief.scene, Quad(half_size), 0, {0, 0, 0});
+    relief.scene.materials[0].normal_scale = 0.8f;  // from 0 to 0.8 over the square
+    const glm::vec3 x = Relief::Axis(relief.scene.meshes[0], {1, 0});
+    const float slope = 0.8f / (2 * half_size);
+    ExpectNear(relief.Bent({0, 1, 0}), glm::normalize(glm::vec3(0, 1, 0) - slope * x));
+    relief.scene.materials[0].height_in_texels = true;
+    const float of_texels = 0.8f / float(width);
+    ExpectNear(relief.Bent({0, 1, 0}), glm::normalize(glm::vec3(0, 1, 0) - of_texels * x));
+  }
+}
+
+TEST(NormalMaps, NormalsNeverLookAwayFromTheEye) {
+  Relief relief(TextureUse::kNormals, Plain(NormalColor({3, 0, 1})));
+  const glm::vec3 x = Relief::Axis(relief.scene.meshes[0], {1, 0});
+  for (const float lean : {0.0f, 0.5f, 1.0f, 5.0f, 50.0f}) {
+    const glm::vec3 wo = glm::normalize(glm::vec3(0, 1, 0) - lean * x);
+    const glm::vec3 bent = relief.Bent(wo);
+    EXPECT_NEAR(glm::length(bent), 1, 1e-5);
+    EXPECT_GT(glm::dot(bent, wo), 0.005f) << lean;
+  }
+}
+
+TEST(NormalMaps, RowsWithoutOneAndBitsOfTargetsStay) {
+  const Scene scene = ScreensScene();
+  const Geometry geometry(scene, "test");
+  const auto bend = [&](std::uint32_t n, bool maps) {
+    Random random(83);
+    const soa::Table<SurfaceColumns> table(kFullWave);
+    const SurfaceColumns& s = table;
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      s.u[i] = float(random.Float()), s.v[i] = float(random.Float()) * (1 - s.u[i]);
+      s.t[i] = 1, s.triangle[i] = random.Word() % 10;
+      const Vec ng = random.Direction();
+      Put(ng, i, s.ng_x, s.ng_y, s.ng_z);
+      Put(random.DirectionAbout(ng), i, s.wo_x, s.wo_y, s.wo_z);
+    }
+    PrepareSurfaces(geometry.triangles(), geometry.materials().records, kFullWave, s);
+    if (maps) BendNormals(geometry.textures(), geometry.normal_maps(), 0.01f, n, s);
+    std::vector<float> values;
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      values.insert(values.end(), {s.ns_x[i], s.ns_y[i], s.ns_z[i], float(s.material[i] & 255)});
+    }
+    return values;
+  };
+  const std::vector<float> plain = bend(kFullWave, false), all = bend(kFullWave, true);
+  int bent = 0;
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    const bool mapped = scene.materials[std::size_t(all[4 * i + 3])].normal_texture.has_value();
+    if (!mapped) {
+      ASSERT_EQ(all[4 * i], plain[4 * i]);
+    }
+    bent += all[4 * i] != plain[4 * i];
+  }
+  EXPECT_GT(bent, int(kFullWave / 10));
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      const std::vector<float> some = bend(n, true);
+      for (std::uint32_t i = 0; i < 4 * n; ++i) ASSERT_EQ(some[i], all[i]) << n << ", " << i;
+    }
+  });
+}
+
+}  // namespace
+}  // namespace skywave

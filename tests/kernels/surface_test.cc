@@ -1,0 +1,310 @@
+// Surface preparation against a double reference: normals, sides, lifted origins, colours.
+
+#include "kernels/surface/surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/random_rows.h"
+#include "tests/support/targets.h"
+
+namespace skywave {
+namespace {
+
+std::uint32_t Encode(Vec n) { return EncodeNormal(float(n.x), float(n.y), float(n.z)); }
+
+// Octahedral decoding in double (Cigolle et al. 2014).
+Vec Decode(std::uint32_t packed) {
+  const double x = std::int16_t(packed & 0xFFFFu) / 32767.0,
+               y = std::int16_t(packed >> 16) / 32767.0;
+  const double z = 1 - std::fabs(x) - std::fabs(y);
+  if (z >= 0) return Unit({x, y, z});
+  return Unit({std::copysign(1 - std::fabs(y), x), std::copysign(1 - std::fabs(x), y), z});
+}
+
+// Random directions, the axes, the folds of the octahedron and the lower half.
+std::vector<Vec> Normals() {
+  Random random(111);
+  std::vector<Vec> normals;
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        if (x != 0 || y != 0 || z != 0) normals.push_back(Unit({double(x), double(y), double(z)}));
+      }
+    }
+  }
+  for (int i = 0; i < 200; ++i) {
+    const double a = random.Between(-kPi, kPi), tiny = random.Between(-1e-5, 1e-5);
+    normals.push_back(Unit({std::cos(a), std::sin(a), tiny}));  // the equator, where it folds
+    normals.push_back(Unit({std::cos(a), tiny, std::sin(a)}));  // the edges, where a sign flips
+    normals.push_back(Unit({tiny, std::cos(a), std::sin(a)}));
+    normals.push_back(Unit({tiny, random.Between(-1e-5, 1e-5), a < 0 ? -1.0 : 1.0}));  // the poles
+  }
+  while (normals.size() < 40000) normals.push_back(random.Direction());
+  return normals;
+}
+
+struct Rows {
+  explicit Rows(std::uint32_t n) : surfaces(n), triangles(n), materials(4) {
+    for (std::uint32_t m = 0; m < 4; ++m) {
+      for (int c = 0; c < 3; ++c) materials[m].color[c] = 0.1f * float(m) + 0.01f * float(c);
+    }
+  }
+  void Prepare(std::uint32_t n) {
+    PrepareSurfaces(triangles.data(), materials.data(), n, surfaces);
+  }
+  soa::Table<SurfaceColumns> surfaces;
+  std::vector<TriangleRecord> triangles;
+  std::vector<MaterialRecord> materials;
+};
+
+TEST(EncodeNormal, IsOffByAtMost65Microradians) {
+  const std::vector<Vec> normals = Normals();
+  const auto n = std::uint32_t(normals.size());
+  Rows rows(n);
+  const SurfaceColumns& s = rows.surfaces;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t packed = Encode(normals[i]);
+    rows.triangles[i] = {{packed, packed, packed}, 0};
+    ASSERT_LT(Angle(Decode(packed), normals[i]), 6.5e-5) << "direction " << i;
+    s.triangle[i] = i;
+    s.u[i] = 0.25f, s.v[i] = 0.25f;
+    Put(normals[i], i, s.wo_x, s.wo_y, s.wo_z);
+    Put(3 * normals[i], i, s.ng_x, s.ng_y, s.ng_z);
+  }
+  // The kernels decode what was encoded.
+  rows.Prepare(n);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Vec ns = Get(i, s.ns_x, s.ns_y, s.ns_z);
+    ASSERT_NEAR(Length(ns), 1, 1e-6);
+    ASSERT_LT(Angle(ns, normals[i]), 6.55e-5) << "direction " << i;
+    ASSERT_LT(Angle(Get(i, s.ng_x, s.ng_y, s.ng_z), normals[i]), 1e-6);
+  }
+}
+
+TEST(EncodeNormal, KeepsTheAxes) {
+  for (const Vec axis : {Vec{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}) {
+    EXPECT_EQ(Angle(Decode(Encode(axis)), axis), 0);
+  }
+}
+
+// Random hits of every kind: smooth and flat, from both sides, with normals that look away.
+class PreparedRows : public testing::Test {
+ protected:
+  struct Hit {
+    Vec wo, wound, corner[3], origin;
+    double u, v, t;
+    bool flat;
+    std::uint32_t material;
+  };
+  PreparedRows() : rows_(kFullWave) {
+    Random random(112);
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      Hit hit;
+      hit.wo = random.Direction();
+      const Vec ng = random.Direction();
+      hit.wound = random.Between(0.01, 100) * ng;
+      for (Vec& corner : hit.corner) {
+        const std::uint32_t packed = Encode(Unit(ng + random.Between(0, 1.5) * random.Direction()));
+        rows_.triangles[i].normal[&corner - hit.corner] = packed;
+        corner = Decode(packed);
+      }
+      hit.u = random.Between(0, 1), hit.v = random.Between(0, 1 - hit.u);
+      hit.t = std::pow(10, random.Between(-3, 4));
+      hit.origin = random.Between(0, 1000) * random.Direction();
+      hit.flat = i % 5 == 0;
+      hit.material = random.Word() % 4;
+      rows_.triangles[i].tag = hit.material | (hit.flat ? kFlatTriangle : 0) | 2u << kKindShift;
+      hits_.push_back(hit);
+    }
+  }
+  void Load(std::uint32_t n) {
+    const SurfaceColumns& s = rows_.surfaces;
+    FillWithGarbage(s, kFullWave);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const Hit& hit = hits_[i];
+      Put(hit.wo, i, s.wo_x, s.wo_y, s.wo_z);
+      Put(hit.wound, i, s.ng_x, s.ng_y, s.ng_z);
+      Put(hit.origin, i, s.org_x, s.org_y, s.org_z);
+      s.u[i] = float(hit.u), s.v[i] = float(hit.v), s.t[i] = float(hit.t);
+      s.triangle[i] = i;
+    }
+  }
+  Rows rows_;
+  std::vector<Hit> hits_;
+};
+
+TEST_F(PreparedRows, MatchTheReference) {
+  const SurfaceColumns& s = rows_.surfaces;
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      Load(n);
+      rows_.Prepare(n);
+      std::uint32_t back_faces = 0, geometric = 0;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        const Hit& hit = hits_[i];
+        const double facing = Dot(hit.wound, hit.wo) / Length(hit.wound);
+        if (std::fabs(facing) < 1e-6) continue;
+        const bool back = facing < 0;
+        back_faces += back;
+        const Vec ng = back ? -Unit(hit.wound) : Unit(hit.wound);
+        ASSERT_LT(Length(Get(i, s.ng_x, s.ng_y, s.ng_z) - ng), 1e-6) << "row " << i;
+        ASSERT_EQ(s.material[i], hit.material | (back ? kBackFace : 0)) << "row " << i;
+
+        const Vec sum =
+            (1 - hit.u - hit.v) * hit.corner[0] + hit.u * hit.corner[1] + hit.v * hit.corner[2];
+        const Vec ns = back ? -Unit(sum) : Unit(sum);
+        const double side = Dot(ns, hit.wo);
+        const bool uses_geometric = hit.flat || side <= 1e-4;
+        // Sums of normals that cancel keep only an absolute precision.
+        const double tolerance = 2e-6 / Length(sum);
+        if (hit.flat || std::fabs(side - 1e-4) > tolerance) {
+          const Vec expected = uses_geometric ? ng : ns;
+          ASSERT_LT(Length(Get(i, s.ns_x, s.ns_y, s.ns_z) - expected), tolerance + 1e-6)
+              << "row " << i << (hit.flat ? ", flat" : "");
+          geometric += uses_geometric;
+        }
+        ASSERT_GT(Dot(Get(i, s.ns_x, s.ns_y, s.ns_z), hit.wo), 0) << "row " << i;
+
+        const float* color = rows_.materials[hit.material].color;
+        ASSERT_EQ(s.color_r[i], color[0]);
+        ASSERT_EQ(s.color_g[i], color[1]);
+        ASSERT_EQ(s.color_b[i], color[2]);
+      }
+      if (n == kFullWave) {
+        EXPECT_GT(back_faces, n / 3);
+        EXPECT_GT(geometric, n / 5);
+        EXPECT_LT(geometric, n / 2);
+      }
+    }
+  });
+}
+
+// The origin of rays that leave lies in front of the plane of the hit, by more than the hit is
+// known to and by little as seen from afar; two lifts behind it lies the other side.
+TEST_F(PreparedRows, OriginsAreLiftedToTheSideOfTheEye) {
+  Load(kFullWave);
+  rows_.Prepare(kFullWave);
+  const SurfaceColumns& s = rows_.surfaces;
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    const Hit& hit = hits_[i];
+    const Vec point = Get(i, s.org_x, s.org_y, s.org_z);
+    const Vec exact = hit.origin - double(s.t[i]) * hit.wo;
+    const Vec ng = Get(i, s.ng_x, s.ng_y, s.ng_z);
+    const double height = Dot(point - exact, ng), scale = hit.t + Length(exact);
+    const double rounding = 4e-7 * (hit.t + Length(hit.origin));
+    ASSERT_GT(s.lift[i], 0);
+    ASSERT_NEAR(height, s.lift[i], rounding) << "row " << i;
+    // Where the hit was computed from far away it is known less well.
+    ASSERT_GT(height, 4 * rounding * std::min(1.0, scale / (hit.t + Length(hit.origin))))
+        << "row " << i;
+    ASSERT_LT(s.lift[i], 1e-4 * scale);
+    ASSERT_LT(Dot(point - 2.0 * double(s.lift[i]) * ng - exact, ng), 0);
+    ASSERT_LT(Length(point - exact - height * ng), rounding) << "lifted along the normal only";
+  }
+}
+
+TEST_F(PreparedRows, BitsDoNotDependOnTarget) {
+  ExpectSameOnEveryTarget([&] {
+    Load(kFullWave);
+    rows_.Prepare(kFullWave);
+    return ColumnBits(rows_.surfaces.columns(), kFullWave);
+  });
+}
+
+// Smooth normals that cancel to nothing leave the geometric one.
+TEST(PrepareSurfaces, OppositeNormalsFallBack) {
+  Rows rows(1);
+  const SurfaceColumns& s = rows.surfaces;
+  rows.triangles[0] = {{Encode({1, 0, 0}), Encode({-1, 0, 0}), Encode({0, 0, 1})}, 0};
+  s.u[0] = 0.5f, s.v[0] = 0;
+  Put({0, 0, 1}, 0, s.wo_x, s.wo_y, s.wo_z);
+  Put({0, 0, 2}, 0, s.ng_x, s.ng_y, s.ng_z);
+  rows.Prepare(1);
+  EXPECT_EQ(s.ns_x[0], 0);
+  EXPECT_EQ(s.ns_y[0], 0);
+  EXPECT_EQ(s.ns_z[0], 1);
+}
+
+// The part of the triangle's tangent that lies in the surface, by its angle in the kernels' frame,
+// whose first axis a tangent along it tells.
+TEST(Tangents, LieInTheSurface) {
+  constexpr std::uint32_t kRows = 1000;
+  soa::Table<SurfaceColumns> surfaces(kRows);
+  const SurfaceColumns& s = surfaces;
+  Random random(117);
+  std::vector<std::uint32_t> tangents(kRows);
+  std::vector<Vec> normals(kRows);
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    normals[i] = random.Direction();
+    Put(normals[i], i, s.ns_x, s.ns_y, s.ns_z);
+    s.triangle[i] = kRows - 1 - i;
+    tangents[s.triangle[i]] = Encode(random.Direction());
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : {0u, 1u, 17u, kRows}) {
+      std::fill_n(s.varying_0, kRows, 9.0f), std::fill_n(s.varying_1, kRows, 9.0f);
+      PrepareTangents(tangents.data(), n, surfaces);
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        if (i >= n) {
+          ASSERT_EQ(s.varying_0[i] + s.varying_1[i], 18) << "row " << i << " of " << n;
+          continue;
+        }
+        // Duff et al. 2017.
+        const Vec m = normals[i];
+        const double sign = std::copysign(1.0, m.z), a = -1 / (sign + m.z);
+        const Vec x = {1 + sign * m.x * m.x * a, sign * m.x * m.y * a, -sign * m.x};
+        const Vec tangent = Decode(tangents[s.triangle[i]]);
+        const Vec flat = Unit(tangent - Dot(tangent, m) * m);
+        ASSERT_NEAR(s.varying_0[i], Dot(flat, x), 1e-4) << "row " << i;
+        ASSERT_NEAR(s.varying_1[i], Dot(flat, Cross(m, x)), 1e-4) << "row " << i;
+      }
+    }
+  });
+  // Along the normal there is none.
+  tangents[s.triangle[0]] = Encode(normals[0]);
+  Put(Decode(tangents[s.triangle[0]]), 0, s.ns_x, s.ns_y, s.ns_z);
+  PrepareTangents(tangents.data(), 1, surfaces);
+  EXPECT_EQ(s.varying_0[0], 1);
+  EXPECT_EQ(s.varying_1[0], 0);
+}
+
+// Rows seen from behind lose exp(-k t), the others and those behind the last nothing.
+TEST(Absorption, IsThatOfTheWayInside) {
+  constexpr std::uint32_t kRows = 1000;
+  soa::Table<SurfaceColumns> surfaces(kRows);
+  const SurfaceColumns& s = surfaces;
+  Random random(118);
+  std::vector<MaterialRecord> materials(5);
+  for (MaterialRecord& material : materials) {
+    for (float& k : material.k) k = float(random.Between(0, 3));
+  }
+  materials[0].k[0] = 0;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    s.t[i] = float(random.Between(0, 8));
+    s.material[i] = random.Word() % 5 | (i % 3 == 0 ? kBackFace : 0);
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : {0u, 1u, 17u, kRows}) {
+      for (float* column : {s.throughput_r, s.throughput_g, s.throughput_b}) {
+        std::fill_n(column, kRows, 0.7f);
+      }
+      AbsorbInside(materials.data(), n, surfaces);
+      for (std::uint32_t i = 0; i < kRows; ++i) {
+        const MaterialRecord& material = materials[s.material[i] & kMaterialMask];
+        const double way = i < n && i % 3 == 0 ? s.t[i] : 0;
+        const float* const seen[3] = {s.throughput_r, s.throughput_g, s.throughput_b};
+        for (int c = 0; c < 3; ++c) {
+          // An exponent of up to 35 is rounded to 2^-24 of it.
+          const double expected = 0.7f * std::exp(-material.k[c] * way);
+          ASSERT_NEAR(seen[c][i], expected, 5e-6 * expected) << "row " << i << " of " << n;
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+}  // namespace skywave

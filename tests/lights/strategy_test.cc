@@ -1,0 +1,554 @@
+// One suite for all strategies: what a strategy promises decides which checks it goes through. A
+// new strategy gets them by a line in Subjects(); one without a line fails EveryStrategyIsTested.
+
+#include "lights/strategies/strategy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "base/error.h"
+#include "kernels/sampler.h"
+#include "tests/support/adversarial_maps.h"
+#include "tests/support/map_cells.h"
+#include "tests/support/shade_points.h"
+#include "tests/support/statistics.h"
+#include "tests/support/targets.h"
+
+namespace skywave {
+namespace {
+
+struct Subject {
+  std::string specification;
+  // Directions have a density, which EvaluateEscaped reports: histograms and integrals are checked.
+  bool has_density = true;
+  // The mean of radiance * g / pdf is the integral of radiance * g where the density is positive.
+  bool unbiased = true;
+  // The density is positive wherever there is light to reflect (see EnvStrategy::complete).
+  bool complete = true;
+  // Positive below the horizon of the surface too.
+  bool whole_sphere = true;
+  // Monotone in both uniforms: well-distributed points stay well distributed.
+  bool stratified = true;
+  // No samples at all where a surface reflects none of the map's light.
+  bool for_reflection = false;
+  // Relative error of densities that two formulae compute.
+  float precision = 2e-6f;
+};
+
+const std::vector<Subject>& Subjects() {
+  static const std::vector<Subject> subjects = {
+      {.specification = "importance"},
+      {.specification = "importance:compensate=1", .complete = false},
+      {.specification = "importance:compensate=0.25", .complete = false},
+      {.specification = "uniform"},
+      {.specification = "cosine", .whole_sphere = false},
+      {.specification = "warp"},
+      {.specification = "alias", .stratified = false},
+      {.specification = "presampled:lights=40", .stratified = false},
+      {.specification = "presampled:lights=40,mode=fixed", .has_density = false, .unbiased = false},
+      // Cells are picked by differences of sums and seen with the terms of the sums.
+      {.specification = "product:cells=30",
+       .whole_sphere = false,
+       .stratified = false,
+       .for_reflection = true,
+       .precision = 1e-3f},
+      {.specification = "ris", .has_density = false, .whole_sphere = false},
+      {.specification = "bsdf", .has_density = false, .complete = false},
+      {.specification = "median-cut:lights=20", .has_density = false, .unbiased = false},
+      {.specification = "variance-cut:lights=20", .has_density = false, .unbiased = false},
+      {.specification = "penrose:lights=20", .has_density = false, .unbiased = false},
+      {.specification = "penrose:lights=40,cluster=F2,clusters=12,pick=power",
+       .has_density = false,
+       .unbiased = false},
+      {.specification = "hybrid:lights=20", .has_density = false, .unbiased = false},
+      {.specification = "hybrid:lights=20,from=median-cut,inside=1", .has_density = false},
+      {.specification = "hybrid:lights=20,strata=p,p=1,inside=1", .has_density = false},
+      {.specification = "hybrid:lights=20,strata=p,p=0.4,pick=power",
+       .has_density = false,
+       .unbiased = false},
+      {.specification = "hybrid:lights=20,strata=p,p=0.4,pick=power,rest=presampled",
+       .has_density = false,
+       .unbiased = false},
+      {.specification = "hybrid:lights=20,strata=lights,rest=presampled,rest-samples=30",
+       .has_density = false,
+       .unbiased = false},
+  };
+  return subjects;
+}
+
+const Vec kNormal = Unit({0.3, 0.8, 0.5});
+constexpr std::uint32_t kSamples = 40000;
+constexpr double kRounding = 2e-6;  // of a direction and of its way back to the map [rad]
+
+// Surfaces of one normal.
+soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {
+  soa::Table<SurfaceColumns> surfaces(rows);
+  for (std::uint32_t i = 0; i < rows; ++i) PutSurface(normal, i, surfaces);
+  return surfaces;
+}
+
+// What a ray along `directions` sees, as one that has a light sample for a partner: it left row 0
+// of `surfaces`, or the row of its own number.
+soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceColumns& surfaces,
+                                   const std::vector<Vec>& directions, bool row_by_row) {
+  soa::Table<EscapeColumns> rows(std::uint32_t(directions.size()));
+  for (std::uint32_t i = 0; i < directions.size(); ++i) {
+    Put(directions[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
+    rows->pdf[i] = 1;
+    rows->from[i] = row_by_row ? i : 0;
+  }
+  const std::uint32_t left = row_by_row ? std::uint32_t(directions.size()) : 1;
+  const LambertPoints points(surfaces, left);
+  soa::Table<LightColumns> samples(left);
+  strategy.Sample(points, RandomUniforms(left, 1), left, {}, samples);
+  strategy.EvaluateEscaped(points, std::uint32_t(directions.size()), 1, rows);
+  return rows;
+}
+
+double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
+
+// ---- Every strategy, on every map, in every orientation ----
+
+using Case = std::tuple<std::size_t, std::size_t, std::size_t>;
+
+class StrategyOnMap : public testing::TestWithParam<Case> {
+ protected:
+  StrategyOnMap()
+      : subject_(Subjects()[std::get<0>(GetParam())]),
+        map_{AdversarialMaps()[std::get<1>(GetParam())].latlong,
+             Orientations()[std::get<2>(GetParam())].map_from_world},
+        strategy_(MakeStrategy(subject_.specification, map_)) {}
+
+  static double Level() {
+    return SidakLevel(Subjects().size() * AdversarialMaps().size() * Orientations().size() * 2);
+  }
+  soa::Table<LightColumns> Draw(const SurfaceColumns& surfaces, std::uint32_t seed) const {
+    soa::Table<LightColumns> out(kSamples);
+    strategy_->Sample(LambertPoints(surfaces, kSamples), RandomUniforms(kSamples, seed), kSamples,
+                      {}, out);
+    return out;
+  }
+
+  const Subject& subject_;
+  const EnvironmentMap map_;
+  const std::unique_ptr<EnvStrategy> strategy_;
+};
+
+TEST_P(StrategyOnMap, DensityIntegratesToOne) {
+  if (!subject_.has_density) GTEST_SKIP();
+  const MapCells cells(map_);
+  const auto surfaces = SurfacesWith(kNormal, 1);
+  const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
+  double integral = 0;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    ASSERT_GE(rows->light_pdf[i], 0) << "cell " << i;
+    integral += rows->light_pdf[i] * cells.solid_angle(i);
+  }
+  if (subject_.for_reflection && integral == 0) {
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+      const bool light = rows->radiance_r[i] + rows->radiance_g[i] + rows->radiance_b[i] > 0;
+      ASSERT_FALSE(light && Dot(cells.directions()[i], kNormal) > 0) << "cell " << i;
+    }
+    return;
+  }
+  // Densities that are constant in a texel are summed without error, others by the midpoint rule.
+  EXPECT_NEAR(integral, 1, subject_.whole_sphere ? 1e-5 : 2e-4);
+}
+
+// What a ray that BSDF sampling drew is weighed against: every sample of the plan once.
+TEST_P(StrategyOnMap, DensitiesOfThePlanAddUpToItsSamples) {
+  if (!strategy_->unbiased() || !strategy_->shines_on_bsdf_samples() || !subject_.whole_sphere) {
+    GTEST_SKIP();
+  }
+  constexpr std::uint32_t kRequested = 3;
+  const MapCells cells(map_);
+  const auto surfaces = SurfacesWith(kNormal, 1);
+  soa::Table<EscapeColumns> rows(std::uint32_t(cells.size()));
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    Put(cells.directions()[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
+    rows->pdf[i] = 1;
+  }
+  strategy_->EvaluateEscaped(LambertPoints(surfaces, 1), std::uint32_t(cells.size()), kRequested,
+                             rows);
+  double integral = 0;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    integral += rows->light_pdf[i] * cells.solid_angle(i);
+  }
+  const std::uint32_t samples = strategy_->Plan(kRequested).total();
+  EXPECT_NEAR(integral, samples, 1e-5 * samples);
+}
+
+TEST_P(StrategyOnMap, DirectionsFollowTheDensity) {
+  if (!subject_.has_density) GTEST_SKIP();
+  const MapCells cells(map_);
+  const auto surfaces = SurfacesWith(kNormal, kSamples);
+  const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
+  std::vector<double> expected(MapCells::kAcross * MapCells::kDown), observed(expected.size());
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    expected[cells.BinOfCell(i)] += kSamples * double(rows->light_pdf[i]) * cells.solid_angle(i);
+  }
+  const auto samples = Draw(surfaces, 11);
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    if (subject_.for_reflection && !(samples->pdf[i] > 0)) continue;
+    ++observed[cells.BinOf(Get(i, samples->dir_x, samples->dir_y, samples->dir_z))];
+  }
+  EXPECT_TRUE(MatchesExpected(observed, expected, Level(), 1e-3 * kSamples));
+}
+
+TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
+  if (!subject_.has_density) GTEST_SKIP();
+  soa::Table<SurfaceColumns> surfaces(kSamples);
+  Random random(12);
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    PutSurface(random.Direction(), i, surfaces);
+  }
+  const auto samples = Draw(surfaces, 13);
+  std::vector<Vec> directions(kSamples);
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    directions[i] = Get(i, samples->dir_x, samples->dir_y, samples->dir_z);
+    ASSERT_NEAR(Length(directions[i]), 1, 2e-6) << "row " << i;
+    if (subject_.for_reflection && samples->pdf[i] == 0) continue;
+    // At the horizon a density may vanish.
+    if (subject_.whole_sphere) {
+      ASSERT_GT(samples->pdf[i], 0) << "row " << i;
+    }
+    ASSERT_TRUE(std::isfinite(samples->pdf[i]) && samples->pdf[i] >= 0) << "row " << i;
+    for (const float value : {samples->r[i], samples->g[i], samples->b[i]}) {
+      ASSERT_TRUE(std::isfinite(value) && value >= 0) << "row " << i << ": " << value;
+    }
+  }
+  const auto seen = Evaluate(*strategy_, surfaces, directions, true);
+  const Image image = HeldMap(map_);
+  std::uint32_t exceptions = 0;
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    if (subject_.for_reflection && samples->pdf[i] == 0) continue;
+    double u, v;
+    MapPosition(map_.map_from_world, directions[i], u, v);
+    const bool at_border = BorderDistance(image.width, image.height, u, v) < kRounding;
+    const float* texel = image.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
+                                     std::clamp(int(v * image.height), 0, image.height - 1));
+    const float density_error = std::fabs(samples->pdf[i] - seen->light_pdf[i]);
+    // A cosine keeps an absolute precision, near the horizon too.
+    const bool same = density_error <= subject_.precision * samples->pdf[i] +
+                                           (subject_.whole_sphere ? 0 : 2e-7f) &&
+                      samples->r[i] == seen->radiance_r[i] &&
+                      samples->g[i] == seen->radiance_g[i] && samples->b[i] == seen->radiance_b[i];
+    const bool right =
+        samples->r[i] == texel[0] && samples->g[i] == texel[1] && samples->b[i] == texel[2];
+    if (same && right) continue;
+    ++exceptions;
+    ASSERT_TRUE(at_border) << "row " << i << " at u = " << u << ", v = " << v << " ("
+                           << u * image.width << ", " << v * image.height << "): drawn with "
+                           << samples->pdf[i] << " and radiance " << samples->r[i] << ", seen with "
+                           << seen->light_pdf[i] << " and " << seen->radiance_r[i] << ", texel "
+                           << texel[0];
+  }
+  EXPECT_LE(exceptions, kSamples / 500);
+}
+
+TEST_P(StrategyOnMap, EstimatesAreUnbiased) {
+  if (!subject_.unbiased || !subject_.has_density) GTEST_SKIP();
+  const MapCells cells(map_);
+  const auto surfaces = SurfacesWith(kNormal, kSamples);
+  const auto seen = Evaluate(*strategy_, surfaces, cells.directions(), false);
+  const auto samples = Draw(surfaces, 14);
+  for (const bool reflected : {false, true}) {
+    const auto response = [&](Vec w) { return reflected ? std::max(0.0, Dot(w, kNormal)) : 1.0; };
+    double integral = 0, second = 0;
+    for (std::uint32_t i = 0; i < cells.size(); ++i) {
+      const double density = seen->light_pdf[i];
+      if (density <= 0) continue;
+      const double f = response(cells.directions()[i]) *
+                       Weighted(seen->radiance_r[i], seen->radiance_g[i], seen->radiance_b[i]);
+      integral += f * cells.solid_angle(i);
+      second += f * f / density * cells.solid_angle(i);
+    }
+    Moments moments;
+    for (std::uint32_t i = 0; i < kSamples; ++i) {
+      if (!(samples->pdf[i] > 0)) continue;
+      moments.Add(response(Get(i, samples->dir_x, samples->dir_y, samples->dir_z)) *
+                  Weighted(samples->r[i], samples->g[i], samples->b[i]) / samples->pdf[i]);
+    }
+    // Too few samples that count (a sun that uniform samples hardly meet) are not normal.
+    if (second > 0 && kSamples * integral * integral < 50 * second) continue;
+    const double variance = std::max(0.0, second - integral * integral);
+    // Cells at the horizon are in or out as a whole.
+    const double rounding = (reflected || !subject_.whole_sphere ? 1e-3 : 1e-5) * integral;
+    EXPECT_TRUE(
+        AgreesWith(moments.mean(), std::sqrt(variance / kSamples), integral, Level(), rounding))
+        << (reflected ? "radiance times cosine" : "radiance");
+  }
+}
+
+// All samples of the plan together, each divided by its density or, of a directional light, as it
+// is: the light of the map, and for unbiased strategies also of any part of it.
+TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
+  constexpr std::uint32_t kRequested = 2;
+  const LightPlan plan = strategy_->Plan(kRequested);
+  EXPECT_EQ(strategy_->unbiased(), subject_.unbiased);
+  if (plan.total() == 0 || !subject_.whole_sphere || !subject_.complete) GTEST_SKIP();
+  const Image image = HeldMap(map_);
+  double exact[2] = {}, whole = 0;
+  const MapCells cells(map_);
+  const auto response = [&](Vec w) { return 0.5 + std::max(0.0, Dot(w, kNormal)); };
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    double u, v;
+    MapPosition(map_.map_from_world, cells.directions()[i], u, v);
+    const float* texel = image.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
+                                     std::clamp(int(v * image.height), 0, image.height - 1));
+    const double light = Weighted(texel[0], texel[1], texel[2]) * cells.solid_angle(i);
+    exact[0] += light;
+    exact[1] += light * response(cells.directions()[i]);
+    const float* original =
+        map_.latlong.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
+                           std::clamp(int(v * image.height), 0, image.height - 1));
+    whole += Weighted(original[0], original[1], original[2]) * cells.solid_angle(i);
+  }
+  constexpr std::uint32_t kRows = 4096;
+  const auto surfaces = SurfacesWith(kNormal, kRows);
+  std::vector<double> sums[2];
+  for (auto& sum : sums) sum.resize(kRows);
+  for (std::uint32_t index = 0; index < plan.total(); ++index) {
+    soa::Table<LightColumns> out(kRows);
+    strategy_->Sample(LambertPoints(surfaces, kRows), RandomUniforms(kRows, 100 + index), kRows,
+                      {.index = index, .requested = kRequested}, out);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      if (!(out->pdf[i] > 0)) continue;
+      const double worth = std::isinf(out->pdf[i]) ? 1 : 1 / double(out->pdf[i]);
+      const double light = Weighted(out->r[i], out->g[i], out->b[i]) * worth;
+      const Vec direction = Get(i, out->dir_x, out->dir_y, out->dir_z);
+      ASSERT_NEAR(Length(direction), 1, 2e-6) << "sample " << index << ", row " << i;
+      sums[0][i] += light;
+      sums[1][i] += light * response(direction);
+    }
+  }
+  // Lights carry the energy of the map, random samples what packing has kept of it.
+  for (const int kind : {0, 1}) {
+    if (kind == 1 && !subject_.unbiased) continue;
+    Moments moments;
+    for (const double sum : sums[kind]) moments.Add(sum);
+    // Where hardly any sample meets the light (a sun under uniform samples) the mean is not normal.
+    if (moments.standard_error() > 0.03 * exact[kind]) continue;
+    EXPECT_TRUE(AgreesWith(moments.mean(), moments.standard_error(), exact[kind], Level(),
+                           2e-4 * exact[kind] + std::fabs(whole - exact[0])))
+        << (kind == 0 ? "light" : "light times a response");
+  }
+}
+
+TEST_P(StrategyOnMap, DensityIsPositiveWhereThereIsLight) {
+  if (!subject_.complete || !subject_.has_density) GTEST_SKIP();
+  EXPECT_TRUE(strategy_->complete());
+  const MapCells cells(map_);
+  const auto surfaces = SurfacesWith(kNormal, 1);
+  const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    if (!subject_.whole_sphere && Dot(cells.directions()[i], kNormal) < 1e-6) continue;
+    const float light = rows->radiance_r[i] + rows->radiance_g[i] + rows->radiance_b[i];
+    ASSERT_TRUE(rows->light_pdf[i] > 0 || light == 0) << "cell " << i << " with radiance " << light;
+  }
+}
+
+std::string CaseName(const testing::TestParamInfo<Case>& info) {
+  std::string name = Subjects()[std::get<0>(info.param)].specification;
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name + "_" + AdversarialMaps()[std::get<1>(info.param)].name + "_" +
+         Orientations()[std::get<2>(info.param)].name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StrategyOnMap,
+                         testing::Combine(testing::Range(std::size_t{0}, Subjects().size()),
+                                          testing::Range(std::size_t{0}, AdversarialMaps().size()),
+                                          testing::Range(std::size_t{0}, Orientations().size())),
+                         CaseName);
+
+// ---- Every strategy ----
+
+class StrategyAlone : public testing::TestWithParam<std::size_t> {
+ protected:
+  const Subject& subject_ = Subjects()[GetParam()];
+};
+
+TEST_P(StrategyAlone, BitsDoNotDependOnTarget) {
+  for (const NamedMap& named : AdversarialMaps()) {
+    const EnvironmentMap map = {named.latlong, Orientations()[1].map_from_world};
+    const auto strategy = MakeStrategy(subject_.specification, map);
+    if (strategy->Plan(1).total() == 0) continue;
+    const auto surfaces = SurfacesWith(kNormal, kFullWave);
+    const auto uniforms = RandomUniforms(kFullWave, 21);
+    ExpectSameOnEveryTarget([&] {
+      soa::Table<LightColumns> out(kFullWave);
+      strategy->Sample(LambertPoints(surfaces, kFullWave), uniforms, kFullWave, {}, out);
+      std::vector<Vec> directions(kFullWave);
+      for (std::uint32_t i = 0; i < kFullWave; ++i) {
+        directions[i] = Get(i, out->dir_x, out->dir_y, out->dir_z);
+      }
+      auto bits = ColumnBits(out.columns(), kFullWave);
+      const auto seen = Evaluate(*strategy, surfaces, directions, true);
+      const auto more = ColumnBits(seen.columns(), kFullWave);
+      bits.insert(bits.end(), more.begin(), more.end());
+      return bits;
+    });
+  }
+}
+
+TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
+  const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[1].map_from_world};
+  const auto strategy = MakeStrategy(subject_.specification, map);
+  if (strategy->Plan(1).total() == 0) GTEST_SKIP();
+  const auto surfaces = SurfacesWith(kNormal, kFullWave);
+  const auto uniforms = RandomUniforms(kFullWave, 22);
+  soa::Table<LightColumns> full(kFullWave);
+  strategy->Sample(LambertPoints(surfaces, kFullWave), uniforms, kFullWave, {}, full);
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      // Garbage behind row n must neither be read as a row nor crash a gather.
+      soa::Table<UniformColumns> some(kFullWave);
+      soa::Table<SurfaceColumns> some_surfaces(kFullWave);
+      soa::Table<LightColumns> out(kFullWave);
+      FillWithGarbage(some.columns(), kFullWave);
+      FillWithGarbage(some_surfaces.columns(), kFullWave);
+      FillWithGarbage(out.columns(), kFullWave);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        some->u[i] = uniforms->u[i], some->v[i] = uniforms->v[i];
+        PutSurface(kNormal, i, some_surfaces);
+      }
+      strategy->Sample(LambertPoints(some_surfaces, n), some, n, {}, out);
+      for (std::uint32_t i = 0; i < n; ++i) out->t_far[i] = full->t_far[i];  // the BSDF's
+      EXPECT_EQ(ColumnBits(out.columns(), n), ColumnBits(full.columns(), n)) << n << " rows";
+
+      soa::Table<EscapeColumns> rows(kFullWave);
+      FillWithGarbage(rows.columns(), kFullWave);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        Put(Get(i, full->dir_x, full->dir_y, full->dir_z), i, rows->dir_x, rows->dir_y,
+            rows->dir_z);
+        rows->pdf[i] = i % 3 == 0 ? 0.0f : 1.0f;
+        rows->from[i] = i;
+      }
+      strategy->EvaluateEscaped(LambertPoints(some_surfaces, n), n, 1, rows);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        ASSERT_TRUE(std::isfinite(rows->radiance_r[i])) << "row " << i << " of " << n;
+        if (i % 3 != 0 && subject_.has_density) {
+          ASSERT_TRUE(std::isfinite(rows->light_pdf[i])) << "row " << i << " of " << n;
+        }
+      }
+    }
+  });
+}
+
+// A smooth function of a direction. Its mean over the samples, unlike that of radiance / pdf, is
+// well behaved for every density.
+double Smooth(Vec direction) { return std::exp(Dot(kNormal, direction)); }
+
+// Root mean square over `seeds` pixels of the error of the mean of Smooth over n samples.
+double MeanError(const EnvStrategy& strategy, const SurfaceColumns& surfaces, std::uint32_t n,
+                 std::uint32_t seeds, double exact) {
+  double squares = 0;
+  soa::Table<PathColumns> paths(n);
+  soa::Table<UniformColumns> uniforms(n);
+  soa::Table<LightColumns> out(n);
+  for (std::uint32_t seed = 0; seed < seeds; ++seed) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      paths->seed[i] = PixelSeed(seed, 7, 3);
+      paths->sample[i] = i;
+    }
+    DrawUniforms(paths, nullptr, n, SamplePair(0, SampleUse::kLight), {}, uniforms);
+    strategy.Sample(LambertPoints(surfaces, n), uniforms, n, {}, out);
+    double sum = 0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      sum += Smooth(Get(i, out->dir_x, out->dir_y, out->dir_z));
+    }
+    squares += (sum / n - exact) * (sum / n - exact);
+  }
+  return std::sqrt(squares / seeds);
+}
+
+TEST_P(StrategyAlone, KeepsStratification) {
+  if (!subject_.stratified || !subject_.has_density) GTEST_SKIP();
+  Image image(256, 128);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double level = (1.2 + std::cos(2 * kPi * x / 256.0)) * std::sin(kPi * (y + 0.5) / 128);
+      image.Pixel(x, y)[0] = float(level), image.Pixel(x, y)[1] = float(2 * level);
+      image.Pixel(x, y)[2] = float(level);
+    }
+  }
+  const EnvironmentMap map = {image, Orientations()[1].map_from_world};
+  const auto strategy = MakeStrategy(subject_.specification, map);
+  const auto surfaces = SurfacesWith(kNormal, 4096);
+  const MapCells cells(map, 1024);
+  const auto seen = Evaluate(*strategy, surfaces, cells.directions(), false);
+  double exact = 0;
+  for (std::uint32_t i = 0; i < cells.size(); ++i) {
+    exact += Smooth(cells.directions()[i]) * seen->light_pdf[i] * cells.solid_angle(i);
+  }
+  const double coarse = MeanError(*strategy, surfaces, 64, 64, exact);
+  const double fine = MeanError(*strategy, surfaces, 4096, 64, exact);
+  RecordProperty("error_64", std::to_string(coarse));
+  RecordProperty("error_4096", std::to_string(fine));
+  // Independent points: a factor of 8.
+  EXPECT_GT(coarse / fine, 16) << coarse << " with 64 samples, " << fine << " with 4096";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StrategyAlone, testing::Range(std::size_t{0}, Subjects().size()),
+                         [](const testing::TestParamInfo<std::size_t>& alone) {
+                           std::string name = Subjects()[alone.param].specification;
+                           for (char& c : name) {
+                             c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+                           }
+                           return name;
+                         });
+
+// ---- The table ----
+
+TEST(Strategies, EveryStrategyIsTested) {
+  for (const StrategyFactory& factory : Strategies()) {
+    const bool listed = std::any_of(Subjects().begin(), Subjects().end(), [&](const Subject& s) {
+      return s.specification.substr(0, s.specification.find(':')) == factory.name;
+    });
+    EXPECT_TRUE(listed) << factory.name << " has no line in Subjects()";
+    EXPECT_FALSE(factory.description.empty());
+    const EnvironmentMap map = {AdversarialMap("Ramp"), Orientations()[0].map_from_world};
+    const auto strategy = MakeStrategy(std::string(factory.name), map);
+    EXPECT_EQ(strategy->name(), factory.name);
+    EXPECT_GE(strategy->table_bytes(), 48u * 24u * 4u);
+  }
+}
+
+TEST(Strategies, CompensationGivesUpCompleteness) {
+  const EnvironmentMap sun = {AdversarialMap("Sun"), Orientations()[0].map_from_world};
+  EXPECT_FALSE(MakeStrategy("importance:compensate=1", sun)->complete());
+  EXPECT_TRUE(MakeStrategy("importance:compensate=0", sun)->complete());
+  // A constant map has nothing above its mean: it is sampled as it is.
+  const EnvironmentMap flat = {AdversarialMap("Constant"), Orientations()[0].map_from_world};
+  EXPECT_TRUE(MakeStrategy("importance:compensate=1", flat)->complete());
+}
+
+TEST(Strategies, UnknownNamesAndKeysAreRefused) {
+  const EnvironmentMap map = {AdversarialMap("OneByOne"), Orientations()[0].map_from_world};
+  for (const char* specification :
+       {"", "aliases", "importance:", "penrose:lights=0", "penrose:lights=two",
+        "penrose:from=penrose", "hybrid:inside=1,pick=power", "hybrid:strata=q",
+        "median-cut:lights=3.5", "importance:compensate", "importance:compensate=2",
+        "importance:compensate=", "importance:exponent=2", "uniform:compensate=1",
+        "importance:compensate=1,", "importance:,compensate=1", ":compensate=1"}) {
+    if (std::string(specification) == "importance:" ||
+        std::string(specification) == "importance:compensate=1,") {
+      EXPECT_NO_THROW(MakeStrategy(specification, map)) << specification;
+      continue;
+    }
+    try {
+      MakeStrategy(specification, map);
+      ADD_FAILURE() << "'" << specification << "' was accepted";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.exit_code(), kExitUsage) << specification;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,199 @@
+// Bidirectional paths against paths from the camera: pictures with the same expectation, whatever
+// shines, whatever it falls on and whatever sees it.
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/shapes/mesh.h"
+#include "tests/support/matt_room.h"
+#include "tests/support/picture_estimate.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/statistics.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr int kRuns = 12;
+// Pictures that this program compares.
+const double kLevel = SidakLevel(60);
+
+JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
+  JobRequest request = SmallRequest(24, 18, 32);
+  request.integrator = integrator;
+  request.max_depth = max_depth;
+  return request;
+}
+
+class BdptLights : public testing::TestWithParam<int> {};
+
+TEST_P(BdptLights, PicturesAreThoseOfPaths) {
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()),
+                          Request(Integrator::kBdpt, 4), kRuns, kLevel));
+}
+INSTANTIATE_TEST_SUITE_P(Bdpt, BdptLights,
+                         testing::Values(kSky, kLamp, kBall, kPoint, kSpot, kDistant, kSky | kLamp,
+                                         kSky | kLocal),
+                         [](const auto& test) { return "Lights" + std::to_string(test.param); });
+
+struct BsdfCase {
+  BsdfKind kind;
+  float alpha = 0.3f;
+};
+void PrintTo(const BsdfCase& test, std::ostream* out) { *out << Bsdfs()[int(test.kind)].name; }
+class BdptBsdfs : public testing::TestWithParam<BsdfCase> {};
+
+TEST_P(BdptBsdfs, PicturesAreThoseOfPaths) {
+  const BsdfCase& test = GetParam();
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp),
+                          Request(Integrator::kBdpt, 5), kRuns, kLevel));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Bdpt, BdptBsdfs,
+    testing::Values(BsdfCase{BsdfKind::kConductor, 0.15f}, BsdfCase{BsdfKind::kConductor, 0.02f},
+                    BsdfCase{BsdfKind::kMetallicRoughness, 0.1f}, BsdfCase{BsdfKind::kOrenNayar},
+                    BsdfCase{BsdfKind::kDiffuseTransmission},
+                    BsdfCase{BsdfKind::kRoughDielectric, 0.2f}, BsdfCase{BsdfKind::kPhong},
+                    BsdfCase{BsdfKind::kMirror}, BsdfCase{BsdfKind::kDielectric},
+                    BsdfCase{BsdfKind::kThinDielectric}),
+    [](const auto& test) {
+      std::string name(Bsdfs()[int(test.param.kind)].name);
+      std::erase(name, '-');
+      return name + std::to_string(int(test.param.alpha * 100));
+    });
+
+TEST(Bdpt, EveryDepthIsThatOfPaths) {
+  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLamp | kPoint);
+  for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 7u}) {
+    SCOPED_TRACE(depth);
+    EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, depth), kRuns, kLevel));
+  }
+}
+
+// Lenses and every kind of camera.
+TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
+  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp);
+  for (const CameraKind kind : kCameraKinds) {
+    for (const float lens : {0.0f, 0.3f}) {
+      if (lens > 0 && !HasPlaneFilm(kind)) continue;
+      SCOPED_TRACE(std::string(ToString(kind)) + " " + std::to_string(lens));
+      JobRequest request = Request(Integrator::kBdpt, 4);
+      request.camera.kind = kind;
+      request.camera.lens_radius = lens;
+      EXPECT_TRUE(SameAsPaths(scene, request, kRuns, kLevel));
+    }
+  }
+}
+
+// Surfaces that rays pass by chance, a lamp among them.
+TEST(Bdpt, VeilsAreThoseOfPaths) {
+  Material veil = Of(BsdfKind::kLambert);
+  veil.opacity = 0.4f;
+  Scene scene = MattRoom(veil, kSky | kLamp | kPoint);
+  for (Material& material : scene.materials) {
+    if (material.name == "lamp") material.opacity = 0.7f;
+  }
+  EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, 4), kRuns, kLevel));
+}
+
+std::vector<PathWay> WaysOf(std::uint32_t surfaces) {
+  std::vector<PathWay> ways;
+  for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
+    const PathWay way = {.light = light, .eye = surfaces + 2 - light};
+    if (light != 1 || way.eye != 1) ways.push_back(way);
+  }
+  return ways;
+}
+
+// Surfaces that are far from each other: connections unweighted have no bounded variance in
+// corners.
+Scene Apart(const Material& material) {
+  Scene scene;
+  Place(scene, Facetted(Quad(3)), AddLambert(scene, "floor", {0.7f, 0.6f, 0.5f}), glm::vec3(0));
+  scene.materials.push_back(material);
+  const auto index = std::uint32_t(scene.materials.size() - 1);
+  Place(scene, Facetted(Sphere(0.4f, 3)), index, {-0.7f, 1.1f, 0});
+  Place(scene, Facetted(Sphere(0.4f, 3)), index, {0.8f, 1.2f, 0.3f}, 30);
+  AddLamp(scene, 2.5f, {0.2f, 3, 0}, {3, 2, 1});
+  SetConstantLight(scene, 0.5f);
+  scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
+  return scene;
+}
+
+// Where no BSDF and no light is a delta distribution, each way to join sub-paths is an estimate of
+// all there is of its paths.
+TEST(Bdpt, EveryWayAloneFindsAllLight) {
+  for (const BsdfKind kind : {BsdfKind::kLambert, BsdfKind::kRoughDielectric}) {
+    const RenderJob job(Apart(Of(kind, 0.5f)), Request(Integrator::kBdpt, 3));
+    // Three surfaces can be facets of one ball of glass, with corners between them.
+    for (std::uint32_t surfaces = 1; surfaces <= (kind == BsdfKind::kLambert ? 3 : 2); ++surfaces) {
+      PictureEstimate expected;
+      std::uint32_t seed = 100;
+      for (const PathWay& way : WaysOf(surfaces)) {
+        SCOPED_TRACE(std::to_string(way.light) + "," + std::to_string(way.eye));
+        FrameView frame = job.frame();
+        frame.options.way = way;
+        frame.options.mis = false;
+        const PictureEstimate alone =
+            MeanOfBlocks(EstimateFromEngine(job, frame, kRuns, seed += 100), 6);
+        if (way.light == 0) {
+          expected = alone;
+        } else {
+          EXPECT_TRUE(SamePicture(alone, expected, kLevel));
+        }
+      }
+    }
+  }
+}
+
+TEST(Bdpt, WeightedWaysAddUpToThePicture) {
+  const RenderJob job(MattRoom(Of(BsdfKind::kDielectric), kSky | kLocal),
+                      Request(Integrator::kBdpt, 4));
+  const auto render = [&](const std::optional<PathWay>& way) {
+    FrameView frame = job.frame();
+    frame.options.way = way;
+    Film film = job.MakeFilm();
+    RenderFrame(frame, film);
+    return film.Resolve(frame.options.samples_per_pixel).rgb;
+  };
+  const std::vector<float> picture = render(std::nullopt);
+  std::vector<double> sum(picture.size());
+  for (std::uint32_t surfaces = 0; surfaces <= 4; ++surfaces) {
+    for (const PathWay& way : WaysOf(surfaces)) {
+      const std::vector<float> part = render(way);
+      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
+    }
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) ASSERT_NEAR(sum[i], picture[i], 1e-4 * picture[i]);
+}
+
+TEST(Bdpt, WhatItCannotDoIsRefused) {
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kSky | kLamp);
+  const auto refused = [&](auto change) {
+    JobRequest request = Request(Integrator::kBdpt, 3);
+    change(request);
+    EXPECT_THROW(RenderJob(scene, request), InputError);
+  };
+  refused([](JobRequest& r) { r.options.mis = false; });
+  refused([](JobRequest& r) { r.max_depth = kMaxJoinedDepth + 1; });
+  refused([](JobRequest& r) { r.strategy = "cosine"; });
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = 1, .eye = 1}; });
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = 3, .eye = 0}; });
+  refused([](JobRequest& r) {
+    r.options.way = PathWay{.light = 1, .eye = 2};
+    r.integrator = Integrator::kPath;
+  });
+  // Of four surfaces, one more than the depth.
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = 2, .eye = 4}; });
+  refused([](JobRequest& r) { r.options.way = PathWay{.light = ~0u, .eye = ~0u}; });
+  JobRequest alone = Request(Integrator::kBdpt, 3);
+  alone.options.mis = false;
+  alone.options.way = PathWay{.light = 1, .eye = 2};
+  EXPECT_NO_THROW(RenderJob(scene, alone));
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,354 @@
+// Photon mapping against closed forms, against path tracing, and against itself.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "base/error.h"
+#include "scene/builtin/builtin.h"
+#include "scene/shapes/mesh.h"
+#include "tests/support/photon_maps.h"
+#include "tests/support/picture_estimate.h"
+#include "tests/support/refused.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/same_bits.h"
+#include "tests/support/shining_cave.h"
+#include "tests/support/statistics.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+JobRequest Request(int width, int height, std::uint32_t samples, std::uint32_t max_depth) {
+  JobRequest request = SmallRequest(width, height, samples);
+  request.integrator = Integrator::kPhoton;
+  request.max_depth = max_depth;
+  request.options.photons.indirect = 40000;
+  request.options.photons.caustic = 20000;
+  return request;
+}
+
+Image Render(const RenderJob& job) {
+  Film film = job.MakeFilm();
+  RenderFrame(job.frame(), film);
+  return film.Resolve(job.options().samples_per_pixel);
+}
+
+std::array<double, 3> MeanOf(const Image& image) {
+  std::array<double, 3> mean = {};
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    mean[i % 3] += 3 * double(image.rgb[i]) / double(image.rgb.size());
+  }
+  return mean;
+}
+
+PhotonMaps MapsOf(const RenderJob& job) { return MapsOf(job.frame()); }
+
+// The flux of all photons that have met `depth` surfaces, 0: of all.
+double FluxOf(const PhotonMap& map, int channel, std::uint32_t depth) {
+  const PhotonColumns& photons = map.view().photons;
+  const float* const flux[3] = {photons.r, photons.g, photons.b};
+  double sum = 0;
+  for (std::uint32_t i = 0; i < map.size(); ++i) {
+    if (depth == 0 || photons.depth[i] == depth) sum += double(flux[channel][i]);
+  }
+  return sum;
+}
+
+struct CaveCase {
+  const char* name;
+  std::uint32_t gather, passes;
+  PhotonKernel kernel;
+};
+constexpr CaveCase kCaveCases[] = {{"constant", 0, 1, PhotonKernel::kConstant},
+                                   {"cone", 0, 1, PhotonKernel::kCone},
+                                   {"epanechnikov", 0, 1, PhotonKernel::kEpanechnikov},
+                                   {"gather", 3, 1, PhotonKernel::kConstant},
+                                   {"progressive cone", 0, 4, PhotonKernel::kCone},
+                                   {"progressive gather", 2, 4, PhotonKernel::kEpanechnikov}};
+
+// Not noise alone: the disk of a lookup is flat and the cave is not, and the photons of a map are
+// the same for all pixels. Their number makes that a percent.
+TEST(Photon, CaveIsAsBrightAsItsSeries) {
+  for (const CaveCase& test : kCaveCases) {
+    for (const std::uint32_t depth : {1u, 5u}) {
+      SCOPED_TRACE(std::string(test.name) + ", depth " + std::to_string(depth));
+      JobRequest request = Request(10, 10, 16, depth);
+      request.options.photons.gather = test.gather;
+      request.options.photons.passes = test.passes;
+      request.options.photons.kernel = test.kernel;
+      const RenderJob job(ShiningCave(), request);
+      const std::array<double, 3> mean = MeanOf(Render(job));
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(mean[std::size_t(c)] / CaveRadiance(c, depth), 1, 0.01) << "channel " << c;
+      }
+    }
+  }
+}
+
+// The inside of a box that shines and reflects alike everywhere, with a smaller one in it, which
+// does too: the same radiance everywhere.
+Scene ShiningRoom(glm::vec3 half_sides, glm::vec3 middle, float turn, const Camera& camera) {
+  Scene scene;
+  const std::uint32_t wall = AddLambert(scene, "wall", kCaveAlbedo);
+  scene.materials[wall].emission = glm::vec3(kCaveEmission);
+  Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
+  FlipOrientation(room);
+  Place(scene, room, wall, glm::vec3(0));
+  Place(scene, Facetted(RoundedBox(half_sides, 1e-3f, 1)), wall, middle, turn);
+  scene.camera = camera;
+  return scene;
+}
+
+// Photons of the walls, looked up where they are seen, by so many neighbors: against the closed
+// form.
+void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, double tolerance) {
+  for (const std::uint32_t passes : {1u, 4u}) {
+    JobRequest request = Request(side, side, 16, 4);
+    request.options.photons.gather = 0;
+    request.options.photons.passes = passes;
+    request.options.photons.neighbors = neighbors;
+    request.options.photons.indirect = 60000;
+    const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
+    for (int c = 0; c < 3; ++c) {
+      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
+      EXPECT_NEAR(ratio, 1, tolerance) << "passes " << passes << ", channel " << c;
+    }
+  }
+}
+
+// Divided by all of their area, photons would make the picture too dark near edges and corners.
+TEST(Photon, EdgesAndCornersAreNoDarker) {
+  const Camera camera = LookAtCamera({-0.8f, -0.7f, -0.8f}, {0.1f, 0, 0.1f}, {0, 1, 0}, 85, false);
+  ExpectCaveRadiance(ShiningRoom(glm::vec3(0.25f), {0.3f, 0.2f, 0.3f}, 30, camera), 24, 150, 0.007);
+}
+
+// Of a shelf close above the floor, seen from above: photons of the floor lie in its disks, face
+// its way, and are hidden by it.
+TEST(Photon, WhatLiesBehindASurfaceDoesNotLeak) {
+  const Camera above = LookAtCamera({0, 0.9f, 0}, {0, -0.9f, 0.01f}, {0, 0, 1}, 40, false);
+  ExpectCaveRadiance(ShiningRoom({0.8f, 0.02f, 0.8f}, {0, -0.9f, 0}, 0, above), 16, 400, 0.01);
+}
+
+// In a closed cave all that is sent arrives: what photons bring to their n-th surface is what
+// leaves the lights, times the albedo for each surface before.
+TEST(Photon, MapsHoldTheFluxOfTheLights) {
+  JobRequest request = Request(8, 8, 1, 4);
+  request.options.photons.gather = 1;  // direct light too
+  const RenderJob job(ShiningCave(), request);
+  const PhotonMaps maps = MapsOf(job);
+  EXPECT_GE(maps.indirect.size(), request.options.photons.indirect);
+  EXPECT_LT(maps.indirect.size(), request.options.photons.indirect + 4);
+  double area = 0;
+  const Geometry& geometry = job.geometry();
+  for (std::size_t i = 0; i < geometry.triangle_count(); ++i) {
+    const glm::vec3 a = geometry.Corner(i, 0), b = geometry.Corner(i, 1), c = geometry.Corner(i, 2);
+    area += 0.5 * double(glm::length(glm::cross(b - a, c - a)));
+  }
+  for (int c = 0; c < 3; ++c) {
+    const double emitted = kPi * double(kCaveEmission) * area;
+    for (std::uint32_t depth = 1; depth <= 4; ++depth) {
+      const double expected = emitted * std::pow(double(kCaveAlbedo[c]), depth - 1);
+      EXPECT_NEAR(FluxOf(maps.indirect, c, depth) / expected, 1, depth < 4 ? 0.002 : 0.04)
+          << "channel " << c << ", depth " << depth;
+    }
+  }
+}
+
+// What is stored in which map: behind glass only caustics, nothing that light samples find.
+Scene UnderGlass() {
+  Scene scene;
+  Place(scene, Quad(2), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
+  Place(scene, Facetted(Sphere(0.5f, 12)), AddGlass(scene, 1.5f), {0, 0.9f, 0});
+  scene.camera = LookAtCamera({0, 0.6f, 2}, {0, 0, 0.1f}, {0, 1, 0}, 40, false);
+  return scene;
+}
+
+TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
+  Scene scene = UnderGlass();
+  SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
+  JobRequest request = Request(8, 8, 1, 6);
+  for (const std::uint32_t gather : {0u, 1u}) {
+    request.options.photons.gather = gather;
+    const PhotonMaps maps = MapsOf(RenderJob(scene, request));
+    ASSERT_GT(maps.caustic.size(), 1000u);
+    EXPECT_EQ(FluxOf(maps.caustic, 0, 1), 0) << "direct light is no caustic";
+    EXPECT_GT(FluxOf(maps.caustic, 0, 3), 0) << "in and out of the ball";
+    if (gather == 0) {
+      EXPECT_EQ(FluxOf(maps.indirect, 0, 1), 0);
+      // The floor is flat: between two of its points there is glass.
+      EXPECT_EQ(FluxOf(maps.indirect, 0, 2), 0);
+    } else {
+      EXPECT_GT(FluxOf(maps.indirect, 0, 1), 0);
+    }
+  }
+}
+
+// ---- The same bytes ----
+
+// Photons come round by round: with few of them in the first ones, too.
+TEST(Photon, ThreadsAndWavesDoNotMatter) {
+  Scene scene = UnderGlass();
+  SetLight(scene, SkyWithSun(32, 16, 40, 0.3));
+  for (const std::uint32_t passes : {1u, 3u}) {
+    for (const std::uint32_t gather : {0u, 2u}) {
+      JobRequest request = Request(13, 11, 5, 6);
+      request.options.photons.indirect = request.options.photons.caustic = 3000;
+      request.options.photons.passes = passes;
+      request.options.photons.gather = gather;
+      request.options.guide = passes > 1;
+      const RenderJob job(scene, request);
+      ExpectSameBits(job);
+    }
+  }
+}
+
+// ---- Against path tracing ----
+
+constexpr int kBlock = 4, kSide = 16;  // [pixels]
+
+// Root mean square difference of the means of blocks, over the root mean square of `b`.
+double Difference(const Image& a, const Image& b) {
+  double sum = 0, scale = 0;
+  for (int y = 0; y < kSide; y += kBlock) {
+    for (int x = 0; x < 3 * kSide; x += kBlock * 3) {
+      double of_a[3] = {}, of_b[3] = {};
+      for (int i = 0; i < kBlock; ++i) {
+        for (int j = 0; j < kBlock * 3; ++j) {
+          of_a[j % 3] += double(a.Pixel(x / 3, y + i)[j]);
+          of_b[j % 3] += double(b.Pixel(x / 3, y + i)[j]);
+        }
+      }
+      for (int c = 0; c < 3; ++c) {
+        sum += std::pow(of_a[c] - of_b[c], 2);
+        scale += of_b[c] * of_b[c];
+      }
+    }
+  }
+  return std::sqrt(sum / scale);
+}
+
+Image PathTraced(const Scene& scene, JobRequest request, std::uint32_t samples) {
+  request.integrator = Integrator::kPath;
+  request.samples_per_pixel = samples;
+  request.options.seed = 99;
+  return Render(RenderJob(scene, request));
+}
+
+// A room of coloured walls with a lamp, a ball of glass, a mirror and gloss: caustics and light
+// between walls, under a lamp large enough for path tracing to meet it.
+Scene Room() {
+  Scene scene;
+  const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
+  Mesh box = RoundedBox(glm::vec3(1), 0.01f, 1);
+  FlipOrientation(box);
+  Place(scene, Facetted(box), white, {0, 1, 0});
+  Place(scene, Facetted(Sphere(0.35f, 10)), AddGlass(scene, 1.5f), {0.4f, 0.4f, 0.3f});
+  Place(scene, Facetted(Sphere(0.3f, 8)), AddLambert(scene, "red", {0.8f, 0.2f, 0.1f}),
+        {-0.45f, 0.3f, 0.35f});
+  const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
+  scene.materials[lamp].emission = {4, 4, 3};
+  Mesh quad = Quad(0.4f);
+  FlipOrientation(quad);
+  Place(scene, quad, lamp, {0, 1.9f, 0});
+  scene.camera = LookAtCamera({0, 1, -0.8f}, {0, 0.6f, 1}, {0, 1, 0}, 75, false);
+  return scene;
+}
+
+// With smaller disks and more photons both bias and noise fall.
+TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
+  const Scene scene = Room();
+  const Image reference = PathTraced(scene, Request(kSide, kSide, 1, 5), 4096);
+  for (const std::uint32_t gather : {0u, 2u}) {
+    double before = 0;
+    for (const std::uint32_t photons : {500u, 8000u, 128000u}) {
+      SCOPED_TRACE("gather " + std::to_string(gather) + ", photons " + std::to_string(photons));
+      JobRequest request = Request(kSide, kSide, 64, 5);
+      request.options.photons.gather = gather;
+      request.options.photons.indirect = photons;
+      request.options.photons.caustic = photons / 4;
+      const double difference = Difference(Render(RenderJob(scene, request)), reference);
+      std::printf("gather %u, %6u photons: %.4f\n", gather, photons, difference);
+      if (before > 0) {
+        EXPECT_LT(difference, 0.75 * before);
+      }
+      before = difference;
+    }
+    EXPECT_LT(before, 0.03);
+  }
+}
+
+TEST(Photon, ProgressivePassesConverge) {
+  const Scene scene = Room();
+  const Image reference = PathTraced(scene, Request(kSide, kSide, 1, 5), 4096);
+  double before = 0;
+  for (const std::uint32_t passes : {2u, 16u, 128u}) {
+    SCOPED_TRACE(passes);
+    JobRequest request = Request(kSide, kSide, 4 * passes, 5);
+    request.options.photons.gather = 0;
+    request.options.photons.indirect = 2000;
+    request.options.photons.caustic = 500;
+    request.options.photons.passes = passes;
+    request.options.photons.distance = 0.4f;
+    const double difference = Difference(Render(RenderJob(scene, request)), reference);
+    std::printf("%3u passes: %.4f\n", passes, difference);
+    if (before > 0) {
+      EXPECT_LT(difference, 0.75 * before);
+    }
+    before = difference;
+  }
+}
+
+// ---- Its surroundings ----
+
+TEST(Photon, RefusesWhatCannotBe) {
+  Scene scene = UnderGlass();
+  SetConstantLight(scene, 0);
+  ExpectRefused(scene, Request(4, 4, 1, 3), "nothing shines");
+  SetConstantLight(scene, 1);
+  JobRequest none = Request(4, 4, 1, 3);
+  none.options.photons.indirect = none.options.photons.caustic = 0;
+  ExpectRefused(scene, none, "needs photons");
+  JobRequest passes = Request(4, 4, 3, 3);
+  passes.options.photons.passes = 4;
+  ExpectRefused(scene, passes, "--spp");
+  JobRequest layers = Request(4, 4, 1, 3);
+  layers.options.aovs = *ParseAovs("direct");
+  ExpectRefused(scene, layers, "direct");
+}
+
+// Strategies that no light path can start with light surfaces all the same.
+TEST(Photon, TakesEveryStrategyForDirectLight) {
+  Scene scene = UnderGlass();
+  SetLight(scene, SkyWithSun(32, 16, 2, 0.3));
+  JobRequest request = Request(8, 6, 256, 4);
+  request.options.photons.indirect = request.options.photons.caustic = 5000;
+  const std::array<double, 3> expected = MeanOf(Render(RenderJob(scene, request)));
+  for (const char* const strategy : {"product", "ris", "cosine"}) {
+    SCOPED_TRACE(strategy);
+    request.strategy = strategy;
+    const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1, 0.02);
+  }
+}
+
+// A map that cannot be filled does not hang: of a lonely ball no light comes back.
+TEST(Photon, EndsWithoutPhotons) {
+  Scene scene;
+  Place(scene, Sphere(1, 8), AddLambert(scene, "ball", glm::vec3(0.5f)), glm::vec3(0));
+  SetConstantLight(scene, 1);
+  JobRequest request = Request(8, 8, 4, 5);
+  request.options.photons.indirect = 1000;
+  request.options.photons.gather = 0;
+  const RenderJob job(scene, request);
+  const PhotonMaps maps = MapsOf(job);
+  EXPECT_EQ(maps.indirect.size(), 0u);
+  EXPECT_EQ(maps.indirect.light_paths(), 1000 * kMostPathsAPhoton);
+  EXPECT_GT(MeanOf(Render(job))[0], 0);
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,288 @@
+// Vertex connection and merging against paths, photon maps, closed forms and bidirectional paths.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/shapes/mesh.h"
+#include "tests/support/matt_room.h"
+#include "tests/support/picture_estimate.h"
+#include "tests/support/refused.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/same_bits.h"
+#include "tests/support/shining_cave.h"
+#include "tests/support/statistics.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr int kRuns = 12;
+// Pictures that this program compares.
+const double kLevel = SidakLevel(30);
+
+// A radius small enough for its bias to be lost in the noise, and so many light paths in one pass
+// that merging takes part all the same.
+JobRequest Request(std::uint32_t max_depth, float radius) {
+  JobRequest request = SmallRequest(24, 18, 32);
+  request.integrator = Integrator::kVcm;
+  request.max_depth = max_depth;
+  request.options.photons.distance = radius;
+  request.options.photons.passes = 1;
+  return request;
+}
+constexpr float kSmallRadius = 0.02f;
+
+Image Render(const RenderJob& job) {
+  Film film = job.MakeFilm();
+  RenderFrame(job.frame(), film);
+  return film.Resolve(job.options().samples_per_pixel);
+}
+
+double MeanOf(const Image& image, std::size_t channel) {
+  double sum = 0;
+  for (std::size_t i = channel; i < image.rgb.size(); i += 3) sum += double(image.rgb[i]);
+  return 3 * sum / double(image.rgb.size());
+}
+
+// ---- The same expectation ----
+
+class VcmLights : public testing::TestWithParam<int> {};
+
+TEST_P(VcmLights, PicturesAreThoseOfPaths) {
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kLambert), GetParam()), Request(4, kSmallRadius),
+                          kRuns, kLevel));
+}
+INSTANTIATE_TEST_SUITE_P(Vcm, VcmLights,
+                         testing::Values(kSky, kLamp, kPoint, kDistant, kSky | kLocal),
+                         [](const auto& test) { return "Lights" + std::to_string(test.param); });
+
+struct BsdfCase {
+  BsdfKind kind;
+  float alpha = 0.3f;
+};
+void PrintTo(const BsdfCase& test, std::ostream* out) { *out << Bsdfs()[int(test.kind)].name; }
+class VcmBsdfs : public testing::TestWithParam<BsdfCase> {};
+
+TEST_P(VcmBsdfs, PicturesAreThoseOfPaths) {
+  const BsdfCase& test = GetParam();
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp),
+                          Request(5, kSmallRadius), kRuns, kLevel));
+}
+INSTANTIATE_TEST_SUITE_P(Vcm, VcmBsdfs,
+                         testing::Values(BsdfCase{BsdfKind::kConductor, 0.15f},
+                                         BsdfCase{BsdfKind::kDiffuseTransmission},
+                                         BsdfCase{BsdfKind::kRoughDielectric, 0.2f},
+                                         BsdfCase{BsdfKind::kMirror},
+                                         BsdfCase{BsdfKind::kDielectric}),
+                         [](const auto& test) {
+                           std::string name(Bsdfs()[int(test.param.kind)].name);
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST(Vcm, LensesSeeWhatPathsSee) {
+  JobRequest request = Request(4, kSmallRadius);
+  request.camera.lens_radius = 0.3f;
+  EXPECT_TRUE(
+      SameAsPaths(MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp), request, kRuns, kLevel));
+}
+
+// Nothing is merged, so nothing is biased.
+TEST(Vcm, WithoutARadiusItIsBidirectional) {
+  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kSky | kLocal);
+  JobRequest request = Request(4, 1e-6f);
+  const PictureEstimate vcm =
+      MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, 0), 3);
+  request.integrator = Integrator::kBdpt;
+  const PictureEstimate bdpt =
+      MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, 500), 3);
+  EXPECT_TRUE(SamePicture(vcm, bdpt, kLevel));
+}
+
+// ---- Merging alone ----
+
+// What merges bring to a picture, weighted or not: as paths that no way joins.
+Image MergesOf(const RenderJob& job, bool weighted) {
+  FrameView frame = job.frame();
+  frame.options.way = PathWay{.light = 0, .eye = 1000};
+  frame.options.mis = weighted;
+  Film film = job.MakeFilm();
+  RenderFrame(frame, film);
+  return film.Resolve(job.options().samples_per_pixel);
+}
+
+// Unweighted, a path is found once at each of its surfaces: inside a cave that shines and reflects
+// alike everywhere, what has met n surfaces n times.
+TEST(Vcm, MergesAloneFindAPathAtEachOfItsSurfaces) {
+  for (const std::uint32_t depth : {1u, 3u}) {
+    for (const PhotonKernel kernel : {PhotonKernel::kConstant, PhotonKernel::kEpanechnikov}) {
+      JobRequest request = Request(depth, 0.05f);
+      request.options.photons.kernel = kernel;
+      request.camera.kind = CameraKind::kEqualArea;  // all of the cave
+      request.width = request.height = 24;
+      const RenderJob job(ShiningCave(), request);
+      const Image merges = MergesOf(job, /*weighted=*/false);
+      for (int c = 0; c < 3; ++c) {
+        double expected = 0;
+        for (std::uint32_t i = 1; i <= depth; ++i) {
+          expected += i * kCaveEmission * std::pow(double(kCaveAlbedo[c]), i);
+        }
+        EXPECT_NEAR(MeanOf(merges, std::size_t(c)) / expected, 1, 0.01)
+            << "depth " << depth << ", channel " << c;
+      }
+    }
+  }
+}
+
+TEST(Vcm, CaveIsAsBrightAsItsSeries) {
+  for (const float radius : {0.05f, 0.2f}) {
+    JobRequest request = Request(5, radius);
+    request.options.photons.passes = 0;
+    const RenderJob job(ShiningCave(), request);
+    const Image picture = Render(job);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(MeanOf(picture, std::size_t(c)) / CaveRadiance(c, 5), 1, 0.01)
+          << "radius " << radius << ", channel " << c;
+    }
+    // Merging has its part in that.
+    const double merges = MeanOf(MergesOf(job, /*weighted=*/true), 0);
+    EXPECT_GT(merges, (radius > 0.1f ? 0.05 : 0.0005) * MeanOf(picture, 0));
+  }
+}
+
+// ---- What only merges find ----
+
+// A floor and a point light before a mirror, in which the floor is seen: lit by the point and by
+// its mirror image, which no connection finds.
+Scene FloorInAMirror() {
+  Scene scene;
+  Place(scene, Quad(2), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
+  scene.materials.push_back(Of(BsdfKind::kMirror));
+  scene.materials.back().reflectance = glm::vec3(1);
+  Mesh wall = Quad(2);
+  for (glm::vec3& p : wall.positions) p = {p.x, p.z + 1, 2};
+  Place(scene, Facetted(wall), std::uint32_t(scene.materials.size() - 1), glm::vec3(0));
+  scene.lights.push_back({.emission = {4, 3, 2}, .position = {0.3f, 2.6f, 0.2f}});
+  SetConstantLight(scene, 0);
+  scene.camera = LookAtCamera({0, 1.2f, -0.5f}, {0, 0.75f, 2}, {0, 1, 0}, 36, false);
+  return scene;
+}
+
+TEST(Vcm, MirrorsShowWhatTheyLight) {
+  const Scene scene = FloorInAMirror();
+  JobRequest request = Request(4, 0.1f);
+  const auto mean = [&](Integrator integrator) {
+    request.integrator = integrator;
+    return MeanOf(Render(RenderJob(scene, request)), 1);
+  };
+  request.samples_per_pixel = 128;
+  const double vcm = mean(Integrator::kVcm), bdpt = mean(Integrator::kBdpt);
+  request.samples_per_pixel = 8;
+  request.options.photons.gather = 0;
+  const double photon = mean(Integrator::kPhoton);
+  std::printf("vcm %.4f, photon %.4f, bdpt %.4f\n", vcm, photon, bdpt);
+  EXPECT_NEAR(vcm / photon, 1, 0.02);
+  EXPECT_LT(bdpt, 0.85 * photon) << "the mirror's light is no small part";
+}
+
+// ---- Passes ----
+
+// Radii shrink, and with them what a large first one blurs.
+TEST(Vcm, PassesConverge) {
+  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kLamp);
+  JobRequest request = Request(4, kSmallRadius);
+  request.integrator = Integrator::kPath;
+  request.samples_per_pixel = 2048;
+  request.options.seed = 77;
+  const Image reference = Render(RenderJob(scene, request));
+  request = Request(4, 1.0f);
+  request.options.photons.passes = 0;
+  double before = 0;
+  for (const std::uint32_t passes : {2u, 16u, 128u}) {
+    request.samples_per_pixel = passes;
+    const Image picture = Render(RenderJob(scene, request));
+    double sum = 0;
+    for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
+      sum += std::pow(double(picture.rgb[i]) - double(reference.rgb[i]), 2);
+    }
+    std::printf("%3u passes: %.3g\n", passes, sum);
+    if (before > 0) {
+      EXPECT_LT(sum, 0.5 * before);
+    }
+    before = sum;
+  }
+}
+
+// Light vertices are cut to a number, so that waves end inside of what is kept.
+TEST(Vcm, ThreadsAndWavesDoNotMatter) {
+  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLocal);
+  for (const std::uint32_t passes : {0u, 1u, 3u}) {
+    JobRequest request = Request(4, 0);
+    request.samples_per_pixel = 5;
+    request.options.photons.passes = passes;
+    request.options.photons.indirect = 500;
+    request.options.guide = passes != 1;
+    const RenderJob job(scene, request);
+    ExpectSameBits(job);
+  }
+}
+
+TEST(Vcm, PhotonsBoundWhatAPassStores) {
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kLamp);
+  const auto vertices = [&](std::uint32_t photons) {
+    JobRequest request = Request(4, 0);
+    request.samples_per_pixel = 4;
+    request.options.photons.passes = 0;
+    request.options.photons.indirect = photons;
+    const RenderJob job(scene, request);
+    Film film = job.MakeFilm();
+    return RenderFrame(job.frame(), film).photons;
+  };
+  const PhotonCounts few = vertices(200), all = vertices(1000000);
+  EXPECT_NEAR(double(few.indirect) / (4 * 200), 1, 0.1);
+  EXPECT_EQ(all.light_paths, 4u * 24 * 18);
+  EXPECT_GT(few.radius, all.radius);
+}
+
+// ---- Its surroundings ----
+
+TEST(Vcm, RefusesWhatCannotBe) {
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kSky | kLamp);
+  const auto refused = [&](const std::string& word, auto change) {
+    JobRequest request = Request(3, 0);
+    change(request);
+    ExpectRefused(scene, request, word);
+  };
+  refused("--no-mis", [](JobRequest& r) { r.options.mis = false; });
+  refused("--max-depth", [](JobRequest& r) { r.max_depth = kMaxJoinedDepth + 1; });
+  refused("cosine", [](JobRequest& r) { r.strategy = "cosine"; });
+  refused("--paths", [](JobRequest& r) { r.options.way = PathWay{.light = 1, .eye = 2}; });
+  refused("--photons 0", [](JobRequest& r) { r.options.photons.indirect = 0; });
+  refused("--spp", [](JobRequest& r) { r.options.photons.passes = 33; });
+  refused("--photon-distance", [](JobRequest& r) { r.options.photons.distance = 100; });
+  refused("variance", [](JobRequest& r) { r.options.aovs = *ParseAovs("variance"); });
+  Scene dark = MattRoom(Of(BsdfKind::kLambert), 0);
+  SetConstantLight(dark, 0);
+  ExpectRefused(dark, Request(3, 0), "nothing shines");
+}
+
+// Of scenes where no light path meets anything that could be merged.
+TEST(Vcm, RendersWithoutLightVertices) {
+  Scene scene;
+  scene.materials.push_back(Of(BsdfKind::kMirror));
+  Place(scene, Facetted(Sphere(1, 8)), 0, glm::vec3(0));
+  SetConstantLight(scene, 1);
+  for (const std::uint32_t depth : {0u, 3u}) {
+    JobRequest request = Request(depth, 0);
+    request.samples_per_pixel = 4;
+    EXPECT_GT(MeanOf(Render(RenderJob(scene, request)), 0), 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace skywave

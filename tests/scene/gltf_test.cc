@@ -1,0 +1,447 @@
+// glTF files: what they become, and everything that is refused.
+#include "scene/gltf/reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "image/image.h"
+#include "scene/geometry.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+using nlohmann::json;
+
+// A triangle with normals and coordinates: positions, normals, uvs, indices.
+std::string Buffer() {
+  const float numbers[] = {0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+  const std::uint16_t indices[] = {0, 1, 2, 0};
+  std::string bytes(sizeof numbers + sizeof indices, '\0');
+  std::memcpy(bytes.data(), numbers, sizeof numbers);
+  std::memcpy(bytes.data() + sizeof numbers, indices, sizeof indices);
+  return bytes;
+}
+
+json View(int offset, int length) {
+  return {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}};
+}
+
+json Document() {
+  return {{"asset", {{"version", "2.0"}}},
+          {"scene", 0},
+          {"scenes", {{{"nodes", {0}}}}},
+          {"nodes",
+           {{{"children", {1, 2}}, {"translation", {1, 0, 0}}},
+            {{"mesh", 0}, {"scale", {2, 2, 2}}},
+            {{"mesh", 0}, {"rotation", {0, 0, 0.7071067811865476, 0.7071067811865476}}}}},
+          {"meshes",
+           {{{"name", "triangle"},
+             {"primitives",
+              {{{"attributes", {{"POSITION", 0}, {"NORMAL", 1}, {"TEXCOORD_0", 2}}},
+                {"indices", 3},
+                {"material", 0}}}}}}},
+          {"materials",
+           {{{"name", "paint"},
+             {"pbrMetallicRoughness",
+              {{"baseColorFactor", {0.5, 0.25, 1, 1}},
+               {"metallicFactor", 0.25},
+               {"roughnessFactor", 0.5}}}}}},
+          {"accessors",
+           {{{"bufferView", 0}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}},
+            {{"bufferView", 1}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}},
+            {{"bufferView", 2}, {"componentType", 5126}, {"count", 3}, {"type", "VEC2"}},
+            {{"bufferView", 3}, {"componentType", 5123}, {"count", 3}, {"type", "SCALAR"}}}},
+          {"bufferViews", {View(0, 36), View(36, 36), View(72, 24), View(96, 6)}},
+          {"buffers", {{{"uri", "a.bin"}, {"byteLength", 104}}}}};
+}
+
+// The same as one binary file.
+std::string Glb(json document, std::string bytes) {
+  document["buffers"][0].erase("uri");
+  document["buffers"][0]["byteLength"] = bytes.size();
+  std::string text = document.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  bytes.resize((bytes.size() + 3) / 4 * 4, '\0');
+  std::string file = "glTF";
+  const auto add = [&](std::size_t number) {
+    for (int i = 0; i < 4; ++i) file.push_back(char(number >> 8 * i));
+  };
+  add(2), add(12 + 8 + text.size() + 8 + bytes.size());
+  add(text.size()), file += "JSON" + text;
+  add(bytes.size()), file += std::string("BIN\0", 4) + bytes;
+  return file;
+}
+
+class Gltf : public testing::Test {
+ protected:
+  Gltf() { folder_.Write("a.bin", Buffer()); }
+  Scene Read(const json& document) { return ReadGltf(folder_.Write("a.gltf", document.dump())); }
+  // What the reader says, "" if it takes the file. Geometry is built of what it takes.
+  std::string ErrorOfFile(const std::string& path) {
+    try {
+      const Scene scene = ReadGltf(path);
+      if (!scene.meshes.empty()) Geometry(scene, path, 1);
+      return "";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+      EXPECT_EQ(error.exit_code(), kExitBadInput) << error.what();
+      return error.what();
+    }
+  }
+  std::string ErrorOf(const json& document) {
+    return ErrorOfFile(folder_.Write("a.gltf", document.dump()));
+  }
+  TemporaryFolder folder_;
+};
+
+void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
+  EXPECT_LT(glm::length(a - b), 1e-5) << a.x << " " << a.y << " " << a.z;
+}
+
+TEST_F(Gltf, InstancesAreMovedByTheirNodes) {
+  for (const bool binary : {false, true}) {
+    const Scene scene =
+        binary ? ReadGltf(folder_.Write("a.glb", Glb(Document(), Buffer()))) : Read(Document());
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    ExpectNear(scene.meshes[0].positions[1], {5, 0, 0});
+    ExpectNear(scene.meshes[1].positions[1], {1, 2, 0});
+    ExpectNear(scene.meshes[1].normals[1], {0, 0, 1});
+    EXPECT_EQ(scene.meshes[0].triangles, std::vector<glm::uvec3>{glm::uvec3(0, 1, 2)});
+    EXPECT_EQ(scene.meshes[0].uvs[1], glm::vec2(1, 0));
+    const Material& paint = scene.materials[scene.meshes[0].material];
+    EXPECT_EQ(paint.bsdf, BsdfKind::kMetallicRoughness);
+    EXPECT_EQ(paint.name, "paint");
+    ExpectNear(paint.reflectance, {0.5f, 0.25f, 1});
+    EXPECT_FLOAT_EQ(paint.alpha, 0.25f);
+    EXPECT_FLOAT_EQ(paint.metallic, 0.25f);
+    EXPECT_FALSE(scene.left_handed);
+    EXPECT_TRUE(scene.warnings.empty());
+  }
+}
+
+TEST_F(Gltf, CamerasLookAlongMinusZ) {
+  json document = Document();
+  document["cameras"] = {{{"type", "perspective"},
+                          {"perspective", {{"yfov", 1.0}, {"znear", 0.1}, {"aspectRatio", 1.5}}}}};
+  document["nodes"].push_back({{"camera", 0}, {"translation", {0, 3, 0}}});
+  document["scenes"][0]["nodes"].push_back(3);
+  const Scene scene = Read(document);
+  ASSERT_TRUE(scene.camera);
+  const glm::mat4& world = scene.camera->world_from_camera;
+  ExpectNear(glm::vec3(world * glm::vec4(0, 0, 1, 1)), {0, 3, -1});
+  ExpectNear(glm::vec3(world * glm::vec4(1, 0, 0, 0)), {1, 0, 0});
+  EXPECT_NEAR(scene.camera->fov_degrees, glm::degrees(1.0), 1e-4);
+}
+
+TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
+  WritePng(folder_.Write("a b.png", ""), 2, 1, {255, 0, 0, 0, 255, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a%20b.png"}}};
+  document["samplers"] = {{{"wrapS", 33071}, {"wrapT", 33648}}};
+  document["textures"] = {{{"source", 0}, {"sampler", 0}}, {{"source", 0}}};
+  json& pbr = document["materials"][0]["pbrMetallicRoughness"];
+  pbr["baseColorTexture"] = {
+      {"index", 0},
+      {"extensions",
+       {{"KHR_texture_transform",
+         {{"offset", {0.25, 0.5}}, {"scale", {2, 3}}, {"rotation", 1.5707963267948966}}}}}};
+  pbr["metallicRoughnessTexture"] = {{"index", 1}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  ASSERT_TRUE(paint.color_texture && paint.roughness_texture);
+  const Texture& color = scene.textures[*paint.color_texture];
+  EXPECT_EQ(color.wrap_u, TextureWrap::kClamp);
+  EXPECT_EQ(color.wrap_v, TextureWrap::kMirror);
+  // A quarter turn: (u, v) to (3 v, -2 u), moved.
+  const glm::vec2 at = color.transform * glm::vec3(1, 10, 1);
+  EXPECT_NEAR(at.x, 30.25, 1e-5);
+  EXPECT_NEAR(at.y, -1.5, 1e-5);
+  EXPECT_EQ(scene.textures[*paint.roughness_texture].wrap_u, TextureWrap::kRepeat);
+  EXPECT_EQ(scene.images[color.image].rgb, (std::vector<float>{1, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(scene.images.size(), 2u) << "once as colours, once as numbers";
+}
+
+// The extension's own example: the lower left quadrant of the image.
+TEST_F(Gltf, TransformsTurnAsTheExtensionSays) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {255, 0, 0});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {
+      {"index", 0},
+      {"extensions",
+       {{"KHR_texture_transform",
+         {{"offset", {0, 1}}, {"scale", {0.5, 0.5}}, {"rotation", 1.57079632679}}}}}};
+  const Scene scene = Read(document);
+  const Texture& texture = scene.textures[*scene.materials[0].color_texture];
+  for (const glm::vec2& uv : {glm::vec2(0.1f, 0.1f), {0.9f, 0.1f}, {0.1f, 0.9f}, {0.9f, 0.9f}}) {
+    const glm::vec2 at = texture.transform * glm::vec3(uv, 1);
+    EXPECT_TRUE(at.x > 0 && at.x < 0.5f && at.y > 0.5f && at.y < 1) << at.x << " " << at.y;
+  }
+  // Counter-clockwise on an image whose v goes down: what is right comes to lie above.
+  EXPECT_LT((texture.transform * glm::vec3(0.9f, 0, 1)).y,
+            (texture.transform * glm::vec3(0.1f, 0, 1)).y);
+}
+
+// A PNG of 2 x 1 pixels with alpha 255 and 51.
+std::string TransparentPng() {
+  static const unsigned char kBytes[] = {
+      0x89, 'P',  'N',  'G',  0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+      0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0xf4,
+      0x22, 0x7f, 0x8a, 0x00, 0x00, 0x00, 0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8,
+      0xcf, 0xc0, 0xf0, 0x1f, 0x08, 0x8d, 0x01, 0x10, 0x2c, 0x03, 0x31, 0x07, 0x28, 0xa2, 0x63,
+      0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  return {reinterpret_cast<const char*>(kBytes), sizeof kBytes};
+}
+
+TEST_F(Gltf, AlphaIsThatOfFactorAndTexture) {
+  folder_.Write("a.png", TransparentPng());
+  json document = Document();
+  json& material = document["materials"][0];
+  json& pbr = material["pbrMetallicRoughness"];
+  pbr["baseColorFactor"] = {1, 1, 1, 0.5};
+  EXPECT_TRUE(Read(document).materials[0].opaque()) << "alphaMode OPAQUE";
+  material["alphaMode"] = "BLEND";
+  EXPECT_EQ(Read(document).materials[0].opacity, 0.5f);
+  EXPECT_FALSE(Read(document).materials[0].opacity_texture);
+  material["alphaMode"] = "MASK";
+  EXPECT_EQ(Read(document).materials[0].opacity, 1) << "the cutoff is 1/2";
+  material["alphaCutoff"] = 0.6;
+  EXPECT_EQ(Read(document).materials[0].opacity, 0);
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  pbr["baseColorTexture"] = {{"index", 0}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  EXPECT_EQ(paint.opacity, 0.5f);
+  EXPECT_EQ(paint.opacity_cutoff, 0.6f);
+  ASSERT_TRUE(paint.opacity_texture);
+  const Texture& texture = scene.textures[*paint.opacity_texture];
+  EXPECT_EQ(texture.use, TextureUse::kOpacity);
+  EXPECT_EQ(scene.images[texture.image].rgb, (std::vector<float>{1, 1, 1, 0.2f, 0.2f, 0.2f}));
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {128, 128, 255});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  // Four floats a vertex from the numbers that are there: (0 0 0 2), (0 0 0 2), (0 0 0 1).
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
+  document["bufferViews"].push_back(View(0, 48));
+  document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = 4;
+  EXPECT_TRUE(Read(document).meshes[0].tangents.empty()) << "nothing to use them";
+  document["materials"][0]["normalTexture"] = {{"index", 0}, {"scale", 0.25}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  ASSERT_TRUE(paint.normal_texture);
+  EXPECT_EQ(scene.textures[*paint.normal_texture].use, TextureUse::kNormals);
+  EXPECT_EQ(paint.normal_scale, 0.25f);
+  ASSERT_EQ(scene.meshes[0].tangents.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].tangents[0].w, 2);
+  document["bufferViews"][4]["byteLength"] = 40;
+  EXPECT_NE(ErrorOf(document), "");
+}
+
+// Three or four channels, floats or normalized bytes.
+TEST_F(Gltf, ColoursOfVertices) {
+  json document = Document();
+  document["bufferViews"].push_back(View(0, 48));
+  json& primitive = document["meshes"][0]["primitives"][0];
+  primitive["attributes"]["COLOR_0"] = 4;
+  // The positions again: (0 0 0), (2 0 0), (0 2 0), clamped to [0, 1].
+  document["accessors"].push_back(
+      {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].colors[0], glm::vec3(0, 0, 0));
+  EXPECT_EQ(scene.meshes[0].colors[1], glm::vec3(1, 0, 0));
+  EXPECT_EQ(scene.meshes[0].colors[2], glm::vec3(0, 1, 0));
+  document["accessors"][4] = {{"bufferView", 4},
+                              {"componentType", 5121},
+                              {"normalized", true},
+                              {"count", 3},
+                              {"type", "VEC4"}};
+  // From the last two bytes of a 2.0f on: 0, 64, then zeros.
+  document["bufferViews"][4] = View(14, 12);
+  const Scene four = Read(document);
+  ASSERT_EQ(four.meshes[0].colors.size(), 3u);
+  EXPECT_EQ(four.meshes[0].colors[0], glm::vec3(0, 64.0f / 255, 0));
+  EXPECT_EQ(four.meshes[0].colors[1], glm::vec3(0));
+  EXPECT_TRUE(four.warnings.empty());
+  document["materials"][0]["alphaMode"] = "BLEND";
+  EXPECT_EQ(Read(document).warnings.size(), 1u) << "their alpha";
+  document["accessors"][4]["count"] = 2;
+  EXPECT_NE(ErrorOf(document), "");
+}
+
+TEST_F(Gltf, VolumesAbsorb) {
+  json document = Document();
+  document["extensionsRequired"] = {"KHR_materials_volume"};
+  document["materials"][0]["extensions"] = {
+      {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+      {"KHR_materials_volume",
+       {{"thicknessFactor", 1},
+        {"attenuationDistance", 2.0},
+        {"attenuationColor", {0.25, 1.0, 0.5}}}}};
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  const glm::vec3 absorption = scene.materials[0].absorption;
+  EXPECT_FLOAT_EQ(absorption.x, float(std::log(4.0) / 2));
+  EXPECT_EQ(absorption.y, 0);
+  EXPECT_FLOAT_EQ(absorption.z, float(std::log(2.0) / 2));
+  document["materials"][0]["extensions"]["KHR_materials_volume"].erase("attenuationDistance");
+  EXPECT_EQ(Read(document).materials[0].absorption, glm::vec3(0));
+}
+
+TEST_F(Gltf, GlassAndIndices) {
+  json document = Document();
+  document["materials"][0]["extensions"] = {
+      {"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+      {"KHR_materials_ior", {{"ior", 1.33}}}};
+  json& extensions = document["materials"][0]["extensions"];
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kThinDielectric);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+  extensions["KHR_materials_volume"] = {{"thicknessFactor", 0.5}};
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0;
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kDielectric);
+  document["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = 0.5;
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kRoughDielectric);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].alpha, 0.25f);
+  document["materials"][0]["extensions"].erase("KHR_materials_transmission");
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_FLOAT_EQ(Read(document).materials[0].ior, 1.33f);
+}
+
+TEST_F(Gltf, LayersAndSpecular) {
+  json document = Document();
+  json& extensions = document["materials"][0]["extensions"];
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.5},
+                                           {"clearcoatRoughnessFactor", 0.3}};
+  const Material coated = Read(document).materials[0];
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_FLOAT_EQ(coated.coat, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.09f);
+  EXPECT_EQ(coated.sheen, glm::vec3(0));
+  WritePng(folder_.Write("n.png", ""), 1, 1, {128, 128, 255});
+  document["images"] = {{{"uri", "n.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  document["materials"][0]["normalTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("the normals of the base"), std::string::npos);
+  extensions["KHR_materials_clearcoat"]["clearcoatNormalTexture"] = {{"index", 0}};
+  EXPECT_TRUE(Read(document).warnings.empty());
+  extensions["KHR_materials_clearcoat"]["clearcoatTexture"] = {{"index", 0}};
+  EXPECT_NE(Read(document).warnings.at(0).find("clearcoatTexture"), std::string::npos);
+  extensions["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0}};
+  EXPECT_EQ(Read(document).materials[0].bsdf, BsdfKind::kMetallicRoughness);
+  extensions["KHR_materials_sheen"] = {{"sheenColorFactor", {0.1, 0.2, 0.3}},
+                                       {"sheenRoughnessFactor", 0.5}};
+  const Material velvet = Read(document).materials[0];
+  EXPECT_EQ(velvet.bsdf, BsdfKind::kCoatedMetallicRoughness);
+  EXPECT_EQ(velvet.coat, 0);
+  EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
+  // A quarter of the reflectance at normal incidence: half of the amplitude.
+  extensions["KHR_materials_specular"] = {{"specularFactor", 0.25}};
+  const float ior = Read(document).materials[0].ior;
+  EXPECT_NEAR((ior - 1) / (ior + 1), 0.5 * 0.2, 1e-6);
+  EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+}
+
+TEST_F(Gltf, WhatIsNotRenderedIsNamed) {
+  json document = Document();
+  document["materials"][0]["extensions"] = {{"KHR_materials_iridescence", json::object()},
+                                            {"KHR_materials_variants", json::object()}};
+  const std::vector<std::string> warnings = Read(document).warnings;
+  ASSERT_EQ(warnings.size(), 2u);
+  for (const char* const word : {"KHR_materials_variants", "KHR_materials_iridescence"}) {
+    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [&](const std::string& text) {
+      return text.find(word) != std::string::npos;
+    })) << word;
+  }
+}
+
+TEST_F(Gltf, WhatContradictsItselfIsRefused) {
+  ASSERT_EQ(ErrorOf(Document()), "");
+  const auto refused = [&](const char* pointer, const json& value) {
+    json document = Document();
+    document[json::json_pointer(pointer)] = value;
+    EXPECT_NE(ErrorOf(document), "") << pointer << " = " << value;
+  };
+  refused("/nodes/1/children", {0});
+  refused("/nodes/1/children", {1});
+  refused("/nodes/1/children", {2});
+  refused("/nodes/0/children", {1, 7});
+  refused("/nodes/1/mesh", 5);
+  refused("/scene", 3);
+  refused("/scenes/0/nodes", {9});
+  refused("/meshes/0/primitives/0/material", 4);
+  refused("/meshes/0/primitives/0/indices", 9);
+  refused("/meshes/0/primitives/0/indices", 0);
+  refused("/meshes/0/primitives/0/attributes/POSITION", 9);
+  refused("/meshes/0/primitives/0/attributes/POSITION", 2);
+  refused("/accessors/0/count", 4);
+  refused("/accessors/0/count", 1000000000);
+  refused("/accessors/0/byteOffset", 4);
+  refused("/accessors/0/byteOffset", 4000000000u);
+  refused("/accessors/0/bufferView", 17);
+  refused("/accessors/0/componentType", 5130);
+  refused("/accessors/1/count", 2);
+  refused("/accessors/3/componentType", 5126);
+  refused("/bufferViews/0/byteLength", 500);
+  refused("/bufferViews/0/byteOffset", 1000);
+  refused("/bufferViews/0/buffer", 3);
+  refused("/bufferViews/0/byteStride", 4);
+  refused("/buffers/0/byteLength", 1000);
+  refused("/buffers/0/uri", "missing.bin");
+  refused("/buffers/0/uri", "../a.bin");
+  refused("/buffers/0/uri", "/etc/hostname");
+  refused("/buffers/0/uri", "x/../../a.bin");
+  refused("/buffers/0/uri", "data:application/octet-stream;base64,AAAA");
+  refused("/extensionsRequired", {"KHR_draco_mesh_compression"});
+  refused("/nodes/1/scale", {std::numeric_limits<double>::max(), 1, 1});
+  for (const char* const uri :
+       {"../a.png", "/a.png", "missing.png", "a.bin", "data:image/png;base64,AAAA"}) {
+    json document = Document();
+    document["images"] = {{{"uri", uri}}};
+    document["textures"] = {{{"source", 0}}};
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    EXPECT_NE(ErrorOf(document), "") << uri;
+  }
+  for (const char* const pointer : {"/bufferView", "/mimeType"}) {
+    json document = Document();
+    document["images"] = {{{"bufferView", 0}, {"mimeType", "image/png"}}};
+    document["images"][0][pointer + 1] = pointer[1] == 'b' ? json(44) : json("image/png");
+    document["bufferViews"][0]["byteOffset"] = 90;
+    document["textures"] = {{{"source", 0}}};
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    EXPECT_NE(ErrorOf(document), "") << pointer;
+  }
+  EXPECT_NE(ErrorOfFile(folder_.Write("e.gltf", "")), "");
+  EXPECT_NE(ErrorOfFile(folder_.Write("e.gltf", "{}")), "");
+  EXPECT_NE(ErrorOfFile(folder_.Write("e.gltf", "[1, 2]")), "");
+}
+
+TEST_F(Gltf, EveryPrefixIsRefusedAndEveryFlippedBitSurvived) {
+  const std::string file = Glb(Document(), Buffer());
+  ASSERT_EQ(ErrorOfFile(folder_.Write("a.glb", file)), "");
+  for (std::size_t length = 0; length < file.size(); ++length) {
+    ASSERT_NE(ErrorOfFile(folder_.Write("a.glb", file.substr(0, length))), "") << length;
+  }
+  for (std::size_t bit = 0; bit < file.size() * 8; bit += 3) {
+    std::string damaged = file;
+    damaged[bit / 8] = char(damaged[bit / 8] ^ (1 << bit % 8));
+    ErrorOfFile(folder_.Write("a.glb", damaged));
+  }
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,324 @@
+// Local lights of scene files: what readers make of them, and what they refuse.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "base/error.h"
+#include "scene/geometry.h"
+#include "scene/gltf/reader.h"
+#include "scene/local_lights.h"
+#include "scene/obj/mtl.h"
+#include "scene/pbrt/reader.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
+  EXPECT_LT(glm::length(a - b), 1e-4f * (1 + glm::length(b)))
+      << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " " << b.z;
+}
+
+// ---- pbrt ----
+
+Scene Parse(const std::string& text) { return ParsePbrt("WorldBegin\n" + text, "t.pbrt"); }
+
+PunctualLight OnlyLight(const std::string& text) {
+  const Scene scene = Parse(text);
+  EXPECT_EQ(scene.lights.size(), 1u) << text;
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+  return scene.lights.at(0);
+}
+
+TEST(PbrtLights, Points) {
+  const PunctualLight v3 = OnlyLight(
+      "Translate 1 2 3 LightSource \"point\" \"rgb I\" [1 2 3] \"rgb scale\" [2 2 4] "
+      "\"point from\" [0 1 0]");
+  EXPECT_EQ(v3.kind, LocalLightKind::kPoint);
+  ExpectNear(v3.emission, {2, 4, 12});
+  ExpectNear(v3.position, {1, 3, 3});
+  const PunctualLight v4 = OnlyLight(
+      "Scale 2 2 2 LightSource \"point\" \"float scale\" 0.5 \"float power\" 8 \"point3 from\" "
+      "[1 0 0]");
+  ExpectNear(v4.emission, glm::vec3(float(0.5 * 8 / (4 * kPi))));
+  ExpectNear(v4.position, {2, 0, 0});
+  ExpectNear(OnlyLight("LightSource \"point\" \"float power\" -1").emission, glm::vec3(1));
+}
+
+TEST(PbrtLights, Spots) {
+  const PunctualLight light = OnlyLight(
+      "Rotate 90 0 0 1 LightSource \"spot\" \"rgb I\" [3 2 1] \"point3 from\" [1 0 0] \"point3 "
+      "to\" "
+      "[2 0 0] \"float coneangle\" 40 \"float conedeltaangle\" 10");
+  EXPECT_EQ(light.kind, LocalLightKind::kSpot);
+  ExpectNear(light.emission, {3, 2, 1});
+  ExpectNear(light.position, {0, 1, 0});
+  ExpectNear(light.direction, {0, 1, 0});
+  EXPECT_NEAR(light.cos_dark, std::cos(glm::radians(40.0f)), 1e-6);
+  EXPECT_NEAR(light.cos_full, std::cos(glm::radians(30.0f)), 1e-6);
+  const PunctualLight plain = OnlyLight("LightSource \"spot\" \"float power\" 5");
+  ExpectNear(plain.direction, {0, 0, 1});
+  EXPECT_NEAR(plain.cos_dark, std::cos(glm::radians(30.0f)), 1e-6);
+  EXPECT_NEAR(plain.cos_full, std::cos(glm::radians(25.0f)), 1e-6);
+  // Half of the solid angle between the cones.
+  const double sr = 2 * kPi * (1 - plain.cos_full) + kPi * (plain.cos_full - plain.cos_dark);
+  EXPECT_NEAR(plain.emission.x * sr, 5, 1e-4);
+}
+
+TEST(PbrtLights, DistantOnes) {
+  const PunctualLight light = OnlyLight(
+      "Rotate 90 1 0 0 LightSource \"distant\" \"rgb L\" [1 2 3] \"float scale\" 2 \"point3 from\" "
+      "[0 0 5] \"point3 to\" [0 0 1] \"float illuminance\" 10");
+  EXPECT_EQ(light.kind, LocalLightKind::kDistant);
+  ExpectNear(light.emission, {20, 40, 60});
+  ExpectNear(light.direction, {0, -1, 0});  // towards the light
+  ExpectNear(OnlyLight("LightSource \"distant\"").direction, {0, 0, -1});
+}
+
+constexpr char kTriangle[] = " Shape \"trianglemesh\" \"point3 P\" [0 0 0 2 0 0 0 2 0] ";
+
+TEST(PbrtLights, AreaLightsShineUntilTheirScopeEnds) {
+  const Scene scene =
+      Parse(std::string("Material \"matte\" \"rgb Kd\" [.1 .2 .3]\nAttributeBegin\n"
+                        "AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" 2 \"bool "
+                        "twosided\" true\n") +
+            kTriangle + kTriangle + "AttributeEnd\n" + kTriangle);
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  // Shapes of one light share a material.
+  EXPECT_EQ(scene.meshes[0].material, scene.meshes[1].material);
+  const Material& lit = scene.materials[scene.meshes[0].material];
+  ExpectNear(lit.emission, {2, 4, 6});
+  EXPECT_TRUE(lit.emits_on_both_sides);
+  ExpectNear(lit.reflectance, {0.1f, 0.2f, 0.3f});
+  const Material& dark = scene.materials[scene.meshes[2].material];
+  EXPECT_EQ(dark.emission, glm::vec3(0));
+  ExpectNear(dark.reflectance, {0.1f, 0.2f, 0.3f});
+}
+
+TEST(PbrtLights, AreaLightsTakeTheirMaterialFromTheirShape) {
+  const Scene scene = Parse(std::string("AreaLightSource \"diffuse\"\nMaterial \"mirror\"\n") +
+                            kTriangle + "Material \"matte\"\n" + kTriangle);
+  EXPECT_EQ(scene.materials[scene.meshes.at(0).material].bsdf, BsdfKind::kMirror);
+  EXPECT_EQ(scene.materials[scene.meshes.at(1).material].bsdf, BsdfKind::kLambert);
+  for (const Mesh& mesh : scene.meshes) {
+    ExpectNear(scene.materials[mesh.material].emission, glm::vec3(1));
+  }
+}
+
+// In the world: a scaled shape has the power all the same.
+TEST(PbrtLights, PowerIsThatOfEachShape) {
+  for (const bool two_sided : {false, true}) {
+    const Scene scene =
+        Parse("AreaLightSource \"diffuse\" \"float power\" 30 \"bool twosided\" " +
+              std::string(two_sided ? "true" : "false") + kTriangle + "Scale 3 3 3" + kTriangle);
+    const Geometry geometry(scene, "t", 1);
+    const LocalLights lights(scene, geometry, "t", 1, 0);
+    EXPECT_EQ(lights.totals()[0].count, 2u);
+    EXPECT_NEAR(lights.totals()[0].power, 60, 1e-3);
+  }
+}
+
+// The side of the normals shines: that of the winding, or the other one if it is reversed; a mirror
+// image of the shape shines where the mirror image of that side is.
+TEST(PbrtLights, ReverseOrientationTurnsTheShiningSide) {
+  const auto side = [](const std::string& before) {
+    const Scene scene = Parse(before + " AreaLightSource \"diffuse\"" + kTriangle);
+    const LocalLights lights(scene, Geometry(scene, "t", 1), "t", 1, 0);
+    const LocalLight& light = lights.view().lights[0];
+    const glm::vec3 axis(light.axis[0], light.axis[1], light.axis[2]);
+    return glm::cross(axis, glm::vec3(light.edge[0], light.edge[1], light.edge[2])).z;
+  };
+  EXPECT_GT(side(""), 0);
+  EXPECT_LT(side("ReverseOrientation"), 0);
+  EXPECT_GT(side("Scale -1 1 1"), 0);
+  EXPECT_LT(side("Scale 1 1 -1"), 0);
+}
+
+TEST(PbrtLights, InstancesShine) {
+  const Scene scene =
+      Parse(std::string("ObjectBegin \"a\" AreaLightSource \"diffuse\"") + kTriangle +
+            "ObjectEnd ObjectInstance \"a\" Translate 5 0 0 "
+            "ObjectInstance \"a\"");
+  const LocalLights lights(scene, Geometry(scene, "t", 1), "t", 1, 0);
+  ASSERT_EQ(lights.view().count, 2u);
+  EXPECT_EQ(lights.view().lights[1].position[0], 5);
+}
+
+TEST(PbrtLights, WhatIsNoLightIsRefusedWithItsLine) {
+  for (const auto& [text, reason] : std::initializer_list<std::pair<std::string, const char*>>{
+           {"LightSource \"point\" \"rgb I\" [1 -1 1]", "negative"},
+           {"LightSource \"distant\" \"float scale\" -2", "negative"},
+           {"LightSource \"spot\" \"rgb I\" [1e30 1 1]", "1e18"},
+           {"LightSource \"point\" \"float power\" 1e30", "power"},
+           {"LightSource \"point\" \"point3 from\" [0 0 0 1 1 1]", "takes one point"},
+           {"LightSource \"spot\" \"point3 to\" [0 0 0]", "no direction"},
+           {"LightSource \"distant\" \"point3 from\" [0 0 1]", "no direction"},
+           {"LightSource \"spot\" \"float coneangle\" 0", "cone"},
+           {"LightSource \"spot\" \"float coneangle\" 181", "cone"},
+           {"LightSource \"spot\" \"float conedeltaangle\" -1", "cone"},
+           {"AreaLightSource \"diffuse\" \"rgb L\" [-1 1 1]", "negative"},
+           {"AreaLightSource \"diffuse\" \"float power\" 1 Shape \"trianglemesh\" \"point3 P\" "
+            "[0 0 0 1 0 0 2 0 0]",
+            "area"}}) {
+    try {
+      Parse("\n" + text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.exit_code(), kExitBadInput);
+      EXPECT_TRUE(std::string(error.what()).starts_with("t.pbrt:3: ")) << error.what();
+      EXPECT_NE(std::string(error.what()).find(reason), std::string::npos) << error.what();
+    }
+  }
+}
+
+// ---- MTL ----
+
+Material OnlyMaterial(const std::string& text) {
+  Scene scene;
+  TextureFiles textures{&scene};
+  Warnings warnings;
+  return ParseMtl("newmtl a\n" + text, "t.mtl", textures, warnings).at(0);
+}
+
+TEST(MtlEmission, IsRadianceOnBothSides) {
+  const Material material = OnlyMaterial("Kd .5 .5 .5\nKe 4 2 1\n");
+  ExpectNear(material.emission, {4, 2, 1});
+  EXPECT_TRUE(material.emits_on_both_sides);
+  ExpectNear(OnlyMaterial("Ke 3\n").emission, glm::vec3(3));  // grey
+  EXPECT_EQ(OnlyMaterial("Kd 1 1 1\n").emission, glm::vec3(0));
+  EXPECT_EQ(OnlyMaterial("d 0\nKe 1 1 1\n").emission, glm::vec3(1));  // glass shines too
+  try {
+    OnlyMaterial("Ke 1 1e20 1\n");
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_TRUE(std::string(error.what()).starts_with("t.mtl:2: ")) << error.what();
+  }
+}
+
+TEST(MtlEmission, TakesAMap) {
+  TemporaryFolder folder;
+  // A picture of one red pixel.
+  folder.Write("red.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n") +
+                              std::string("\x80\0\0\x80", 4));
+  Scene scene;
+  TextureFiles textures{&scene};
+  Warnings warnings;
+  const auto materials = ParseMtl("newmtl a\nmap_Ke red.hdr\nnewmtl b\nKe 0 0 0\nmap_Ke red.hdr\n",
+                                  folder.Path("t.mtl"), textures, warnings);
+  EXPECT_TRUE(warnings.entries.empty());
+  EXPECT_EQ(materials[0].emission, glm::vec3(1));
+  EXPECT_EQ(materials[0].emission_texture, 0u);
+  EXPECT_EQ(materials[1].emission, glm::vec3(0));
+  EXPECT_FALSE(materials[1].emission_texture);
+}
+
+// ---- glTF ----
+
+using nlohmann::json;
+
+class GltfLights : public testing::Test {
+ protected:
+  // A node with light 0, turned and moved by its parent.
+  static json Document() {
+    return {{"asset", {{"version", "2.0"}}},
+            {"extensionsRequired", {"KHR_lights_punctual"}},
+            {"extensions",
+             {{"KHR_lights_punctual",
+               {{"lights", {{{"type", "point"}, {"color", {1, 0.5, 0.25}}, {"intensity", 8}}}}}}}},
+            {"scene", 0},
+            {"scenes", {{{"nodes", {0}}}}},
+            {"nodes",
+             {{{"children", {1}}, {"translation", {1, 2, 3}}, {"scale", {4, 4, 4}}},
+              {{"translation", {0, 1, 0}},
+               {"rotation", {-0.7071067811865476, 0, 0, 0.7071067811865476}},
+               {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}}}};
+  }
+  static json& Light(json& document) {
+    return document["extensions"]["KHR_lights_punctual"]["lights"][0];
+  }
+  Scene Read(const json& document) { return ReadGltf(folder_.Write("a.gltf", document.dump())); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(GltfLights, PunctualOnes) {
+  json document = Document();
+  const PunctualLight point = Read(document).lights.at(0);
+  EXPECT_EQ(point.kind, LocalLightKind::kPoint);
+  ExpectNear(point.emission, {8, 4, 2});
+  ExpectNear(point.position, {1, 6, 3});
+
+  Light(document)["type"] = "directional";
+  const PunctualLight sun = Read(document).lights.at(0);
+  EXPECT_EQ(sun.kind, LocalLightKind::kDistant);
+  ExpectNear(sun.emission, {8, 4, 2});
+  // The node looks along -z, turned by -90 degrees about x: down. The light comes from above.
+  ExpectNear(sun.direction, {0, 1, 0});
+
+  Light(document)["type"] = "spot";
+  Light(document)["spot"] = {{"innerConeAngle", 0.2}, {"outerConeAngle", 0.6}};
+  const PunctualLight spot = Read(document).lights.at(0);
+  EXPECT_EQ(spot.kind, LocalLightKind::kSpot);
+  ExpectNear(spot.direction, {0, -1, 0});
+  EXPECT_NEAR(spot.cos_full, std::cos(0.2), 1e-6);
+  EXPECT_NEAR(spot.cos_dark, std::cos(0.6), 1e-6);
+}
+
+TEST_F(GltfLights, EmissionOfMaterials) {
+  json document = Document();
+  document["materials"] = {
+      {{"name", "dark"}},
+      {{"emissiveFactor", {1, 0.5, 0.25}}},
+      {{"emissiveFactor", {1, 0.5, 0.25}},
+       {"doubleSided", true},
+       {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 6}}}}}}};
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.materials[0].emission, glm::vec3(0));
+  ExpectNear(scene.materials[1].emission, {1, 0.5f, 0.25f});
+  EXPECT_FALSE(scene.materials[1].emits_on_both_sides);
+  ExpectNear(scene.materials[2].emission, {6, 3, 1.5f});
+  EXPECT_TRUE(scene.materials[2].emits_on_both_sides);
+}
+
+TEST_F(GltfLights, WhatIsNoLightIsRefused) {
+  const auto error_of = [&](const char* pointer, const json& value) -> std::string {
+    json document = Document();
+    document[json::json_pointer(pointer)] = value;
+    try {
+      Read(document);
+      return "";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.exit_code(), kExitBadInput);
+      EXPECT_NE(std::string(error.what()).find("a.gltf"), std::string::npos);
+      return error.what();
+    }
+  };
+  const std::string light = "/extensions/KHR_lights_punctual/lights/0/";
+  ASSERT_EQ(error_of((light + "intensity").c_str(), 3), "");
+  EXPECT_NE(error_of((light + "intensity").c_str(), -3), "");
+  EXPECT_NE(error_of((light + "intensity").c_str(), 1e30), "");
+  EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", 1), "");
+  EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", -1), "");
+  EXPECT_NE(error_of("/nodes/1/extensions/KHR_lights_punctual/light", "x"), "");
+  EXPECT_NE(error_of("/materials", {{{"emissiveFactor", {-1, 0, 0}}}}), "");
+  json document = Document();
+  Light(document)["type"] = "spot";
+  for (const auto& [inner, outer] :
+       {std::pair{0.5, 0.4}, std::pair{-0.1, 0.4}, std::pair{0.0, 0.0}, std::pair{0.0, 2.0}}) {
+    Light(document)["spot"] = {{"innerConeAngle", inner}, {"outerConeAngle", outer}};
+    EXPECT_THROW(Read(document), InputError) << inner << " " << outer;
+  }
+  Light(document)["type"] = "laser";
+  Light(document).erase("spot");
+  const Scene scene = Read(document);
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
+}  // namespace
+}  // namespace skywave

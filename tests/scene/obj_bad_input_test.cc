@@ -1,0 +1,169 @@
+// OBJ and MTL files that cannot be used: each is refused with its line and the reason, none
+// crashes.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.h"
+#include "scene/obj/mtl.h"
+#include "scene/obj/check.h"
+#include "scene/obj/reader.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+struct Refusal {
+  std::string message;  // empty: it was read
+  int exit_code = 0;
+};
+
+template <typename Read>
+Refusal Try(Read read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    return {error.what(), error.exit_code()};
+  }
+  return {};
+}
+
+Refusal TryObj(const std::string& text) {
+  return Try([&] { ParseObj(text, "t.obj"); });
+}
+Refusal TryMtl(const std::string& text) {
+  return Try([&] {
+    Warnings warnings;
+    Scene scene;
+    TextureFiles textures{&scene};
+    ParseMtl(text, "t.mtl", textures, warnings);
+  });
+}
+
+struct BadText {
+  std::string text;
+  const char* place;
+  const char* reason;
+};
+
+void ExpectRefused(const BadText& bad, const Refusal& refusal) {
+  EXPECT_TRUE(refusal.message.starts_with(std::string(bad.place) + ": "))
+      << bad.text << " -> " << refusal.message;
+  EXPECT_NE(refusal.message.find(bad.reason), std::string::npos)
+      << bad.text << " -> " << refusal.message;
+  EXPECT_EQ(refusal.exit_code, kExitBadInput);
+}
+
+const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+TEST(BadObj, IsRefusedWithFileLineAndReason) {
+  std::string polygon = "f";
+  for (std::size_t i = 0; i <= kMaxObjCorners; ++i) polygon += " 1";
+  const BadText cases[] = {
+      {"v 0 0 0\nv 1 nan 0\n", "t.obj:2", "'nan' is not finite"},
+      {"v 0 0 0\nv 1 inf 0\n", "t.obj:2", "not finite"},
+      {"v 0 0 1e39\n", "t.obj:1", "not finite"},
+      {"v 0 0 1e999\n", "t.obj:1", "not finite"},
+      {"v 0 0\n", "t.obj:1", "3 to 7 numbers, not 2"},
+      {"v 0 0 0x\n", "t.obj:1", "'0x' is no number"},
+      {"v\n", "t.obj:1", "3 to 7 numbers, not 0"},
+      {"vn 0 0\n", "t.obj:1", "takes 3 numbers"},
+      {"vn 0 nan 0\n", "t.obj:1", "not finite"},
+      {"vt a\n", "t.obj:1", "no number"},
+      {kTriangle + "f 1 2 4\n", "t.obj:4", "vertex index 4, but the file has 3"},
+      {kTriangle + "\n# c\nf 1 2 \\\n 9\nf 1 2 3\n", "t.obj:6", "vertex index 9"},
+      {kTriangle + "f 1 2 -4\n", "t.obj:4", "index -4 with 3 before it"},
+      {kTriangle + "f 0 1 2\n", "t.obj:4", "counts from 1"},
+      {kTriangle + "f 1/1 2/1 3/1\n", "t.obj:4", "texture vertex index 1, but the file has 0"},
+      {kTriangle + "f 1//2 2//1 3//1\nvn 0 0 1\n", "t.obj:4", "normal index 2"},
+      {kTriangle + "f 1/ 2/ 3/\n", "t.obj:4", "is no index"},
+      {kTriangle + "f 1// 2// 3//\n", "t.obj:4", "is no index"},
+      {kTriangle + "f 1/1/1/1 2 3\n", "t.obj:4", "is no index"},
+      {kTriangle + "f 1 2 x\n", "t.obj:4", "'x' is no index"},
+      {kTriangle + "f 1 2 3.5\n", "t.obj:4", "is no index"},
+      {kTriangle + "f 1 2 99999999999\n", "t.obj:4", "is no index"},
+      {kTriangle + "f 1 2\n", "t.obj:4", "a face of 2 corners"},
+      {kTriangle + "f\n", "t.obj:4", "a face of 0 corners"},
+      {kTriangle + polygon, "t.obj:4", "1025 corners"},
+      {"# hidden\rf 7 8 9\n", "t.obj:2", "index 9"},
+      {"usemtl\n", "t.obj:1", "without a name"},
+      {"mtllib\n", "t.obj:1", "without a name"},
+      {"t crease 99999999/1/1\n", "t.obj:1", "no statement of OBJ"},
+  };
+  for (const BadText& bad : cases) ExpectRefused(bad, TryObj(bad.text));
+}
+
+TEST(BadObj, MissingAndBrokenLibraries) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("a.obj", kTriangle + "mtllib no.mtl\nf 1 2 3\n");
+  const Refusal missing = Try([&] { ReadObj(path); });
+  EXPECT_EQ(missing.message, path + ":4: there is no file \"no.mtl\"");
+  EXPECT_EQ(missing.exit_code, kExitIo);
+  folder.Write("bad.mtl", "newmtl a\nKd 1 x 1\n");
+  const Refusal broken =
+      Try([&] { ReadObj(folder.Write("b.obj", "mtllib bad.mtl\n" + kTriangle + "f 1 2 3\n")); });
+  EXPECT_EQ(broken.message, folder.Path("bad.mtl") + ":2: 'x' is no number");
+  EXPECT_EQ(Try([&] { ReadObj(folder.Path("none.obj")); }).exit_code, kExitIo);
+  folder.Write("two.mtl", "newmtl wood oak\nKd 1 1 1\nnewmtl wood pine\nKd 0 0 0\n");
+  const Refusal alike = Try([&] {
+    ReadObj(folder.Write("c.obj", "mtllib two.mtl\nusemtl wood oak\nusemtl wood pine\n"));
+  });
+  EXPECT_NE(alike.message.find("c.obj:3: "), std::string::npos) << alike.message;
+}
+
+TEST(BadMtl, IsRefusedWithFileLineAndReason) {
+  const BadText cases[] = {
+      {"Kd 1 1 1\n", "t.mtl:1", "before the first newmtl"},
+      {"newmtl\n", "t.mtl:1", "without a name"},
+      {"newmtl a\nKd\n", "t.mtl:2", "1 to 3 numbers, not 0"},
+      {"newmtl a\nKd 1 1\n", "t.mtl:2", "one or three numbers"},
+      {"newmtl a\nKd 1 -1 1\n", "t.mtl:2", "not negative"},
+      {"newmtl a\nKd nan 1 1\n", "t.mtl:2", "not finite"},
+      {"newmtl a\nKd spectral a.rfl\n", "t.mtl:2", "'spectral' is no number"},
+      {"newmtl a\n\nNs 1e999\n", "t.mtl:3", "not finite"},
+      {"newmtl a\nd -halo 0.5\n", "t.mtl:2", "-halo"},
+      {"newmtl a\nillum two\n", "t.mtl:2", "no number"},
+  };
+  for (const BadText& bad : cases) ExpectRefused(bad, TryMtl(bad.text));
+}
+
+TEST(BadObj, EveryTruncationAndFlippedByteEndsWell) {
+  const std::string text =
+      "o thing\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ns 1\nusemtl a b\n"
+      "f 1/1/1 2/1/1 3/1/1 4/1/1\ns off\nf -1//-1 -2//-1 -3//-1\ng x \\\n y\nf 1 2 3 4\n";
+  EXPECT_EQ(TryObj(text).message, "");
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const std::string message = TryObj(text.substr(0, size)).message;
+    EXPECT_TRUE(message.empty() || message.starts_with("t.obj:")) << message;
+  }
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (int change = 1; change < 256; change += 5) {
+      std::string broken = text;
+      broken[i] = static_cast<char>(broken[i] ^ change);
+      const std::string message = TryObj(broken).message;
+      EXPECT_TRUE(message.empty() || message.starts_with("t.obj")) << message;
+    }
+  }
+}
+
+TEST(BadMtl, EveryTruncationAndFlippedByteEndsWell) {
+  const std::string text =
+      "# c\nnewmtl a b\n\tKd .5 .5 .5\nKs 1\nNs 10\nNi 1.5\nd 0.5\nillum 2\nmap_Kd -o 1 1 1 a.png\n"
+      "map_bump -bm 2 b.png\nnewmtl c\nTr 0.1\nPr .3\nPm 1\nTf 1 1 1\nKe 1 1 1\n";
+  EXPECT_EQ(TryMtl(text).message, "");
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const std::string message = TryMtl(text.substr(0, size)).message;
+    EXPECT_TRUE(message.empty() || message.starts_with("t.mtl:")) << message;
+  }
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (int change = 1; change < 256; change += 5) {
+      std::string broken = text;
+      broken[i] = static_cast<char>(broken[i] ^ change);
+      const std::string message = TryMtl(broken).message;
+      EXPECT_TRUE(message.empty() || message.starts_with("t.mtl")) << message;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,270 @@
+// OBJ files and their material libraries: faces, normals, smoothing, and materials by hand.
+#include "scene/obj/reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "scene/obj/mtl.h"
+#include "scene/reader.h"
+#include "scene/shapes/smooth_normals.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+Scene Parse(const std::string& text) { return ParseObj(text, "t.obj"); }
+
+std::vector<Material> Materials(const std::string& text, Warnings& warnings) {
+  Scene scene;
+  TextureFiles textures{&scene};
+  return ParseMtl(text, "t.mtl", textures, warnings);
+}
+Material OnlyMaterial(const std::string& statements) {
+  Warnings warnings;
+  return Materials("newmtl m\n" + statements, warnings).at(0);
+}
+std::vector<std::string> MtlWarnings(const std::string& text) {
+  Warnings warnings;
+  Materials(text, warnings);
+  return WarningLines(warnings);
+}
+
+void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(a[i], b[i], tolerance) << "(" << a.x << " " << a.y << " " << a.z << ") for (" << b.x
+                                       << " " << b.y << " " << b.z << ")";
+  }
+}
+
+std::size_t Triangles(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Mesh& mesh : scene.meshes) count += mesh.triangles.size();
+  return count;
+}
+
+double Area(const Scene& scene) {
+  double area = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const glm::uvec3& t : mesh.triangles) {
+      area += 0.5 * glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                           mesh.positions[t.z] - mesh.positions[t.x]));
+    }
+  }
+  return area;
+}
+
+constexpr char kSquare[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(Obj, FacesOfEveryForm) {
+  for (const char* face :
+       {"f 1 2 3 4", "f -4 -3 -2 -1", "f 1/1 2/2 3/3 4/4", "f 1//1 2//1 3//1 4//1",
+        "f 1/1/1 2/2/1 3/3/1 4/4/-1", "  f\t1  2 3   4  ", "f 1 2 \\\n 3 4", "f 1 2 3\nf 1 3 4"}) {
+    SCOPED_TRACE(face);
+    const Scene scene =
+        Parse(std::string(kSquare) + "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 2\n" + face + "\n");
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].triangles.size(), 2u);
+    EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
+    EXPECT_NEAR(Area(scene), 1, 1e-6);
+    ASSERT_EQ(scene.meshes[0].normals.size(), 4u);
+    ExpectNear(scene.meshes[0].normals[0], {0, 0, 1});
+    EXPECT_FALSE(scene.left_handed);
+    EXPECT_EQ(scene.up_axis, 'y');
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  }
+  // Every way to end a line; comments; numbers with a plus; weights and colours of vertices.
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    std::string text =
+        "# a comment\n\nv +0 0 0 1\nv 1e0 0 .0 0.5 0.5 0.5\nv 1 1. 0\nv 0 1 0\nf 1 2 3 4";
+    for (std::size_t i; (i = text.find('\n')) != std::string::npos;) text.replace(i, 1, "@");
+    for (std::size_t i; (i = text.find('@')) != std::string::npos;) text.replace(i, 1, end);
+    EXPECT_NEAR(Area(Parse(text)), 1, 1e-6);
+  }
+  // An L: cut into ears, not into a fan.
+  EXPECT_NEAR(Area(Parse("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n")),
+              3, 1e-6);
+}
+
+TEST(Obj, TextureCoordinatesSplitVertices) {
+  const Scene scene = Parse(std::string(kSquare) +
+                            "vt 0 0\nvt 1 0\nvt 1 1\nvt .5 .5\nf 1/1 2/2 3/3\nf 1/4 3/3 4/1\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_EQ(mesh.positions.size(), 5u);  // corner 1 twice
+  EXPECT_EQ(mesh.uvs.size(), 5u);
+  EXPECT_EQ(mesh.uvs[mesh.triangles[1].x], glm::vec2(0.5f, 0.5f));
+}
+
+// Two squares that meet at an angle along the edge x = 1.
+std::string Fold(double degrees, const std::string& before_faces) {
+  const double a = degrees * 3.14159265358979 / 180;
+  const std::string x = std::to_string(1 + std::cos(a)), z = std::to_string(-std::sin(a));
+  return std::string(kSquare) + "v " + x + " 0 " + z + "\nv " + x + " 1 " + z + "\n" +
+         before_faces + "f 1 2 3 4\nf 2 5 6 3\n";
+}
+
+TEST(Obj, SmoothingGroupsDecideWhereThereAreNoNormals) {
+  // 90 degrees in one group: the edge is smooth.
+  const Scene smooth = Parse(Fold(90, "s 1\n"));
+  ASSERT_EQ(smooth.meshes.size(), 1u);
+  EXPECT_EQ(smooth.meshes[0].positions.size(), 6u);
+  const float half = std::sqrt(0.5f);
+  bool found = false;
+  for (std::size_t i = 0; i < smooth.meshes[0].positions.size(); ++i) {
+    if (smooth.meshes[0].positions[i] != glm::vec3(1, 0, 0)) continue;
+    ExpectNear(smooth.meshes[0].normals[i], {half, 0, half});
+    found = true;
+  }
+  EXPECT_TRUE(found);
+  // Off: no normals at all, and 10 degrees are an edge.
+  for (const char* off : {"s off\n", "s 0\n"}) {
+    const Scene flat = Parse(Fold(10, off));
+    ASSERT_EQ(flat.meshes.size(), 1u);
+    EXPECT_TRUE(flat.meshes[0].normals.empty());
+  }
+  // Two groups: smooth each, with an edge between.
+  std::string two = Fold(10, "s 1\n");
+  two.insert(two.find("f 2 5"), "s 2\n");
+  EXPECT_EQ(Parse(two).meshes.at(0).positions.size(), 8u);
+  // Off for one of them: two meshes, one flat.
+  std::string mixed = Fold(10, "s 1\n");
+  mixed.insert(mixed.find("f 2 5"), "s off\n");
+  const Scene both = Parse(mixed);
+  ASSERT_EQ(both.meshes.size(), 2u);
+  EXPECT_NE(both.meshes[0].normals.empty(), both.meshes[1].normals.empty());
+}
+
+TEST(Obj, WithoutSmoothingGroupsCreasesStay) {
+  EXPECT_EQ(Parse(Fold(kCreaseDegrees - 1, "")).meshes.at(0).positions.size(), 6u);
+  const Scene sharp = Parse(Fold(kCreaseDegrees + 1, ""));
+  EXPECT_EQ(sharp.meshes.at(0).positions.size(), 8u);
+  for (const glm::vec3& n : sharp.meshes[0].normals) EXPECT_NEAR(glm::length(n), 1, 1e-6);
+  ExpectNear(sharp.meshes[0].normals[sharp.meshes[0].triangles[0].x], {0, 0, 1});
+}
+
+TEST(Obj, NormalsOfTheFileComeFirst) {
+  // The second face has none: it is smooth by its crease, the first keeps what the file says.
+  const Scene scene = Parse(std::string(kSquare) + "vn 0 1 1\nf 1//1 2//1 3//1\nf 1 3 4\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  ExpectNear(mesh.normals[mesh.triangles[0].x], glm::normalize(glm::vec3(0, 1, 1)));
+  ExpectNear(mesh.normals[mesh.triangles[1].x], {0, 0, 1});
+  // Normals decide over the winding.
+  const Mesh against = Parse(std::string(kSquare) + "vn 0 0 -1\nf 1//1 2//1 3//1\n").meshes.at(0);
+  const glm::uvec3 t = against.triangles[0];
+  EXPECT_LT(glm::cross(against.positions[t.y] - against.positions[t.x],
+                       against.positions[t.z] - against.positions[t.x])
+                .z,
+            0);
+}
+
+TEST(Obj, AFanOfManyTrianglesEndsInTime) {
+  std::string text = "v 0 0 0\n";
+  constexpr int kSides = 20000;
+  for (int i = 0; i < kSides; ++i) {
+    const double a = 2 * 3.14159265358979 * i / kSides;
+    text += "v " + std::to_string(std::cos(a)) + " " + std::to_string(std::sin(a)) + " 0\n";
+  }
+  for (int i = 0; i < kSides; ++i) {
+    text += "f 1 " + std::to_string(i + 2) + " " + std::to_string((i + 1) % kSides + 2) + "\n";
+  }
+  EXPECT_EQ(Triangles(Parse(text)), std::size_t{kSides});
+}
+
+TEST(Obj, MaterialsMakeMeshes) {
+  const TemporaryFolder folder;
+  folder.Write("a library.mtl", "newmtl red\nKd 1 0 0\nnewmtl two words\nKd 0 1 0\n");
+  folder.Write("b.mtl", "newmtl blue\nKd 0 0 1\nnewmtl red\nKd 0 0 0\n");
+  const Scene scene = ReadScene(folder.Write(
+      "m.OBJ", std::string(kSquare) +
+                   "f 1 2 3\nusemtl red\nf 1 3 4\nmtllib a library.mtl\nmtllib b.mtl\n"
+                   "usemtl two words\nf 1 2 4\nusemtl red\ng next\nf 2 3 4\nusemtl blue\nf 4 3 2\n"
+                   "usemtl green\nf 3 2 1\nusemtl green\nf 3 2 1\n"));
+  ASSERT_EQ(scene.meshes.size(), 4u);
+  const auto color = [&](int i) { return scene.materials[scene.meshes[i].material].reflectance; };
+  EXPECT_EQ(scene.meshes[0].triangles.size(), 3u);  // none, and one that no library has
+  ExpectNear(color(0), glm::vec3(0.5f));
+  EXPECT_EQ(scene.meshes[1].name, "red");
+  EXPECT_EQ(scene.meshes[1].triangles.size(), 2u);
+  ExpectNear(color(1), {1, 0, 0});
+  ExpectNear(color(2), {0, 1, 0});
+  ExpectNear(color(3), {0, 0, 1});
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(scene.warnings[0].ends_with(
+      "m.OBJ:17: no material \"green\" is in a library: grey Lambert is used"))
+      << scene.warnings[0];
+}
+
+TEST(Obj, OtherStatementsAreNamedOnce) {
+  const Scene scene = Parse(std::string(kSquare) + "l 1 2\nl 2 3\nf 1 2 3\ncstype bezier\no x\n");
+  EXPECT_EQ(scene.warnings,
+            (std::vector<std::string>{"t.obj:5: 'l' is not supported: left out (2 times)",
+                                      "t.obj:8: 'cstype' is not supported: left out"}));
+}
+
+TEST(Mtl, LambertIsTheRule) {
+  const Material plain = OnlyMaterial("Kd .1 .2 .3\nNs 50\nNi 1.5\nd 1\nillum 2\nKs 0 0 0\n");
+  EXPECT_EQ(plain.bsdf, BsdfKind::kLambert);
+  EXPECT_EQ(plain.name, "m");
+  ExpectNear(plain.reflectance, {0.1f, 0.2f, 0.3f});
+  ExpectNear(OnlyMaterial("Kd .3").reflectance, glm::vec3(0.3f));
+  ExpectNear(OnlyMaterial("").reflectance, glm::vec3(0.5f));
+  EXPECT_EQ(OnlyMaterial("Kd 0 0 0").bsdf, BsdfKind::kLambert);
+  ExpectNear(OnlyMaterial("Kd 0 0 0").reflectance, glm::vec3(0));
+  const Material coated = OnlyMaterial("Kd .5 .5 .5\nKs .3 .3 .3\nNs 98");
+  EXPECT_EQ(coated.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_NEAR(coated.alpha, std::sqrt(0.02), 1e-6);
+  EXPECT_EQ(coated.metallic, 0);
+}
+
+TEST(Mtl, MetalsMirrorsAndGlass) {
+  const Material metal = OnlyMaterial("Kd 0 0 0\nKs .2 .5 .8\nNs 98\nillum 2");
+  EXPECT_EQ(metal.bsdf, BsdfKind::kConductor);
+  EXPECT_NEAR(metal.alpha, std::sqrt(2.0 / 100), 1e-6);
+  // eta = 1: F0 = k^2 / (4 + k^2).
+  ExpectNear(metal.k * metal.k / (4.0f + metal.k * metal.k), {0.2f, 0.5f, 0.8f});
+  const Material pbr = OnlyMaterial("Kd .9 .6 .3\nPm 1\nPr .5");
+  EXPECT_EQ(pbr.bsdf, BsdfKind::kConductor);
+  EXPECT_FLOAT_EQ(pbr.alpha, 0.25f);
+  ExpectNear(pbr.k * pbr.k / (4.0f + pbr.k * pbr.k), {0.9f, 0.6f, 0.3f});
+  for (const char* illum : {"illum 3", "illum 5"}) {
+    const Material mirror = OnlyMaterial(std::string("Kd 0 0 0\nKs .9 .8 .7\n") + illum);
+    EXPECT_EQ(mirror.bsdf, BsdfKind::kMirror);
+    ExpectNear(mirror.reflectance, {0.9f, 0.8f, 0.7f});
+  }
+  for (const char* glass : {"d 0.1\nNi 1.33", "Tr 0.9\nNi 1.33", "illum 7\nNi 1.33",
+                            "illum 4\nTf 1 1 1\nNi 1.33", "illum 9\nd 0.9\nNi 1.33"}) {
+    const Material material = OnlyMaterial(glass);
+    EXPECT_EQ(material.bsdf, BsdfKind::kDielectric) << glass;
+    EXPECT_FLOAT_EQ(material.ior, 1.33f) << glass;
+  }
+  EXPECT_FLOAT_EQ(OnlyMaterial("illum 6\nNi 1").ior, 1.5f);
+  EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nillum 4\nd 1").bsdf, BsdfKind::kLambert);
+  EXPECT_EQ(OnlyMaterial("Kd .5 .5 .5\nillum 2\nTf 1 1 1").bsdf, BsdfKind::kLambert);
+}
+
+TEST(Mtl, SaysOnceWhatIsNotRendered) {
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Ks a.jpg\nnewmtl b\nKd 1 1 1\nmap_Ks b.jpg\n"
+                        "Ke 0 0 0\n"),
+            std::vector<std::string>{
+                "t.mtl:3: map_Ks: textures are not supported: the plain value is used (2 times)"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nmap_Kd none.jpg\n"),
+            std::vector<std::string>{
+                "t.mtl:3: map_Kd: there is no file \"none.jpg\": the plain value is used"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\n\nmap_Ke none.jpg\n"),
+            std::vector<std::string>{
+                "t.mtl:4: map_Ke: there is no file \"none.jpg\": the plain value is used"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 2\n"),
+            std::vector<std::string>{"t.mtl:2: Kd is clamped to [0, 1]"});
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nd .8\n").size(), 0u);
+  EXPECT_EQ(MtlWarnings("newmtl a\nmap_d none.png\nbump no.png\n"),
+            (std::vector<std::string>{
+                "t.mtl:2: map_d: there is no file \"none.png\": the plain value is used",
+                "t.mtl:3: bump: there is no file \"no.png\": the plain value is used"}));
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nKs .5 .5 .5\n").size(), 1u);
+  EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nfrob 3\n"),
+            std::vector<std::string>{"t.mtl:3: 'frob' is no statement of MTL: ignored"});
+}
+
+}  // namespace
+}  // namespace skywave

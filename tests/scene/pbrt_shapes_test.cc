@@ -1,0 +1,130 @@
+// Shapes of pbrt that become meshes, against their areas, extents and normals in closed form.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/files.h"
+#include "scene/shapes/patches.h"
+#include "scene/pbrt/reader.h"
+
+namespace skywave {
+namespace {
+
+Mesh Shape(const std::string& shape) {
+  return ParsePbrt("WorldBegin " + shape, "t.pbrt", {.strict = true}).meshes.at(0);
+}
+
+glm::dvec3 Cross(const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 a = mesh.positions[t.x];
+  return glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+}
+
+double Area(const Mesh& mesh) {
+  double area = 0;
+  for (const glm::uvec3& t : mesh.triangles) area += 0.5 * glm::length(Cross(mesh, t));
+  return area;
+}
+
+// Every triangle is wound to the side of its normals, which are unit vectors; uvs are in [0, 1].
+void ExpectConsistent(const Mesh& mesh) {
+  ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    EXPECT_GT(glm::length(Cross(mesh, t)), 0);
+    for (int corner = 0; corner < 3; ++corner) {
+      EXPECT_GT(glm::dot(Cross(mesh, t), glm::dvec3(mesh.normals[t[corner]])), 0);
+    }
+  }
+  for (const glm::vec3& n : mesh.normals) EXPECT_NEAR(glm::length(n), 1, 1e-6);
+  for (const glm::vec2& uv : mesh.uvs) {
+    EXPECT_TRUE(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1);
+  }
+}
+
+TEST(RoundShapes, HaveTheirAreas) {
+  // A zone of a sphere has the area phi r h. Cuts of 2 degrees lose 3e-4 of it at most.
+  const struct {
+    const char* shape;
+    double area;
+  } shapes[] = {
+      {"Shape \"sphere\" \"float radius\" 2 \"float zmin\" -1 \"float zmax\" 1.5",
+       2 * M_PI * 2 * 2.5},
+      {"Shape \"sphere\" \"float radius\" 2 \"float phimax\" 90", M_PI / 2 * 2 * 4},
+      {"Shape \"sphere\" \"float zmin\" .5 \"float zmax\" -.25 \"float phimax\" 200",
+       200. / 180 * M_PI * 0.75},
+      {"Shape \"disk\" \"float radius\" 3", M_PI * 9},
+      {"Shape \"disk\" \"float radius\" 3 \"float innerradius\" 1 \"float phimax\" 45", M_PI},
+      {"Shape \"cylinder\" \"float radius\" 2 \"float zmin\" -1 \"float zmax\" 3", 2 * M_PI * 8},
+      {"Shape \"cylinder\" \"float phimax\" 60", M_PI / 3 * 2},
+  };
+  for (const auto& expected : shapes) {
+    SCOPED_TRACE(expected.shape);
+    const Mesh mesh = Shape(expected.shape);
+    ExpectConsistent(mesh);
+    EXPECT_NEAR(Area(mesh) / expected.area, 1, 5e-4);
+    EXPECT_EQ(mesh.uvs.size(), mesh.positions.size());
+  }
+}
+
+TEST(RoundShapes, LieAsPbrtHasThem) {
+  const Mesh sphere = Shape("Shape \"sphere\" \"float phimax\" 90");
+  for (std::size_t i = 0; i < sphere.positions.size(); ++i) {
+    const glm::vec3 p = sphere.positions[i];
+    EXPECT_GE(p.x, -1e-6f);
+    EXPECT_GE(p.y, -1e-6f);
+    EXPECT_GT(glm::dot(sphere.normals[i], p), 0.999f);  // outwards
+    EXPECT_NEAR(p.z, -std::cos(M_PI * sphere.uvs[i].y), 1e-5);
+    if (std::abs(p.z) < 0.99f) {
+      EXPECT_NEAR(std::atan2(p.y, p.x), M_PI / 2 * sphere.uvs[i].x, 1e-5);
+    }
+  }
+  const Mesh disk = Shape("Shape \"disk\" \"float height\" 4 \"float innerradius\" .5");
+  for (std::size_t i = 0; i < disk.positions.size(); ++i) {
+    EXPECT_EQ(disk.positions[i].z, 4);
+    EXPECT_EQ(disk.normals[i], glm::vec3(0, 0, 1));
+    EXPECT_NEAR(glm::length(glm::vec2(disk.positions[i])), 1 - 0.5 * disk.uvs[i].y, 1e-6);
+  }
+  EXPECT_EQ(Shape("ReverseOrientation Shape \"disk\"").normals[0], glm::vec3(0, 0, -1));
+  const Mesh cylinder = Shape("Shape \"cylinder\" \"float zmin\" 2 \"float zmax\" 1");
+  for (std::size_t i = 0; i < cylinder.positions.size(); ++i) {
+    EXPECT_NEAR(cylinder.positions[i].z, 1 + cylinder.uvs[i].y, 1e-6);
+    EXPECT_EQ(cylinder.normals[i].z, 0);
+  }
+}
+
+// Without textures a whole sphere has no poles; with them it has coordinates.
+TEST(RoundShapes, WholeSpheresHaveCoordinatesWhereTexturesAre) {
+  EXPECT_TRUE(Shape("Shape \"sphere\"").uvs.empty());
+  const Mesh mesh = Shape("Texture \"c\" \"color\" \"checkerboard\" Shape \"sphere\"");
+  ExpectConsistent(mesh);
+  EXPECT_NEAR(Area(mesh) / (4 * M_PI), 1, 5e-4);
+}
+
+TEST(BilinearMesh, IsExactAndCutOnlyWhereItBends) {
+  const Mesh flat = Shape("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 1 3 0 3 3 0]");
+  EXPECT_EQ(flat.triangles.size(), 2u);
+  EXPECT_NEAR(Area(flat), 6, 1e-6);
+  EXPECT_EQ(flat.normals[0], glm::vec3(0, 0, 1));
+  // z = x y, an exact bilinear surface: vertices lie on it, with its normals.
+  const Mesh saddle = Shape(
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1 2 0 0 2 1 2] "
+      "\"integer indices\" [0 1 2 3  1 4 3 5]");
+  ASSERT_EQ(saddle.triangles.size(), std::size_t(2 * 2 * kBilinearSteps * kBilinearSteps));
+  ExpectConsistent(saddle);
+  for (std::size_t i = 0; i < saddle.positions.size(); ++i) {
+    const glm::vec3 p = saddle.positions[i];
+    EXPECT_NEAR(p.z, p.x * p.y, 1e-6);
+    const glm::vec3 normal = glm::normalize(glm::vec3(-p.y, -p.x, 1));
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(saddle.normals[i][axis], normal[axis], 1e-5);
+  }
+  // Given normals decide over the side.
+  const Mesh turned = Shape(
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
+      "\"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1]");
+  ExpectConsistent(turned);
+  EXPECT_EQ(turned.normals[0], glm::vec3(0, 0, -1));
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,153 @@
+// Cameras of pbrt files, and how a camera becomes another kind.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "base/error.h"
+#include "scene/pbrt/reader.h"
+#include "scene/scene.h"
+
+namespace skywave {
+namespace {
+
+void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(a[i], b[i], tolerance) << "(" << a.x << " " << a.y << " " << a.z << ") for (" << b.x
+                                       << " " << b.y << " " << b.z << ")";
+  }
+}
+
+Scene Parse(const std::string& text) { return ParsePbrt(text, "t.pbrt"); }
+
+// Without any remark.
+Camera OnlyCamera(const std::string& text) {
+  const Scene scene = Parse(text);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{}) << text;
+  return scene.camera.value();
+}
+
+TEST(PbrtCamera, ThinLens) {
+  const Camera camera = OnlyCamera(
+      "Camera \"perspective\" \"float fov\" 40 \"float lensradius\" .5 \"float focaldistance\" 7");
+  EXPECT_EQ(camera.kind, CameraKind::kPerspective);
+  EXPECT_EQ(camera.lens_radius, 0.5f);
+  EXPECT_EQ(camera.focal_distance, 7);
+  EXPECT_FALSE(camera.window);
+  const Camera pinhole = OnlyCamera("Camera \"perspective\"");
+  EXPECT_EQ(pinhole.lens_radius, 0);
+  EXPECT_EQ(pinhole.focal_distance, 1e6f);  // pbrt's default
+}
+
+TEST(PbrtCamera, OrthographicAndScreenWindow) {
+  const Camera camera = OnlyCamera(
+      "Camera \"orthographic\" \"float screenwindow\" [-2 3 -1 4] \"float lensradius\" .1");
+  EXPECT_EQ(camera.kind, CameraKind::kOrthographic);
+  EXPECT_EQ(camera.lens_radius, 0.1f);
+  ASSERT_TRUE(camera.window);
+  EXPECT_EQ(camera.window->left, -2);
+  EXPECT_EQ(camera.window->right, 3);
+  EXPECT_EQ(camera.window->bottom, -1);
+  EXPECT_EQ(camera.window->top, 4);
+  // [-1, 1] on the shorter side.
+  const ScreenWindow wide =
+      OnlyCamera("Camera \"perspective\" \"float frameaspectratio\" 2").window.value();
+  EXPECT_EQ(wide.right, 2);
+  EXPECT_EQ(wide.top, 1);
+  const ScreenWindow tall =
+      OnlyCamera("Camera \"perspective\" \"float frameaspectratio\" .5").window.value();
+  EXPECT_EQ(tall.right, 1);
+  EXPECT_EQ(tall.bottom, -2);
+}
+
+TEST(PbrtCamera, SphericalOnesLieAsInPbrt) {
+  // pbrt: direction (sin theta cos phi, cos theta, sin theta sin phi) at phi = 2 pi u. The middle
+  // of the picture looks along -x, three quarters along -z, the top along +y.
+  for (const char* text :
+       {"Camera \"environment\"", "Camera \"spherical\" \"string mapping\" \"equirectangular\""}) {
+    const Camera camera = OnlyCamera(std::string("Translate -1 -2 -3 ") + text);
+    EXPECT_EQ(camera.kind, CameraKind::kLatLong);
+    ExpectNear(camera.world_from_camera[2], {-1, 0, 0});
+    ExpectNear(camera.world_from_camera[0], {0, 0, -1});
+    ExpectNear(camera.world_from_camera[1], {0, 1, 0});
+    ExpectNear(camera.world_from_camera[3], {1, 2, 3});
+  }
+  const Camera square = OnlyCamera("Camera \"spherical\"");
+  EXPECT_EQ(square.kind, CameraKind::kEqualArea);
+  EXPECT_EQ(square.world_from_camera, glm::mat4(1));
+  EXPECT_EQ(Parse("Camera \"spherical\" \"string mapping\" \"fisheye\"").warnings.size(), 1u);
+  EXPECT_EQ(Parse("Camera \"realistic\" \"string lensfile\" \"a.dat\"").warnings.size(), 2u);
+}
+
+TEST(PbrtFilm, CropWindow) {
+  const auto crop = Parse("Film \"rgb\" \"float cropwindow\" [.25 .5 0 1]").settings.crop;
+  ASSERT_TRUE(crop);
+  EXPECT_EQ(crop->left, 0.25f);
+  EXPECT_EQ(crop->right, 0.5f);
+  EXPECT_EQ(crop->top, 0);
+  EXPECT_EQ(crop->bottom, 1);
+  EXPECT_FALSE(Parse("Film \"rgb\"").settings.crop);
+}
+
+TEST(PbrtFilm, PixelBoundsAreKeptExactly) {
+  // Crops are rounded up to pixels (job/job.cc).
+  for (int right = 2; right <= 700; ++right) {
+    const auto crop = Parse(
+                          "Film \"rgb\" \"integer xresolution\" 700 \"integer yresolution\" 33 "
+                          "\"integer pixelbounds\" [" +
+                          std::to_string(right - 1) + " " + std::to_string(right) + " 0 33]")
+                          .settings.crop;
+    ASSERT_TRUE(crop);
+    EXPECT_EQ(std::ceil(double(crop->left) * 700), right - 1);
+    EXPECT_EQ(std::ceil(double(crop->right) * 700), right);
+    EXPECT_EQ(std::ceil(double(crop->top) * 33), 0);
+    EXPECT_EQ(std::ceil(double(crop->bottom) * 33), 33);
+  }
+}
+
+TEST(PbrtCamera, BadOnesAreRefused) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"\nCamera \"perspective\" \"float lensradius\" -1", "t.pbrt:2: "},
+      {"Camera \"orthographic\" \"float focaldistance\" 0", "t.pbrt:1: "},
+      {"Camera \"perspective\" \"float screenwindow\" [0 1 0]", "t.pbrt:1: "},
+      {"Camera \"perspective\" \"float screenwindow\" [1 0 0 1]", "t.pbrt:1: "},
+      {"Camera \"perspective\" \"float frameaspectratio\" 0", "t.pbrt:1: "},
+      {"\nFilm \"rgb\" \"float cropwindow\" [0 2 0 1]", "t.pbrt:2: "},
+      {"Film \"rgb\" \"float cropwindow\" [.5 .5 0 1]", "t.pbrt:1: "},
+      {"Film \"rgb\" \"float cropwindow\" [0 1]", "t.pbrt:1: "},
+  };
+  for (const auto& [text, place] : cases) {
+    try {
+      Parse(text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(place)) << text << " -> " << error.what();
+    }
+  }
+}
+
+TEST(CameraKinds, OrthographicShowsTheMiddleAtTheSameSize) {
+  const Bounds bounds{{-1, -1, -1}, {1, 1, 1}};
+  const Camera before = LookAtCamera({0, 0, 8}, {0, 0, 0}, {0, 1, 0}, 30, false);
+  const Camera after = WithKind(before, CameraKind::kOrthographic, bounds, 'y', false);
+  EXPECT_EQ(after.kind, CameraKind::kOrthographic);
+  const float half = 8 * std::tan(glm::radians(15.0f));
+  EXPECT_NEAR(glm::length(glm::vec3(after.world_from_camera[0])), half, 1e-5f);
+  EXPECT_NEAR(glm::length(glm::vec3(after.world_from_camera[1])), half, 1e-5f);
+  ExpectNear(after.world_from_camera[2], {0, 0, -1});
+}
+
+TEST(CameraKinds, SphericalOnesStandUpright) {
+  const Bounds bounds{{-1, -1, -1}, {1, 1, 1}};
+  for (const bool left_handed : {false, true}) {
+    const Camera before = FrameBounds(bounds, 'z', left_handed);
+    const Camera after = WithKind(before, CameraKind::kLatLong, bounds, 'z', left_handed);
+    ExpectNear(after.world_from_camera[1], {0, 0, 1});
+    EXPECT_NEAR(after.world_from_camera[2].z, 0, 1e-6f);
+    EXPECT_EQ(after.world_from_camera[3], before.world_from_camera[3]);
+    ExpectNear(after.world_from_camera[0], before.world_from_camera[0]);
+  }
+}
+
+}  // namespace
+}  // namespace skywave

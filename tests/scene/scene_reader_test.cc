@@ -1,0 +1,610 @@
+// pbrt scenes: every directive, both versions' syntax, and the remarks on what is not understood.
+// Numbers are worked out by hand from pbrt's conventions.
+#include "scene/pbrt/reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "base/error.h"
+#include "scene/reader.h"
+#include "scene/scene.h"
+
+namespace skywave {
+namespace {
+
+Scene Parse(const std::string& text) { return ParsePbrt(text, "t.pbrt"); }
+
+constexpr const char* kTriangle =
+    "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0  1 0 0  0 1 0]\n";
+
+void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(a[i], b[i], tolerance) << "(" << a.x << " " << a.y << " " << a.z << ") for (" << b.x
+                                       << " " << b.y << " " << b.z << ")";
+  }
+}
+
+// Where `directives` put the point (1, 2, 3).
+glm::vec3 Transformed(const std::string& directives) {
+  const Scene scene = Parse(
+      "WorldBegin\n" + directives +
+      "\nShape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [1 2 3 5 5 5 5 0 0]");
+  return scene.meshes.at(0).positions.at(0);
+}
+
+Material OnlyMaterial(const std::string& directive) {
+  const Scene scene = Parse("WorldBegin\n" + directive + "\n" + kTriangle);
+  return scene.materials.at(scene.meshes.at(0).material);
+}
+
+glm::vec3 GeometricNormal(const Mesh& mesh, std::size_t i = 0) {
+  const glm::uvec3 t = mesh.triangles[i];
+  return glm::normalize(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                   mesh.positions[t.z] - mesh.positions[t.x]));
+}
+
+// A folder of its own for each test, removed with it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder()
+      : path_(std::filesystem::path(testing::TempDir()) /
+              ("skywave_" +
+               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()))) {
+    std::filesystem::create_directories(path_ / "parts");
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(path_ / name, std::ios::binary) << text;
+    return (path_ / name).string();
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+TEST(Transforms, MatchHandComputedMatrices) {
+  ExpectNear(Transformed(""), {1, 2, 3});
+  ExpectNear(Transformed("Translate 10 20 30"), {11, 22, 33});
+  ExpectNear(Transformed("Translate [10 20 30]"), {11, 22, 33});
+  ExpectNear(Transformed("Scale 2 3 -1"), {2, 6, -3});
+  ExpectNear(Transformed("Rotate 90 0 0 1"), {-2, 1, 3});
+  ExpectNear(Transformed("Rotate 90 0 2 0"), {3, 2, -1});
+  // The last directive acts first.
+  ExpectNear(Transformed("Translate 10 0 0 Scale 2 2 2"), {12, 4, 6});
+  ExpectNear(Transformed("Scale 2 2 2 Translate 10 0 0"), {22, 4, 6});
+  ExpectNear(Transformed("Translate 9 9 9 Identity"), {1, 2, 3});
+  // Columns: x -> y, y -> z, z -> x, then a translation.
+  const std::string matrix = "[0 1 0 0  0 0 1 0  1 0 0 0  7 8 9 1]";
+  ExpectNear(Transformed("Translate 1 1 1 Transform " + matrix), {10, 9, 11});
+  ExpectNear(Transformed("Translate 1 1 1 ConcatTransform " + matrix), {11, 10, 12});
+  // A viewer at (0, 0, -5) that looks along +z with y up sees x on the right.
+  ExpectNear(Transformed("LookAt 0 0 -5  0 0 0  0 1 0"), {1, 2, 8});
+  // Looking along +x, y up: the right is -z in a left-handed world.
+  ExpectNear(Transformed("LookAt 0 0 0  1 0 0  0 1 0"), {-3, 2, 1});
+}
+
+TEST(Transforms, CoordinateSystemsAreRecalled) {
+  ExpectNear(Transformed("Translate 1 0 0 CoordinateSystem \"a\" Scale 5 5 5 Identity "
+                         "CoordSysTransform \"a\""),
+             {2, 2, 3});
+  const Scene scene = Parse(std::string("Translate 0 0 4 Camera \"perspective\" WorldBegin\n"
+                                        "CoordSysTransform \"camera\"\n") +
+                            kTriangle);
+  ExpectNear(scene.meshes.at(0).positions[0], {0, 0, -4});
+}
+
+TEST(Transforms, MotionStandsAtItsStart) {
+  ExpectNear(Transformed("ActiveTransform EndTime Translate 9 9 9 Scale 2 2 2 Identity "
+                         "ActiveTransform StartTime Translate 1 0 0 ActiveTransform All "
+                         "Translate 0 0 1"),
+             {2, 2, 4});
+  ExpectNear(Transformed("TransformBegin ActiveTransform EndTime TransformEnd Translate 1 0 0"),
+             {2, 2, 3});
+}
+
+TEST(Transforms, WorldBeginForgetsTheCamera) {
+  const Scene scene = Parse(std::string("Translate 1 2 3 WorldBegin\n") + kTriangle);
+  ExpectNear(scene.meshes.at(0).positions[0], {0, 0, 0});
+}
+
+TEST(Transforms, NormalsKeepTheirSide) {
+  const std::string mesh =
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0] "
+      "\"normal N\" [0 0 1 0 0 1 0 0 1]\n";
+  for (const char* transform : {"", "Scale -1 1 1", "Rotate 70 1 2 3", "Scale 1 2 -3",
+                                "ReverseOrientation", "ReverseOrientation Scale -1 1 1"}) {
+    const Mesh smooth = Parse(std::string("WorldBegin ") + transform + "\n" + mesh).meshes.at(0);
+    const Mesh flat = Parse(std::string("WorldBegin ") + transform + "\n" + kTriangle).meshes.at(0);
+    ExpectNear(GeometricNormal(smooth), smooth.normals[0]);
+    // Flat or smooth, the outside is the same.
+    ExpectNear(GeometricNormal(flat), smooth.normals[0]);
+    EXPECT_NEAR(glm::length(smooth.normals[1]), 1, 1e-6);
+  }
+  // A mirror keeps the normal (0, 0, 1); ReverseOrientation turns it.
+  ExpectNear(Parse("WorldBegin Scale -1 1 1\n" + mesh).meshes.at(0).normals[0], {0, 0, 1});
+  ExpectNear(Parse("WorldBegin ReverseOrientation\n" + mesh).meshes.at(0).normals[0], {0, 0, -1});
+  // Normals decide over the winding.
+  const Mesh against = Parse(
+                           "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] "
+                           "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 -1 0 0 -1 0 0 -1]")
+                           .meshes.at(0);
+  ExpectNear(GeometricNormal(against), {0, 0, -1});
+}
+
+TEST(Camera, IsTheInverseOfTheTransform) {
+  const Scene scene = Parse("LookAt 1 2 3  1 2 10  0 1 0 Camera \"perspective\" \"float fov\" 35");
+  ASSERT_TRUE(scene.camera);
+  EXPECT_TRUE(scene.left_handed);
+  EXPECT_FLOAT_EQ(scene.camera->fov_degrees, 35);
+  const glm::mat4& m = scene.camera->world_from_camera;
+  ExpectNear(m[0], {1, 0, 0});
+  ExpectNear(m[1], {0, 1, 0});
+  ExpectNear(m[2], {0, 0, 1});
+  ExpectNear(m[3], {1, 2, 3});
+  EXPECT_FLOAT_EQ(Parse("Camera \"perspective\"").camera->fov_degrees, 90);
+  EXPECT_FLOAT_EQ(Parse("Camera \"perspective\" \"float halffov\" 20").camera->fov_degrees, 40);
+}
+
+TEST(Camera, FrameIsRightHandedSeenInItsWorld) {
+  for (const bool left_handed : {false, true}) {
+    const Camera camera = LookAtCamera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40, left_handed);
+    // Looking along -z with y up: right is +x where the axes are right-handed.
+    ExpectNear(camera.world_from_camera[0], {left_handed ? -1.0f : 1.0f, 0, 0});
+    ExpectNear(camera.world_from_camera[1], {0, 1, 0});
+    ExpectNear(camera.world_from_camera[2], {0, 0, -1});
+  }
+}
+
+TEST(Camera, FramesBounds) {
+  const Bounds bounds{{-3, 10, -1}, {5, 12, 2}};
+  for (const char up : {'x', 'y', 'z'}) {
+    for (const bool left_handed : {false, true}) {
+      for (const float aspect : {1.0f, 2.5f, 0.4f}) {
+        const Camera camera = FrameBounds(bounds, up, left_handed, aspect);
+        const float wide = std::max(aspect, 1.0f), tall = std::max(1 / aspect, 1.0f);
+        const glm::mat4 to_camera = glm::inverse(camera.world_from_camera);
+        const float slope = std::tan(glm::radians(0.5f * camera.fov_degrees));
+        float widest = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+          const glm::vec3 p(to_camera * glm::vec4(corner & 1 ? bounds.high.x : bounds.low.x,
+                                                  corner & 2 ? bounds.high.y : bounds.low.y,
+                                                  corner & 4 ? bounds.high.z : bounds.low.z, 1));
+          ASSERT_GT(p.z, 0);
+          widest = std::max({widest, std::abs(p.x / p.z) / wide, std::abs(p.y / p.z) / tall});
+        }
+        EXPECT_LT(widest, slope);
+        EXPECT_GT(widest, 0.8f * slope);  // and no smaller than need be
+        // From above: the eye is higher than the centre.
+        const int axis = up - 'x';
+        EXPECT_GT(camera.world_from_camera[3][axis], 0.5f * (bounds.low + bounds.high)[axis]);
+      }
+    }
+  }
+}
+
+TEST(EnvironmentFrame, IsNeverMirroredAndTurnsCounterClockwise) {
+  for (const char up : {'x', 'y', 'z'}) {
+    for (const bool left_handed : {false, true}) {
+      for (const float degrees : {0.0f, 30.0f, 200.0f}) {
+        const glm::mat3 f = EnvironmentFrame(up, left_handed, degrees);
+        const glm::vec3 cross = glm::cross(f[1], f[2]);
+        ExpectNear(f[0], left_handed ? -cross : cross);
+      }
+      // A quarter turn to the left: forward goes where left was.
+      const glm::mat3 still = EnvironmentFrame(up, left_handed, 0);
+      const glm::mat3 turned = EnvironmentFrame(up, left_handed, 90);
+      ExpectNear(turned[1], -still[0]);
+      ExpectNear(turned[2], still[2]);
+    }
+  }
+  ExpectNear(EnvironmentFrame('y', false, 0)[1], {0, 0, -1});
+  ExpectNear(EnvironmentFrame('z', false, 0)[1], {0, 1, 0});
+  ExpectNear(EnvironmentFrame('x', false, 0)[1], {0, 1, 0});
+  ExpectNear(EnvironmentFrame('y', true, 0)[1], {0, 0, 1});
+  ExpectNear(EnvironmentFrame('x', true, 0)[0], {0, 0, -1});
+}
+
+TEST(Options, FillTheSettings) {
+  const RenderSettings v3 =
+      Parse(
+          "Film \"image\" \"integer xresolution\" [320] \"integer yresolution\" [200]\n"
+          "Sampler \"halton\" \"integer pixelsamples\" 48\n"
+          "Integrator \"directlighting\" \"integer maxdepth\" [3]\n"
+          "PixelFilter \"gaussian\" \"float xwidth\" [2] \"float ywidth\" [2]\n")
+          .settings;
+  EXPECT_EQ(v3.width, 320);
+  EXPECT_EQ(v3.height, 200);
+  EXPECT_EQ(v3.samples_per_pixel, 48);
+  EXPECT_EQ(v3.integrator, "direct");
+  EXPECT_EQ(v3.max_depth, 3);
+  EXPECT_EQ(v3.filter, PixelFilter::kGaussian);
+  EXPECT_EQ(v3.filter_radius, 2.0f);
+  const RenderSettings v4 = Parse(
+                                "Integrator \"volpath\" PixelFilter \"triangle\" "
+                                "\"float xradius\" 1.5 \"float yradius\" 1.5 Sampler "
+                                "\"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 3")
+                                .settings;
+  EXPECT_EQ(v4.integrator, "path");
+  EXPECT_FALSE(v4.photons_each_sample);
+  EXPECT_EQ(v4.filter, PixelFilter::kTriangle);
+  EXPECT_EQ(v4.filter_radius, 1.5f);
+  EXPECT_EQ(v4.samples_per_pixel, 12);
+  EXPECT_FALSE(Parse("WorldBegin").settings.width);
+  EXPECT_EQ(Parse("PixelFilter \"box\"").settings.filter, PixelFilter::kBox);
+}
+
+TEST(Options, NameTheIntegrator) {
+  EXPECT_EQ(Parse("Integrator \"bdpt\"").settings.integrator, "bdpt");
+  EXPECT_EQ(Parse("Integrator \"lightpath\"").settings.integrator, "light");
+  EXPECT_EQ(Parse("Integrator \"mlt\"").settings.integrator, "path");
+  const RenderSettings sppm =
+      Parse("Integrator \"sppm\" \"integer numiterations\" 24 \"float radius\" 0.25").settings;
+  EXPECT_EQ(sppm.integrator, "photon");
+  EXPECT_EQ(sppm.samples_per_pixel, 24);
+  EXPECT_TRUE(sppm.photons_each_sample);
+  EXPECT_EQ(sppm.photon_distance, 0.25f);
+  EXPECT_THROW(Parse("Integrator \"sppm\" \"float radius\" 0"), InputError);
+}
+
+TEST(Materials, BothVersionsNames) {
+  ExpectNear(OnlyMaterial("").reflectance, glm::vec3(0.5f));
+  const Material matte = OnlyMaterial("Material \"matte\" \"color Kd\" [.1 .2 .3]");
+  EXPECT_EQ(matte.bsdf, BsdfKind::kLambert);
+  ExpectNear(matte.reflectance, {0.1f, 0.2f, 0.3f});
+  ExpectNear(OnlyMaterial("Material \"diffuse\" \"rgb reflectance\" [.4 .5 .6]").reflectance,
+             {0.4f, 0.5f, 0.6f});
+  ExpectNear(OnlyMaterial("Material \"matte\" \"float Kd\" .25").reflectance, glm::vec3(0.25f));
+  ExpectNear(
+      OnlyMaterial("Material \"diffuse\" \"spectrum reflectance\" [400 .7 700 .7]").reflectance,
+      glm::vec3(0.7f));
+  const Material mirror = OnlyMaterial("Material \"mirror\" \"rgb Kr\" [.8 .7 .6]");
+  EXPECT_EQ(mirror.bsdf, BsdfKind::kMirror);
+  ExpectNear(mirror.reflectance, {0.8f, 0.7f, 0.6f});
+  ExpectNear(OnlyMaterial("Material \"mirror\"").reflectance, glm::vec3(0.9f));
+  const Material glass = OnlyMaterial("Material \"glass\" \"float index\" 1.33");
+  EXPECT_EQ(glass.bsdf, BsdfKind::kDielectric);
+  EXPECT_FLOAT_EQ(glass.ior, 1.33f);
+  EXPECT_FLOAT_EQ(OnlyMaterial("Material \"dielectric\" \"float eta\" 1.7").ior, 1.7f);
+  EXPECT_FLOAT_EQ(OnlyMaterial("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"").ior,
+                  1.5168f);
+  EXPECT_FLOAT_EQ(OnlyMaterial("Material \"dielectric\"").ior, 1.5f);
+}
+
+TEST(Materials, Conductors) {
+  const Material gold = OnlyMaterial(
+      "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" "
+      "\"float roughness\" 0.04");
+  EXPECT_EQ(gold.bsdf, BsdfKind::kConductor);
+  ExpectNear(gold.eta, {0.14312f, 0.37496f, 1.44248f});
+  ExpectNear(gold.k, {3.98316f, 2.38572f, 1.60322f});
+  EXPECT_FLOAT_EQ(gold.alpha, 0.2f);  // pbrt-v4: the square root
+  const Material v3 = OnlyMaterial(
+      "Material \"metal\" \"spectrum eta\" \"spds/Ag.eta.spd\" \"spectrum k\" \"spds/Ag.k.spd\" "
+      "\"float roughness\" 0.1");
+  ExpectNear(v3.k, {4.82834f, 3.12225f, 2.14695f});
+  // 1.62142 + 0.819955 x + 0.1734 x^2 + 0.0171201 x^3 + 0.000640711 x^4 at x = ln 0.1
+  EXPECT_NEAR(v3.alpha, 0.46176f, 1e-4f);
+  EXPECT_FLOAT_EQ(OnlyMaterial("Material \"metal\" \"float roughness\" .3 "
+                               "\"bool remaproughness\" \"false\"")
+                      .alpha,
+                  0.3f);
+  EXPECT_FLOAT_EQ(
+      OnlyMaterial("Material \"conductor\" \"float roughness\" .3 \"bool remaproughness\" false")
+          .alpha,
+      0.3f);
+  ExpectNear(OnlyMaterial("Material \"metal\" \"rgb eta\" [1 2 3] \"rgb k\" [4 5 6]").eta,
+             {1, 2, 3});
+  // Smooth conductors are mirrors that keep their Fresnel reflectance.
+  const Material smooth = OnlyMaterial("Material \"conductor\"");
+  EXPECT_EQ(smooth.bsdf, BsdfKind::kMirror);
+  ExpectNear(smooth.eta, {0.20044f, 0.92403f, 1.10221f});
+  // eta = 1 and k give F = k^2 / (4 + k^2) at normal incidence.
+  const glm::vec3 k =
+      OnlyMaterial("Material \"conductor\" \"rgb reflectance\" [.2 .5 .8] \"float roughness\" 0.1")
+          .k;
+  ExpectNear(k * k / (4.0f + k * k), {0.2f, 0.5f, 0.8f});
+  const Material anisotropic = OnlyMaterial(
+      "Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" .4 \"bool "
+      "remaproughness\" "
+      "false");
+  EXPECT_EQ(anisotropic.bsdf, BsdfKind::kAnisotropicConductor);
+  EXPECT_FLOAT_EQ(anisotropic.alpha, 0.1f);
+  EXPECT_FLOAT_EQ(anisotropic.alpha_across.value(), 0.4f);
+  const Material coated = OnlyMaterial(
+      "Material \"coatedconductor\" \"float conductor.roughness\" .25 "
+      "\"float interface.roughness\" .01 \"float interface.eta\" 1.4 "
+      "\"spectrum conductor.eta\" \"metal-Au-eta\" \"spectrum conductor.k\" \"metal-Au-k\"");
+  EXPECT_EQ(coated.bsdf, BsdfKind::kCoatedConductor);
+  EXPECT_FLOAT_EQ(coated.alpha, 0.5f);
+  EXPECT_FLOAT_EQ(coated.coat_alpha, 0.1f);
+  EXPECT_FLOAT_EQ(coated.ior, 1.4f);
+  ExpectNear(coated.k, {3.98316f, 2.38572f, 1.60322f});
+}
+
+TEST(Materials, DiffuseOnes) {
+  const Material clay = OnlyMaterial("Material \"matte\" \"float sigma\" 20");
+  EXPECT_EQ(clay.bsdf, BsdfKind::kOrenNayar);
+  // B / A of Oren and Nayar 1994 for sigma = 20 degrees.
+  EXPECT_NEAR(clay.alpha, 0.2591 / 0.8652, 1e-3);
+  EXPECT_EQ(OnlyMaterial("Material \"matte\" \"float sigma\" 0").bsdf, BsdfKind::kLambert);
+  const Material sheet = OnlyMaterial(
+      "Material \"diffusetransmission\" \"rgb reflectance\" [.1 .2 .3] \"rgb transmittance\" "
+      "[.4 .5 .6] \"float scale\" .5");
+  EXPECT_EQ(sheet.bsdf, BsdfKind::kDiffuseTransmission);
+  ExpectNear(sheet.reflectance, {0.05f, 0.1f, 0.15f});
+  ExpectNear(sheet.second_color, {0.2f, 0.25f, 0.3f});
+  const Material too_much = OnlyMaterial(
+      "Material \"diffusetransmission\" \"rgb reflectance\" [1 1 1] \"rgb transmittance\" [1 1 1]");
+  ExpectNear(too_much.reflectance + too_much.second_color, glm::vec3(1));
+  const Material translucent =
+      OnlyMaterial("Material \"translucent\" \"rgb Kd\" [.8 .8 .8] \"rgb transmit\" [.25 .5 1]");
+  ExpectNear(translucent.second_color, {0.2f, 0.4f, 0.8f});
+}
+
+TEST(Materials, RoughAndThinGlass) {
+  const Material frosted =
+      OnlyMaterial("Material \"dielectric\" \"float roughness\" .09 \"float eta\" 1.4");
+  EXPECT_EQ(frosted.bsdf, BsdfKind::kRoughDielectric);
+  EXPECT_FLOAT_EQ(frosted.alpha, 0.3f);
+  EXPECT_FLOAT_EQ(frosted.ior, 1.4f);
+  EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float uroughness\" .1 \"float vroughness\" .1").bsdf,
+            BsdfKind::kRoughDielectric);
+  EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float roughness\" 0").bsdf, BsdfKind::kDielectric);
+  EXPECT_EQ(OnlyMaterial("Material \"thindielectric\" \"float eta\" 1.2").bsdf,
+            BsdfKind::kThinDielectric);
+}
+
+TEST(Materials, Mixtures) {
+  const char* const kTwo =
+      "WorldBegin\nMakeNamedMaterial \"a\" \"string type\" \"matte\"\n"
+      "MakeNamedMaterial \"b\" \"string type\" \"mirror\"\n";
+  const auto mixture = [&](const std::string& rest) {
+    const Scene scene = Parse(kTwo + ("Material \"mix\" " + rest) + "\n" + kTriangle);
+    return scene.materials.at(scene.meshes.at(0).material).mixture.value();
+  };
+  const Mixture v4 = mixture("\"string materials\" [\"a\" \"b\"] \"float amount\" .3");
+  EXPECT_EQ(v4.second, v4.first + 1);
+  EXPECT_FLOAT_EQ(v4.share, 0.3f);
+  const Mixture v3 = mixture(
+      "\"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"rgb amount\" [.3 .3 .3]");
+  EXPECT_EQ(v3.second, v3.first + 1);
+  EXPECT_FLOAT_EQ(v3.share, 0.7f);
+  EXPECT_THROW(mixture("\"string materials\" [\"a\" \"c\"]"), InputError);
+  EXPECT_THROW(mixture("\"string materials\" [\"a\"]"), InputError);
+}
+
+TEST(Materials, NamedOnesAndConstantTextures) {
+  const Scene scene = Parse(
+      std::string("WorldBegin\n"
+                  "Texture \"warm\" \"spectrum\" \"constant\" \"rgb value\" [.9 .5 .1]\n"
+                  "MakeNamedMaterial \"a\" \"string type\" \"matte\" \"texture Kd\" \"warm\"\n"
+                  "MakeNamedMaterial \"b\" \"string type\" [\"glass\"]\n"
+                  "NamedMaterial \"a\"\n") +
+      kTriangle + "NamedMaterial \"b\"\n" + kTriangle);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ExpectNear(scene.materials.at(scene.meshes.at(0).material).reflectance, {0.9f, 0.5f, 0.1f});
+  EXPECT_EQ(scene.materials.at(scene.meshes.at(1).material).bsdf, BsdfKind::kDielectric);
+}
+
+TEST(Scopes, RestoreWhatTheySave) {
+  const Scene scene = Parse(std::string("WorldBegin\nMaterial \"mirror\"\nAttributeBegin\n"
+                                        "Material \"glass\" Translate 5 0 0 ReverseOrientation\n"
+                                        "AttributeEnd\n") +
+                            kTriangle + "TransformBegin Translate 7 0 0 Material \"matte\"\n" +
+                            kTriangle + "TransformEnd\n" + kTriangle + "WorldEnd\n");
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  const auto kind = [&](int i) { return scene.materials[scene.meshes[i].material].bsdf; };
+  EXPECT_EQ(kind(0), BsdfKind::kMirror);
+  ExpectNear(scene.meshes[0].positions[0], {0, 0, 0});
+  ExpectNear(GeometricNormal(scene.meshes[0]), {0, 0, 1});
+  ExpectNear(scene.meshes[1].positions[0], {7, 0, 0});
+  // TransformEnd restores the transform only.
+  EXPECT_EQ(kind(2), BsdfKind::kLambert);
+  ExpectNear(scene.meshes[2].positions[0], {0, 0, 0});
+}
+
+TEST(Scopes, AttributesReachWhatFollows) {
+  const Scene scene = Parse(
+      "WorldBegin\nAttribute \"shape\" \"float radius\" 2\nAttribute \"material\" \"float eta\" "
+      "1.7\nAttributeBegin\nAttribute \"shape\" \"float radius\" 3\nShape \"sphere\"\n"
+      "Shape \"sphere\" \"float radius\" 4\nAttributeEnd\nMaterial \"glass\" Shape \"sphere\"\n");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const float radii[] = {3, 4, 2};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(glm::length(scene.meshes.at(i).positions[0]), radii[i], 1e-5) << i;
+  }
+  EXPECT_FLOAT_EQ(scene.materials.at(scene.meshes[2].material).ior, 1.7f);
+}
+
+TEST(Objects, InstancesAreTransformedCopies) {
+  const Scene scene =
+      Parse(std::string("WorldBegin\nObjectBegin \"o\"\nTranslate 1 0 0\n") + kTriangle +
+            "ObjectEnd\nAttributeBegin Scale 2 2 2 ObjectInstance \"o\" AttributeEnd\n"
+            "Translate 0 0 3 Scale -1 1 1 ObjectInstance \"o\"");
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  ExpectNear(scene.meshes[0].positions[0], {2, 0, 0});
+  ExpectNear(scene.meshes[0].positions[1], {4, 0, 0});
+  ExpectNear(scene.meshes[1].positions[0], {-1, 0, 3});
+  ExpectNear(GeometricNormal(scene.meshes[1]), {0, 0, 1});
+}
+
+TEST(Shapes, SphereTriangleMeshAndSubdivision) {
+  const Scene scene = Parse(
+      "WorldBegin Translate 1 0 0 Shape \"sphere\" \"float radius\" 2\n"
+      "Identity Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"float uv\" [0 0 1 0 0 1]\n"
+      "Shape \"loopsubdiv\" \"integer nlevels\" 1 \"integer indices\" [0 1 2] \"point P\" "
+      "[0 0 0 1 0 0 0 1 0]\n"
+      "Shape \"loopsubdiv\" \"integer levels\" 2 \"integer indices\" [0 1 2] \"point3 P\" "
+      "[0 0 0 1 0 0 0 1 0]\n");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  for (const glm::vec3& p : scene.meshes.at(0).positions) {
+    EXPECT_NEAR(glm::distance(p, glm::vec3(1, 0, 0)), 2, 1e-5);
+  }
+  EXPECT_EQ(scene.meshes.at(1).triangles.at(0), glm::uvec3(0, 1, 2));
+  EXPECT_EQ(scene.meshes.at(1).uvs.at(1), glm::vec2(1, 0));
+  EXPECT_EQ(scene.meshes.at(2).triangles.size(), 4u);
+  EXPECT_EQ(scene.meshes.at(3).triangles.size(), 16u);
+}
+
+TEST(Lights, FramesOfInfiniteLights) {
+  const Scene constant =
+      Parse("WorldBegin LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2");
+  ASSERT_EQ(constant.environments.size(), 1u);
+  EXPECT_TRUE(constant.environments[0].map_path.empty());
+  ExpectNear(constant.environments[0].scale, {2, 4, 6});
+  ExpectNear(constant.environments[0].world_from_map[0], {0, -1, 0});  // right
+  ExpectNear(constant.environments[0].world_from_map[1], {-1, 0, 0});  // forward
+  ExpectNear(constant.environments[0].world_from_map[2], {0, 0, 1});   // up
+  // The usual way to stand a map upright in a y-up world: light +z to world +y.
+  const glm::mat3 upright =
+      Parse("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"color scale\" [2 2 2]")
+          .environments.at(0)
+          .world_from_map;
+  ExpectNear(upright[2], {0, 1, 0});
+  ExpectNear(upright[1], {-1, 0, 0});
+  ExpectNear(upright[0], {0, 0, 1});
+  // Uniform scales change no direction; mirrors do.
+  const glm::mat3 mirrored =
+      Parse("WorldBegin Scale -3 3 3 LightSource \"infinite\"").environments.at(0).world_from_map;
+  ExpectNear(mirrored[1], {1, 0, 0});
+  ExpectNear(mirrored[0], {0, -1, 0});
+}
+
+TEST(Files, IncludesAndMapsAreLookedUpBesideTheirFile) {
+  const TemporaryFolder folder;
+  folder.Write("parts/shape.pbrt", kTriangle);
+  folder.Write("parts/map.hdr", "");
+  folder.Write("parts/light.pbrt",
+               "LightSource \"infinite\" \"string mapname\" \"map.hdr\"\n"
+               "LightSource \"infinite\" \"string filename\" \"parts/map.hdr\"\n");
+  folder.Write("parts/all.pbrt", "Include \"shape.pbrt\"\nImport \"light.pbrt\"\n");
+  const std::string path = folder.Write("main.pbrt", "WorldBegin\nInclude \"parts/all.pbrt\"\n");
+  const Scene scene = ReadScene(path);
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  ASSERT_EQ(scene.environments.size(), 2u);
+  EXPECT_TRUE(std::filesystem::exists(scene.environments[0].map_path));
+  EXPECT_TRUE(std::filesystem::exists(scene.environments[1].map_path));  // as pbrt: the main folder
+}
+
+TEST(Files, PlyAloneAndInAScene) {
+  const TemporaryFolder folder;
+  const std::string ply = folder.Write("t.PLY",
+                                       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                                       "property float y\nproperty float z\nelement face 1\n"
+                                       "property list uchar int vertex_indices\nend_header\n"
+                                       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Scene alone = ReadScene(ply);
+  EXPECT_FALSE(alone.left_handed);
+  ASSERT_EQ(alone.materials.size(), 1u);
+  EXPECT_EQ(alone.materials[0].bsdf, BsdfKind::kLambert);
+  const Scene scene = ReadScene(folder.Write(
+      "m.pbrt", "WorldBegin Translate 1 1 1 Shape \"plymesh\" \"string filename\" \"t.PLY\""));
+  ExpectNear(scene.meshes.at(0).positions.at(1), {2, 1, 1});
+}
+
+TEST(Syntax, CommentsBracketsAndNumbers) {
+  const Scene scene = Parse(
+      "# a comment [\"\n"
+      "WorldBegin # another\n"
+      "Translate +1 -.5 2e0#glued\n"
+      "Shape\"trianglemesh\"\"integer indices\"[0 1 2]\"point3 P\"[0 0 0 1 0 0 0 1 0]\n"
+      "Shape \"trianglemesh\" \"integer  indices\" [ 0.0 1 2 ] \"\tpoint3\tP \" [0 0 0 1 0 0 0 1 "
+      "1e-60]");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  ExpectNear(scene.meshes[0].positions[0], {1, -0.5f, 2});
+}
+
+TEST(Warnings, SayWhereAndWhatIsDone) {
+  const Scene scene = Parse(
+      "Film \"rgb\" \"string filename\" \"out.exr\"\n"                 // 1
+      "WorldBegin\n"                                                   // 2
+      "LightSource \"goniometric\" \"rgb I\" [1 1 1]\n"                // 3
+      "Material \"velvet\"\n"                                          // 4
+      "Shape \"cone\"\n"                                               // 5
+      "Shape \"sphere\"\n"                                             // 6
+      "  \"float bulge\" 2\n"                                          // 7
+      "Shape \"cone\"\n"                                               // 8
+      "Material \"dielectric\" \"float roughness\" 0.1\n"              // 9
+      "Texture \"wood\" \"spectrum\" \"fbm\" \"float roughness\" 1\n"  // 10
+      "Material \"matte\" \"texture Kd\" \"wood\"\n"                   // 11
+      "AreaLightSource \"laser\" \"rgb L\" [1 1 1]\n"                  // 12
+      "WorldEnd\n"                                                     // 13
+      "WorldBegin\n");                                                 // 14
+  const std::vector<std::string> expected = {
+      "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is named on the command line",
+      "t.pbrt:3: LightSource \"goniometric\" is not supported: left out",
+      "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
+      "t.pbrt:5: Shape \"cone\" is not supported: left out (2 times)",
+      "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
+      "t.pbrt:10: Texture \"wood\" \"fbm\" is not supported: its users take their default",
+      "t.pbrt:11: Material \"matte\": \"texture Kd\" (\"wood\") varies: the default is used",
+      "t.pbrt:12: AreaLightSource \"laser\" is not supported: left out",
+      "t.pbrt:14: everything after WorldEnd is ignored",
+  };
+  EXPECT_EQ(scene.warnings, expected);
+}
+
+// Each of these must leave at least one line that begins with its place.
+TEST(Warnings, NothingIsSkippedInSilence) {
+  for (const char* text : {"Camera \"realistic\"",
+                           "Camera \"perspective\" \"float shutteropen\" 1",
+                           "Sampler \"sobol\"",
+                           "Integrator \"mlt\"",
+                           "Integrator \"path\" \"bool regularize\" true",
+                           "PixelFilter \"mitchell\"",
+                           "PixelFilter \"gaussian\" \"float sigma\" 1",
+                           "Accelerator \"bvh\"",
+                           "Film \"gbuffer\" \"float diagonal\" 35",
+                           "Option \"bool disablepixeljitter\" true",
+                           "ColorSpace \"aces2065-1\"",
+                           "ActiveTransform StartTime",
+                           "TransformTimes 0 1",
+                           "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"",
+                           "MediumInterface \"m\" \"\"",
+                           "Attribute \"light\" \"float scale\" 2",
+                           "Attribute \"shape\" \"float bulge\" 2 Shape \"sphere\"",
+                           "LightSource \"projection\"",
+                           "LightSource \"point\" \"float bulge\" 1",
+                           "LightSource \"infinite\" \"float illuminance\" 3",
+                           "LightSource \"infinite\" \"spectrum L\" \"stdillum-X\"",
+                           "Scale 1 2 1 LightSource \"infinite\"",
+                           "Material \"plastic\"",
+                           "Material \"glass\" \"float uroughness\" .2",
+                           "Material \"coatedconductor\"",
+                           "Material \"translucent\"",
+                           "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
+                           "Material \"glass\" \"rgb Kt\" [0 0 0]",
+                           "Material \"matte\" \"rgb Kd\" [2 0 0]",
+                           "Shape \"curve\"",
+                           "Shape \"sphere\" \"integer radius\" 2",
+                           "Material \"none\" Shape \"sphere\"",
+                           "AreaLightSource \"diffuse\" \"string filename\" \"a.png\""}) {
+    const Scene scene = Parse(std::string("\n") + text);
+    ASSERT_FALSE(scene.warnings.empty()) << text;
+    for (const std::string& warning : scene.warnings) {
+      EXPECT_TRUE(warning.starts_with("t.pbrt:2: ")) << text << " -> " << warning;
+    }
+  }
+}
+
+TEST(Warnings, NoneWithoutCause) {
+  EXPECT_EQ(
+      Parse(
+          "LookAt 0 0 0 0 0 1 0 1 0 Camera \"perspective\" \"float fov\" 40\n"
+          "Film \"image\" \"integer xresolution\" 64 \"integer yresolution\" 64\n"
+          "Integrator \"path\" \"integer maxdepth\" 5 ColorSpace \"srgb\"\n"
+          "PixelFilter \"box\" \"float xradius\" .5 \"float yradius\" .5\nWorldBegin\n"
+          "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+          "Material \"metal\" \"float roughness\" .1 \"bool remaproughness\" \"true\"\n"
+          "Shape \"sphere\" \"float radius\" 1 \"float zmin\" -1 \"float phimax\" 360\nWorldEnd\n")
+          .warnings,
+      std::vector<std::string>{});
+}
+
+}  // namespace
+}  // namespace skywave

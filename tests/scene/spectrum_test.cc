@@ -1,0 +1,106 @@
+// Spectra as colours: against published chromaticities and the defining identities.
+#include "scene/materials/spectrum.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace skywave {
+namespace {
+
+glm::vec2 Chromaticity(const glm::vec3& rgb) {
+  // Rec. 709 to XYZ (IEC 61966-2-1).
+  const glm::vec3 xyz(0.4124f * rgb.r + 0.3576f * rgb.g + 0.1805f * rgb.b,
+                      0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b,
+                      0.0193f * rgb.r + 0.1192f * rgb.g + 0.9505f * rgb.b);
+  return glm::vec2(xyz) / (xyz.x + xyz.y + xyz.z);
+}
+
+float Luminance709(const glm::vec3& rgb) {
+  return 0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b;
+}
+
+TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
+  // Wyszecki and Stiles, "Color Science", table 1(3.11); the fit of the observer is good to 0.004.
+  const struct {
+    float kelvin, x, y;
+  } bodies[] = {{2856, 0.4476f, 0.4074f},
+                {4000, 0.3805f, 0.3768f},
+                {6504, 0.3135f, 0.3237f},
+                {10000, 0.2807f, 0.2884f}};
+  for (const auto& body : bodies) {
+    const glm::vec3 rgb = RgbOfBlackbody(body.kelvin);
+    EXPECT_NEAR(Chromaticity(rgb).x, body.x, 0.004) << body.kelvin;
+    EXPECT_NEAR(Chromaticity(rgb).y, body.y, 0.004) << body.kelvin;
+    EXPECT_NEAR(Luminance709(rgb), 1, 1e-3) << body.kelvin;
+    // The same colour by the other scale, and no wavelength above 1.
+    const glm::vec3 peak = RgbOfBlackbodyPeak(body.kelvin);
+    EXPECT_NEAR(peak.r / rgb.r, peak.g / rgb.g, 1e-4);
+    EXPECT_LT(Luminance709(peak), 1);
+  }
+  // Peaks within the eye's range: nearly as bright as a constant 1.
+  EXPECT_GT(Luminance709(RgbOfBlackbodyPeak(5200)), 0.97);
+}
+
+TEST(Spectrum, ConstantsAreGreyReflectancesAndEqualEnergyLights) {
+  const glm::vec2 constant[] = {{400, 0.3f}, {500, 0.3f}, {700, 0.3f}};
+  EXPECT_EQ(RgbOfReflectance(constant), glm::vec3(0.3f));
+  const glm::vec3 light = RgbOfEmission(constant);
+  EXPECT_NEAR(Luminance709(light), 0.3, 1e-3);
+  EXPECT_NEAR(Chromaticity(light).x, 1 / 3., 0.002);
+  EXPECT_NEAR(Chromaticity(light).y, 1 / 3., 0.002);
+}
+
+TEST(Spectrum, ReflectancesAreLinearAndMonotone) {
+  const glm::vec2 red[] = {{590, 0}, {610, 1}}, rest[] = {{590, 1}, {610, 0}};
+  const glm::vec3 a = RgbOfReflectance(red), b = RgbOfReflectance(rest);
+  EXPECT_GT(a.r, 0.6f);
+  EXPECT_LT(a.g, 0.2f);
+  EXPECT_LT(a.b, 0.05f);
+  EXPECT_GT(b.b, 0.9f);
+  // Where nothing is clamped, complements add up to white.
+  const glm::vec2 warm[] = {{450, 0.3f}, {650, 0.6f}}, cold[] = {{450, 0.7f}, {650, 0.4f}};
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(RgbOfReflectance(warm)[c] + RgbOfReflectance(cold)[c], 1, 1e-5) << c;
+  }
+  // Between samples straight, beyond them constant.
+  const glm::vec2 two[] = {{400, 0.2f}, {700, 0.8f}},
+                  three[] = {{100, 0.2f}, {400, 0.2f}, {550, 0.5f}, {700, 0.8f}, {900, 0.8f}};
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(RgbOfReflectance(two)[c], RgbOfReflectance(three)[c], 1e-5) << c;
+  }
+}
+
+TEST(Spectrum, IlluminantsHaveTheirWhite) {
+  const glm::vec3 d65 = RgbOfIlluminant("stdillum-D65").value();
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(d65[c], 1, 2e-3) << c;
+  const glm::vec3 a = RgbOfIlluminant("stdillum-A").value(), body = RgbOfBlackbody(2856);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], body[c], 0.03) << c;
+  EXPECT_FALSE(RgbOfIlluminant("stdillum-D66"));
+}
+
+TEST(Spectrum, FilesAreReadOrRefusedAtTheirLine) {
+  const auto pairs = ParseSpectrumFile("# nm value\n400 .1\r\n500\t.2 # mid\n\n600, 3e-1", "a.spd");
+  ASSERT_EQ(pairs.size(), 3u);
+  EXPECT_EQ(pairs[2], glm::vec2(600, 0.3f));
+  const struct {
+    const char *text, *message;
+  } bad[] = {{"400 1\n300 2", "a.spd:2: the wavelength 300"},
+             {"400 x", "a.spd:1: 'x'"},
+             {"400 nan", "a.spd:1: 'nan'"},
+             {"400", "a.spd: is no list"},
+             {"", "a.spd: is no list"}};
+  for (const auto& file : bad) {
+    try {
+      ParseSpectrumFile(file.text, "a.spd");
+      ADD_FAILURE() << file.text;
+    } catch (const InputError& error) {
+      EXPECT_TRUE(std::string(error.what()).starts_with(file.message)) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,306 @@
+// Textures of pbrt and OBJ files: which way up they are, what they are multiplied with, and what is
+// said of those that are not understood.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "scene/obj/mtl.h"
+#include "scene/pbrt/reader.h"
+#include "scene/reader.h"
+#include "tests/support/oracle_texture.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+// Red, green; blue, white.
+void WriteFourColors(const TemporaryFolder& folder, const std::string& name) {
+  WritePng(folder.Path(name), 2, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
+}
+
+void ExpectSeen(const Scene& scene, const Material& material, glm::dvec2 uv, glm::dvec3 color) {
+  ASSERT_TRUE(material.color_texture);
+  const glm::dvec3 seen = LookUpTexture(scene, *material.color_texture, uv);
+  EXPECT_LT(glm::length(seen - color), 1e-6) << seen.x << " " << seen.y << " " << seen.z;
+}
+
+const std::string kTriangle =
+    "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] "
+    "\"float uv\" [0 0 1 0 0 1]\n";
+
+class PbrtTextureFiles : public testing::Test {
+ protected:
+  PbrtTextureFiles() { WriteFourColors(folder_, "t.png"); }
+  Scene Read(const std::string& textures, const std::string& material) {
+    return ReadScene(
+        folder_.Write("s.pbrt", "WorldBegin\n" + textures + "\n" + material + "\n" + kTriangle));
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(PbrtTextureFiles, HaveTheirFirstRowOnTop) {
+  const Scene scene = Read(
+      "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\" "
+      "\"float uscale\" 1 \"float scale\" 0.5\n"
+      "Texture \"s\" \"spectrum\" \"scale\" \"texture tex\" \"t\" \"rgb scale\" [1 .5 .25]",
+      "Material \"diffuse\" \"texture reflectance\" \"s\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_LT(glm::length(material.reflectance - glm::vec3(0.5f, 0.25f, 0.125f)), 1e-6);
+  ExpectSeen(scene, material, {0.25, 0.75}, {1, 0, 0});
+  ExpectSeen(scene, material, {0.75, 0.75}, {0, 1, 0});
+  ExpectSeen(scene, material, {0.25, 0.25}, {0, 0, 1});
+}
+
+TEST_F(PbrtTextureFiles, AreReadOnceAndWrappedAsTheySay) {
+  const Scene scene = Read(
+      "Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"t.png\"\n"
+      "Texture \"b\" \"color\" \"imagemap\" \"string filename\" \"t.png\" \"string wrap\" "
+      "\"clamp\" \"float udelta\" 2",
+      "Material \"matte\" \"texture Kd\" \"b\"");
+  EXPECT_EQ(scene.images.size(), 1u);
+  ASSERT_EQ(scene.textures.size(), 2u);
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  ExpectSeen(scene, material, {0.25, 0.75}, {0, 1, 0});
+  ExpectSeen(scene, material, {0.25, 0.25}, {1, 1, 1});
+}
+
+TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
+  const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
+  for (const std::string& texture :
+       {image + " \"string mapping\" \"planar\"", image + " \"string wrap\" \"black\"",
+        std::string("\"checkerboard\" \"integer dimension\" 3"), std::string("\"fbm\"")}) {
+    const Scene scene =
+        Read("Texture \"t\" \"spectrum\" " + texture, "Material \"matte\" \"texture Kd\" \"t\"");
+    EXPECT_FALSE(scene.warnings.empty()) << texture;
+  }
+  EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"no.png\"", ""),
+               InputError);
+  EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\"", ""), InputError);
+}
+
+TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
+  const Scene scene = Read("",
+                           "Material \"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] "
+                           "\"float roughness\" 0.25 \"float eta\" 1.7");
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_EQ(material.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_FLOAT_EQ(material.alpha, 0.5f);
+  EXPECT_FLOAT_EQ(material.ior, 1.7f);
+  EXPECT_EQ(material.metallic, 0);
+  EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
+// One name, two textures: who uses it says which.
+TEST_F(PbrtTextureFiles, OfFloatsAndOfColoursHaveNamesOfTheirOwn) {
+  const std::string both =
+      "Texture \"t\" \"float\" \"constant\" \"float value\" .25\n"
+      "Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.9 .5 .1]\n";
+  const Scene scene = Read(both,
+                           "Material \"coateddiffuse\" \"texture reflectance\" \"t\" "
+                           "\"texture roughness\" \"t\" \"bool remaproughness\" false");
+  const Material& coated = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_EQ(coated.reflectance, glm::vec3(0.9f, 0.5f, 0.1f));
+  EXPECT_EQ(coated.alpha, 0.25f);
+  const std::string one = both.substr(0, both.find('\n'));
+  EXPECT_THROW(Read(one, "Material \"matte\" \"texture Kd\" \"t\""), InputError);
+  EXPECT_THROW(Read(both.substr(one.size()), "Material \"matte\" \"texture sigma\" \"t\""),
+               InputError);
+  EXPECT_THROW(Read("Texture \"t\" \"vector\" \"constant\"", ""), InputError);
+}
+
+TEST_F(PbrtTextureFiles, AlphaOfShapesMakesMaterialsOfTheirOwn) {
+  const std::string sphere = "Shape \"sphere\" ";
+  const Scene scene = ReadScene(folder_.Write(
+      "s.pbrt",
+      "WorldBegin\nTexture \"t\" \"float\" \"imagemap\" \"string filename\" \"t.png\" "
+      "\"float scale\" 0.5\nMaterial \"diffuse\" \"rgb reflectance\" [.1 .2 .3]\n" +
+          sphere + "\n" + sphere + "\"float alpha\" 0.25\n" + sphere + "\"texture alpha\" \"t\"\n" +
+          sphere + "\"float alpha\" 0.25\n" + sphere + "\"float alpha\" 1\n"));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ASSERT_EQ(scene.meshes.size(), 5u);
+  const auto material = [&](std::size_t mesh) {
+    return scene.materials[scene.meshes[mesh].material];
+  };
+  EXPECT_TRUE(material(0).opaque() && material(4).opaque());
+  EXPECT_EQ(material(1).opacity, 0.25f);
+  EXPECT_EQ(material(1).reflectance, material(0).reflectance);
+  EXPECT_EQ(scene.meshes[3].material, scene.meshes[1].material);
+  EXPECT_EQ(material(2).opacity, 0.5f);
+  ASSERT_TRUE(material(2).opacity_texture);
+  EXPECT_EQ(scene.textures[*material(2).opacity_texture].use, TextureUse::kOpacity);
+}
+
+TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
+  const std::string heights =
+      "Texture \"h\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" 0.1\n";
+  for (const char* const name : {"displacement", "bumpmap"}) {
+    const Scene scene =
+        Read(heights, "Material \"matte\" \"texture " + std::string(name) + "\" \"h\"");
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    ASSERT_TRUE(material.normal_texture) << name;
+    EXPECT_EQ(material.normal_scale, 0.1f);
+    EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kHeights);
+  }
+  const Scene scene = Read("", "Material \"diffuse\" \"string normalmap\" \"t.png\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  ASSERT_TRUE(material.normal_texture);
+  EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kNormals);
+  EXPECT_THROW(Read("", "Material \"diffuse\" \"string normalmap\" \"no.png\""), InputError);
+}
+
+TEST(MtlTextures, HolesAndReliefAreOfEveryMaterialButGlass) {
+  const TemporaryFolder folder;
+  WriteFourColors(folder, "colors.png");
+  WritePng(folder.Path("grey.png"), 2, 1, {51, 51, 51, 255, 255, 255});
+  const auto read = [&](const std::string& statements) {
+    folder.Write("a.mtl", "newmtl m\n" + statements + "\n");
+    return ReadScene(
+        folder.Write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"));
+  };
+  const auto material = [](const Scene& scene) {
+    return scene.materials.at(scene.meshes.at(0).material);
+  };
+  const Scene holes = read("Kd 1 1 1\nd 0.75\nmap_d grey.png");
+  EXPECT_EQ(holes.warnings, std::vector<std::string>{});
+  EXPECT_EQ(material(holes).opacity, 0.75f);
+  ASSERT_TRUE(material(holes).opacity_texture);
+  const Texture& texture = holes.textures[*material(holes).opacity_texture];
+  EXPECT_FLOAT_EQ(holes.images[texture.image].rgb[0], 0.2f) << "numbers, no sRGB";
+  EXPECT_TRUE(material(read("Kd 1 1 1\nd 1")).opaque());
+
+  const Scene bumps = read("Kd 1 1 1\nbump -bm 3 grey.png");
+  ASSERT_TRUE(material(bumps).normal_texture);
+  EXPECT_EQ(bumps.textures[*material(bumps).normal_texture].use, TextureUse::kHeights);
+  EXPECT_TRUE(material(bumps).height_in_texels);
+  EXPECT_FLOAT_EQ(material(bumps).normal_scale, 0.06f);
+  for (const char* const words : {"map_Bump colors.png", "bump colors.png", "norm grey.png"}) {
+    const Scene scene = read(std::string("Kd 1 1 1\n") + words);
+    ASSERT_TRUE(material(scene).normal_texture) << words;
+    EXPECT_EQ(scene.textures[*material(scene).normal_texture].use, TextureUse::kNormals) << words;
+    EXPECT_EQ(material(scene).normal_scale, 1) << words;
+  }
+  EXPECT_TRUE(material(read("illum 7\nmap_d grey.png")).opaque());
+}
+
+// What is seen of the texture "x".
+class ComputedTextures : public PbrtTextureFiles {
+ protected:
+  void Expect(const std::string& textures, glm::dvec2 uv, glm::dvec3 color,
+              double tolerance = 4e-3) {
+    SCOPED_TRACE(textures);
+    const Scene scene = Read(textures, "Material \"matte\" \"texture Kd\" \"x\"");
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    glm::dvec3 seen = material.reflectance;
+    if (material.color_texture) seen *= LookUpTexture(scene, *material.color_texture, uv);
+    EXPECT_LT(glm::length(seen - color), tolerance) << seen.x << " " << seen.y << " " << seen.z;
+  }
+};
+
+const std::string kImage = "\"imagemap\" \"string filename\" \"t.png\" ";
+
+TEST_F(ComputedTextures, CheckersAreWhereTheirCoordinatesAreOdd) {
+  const std::string board =
+      "Texture \"x\" \"color\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1] "
+      "\"float uscale\" 3 \"float vscale\" 5 \"float udelta\" .5";
+  for (int i = 0; i < 12; ++i) {
+    for (int j = 0; j < 10; ++j) {
+      // Middles of halves of checks, on both sides of the unit square.
+      const double u = (i + 0.5) / 6 - 0.5, v = (j + 0.5) / 10 - 0.3;
+      const bool odd = std::abs(std::fmod(std::floor(3 * u + 0.5) + std::floor(5 * v), 2)) == 1;
+      Expect(board, {u, v}, odd ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0));
+    }
+  }
+  Expect("Texture \"x\" \"spectrum\" \"checkerboard\"", {0.5, 0.5}, {1, 1, 1});
+  Expect("Texture \"x\" \"spectrum\" \"checkerboard\"", {1.5, 0.5}, {0, 0, 0});
+}
+
+TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
+  const std::string t = "Texture \"t\" \"color\" " + kImage;
+  Expect(t + "Texture \"x\" \"color\" \"mix\" \"texture tex1\" \"t\" \"rgb tex2\" [0 1 0] "
+             "\"float amount\" .25",
+         {0.25, 0.75}, {0.75, 0.25, 0});
+  Expect("Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0]", {0, 0},
+         {0.5, 0.5, 0}, 1e-6);
+  // The image's green picks between red and blue.
+  Expect("Texture \"t\" \"float\" " + kImage +
+             "Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [.5 .5 .5] \"rgb tex2\" [1 1 1] "
+             "\"texture amount\" \"t\"",
+         {0.75, 0.75}, {0.5, 1, 0.5});
+  for (const auto& [type, names] :
+       {std::pair("color", "\"texture tex1\" \"t\" \"texture tex2\" \"u\""),
+        std::pair("float", "\"texture tex\" \"t\" \"texture scale\" \"u\"")}) {
+    const std::string product = std::string("Texture \"x\" \"color\" \"scale\" ") + names;
+    const std::string u = std::string("Texture \"u\" \"") + type + "\" " + kImage;
+    // White times white, halved; red times green.
+    Expect(t + u + "\"float scale\" .5 " + product, {0.75, 0.25}, glm::dvec3(0.5));
+    Expect(t + u + "\"float udelta\" .5 " + product, {0.25, 0.75}, glm::dvec3(0));
+  }
+  // Of different scales: over the unit square. (0.125, 0.875) is red in one, red in the other.
+  const std::string finer = t + "Texture \"u\" \"color\" " + kImage +
+                            "\"float uscale\" 2 \"float vscale\" 2 Texture \"x\" \"color\" "
+                            "\"mix\" \"texture tex1\" \"t\" \"texture tex2\" \"u\"";
+  const Scene scene = Read(finer, "Material \"matte\" \"texture Kd\" \"x\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Image& baked = scene.images.back();
+  EXPECT_EQ(baked.width, 4);
+  EXPECT_EQ(baked.height, 4);
+}
+
+TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
+  Expect("Texture \"x\" \"color\" " + kImage + "\"bool invert\" true \"float scale\" .5",
+         {0.25, 0.75}, {0.5, 1, 1});
+  WritePng(folder_.Path("t.png"), 1, 1, {51, 102, 255});
+  Expect("Texture \"x\" \"color\" " + kImage + "\"string encoding\" \"gamma 2\"", {0.5, 0.5},
+         {0.04, 0.16, 1});
+  Expect("Texture \"x\" \"color\" " + kImage + "\"bool gamma\" \"false\"", {0.5, 0.5},
+         {0.2, 0.4, 1});
+}
+
+TEST_F(ComputedTextures, WhatDoesNotFitTogetherIsNamed) {
+  const std::string text = "Texture \"t\" \"color\" " + kImage + "Texture \"u\" \"float\" " +
+                           kImage +
+                           "\"float uscale\" 1.5\nTexture \"x\" \"color\" \"scale\" "
+                           "\"texture tex\" \"t\" \"texture scale\" \"u\"";
+  const Scene scene = Read(text, "Material \"matte\" \"texture Kd\" \"x\"");
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_NE(scene.warnings[0].find("s.pbrt:3: "), std::string::npos) << scene.warnings[0];
+}
+
+TEST(MtlTextures, HaveTheirFirstRowOnTopAndTheirOptions) {
+  const TemporaryFolder folder;
+  WriteFourColors(folder, "t.png");
+  const auto read = [&](const std::string& statements) {
+    folder.Write("a.mtl", "newmtl m\n" + statements + "\n");
+    return ReadScene(folder.Write("a.obj",
+                                  "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\n"
+                                  "vt 0 1\nusemtl m\nf 1/1 2/2 3/3\n"));
+  };
+  const auto material = [](const Scene& scene) {
+    return scene.materials.at(scene.meshes.at(0).material);
+  };
+  const Scene plain = read("Kd .5 .5 .5\nmap_Kd t.png");
+  EXPECT_EQ(plain.warnings, std::vector<std::string>{});
+  EXPECT_EQ(material(plain).reflectance, glm::vec3(0.5f));
+  ExpectSeen(plain, material(plain), {0.25, 0.75}, {1, 0, 0});
+  ExpectSeen(plain, material(plain), {1.75, 0.25}, {1, 1, 1});
+  const Scene moved = read("Kd 0 0 0\nmap_Kd -clamp on -o 0.5 0 0 -s 1 1 1 t.png");
+  EXPECT_EQ(material(moved).reflectance, glm::vec3(1));
+  ExpectSeen(moved, material(moved), {0.25, 0.75}, {0, 1, 0});
+  ExpectSeen(moved, material(moved), {9, 0.75}, {0, 1, 0});
+  ExpectSeen(moved, material(moved), {0.25, 0.25}, {1, 1, 1});
+  const Scene coated = read("Kd 1 1 1\nKs .5 .5 .5\nNs 98\nmap_Kd t.png");
+  EXPECT_EQ(material(coated).bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_NEAR(material(coated).alpha, std::sqrt(0.02), 1e-6);
+  EXPECT_TRUE(material(coated).color_texture);
+  folder.Write("t.png", "no picture");
+  EXPECT_THROW(read("map_Kd t.png"), InputError);
+}
+
+}  // namespace
+}  // namespace skywave

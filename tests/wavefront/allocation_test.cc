@@ -1,0 +1,143 @@
+// Once a worker is built, rendering allocates nothing.
+//
+// The C library's allocation functions are replaced by ones that count; operator new ends in them.
+// Under the address sanitizer, which replaces them itself, its hooks count.
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <memory>
+
+#include "lights/strategies/strategy.h"
+#include "scene/builtin/builtin.h"
+#include "tests/support/painted_scene.h"
+#include "tests/support/photon_maps.h"
+#include "tests/support/screens_scene.h"
+#include "wavefront/integrators/integrator.h"
+#include "wavefront/render.h"
+
+namespace {
+// Volatile: the compiler knows malloc and would move what it cannot touch.
+thread_local volatile bool counting = false;
+thread_local volatile std::size_t allocations = 0;
+void Count() { allocations = allocations + counting; }
+}  // namespace
+
+#if defined(__SANITIZE_ADDRESS__)
+// Declared in sanitizer/allocator_interface.h, which g++ does not bring along.
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
+                                                                             std::size_t),
+                                                         void (*free_hook)(const volatile void*));
+namespace {
+const int hooks = __sanitizer_install_malloc_and_free_hooks(
+    [](const volatile void*, std::size_t) { Count(); }, [](const volatile void*) {});
+}
+#else
+extern "C" {
+void* __libc_malloc(std::size_t);
+void* __libc_calloc(std::size_t, std::size_t);
+void* __libc_realloc(void*, std::size_t);
+void* __libc_memalign(std::size_t, std::size_t);
+
+void* malloc(std::size_t bytes) { return Count(), __libc_malloc(bytes); }
+void* calloc(std::size_t n, std::size_t bytes) { return Count(), __libc_calloc(n, bytes); }
+void* realloc(void* old, std::size_t bytes) { return Count(), __libc_realloc(old, bytes); }
+void* memalign(std::size_t alignment, std::size_t bytes) {
+  return Count(), __libc_memalign(alignment, bytes);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) { return memalign(alignment, bytes); }
+int posix_memalign(void** out, std::size_t alignment, std::size_t bytes) {
+  *out = memalign(alignment, bytes);
+  return *out == nullptr ? ENOMEM : 0;
+}
+}
+#endif
+
+namespace skywave {
+namespace {
+
+// Allocations of this thread within `run`.
+template <class Run>
+std::size_t AllocationsOf(Run run) {
+  allocations = 0;
+  counting = true;
+  run();
+  counting = false;
+  return allocations;
+}
+
+TEST(Allocations, OfEveryKindAreCounted) {
+  void* volatile kept[6] = {};
+  EXPECT_EQ(AllocationsOf([&] { kept[0] = std::malloc(10); }), 1u);
+  EXPECT_EQ(AllocationsOf([&] { kept[1] = std::calloc(10, 2); }), 1u);
+  EXPECT_EQ(AllocationsOf([&] { kept[2] = std::aligned_alloc(64, 128); }), 1u);
+  EXPECT_EQ(AllocationsOf([&] { kept[3] = ::operator new(10); }), 1u);
+  EXPECT_EQ(AllocationsOf([&] { kept[4] = ::operator new (128, std::align_val_t{64}); }), 1u);
+  EXPECT_GE(AllocationsOf([&] { kept[0] = std::realloc(kept[0], 100000); }), 1u);
+  std::free(kept[0]), std::free(kept[1]), std::free(kept[2]);
+  ::operator delete(kept[3]);
+  ::operator delete (kept[4], std::align_val_t{64});
+  EXPECT_EQ(AllocationsOf([] {}), 0u);
+  // What owns the memory of tables.
+  EXPECT_EQ(AllocationsOf([] { const soa::Table<RayColumns> table(100); }), 1u);
+}
+
+class WaveAllocations : public testing::TestWithParam<Backend> {};
+
+void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint32_t split = 0) {
+  SCOPED_TRACE(ToString(integrator));
+  FrameView frame = job.frame(integrator, job.strategy());
+  frame.options.split = split;
+  frame.options.wave = 600;  // the last wave is smaller
+  frame.options.photons.passes = 1;
+  Film film = job.MakeFilm(integrator);
+  const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
+  const Tile tile = {0, 0, 32, 24};
+  EachPassOf(frame, [&](const FrameView& pass) {
+    const auto waves = [&] {
+      for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
+        const auto left = std::uint32_t(32 * 24 * 4 - first);
+        RenderWave(pass, {tile, first, std::min(600u, left)}, *worker, film);
+      }
+    };
+    // From the first wave on: there is nothing to warm up.
+    EXPECT_EQ(AllocationsOf(waves), 0u);
+  });
+  EXPECT_EQ(worker->stats.rays[std::uint32_t(RayKind::kCamera)], 32u * 24 * 4);
+}
+
+void ExpectNoAllocations(Scene scene, Backend backend) {
+  SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // tables of a moment
+  for (const StrategyFactory& factory : Strategies()) {
+    const std::string strategy(factory.name);
+    SCOPED_TRACE(strategy);
+    JobRequest request = SmallRequest(32, 24, 4);
+    request.strategy = strategy;
+    request.max_depth = 12;
+    request.options.backend = backend;
+    request.options.light_samples = 3;
+    request.options.photons.indirect = request.options.photons.caustic = 1000;
+    const RenderJob job(scene, request);
+    ExpectNoAllocations(job, Integrator::kPath);
+    ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);
+    ExpectNoAllocations(job, Integrator::kDirect);
+    if (!CanEmit(job.strategy())) continue;
+    ExpectNoAllocations(job, Integrator::kPhoton);
+    ExpectNoAllocations(job, Integrator::kLight);
+    ExpectNoAllocations(job, Integrator::kBdpt);
+    ExpectNoAllocations(job, Integrator::kVcm);
+  }
+}
+
+TEST_P(WaveAllocations, AreNone) { ExpectNoAllocations(BuiltinScene("spheres"), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithTextures) { ExpectNoAllocations(PaintedScene(), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithHoles) { ExpectNoAllocations(ScreensScene(), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithLocalLights) {
+  ExpectNoAllocations(BuiltinScene("lamps"), GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, WaveAllocations, testing::ValuesIn(kBackends),
+                         [](const auto& test) { return std::string(ToString(test.param)); });
+
+}  // namespace
+}  // namespace skywave

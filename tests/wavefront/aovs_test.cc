@@ -1,0 +1,438 @@
+// Layers beside the picture: what they say, and that they say it whatever the order.
+#include "wavefront/film/aovs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/builtin/builtin.h"
+#include "tests/support/painted_scene.h"
+#include "tests/support/targets.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+using Layers = std::map<std::string, std::vector<float>>;
+
+Layers ByName(const std::vector<NamedChannel>& channels) {
+  Layers layers;
+  for (const NamedChannel& channel : channels) layers[channel.name] = channel.values;
+  return layers;
+}
+
+RenderJob MakeJob(const Scene& scene, JobRequest request, std::string_view aovs) {
+  request.options.aovs = ParseAovs(aovs).value();
+  return RenderJob(scene, request);
+}
+
+Film Render(const RenderJob& job, const FrameView& frame) {
+  Film film = job.MakeFilm();
+  RenderFrame(frame, film);
+  return film;
+}
+Film Render(const RenderJob& job) { return Render(job, job.frame()); }
+
+Layers Resolve(const RenderJob& job) {
+  return ByName(Render(job).ResolveAovs(job.options().samples_per_pixel));
+}
+
+std::vector<std::uint64_t> Sums(const Film& film) {
+  return {film.sums().begin(), film.sums().end()};
+}
+
+// Half of the film sees a wall of two squares, one of them half as far away as the other, that the
+// camera looks at straight; the other half sees the sky. A pixel is a tenth of a unit at
+// distance 4.
+Scene TwoWalls() {
+  Scene scene;
+  Mesh wall;
+  wall.positions = {{-1, -1, 0}, {0, -1, 0}, {0, 1, 0}, {-1, 1, 0}};
+  wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const std::uint32_t far = AddLambert(scene, "far", {0.8f, 0.4f, 0.2f});
+  AddMirror(scene, 1);
+  const std::uint32_t near = AddLambert(scene, "near", {0.1f, 0.2f, 0.3f});
+  Mesh lower = wall;
+  for (glm::vec3& p : lower.positions) p = {p.x / 2, p.y < 0 ? -0.5f : 0.0f, 2};
+  lower.material = near;
+  // Normals that lean to the right.
+  lower.normals.assign(4, glm::normalize(glm::vec3(1, 0, 1)));
+  wall.material = far;
+  scene.meshes = {wall, lower};
+  scene.camera = LookAtCamera({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 2 * 14.0362435f, false);
+  SetConstantLight(scene, 0.5f);
+  return scene;
+}
+
+TEST(Aovs, SayWhatTheCameraSees) {
+  JobRequest request = SmallRequest(20, 20, 16);
+  request.filter = PixelFilter::kBox;
+  const Layers layers = Resolve(MakeJob(TwoWalls(), request, "all"));
+  const auto at = [&](const char* name, int x, int y) { return layers.at(name)[y * 20 + x]; };
+  // Rows 0 to 9 of the left half see the wall at z = 0, the others the one at z = 2.
+  for (const int y : {0, 3, 9, 10, 15, 19}) {
+    for (const int x : {0, 4, 9}) {
+      const bool near = y >= 10;
+      SCOPED_TRACE(testing::Message() << x << ", " << y);
+      const float albedo[2][3] = {{0.8f, 0.4f, 0.2f}, {0.1f, 0.2f, 0.3f}};
+      EXPECT_FLOAT_EQ(at("albedo.R", x, y), albedo[near][0]);
+      EXPECT_FLOAT_EQ(at("albedo.G", x, y), albedo[near][1]);
+      EXPECT_FLOAT_EQ(at("albedo.B", x, y), albedo[near][2]);
+      EXPECT_NEAR(at("normal.X", x, y), 0, 1e-6);
+      EXPECT_NEAR(at("normal.Y", x, y), 0, 1e-6);
+      EXPECT_NEAR(at("normal.Z", x, y), 1, 1e-6);
+      EXPECT_NEAR(at("shading-normal.X", x, y), near ? std::sqrt(0.5) : 0, 1e-4);
+      EXPECT_NEAR(at("shading-normal.Z", x, y), near ? std::sqrt(0.5) : 1, 1e-4);
+      EXPECT_NEAR(at("depth.Z", x, y), near ? 2 : 4, 1e-4);
+      const double pixel = near ? 0.05 : 0.1;
+      // Sixteen points of a (0, 2)-sequence have a mean within a 32nd of the pixel's middle.
+      EXPECT_NEAR(at("position.X", x, y), (x - 9.5) * pixel, 0.05 * pixel);
+      EXPECT_NEAR(at("position.Y", x, y), (9.5 - y) * pixel, 0.05 * pixel);
+      EXPECT_NEAR(at("position.Z", x, y), near ? 2 : 0, 1e-4);
+      // Nearest to the centre of a pixel, so no further off than half of it.
+      const double v = near ? (19.5 - y) / 10 : (19.5 - y) / 20;
+      EXPECT_NEAR(at("uv.U", x, y), (x + 0.5) / 10, 0.05);
+      EXPECT_NEAR(at("uv.V", x, y), v, near ? 0.05 : 0.025);
+      EXPECT_EQ(at("uv.A", x, y), 1);
+      EXPECT_EQ(at("object-id.V", x, y), near ? 2 : 1);
+      EXPECT_EQ(at("material-id.V", x, y), near ? 3 : 1);
+      EXPECT_EQ(at("coverage.V", x, y), 1);
+      EXPECT_EQ(at("samples.V", x, y), 16);
+    }
+    for (const int x : {10, 19}) {
+      for (const char* const name : {"albedo.R", "normal.Z", "shading-normal.Z", "position.Z",
+                                     "uv.A", "object-id.V", "material-id.V", "coverage.V"}) {
+        EXPECT_EQ(at(name, x, y), 0) << name;
+      }
+      EXPECT_EQ(at("depth.Z", x, y), 1e10f);
+      EXPECT_EQ(at("samples.V", x, y), 16);
+      EXPECT_EQ(at("direct.R", x, y), 0.5f);
+      EXPECT_EQ(at("indirect.R", x, y), 0);
+      EXPECT_EQ(at("variance.R", x, y), 0);
+    }
+  }
+}
+
+// At the rim of a wall: coverage is a share, means are over what was hit, ids are one or the other.
+TEST(Aovs, MeansAreOverTheSamplesThatHit) {
+  JobRequest request = SmallRequest(21, 21, 64);  // the middle column sees the rim
+  request.filter = PixelFilter::kBox;
+  const Layers layers = Resolve(MakeJob(TwoWalls(), request, "albedo,coverage,object-id,depth"));
+  for (const int y : {1, 4, 8}) {
+    const int i = y * 21 + 10;
+    EXPECT_NEAR(layers.at("coverage.V")[i], 0.5, 0.05);
+    EXPECT_FLOAT_EQ(layers.at("albedo.R")[i], 0.8f);
+    EXPECT_NEAR(layers.at("depth.Z")[i], 4, 1e-4);
+  }
+  for (const float id : layers.at("object-id.V")) EXPECT_TRUE(id == 0 || id == 1 || id == 2) << id;
+}
+
+TEST(Aovs, IdsAreOfTheSampleNearestToTheCentre) {
+  const Scene scene = PaintedScene();
+  JobRequest request = SmallRequest(24, 18, 8);
+  request.filter = PixelFilter::kBox;
+  const Layers fine = Resolve(MakeJob(scene, request, "object-id,material-id"));
+  // What stands in the very middle of the pixels.
+  request.options.filter_radius = 1e-4f;
+  request.samples_per_pixel = 1;
+  const Layers middle = Resolve(MakeJob(scene, request, "object-id,material-id"));
+  request.options.filter_radius = 0;
+  const Layers coarse = Resolve(MakeJob(scene, request, "object-id,material-id"));
+  int wrong = 0, wrong_of_one = 0;
+  for (const char* const name : {"object-id.V", "material-id.V"}) {
+    for (std::size_t i = 0; i < fine.at(name).size(); ++i) {
+      wrong += fine.at(name)[i] != middle.at(name)[i];
+      wrong_of_one += coarse.at(name)[i] != middle.at(name)[i];
+    }
+  }
+  EXPECT_GT(wrong_of_one, 20);
+  EXPECT_LT(wrong, wrong_of_one / 2);
+}
+
+TEST(Aovs, ChangeNoBitOfThePicture) {
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = SmallRequest(37, 29, 5);
+    request.integrator = integrator;
+    const RenderJob plain(PaintedScene(), request);
+    EXPECT_EQ(Sums(Render(MakeJob(PaintedScene(), request, "all"))), Sums(Render(plain)));
+    EXPECT_TRUE(Render(plain).ResolveAovs(5).empty());
+  }
+}
+
+TEST(Aovs, BitsDoNotDependOnTheCut) {
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = SmallRequest(37, 29, 6);
+    request.integrator = integrator;
+    request.options.light_samples = 2;
+    const RenderJob job = MakeJob(PaintedScene(), request, "all");
+    const Layers reference = Resolve(job);
+    EXPECT_EQ(reference.size(), 32u);
+    for (const int threads : {1, 3}) {
+      for (const std::uint32_t wave : {1u, 17u, 300u, 2048u}) {
+        FrameView frame = job.frame();
+        frame.options.threads = threads;
+        frame.options.wave = wave;
+        EXPECT_EQ(ByName(Render(job, frame).ResolveAovs(6)), reference) << wave;
+      }
+    }
+    ForEachTarget([&] { EXPECT_EQ(Resolve(job), reference); });
+    // Samples in parts, out of order.
+    Film merged = job.MakeFilm();
+    for (const auto& [first, count] : {std::pair{4u, 2u}, std::pair{0u, 1u}, std::pair{1u, 3u}}) {
+      FrameView frame = job.frame();
+      frame.options.first_sample = first;
+      frame.options.samples_per_pixel = count;
+      merged.Merge(Render(job, frame));
+    }
+    EXPECT_EQ(ByName(merged.ResolveAovs(6)), reference);
+  }
+}
+
+// Direct light is what a render of one surface a path shows, bit by bit; indirect is the rest.
+TEST(Aovs, DirectIsThePictureOfOneSurface) {
+  for (const auto& [name, mis] :
+       {std::pair{"spheres", true}, {"spheres", false}, {"gallery", true}}) {
+    for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+      JobRequest request = SmallRequest(40, 30, 4);
+      request.max_depth = 6;
+      request.integrator = integrator;
+      request.options.mis = mis;
+      const Scene scene = BuiltinScene(name);
+      const RenderJob job = MakeJob(scene, request, "direct,indirect");
+      const Film film = Render(job);
+      const Layers layers = ByName(film.ResolveAovs(4));
+      request.max_depth = 1;
+      const Image direct = Render(RenderJob(scene, request)).Resolve(4), beauty = film.Resolve(4);
+      double indirect = 0;
+      for (std::size_t i = 0; i < direct.rgb.size(); ++i) {
+        const char letter[] = {"RGB"[i % 3], 0};
+        const float d = layers.at(std::string("direct.") + letter)[i / 3];
+        const float rest = layers.at(std::string("indirect.") + letter)[i / 3];
+        ASSERT_EQ(d, direct.rgb[i]) << name << " " << i;
+        ASSERT_NEAR(d + rest, beauty.rgb[i], 2e-7 * beauty.rgb[i]);
+        indirect += rest;
+      }
+      EXPECT_GT(indirect, 0);
+      // Of a render of one surface, everything is direct.
+      const Layers shallow = Resolve(MakeJob(scene, request, "indirect"));
+      for (const char* const channel : {"indirect.R", "indirect.G", "indirect.B"}) {
+        EXPECT_EQ(shallow.at(channel), std::vector<float>(40 * 30, 0)) << channel;
+      }
+    }
+  }
+}
+
+// ---- Groups of lights ----
+
+enum LightsOfRoom { kSky = 1, kLamp = 2, kPoint = 4, kSun = 8 };
+
+Scene LitRoom(int lights) {
+  Scene scene = PaintedScene();
+  const std::uint32_t lamp = AddLambert(scene, "the lamp", glm::vec3(0.2f));
+  if (lights & kLamp) scene.materials[lamp].emission = {3, 2, 1};
+  Place(scene, Sphere(0.3f, 4), lamp, {0.2f, 1.3f, -0.4f});
+  if (lights & kPoint) scene.lights.push_back({.emission = {1, 2, 3}, .position = {-1, 2, 1}});
+  if (lights & kSun) {
+    scene.lights.push_back({.name = "sun.1",
+                            .kind = LocalLightKind::kDistant,
+                            .emission = {0.5f, 0.4f, 0.3f},
+                            .direction = glm::normalize(glm::vec3(-1, 2, 0.5f))});
+  }
+  if (!(lights & kSky)) scene.environments.clear();
+  return scene;
+}
+
+constexpr std::pair<const char*, int> kRoomGroups[] = {
+    {"environment", kSky}, {"point", kPoint}, {"sun_1", kSun}, {"the_lamp", kLamp}};
+
+// To the last unit of the film: nothing of a light is lost, counted twice or rounded otherwise.
+TEST(LightGroups, AddUpToThePicture) {
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    for (const int lights : {kSky | kLamp | kPoint | kSun, kLamp | kSun, int(kSky)}) {
+      JobRequest request = SmallRequest(37, 29, 5);
+      request.integrator = integrator;
+      request.options.light_samples = 2;
+      const Film film = Render(MakeJob(LitRoom(lights), request, "lights"));
+      const auto sums = film.sums(), groups = film.light_group_sums();
+      ASSERT_EQ(groups.size() % sums.size(), 0u);
+      for (std::size_t i = 0; i < sums.size(); ++i) {
+        std::uint64_t sum = 0;
+        for (std::size_t at = i; at < groups.size(); at += sums.size()) sum += groups[at];
+        ASSERT_EQ(sum, sums[i]) << i;
+      }
+    }
+  }
+}
+
+// The group of a light is the picture that it makes alone.
+TEST(LightGroups, AreWhatTheirLightMakesAlone) {
+  constexpr int kRuns = 10;
+  for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
+    JobRequest request = SmallRequest(12, 9, 96);
+    request.integrator = integrator;
+    const auto mean_of = [](const std::vector<float>& values) {
+      double sum = 0;
+      for (const float value : values) sum += value;
+      return sum / double(values.size());
+    };
+    const RenderJob all = MakeJob(LitRoom(kSky | kLamp | kPoint | kSun), request, "lights");
+    for (const auto& [name, light] : kRoomGroups) {
+      const RenderJob alone = MakeJob(LitRoom(light), request, "lights");
+      std::vector<double> differences;
+      double level = 0;
+      for (std::uint32_t run = 0; run < kRuns; ++run) {
+        FrameView one = alone.frame(), every = all.frame();
+        one.options.seed = 100 + run, every.options.seed = 200 + run;
+        const std::string channel = std::string("lights-") + name + ".R";
+        const double expected = mean_of(ByName(Render(alone, one).ResolveAovs(96)).at(channel));
+        const double found = mean_of(ByName(Render(all, every).ResolveAovs(96)).at(channel));
+        differences.push_back(found - expected), level += expected / kRuns;
+      }
+      double mean = 0, square = 0;
+      for (const double d : differences) mean += d / kRuns, square += d * d / kRuns;
+      const double error = std::sqrt((square - mean * mean) / (kRuns - 1));
+      // Student's t of 9 degrees leaves 5 in one of 1400 cases of 8; and the test says something.
+      EXPECT_LT(std::abs(mean), 5 * error) << name << " " << level;
+      EXPECT_LT(5 * error, 0.2 * level) << name;
+    }
+  }
+}
+
+TEST(LightGroups, AreBoundedInNumber) {
+  Scene scene = LitRoom(kSky);
+  for (int i = 0; i < 40; ++i) {
+    scene.lights.push_back({.name = "l" + std::to_string(i % 36),
+                            .emission = glm::vec3(1),
+                            .position = {0.1f * float(i), 2, 1}});
+  }
+  const Layers layers = Resolve(MakeJob(scene, SmallRequest(4, 3, 1), "lights"));
+  EXPECT_EQ(layers.size(), 3 * kMaxLightGroups);
+  EXPECT_TRUE(layers.contains("lights-l29.G"));
+  EXPECT_TRUE(layers.contains("lights-others.G"));
+  EXPECT_FALSE(layers.contains("lights-l30.G"));
+}
+
+// A variance over runs, and the square of its standard error.
+struct Spread {
+  double variance = 0, square_error = 0;
+};
+Spread SpreadOf(const std::vector<double>& runs) {
+  const double n = double(runs.size());
+  double mean = 0, m2 = 0, m4 = 0;
+  for (const double x : runs) mean += x / n;
+  for (const double x : runs) m2 += std::pow(x - mean, 2) / n, m4 += std::pow(x - mean, 4) / n;
+  return {m2 * n / (n - 1), (m4 - m2 * m2) / n};
+}
+
+// Against independent renders of one sample each: their variance is what the layer estimates, but
+// for the points of a sequence, whose mean varies less than that of independent ones:
+// E[s^2] = n / (n - 1) * (variance of a sample - variance of the mean of n).
+TEST(Aovs, VarianceIsThatOfIndependentSamples) {
+  constexpr std::size_t kRuns = 1500, kPixels = 8 * 6;
+  constexpr std::uint32_t kSamples = 8;
+  JobRequest request = SmallRequest(8, 6, 1);
+  request.options.threads = 1;
+  Scene scene = PaintedScene();
+  SetLight(scene, SkyWithSun(64, 32, 1, 0.4));  // without rare bright samples
+  const RenderJob single = MakeJob(scene, request, "variance");
+  request.samples_per_pixel = kSamples;
+  const RenderJob job = MakeJob(scene, request, "variance");
+  using Runs = std::vector<std::vector<double>>;
+  Runs of_sample(kPixels), of_mean(kPixels), of_layer(kPixels);
+  for (std::uint32_t run = 0; run < kRuns; ++run) {
+    FrameView frame = single.frame();
+    frame.options.seed = 1000 + run;
+    const Film one = Render(single, frame);
+    EXPECT_EQ(ByName(one.ResolveAovs(1)).at("variance.G"), std::vector<float>(kPixels, 0));
+    frame = job.frame();
+    frame.options.seed = 5000 + run;
+    const Film film = Render(job, frame);
+    const Layers layers = ByName(film.ResolveAovs(kSamples));
+    const Image a = one.Resolve(1), b = film.Resolve(kSamples);
+    for (std::size_t i = 0; i < kPixels; ++i) {
+      of_sample[i].push_back(a.rgb[i * 3 + 1]);
+      of_mean[i].push_back(b.rgb[i * 3 + 1]);
+      of_layer[i].push_back(layers.at("variance.G")[i]);
+    }
+  }
+  double told = 0, expected = 0, square_error = 0;
+  const double factor = kSamples / (kSamples - 1.0);
+  for (std::size_t i = 0; i < kPixels; ++i) {
+    const Spread sample = SpreadOf(of_sample[i]), mean = SpreadOf(of_mean[i]);
+    for (const double x : of_layer[i]) told += x / kRuns;
+    expected += factor * (sample.variance - mean.variance);
+    square_error += SpreadOf(of_layer[i]).variance / kRuns +
+                    factor * factor * (sample.square_error + mean.square_error);
+  }
+  // Four standard errors, and they are small: the test says something.
+  EXPECT_NEAR(told, expected, 4 * std::sqrt(square_error));
+  EXPECT_LT(4 * std::sqrt(square_error), 0.1 * expected);
+}
+
+TEST(AovFilm, VarianceIsExactFromTheFaintestToTheBrightest) {
+  for (const float brightest : {0.0f, 1.0f, 1e6f, 1e18f}) {
+    Film film(2, 1, brightest, *ParseAovs("variance"), 1);
+    const float large = std::max(1.0f, brightest);
+    // A large mean with a small spread, where sums of squares in floating point say nothing.
+    const float values[] = {large, std::nextafter(large, 2 * large), large};
+    const soa::Table<PathColumns> paths(4);
+    RenderStats stats;
+    for (const float value : values) {
+      for (std::uint32_t pixel : {0u, 1u}) {
+        paths->pixel[pixel] = pixel;
+        paths->r[pixel] = pixel == 0 ? value : 60 * large;
+        paths->g[pixel] = paths->b[pixel] = 0;
+      }
+      film.Add(paths, 2, stats);
+    }
+    const Layers layers = ByName(film.ResolveAovs(3));
+    const double step = double(values[1]) - values[0];
+    EXPECT_NEAR(layers.at("variance.R")[0] / (step * step / 3), 1, 1e-5) << brightest;
+    EXPECT_EQ(layers.at("variance.R")[1], 0);
+    EXPECT_EQ(layers.at("variance.G")[0], 0);
+  }
+}
+
+TEST(AovFilm, VarianceOfTheBrightestSamplesDoesNotOverflow) {
+  // Half as many as the sums of the film hold, by doubling.
+  Film film(1, 1, 1, *ParseAovs("variance"), 1);
+  const float limit = float(film.unit() * 0x1p52);
+  const soa::Table<PathColumns> paths(1);
+  RenderStats stats;
+  paths->r[0] = limit, paths->g[0] = limit / 2, paths->b[0] = 0;
+  film.Add(paths, 1, stats);
+  paths->g[0] = 0;
+  film.Add(paths, 1, stats);
+  for (int doubling = 1; doubling < 11; ++doubling) film.Merge(Film(film));
+  const Layers layers = ByName(film.ResolveAovs(2048));
+  EXPECT_EQ(layers.at("variance.R")[0], 0);
+  EXPECT_NEAR(layers.at("variance.G")[0] / (limit * double(limit) / 16), 2048.0 / 2047, 1e-6);
+}
+
+TEST(Aovs, NamesAreParsedAndListed) {
+  EXPECT_EQ(ToString(ParseAovs("depth,albedo").value()), "albedo,depth");
+  EXPECT_EQ(ParseAovs(ToString(AllAovs())), AllAovs());
+  EXPECT_EQ(ParseAovs("all"), AllAovs());
+  for (const char* const bad :
+       {"", ",", "albedo,", "albedo,,depth", "Albedo", "albedo, depth", "al"}) {
+    EXPECT_FALSE(ParseAovs(bad)) << bad;
+  }
+}
+
+TEST(Aovs, FirstSurfacesNeedADepthOfOne) {
+  JobRequest request = SmallRequest(4, 3, 1);
+  request.max_depth = 0;
+  EXPECT_THROW(MakeJob(TwoWalls(), request, "albedo"), InputError);
+  EXPECT_THROW(MakeJob(TwoWalls(), request, "coverage"), InputError);
+  const Layers layers = Resolve(MakeJob(TwoWalls(), request, "direct,variance,samples"));
+  EXPECT_EQ(layers.at("direct.R")[3], 0.5f);
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,153 @@
+// What is kept of light paths: the first of them that are enough, and no more than there is memory
+// for.
+#include "wavefront/photons/photon_harvest.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+
+#include "base/error.h"
+#include "scene/builtin/builtin.h"
+#include "tests/support/program.h"
+#include "tests/support/random_rows.h"
+#include "tests/support/render_scenes.h"
+#include "wavefront/option_checks.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kOfAPath = 4;
+
+// How many photons each of `paths` light paths stores; photons are numbered.
+std::vector<std::uint32_t> Counts(std::uint32_t paths, unsigned seed) {
+  Random random(seed);
+  std::vector<std::uint32_t> counts(paths);
+  for (std::uint32_t& count : counts) count = std::uint32_t(random.Between(0, kOfAPath + 0.999));
+  return counts;
+}
+
+// The lists of paths [first, end), in waves.
+std::vector<PhotonLists> Waves(const std::vector<std::uint32_t>& counts, std::uint32_t first,
+                               std::uint32_t end, std::uint32_t wave) {
+  std::uint32_t number = std::accumulate(counts.begin(), counts.begin() + first, 0u);
+  std::vector<PhotonLists> waves((end - first + wave - 1) / wave);
+  for (std::uint32_t path = first; path < end; ++path) {
+    PhotonList& list = waves[(path - first) / wave].indirect;
+    for (std::uint32_t i = 0; i < counts[path]; ++i) {
+      list.photons.push_back({.position = {}, .flux = {}, .dir = 0, .normal = 0, .depth = number});
+      list.subpath.push_back({float(number), 0});
+      list.path.push_back((path - first) % wave);
+      ++number;
+    }
+  }
+  return waves;
+}
+
+// Paths are kept whole and in order until there are enough photons, however they came.
+TEST(PhotonHarvest, KeepsTheFirstPathsThatFillIt) {
+  constexpr std::uint32_t kPaths = 100;
+  const std::vector<std::uint32_t> counts = Counts(kPaths, 3);
+  const std::uint32_t all = std::accumulate(counts.begin(), counts.end(), 0u);
+  for (const std::uint32_t wanted : {1u, 2u, 37u, 99u, all - 1, all, all + 1}) {
+    std::uint32_t size = 0, paths = 0;
+    while (size < wanted && paths < kPaths) size += counts[paths++];
+    for (const std::uint32_t round : {1u, 7u, 64u, kPaths}) {
+      for (const std::uint32_t wave : {1u, 3u, 200u}) {
+        SCOPED_TRACE(testing::Message() << wanted << " of rounds " << round << ", waves " << wave);
+        Harvest harvest(wanted, kOfAPath, true);
+        for (std::uint32_t first = 0; first < kPaths; first += round) {
+          const std::uint32_t end = std::min(first + round, kPaths);
+          std::vector<PhotonLists> waves = Waves(counts, first, end, wave);
+          harvest.Take(waves, &PhotonLists::indirect, first, end, wave);
+        }
+        EXPECT_EQ(harvest.full(), wanted <= all);
+        EXPECT_EQ(harvest.light_paths(), paths);
+        ASSERT_EQ(harvest.photons().size(), size);
+        ASSERT_EQ(harvest.subpaths().size(), size);
+        for (std::uint32_t i = 0; i < size; ++i) {
+          ASSERT_EQ(harvest.photons()[i].depth, i);
+          ASSERT_EQ(harvest.subpaths()[i].joined_before, float(i));
+        }
+      }
+    }
+  }
+}
+
+// Of passes that have light paths enough and of those that have not, for both integrators.
+TEST(PhotonHarvest, PassesKeepWhatIsAskedForAtMost) {
+  constexpr std::uint32_t kDepth = 5;
+  for (const Integrator integrator : {Integrator::kPhoton, Integrator::kVcm}) {
+    for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
+      JobRequest request = SmallRequest(16, 12, 2);
+      request.integrator = integrator;
+      request.max_depth = kDepth;
+      request.options.seed = seed;
+      request.options.photons.indirect = request.options.photons.caustic = 150;
+      request.options.photons.passes = 1;
+      const RenderJob job(BuiltinScene("lamps"), request);
+      Film film = job.MakeFilm();
+      const PhotonCounts counts = RenderFrame(job.frame(), film).photons;
+      EXPECT_LT(counts.indirect, 150 + kDepth) << "seed " << seed;
+      EXPECT_LT(counts.caustic, 150 + kDepth);
+      EXPECT_GT(counts.indirect, 100u);
+    }
+  }
+}
+
+// ---- Memory ----
+
+bool Refused(const RenderOptions& options, std::uint64_t memory) {
+  try {
+    CheckPhotonMemory(options, memory);
+    return false;
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("--photons"), std::string::npos) << error.what();
+    EXPECT_EQ(error.exit_code(), kExitUsage);
+    return true;
+  }
+}
+
+TEST(PhotonMemory, IsWhatWasSaid) {
+  EXPECT_EQ(PhotonBytes(false), 77u);
+  EXPECT_EQ(PhotonBytes(true), 93u);
+}
+
+TEST(PhotonMemory, IsAskedForBeforehand) {
+  RenderOptions options;
+  options.integrator = Integrator::kPhoton;
+  options.photons.indirect = 900, options.photons.caustic = 100;
+  EXPECT_FALSE(Refused(options, 77000));
+  EXPECT_TRUE(Refused(options, 76999));
+  // A pass has no more vertices than its light paths have surfaces.
+  options.integrator = Integrator::kVcm;
+  // What is kept is whole blocks of the film, 12 x 6 pixels.
+  options.width = 9, options.height = 5, options.max_depth = 4;
+  EXPECT_FALSE(Refused(options, 12 * 6 * 4 * 93));
+  EXPECT_TRUE(Refused(options, 12 * 6 * 4 * 93 - 1));
+  options.photons.indirect = 100;
+  EXPECT_FALSE(Refused(options, 9300));
+  // However much there is, rows of a map are numbered.
+  options.photons.indirect = kMostPhotons + 1;
+  EXPECT_TRUE(Refused(options, std::numeric_limits<std::uint64_t>::max()));
+}
+
+using PhotonProgram = Program;
+
+// Where the machine has the memory and the process may not use it.
+TEST_F(PhotonProgram, SaysWhoseMemoryIsMissing) {
+  for (const std::string integrator : {"photon", "vcm --size 4000x4000"}) {
+    const Result result =
+        Run("--version; ulimit -v 2000000; '" SKYWAVE_PROGRAM
+            "' render lamps --spp 1 --threads 2 --photons 60000000 -o a.exr --integrator " +
+            integrator);
+    EXPECT_EQ(result.exit_code, kExitUsage) << result.err;
+    EXPECT_NE(result.err.find("--photons 60000000"), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("bad_alloc"), std::string::npos) << result.err;
+    EXPECT_TRUE(Files().empty());
+  }
+}
+
+}  // namespace
+}  // namespace skywave

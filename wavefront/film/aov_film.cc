@@ -1,0 +1,235 @@
+#include "wavefront/film/aov_film.h"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "wavefront/frame.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kRows = 256;    // of a piece of the wave, on the stack
+constexpr double kRangeUnits = 0x1p38;  // at the end of a range
+constexpr std::uint64_t kNoSample = ~std::uint64_t{0};
+
+double RangeEnd(AovRange range, float world_extent) {
+  switch (range) {
+    case AovRange::kUnit:
+      return 2;
+    case AovRange::kColor:
+      return 1024;  // textures hold up to 511
+    case AovRange::kWorld:
+      return std::exp2(std::ceil(std::log2(std::max(world_extent, 1e-30f))) + 1);
+  }
+  return 1;
+}
+
+std::int64_t ToUnits(float value, double unit) {
+  if (std::isnan(value)) return 0;
+  return std::llrint(std::clamp(value / unit, -kRangeUnits, kRangeUnits));
+}
+
+// Orders the samples of a pixel by their distance from its centre, counted in quantiles of the
+// filter. No two have the same key, so the least one does not depend on the order of arrival.
+std::uint64_t NearnessKey(const FirstHits& hits, std::uint32_t path) {
+  const float x = hits.film.u[path] - 0.5f, y = hits.film.v[path] - 0.5f;
+  return std::uint64_t{std::bit_cast<std::uint32_t>(x * x + y * y)} << 32 | hits.paths.sample[path];
+}
+
+// Of samples x with these sums: (sum of x^2 - (sum of x)^2 / n) / (n - 1), exact but for the end.
+double Variance(Uint128 squares, std::uint64_t sum, std::uint64_t samples) {
+  if (samples < 2) return 0;
+  const Uint128 of_mean = Uint128{sum} * sum / samples;
+  return squares > of_mean ? double(squares - of_mean) / double(samples - 1) : 0;
+}
+
+float ToFloat(double value) {
+  return float(std::min(value, double(std::numeric_limits<float>::max())));
+}
+
+}  // namespace
+
+AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
+                 std::vector<std::string> light_groups)
+    : aovs_(aovs), pixels_(pixels), light_groups_(std::move(light_groups)) {
+  for (std::size_t i = 0; i < Aovs().size(); ++i) {
+    const Aov& aov = Aovs()[i];
+    if ((aovs >> i & 1) == 0 || aov.read == nullptr) continue;
+    HitLayer layer = {.aov = &aov, .unit = RangeEnd(aov.range, world_extent) / kRangeUnits};
+    const std::size_t values = pixels * aov.channels.size();
+    if (aov.sum == AovSum::kMeanOfHits) layer.sums.resize(values);
+    if (aov.sum == AovSum::kNearestHit) layer.values.resize(values, aov.background);
+    layers_.push_back(std::move(layer));
+  }
+  if (ReadsHits(aovs)) hits_.resize(pixels);
+  if (Sums(aovs, AovSum::kNearestHit)) nearest_.resize(pixels, kNoSample);
+  if (Sums(aovs, AovSum::kVariance)) squares_.resize(pixels * 3);
+  if (Sums(aovs, AovSum::kLightGroups)) lit_.resize(light_groups_.size() * pixels * 3);
+  if (Sums(aovs, AovSum::kDirect) || Sums(aovs, AovSum::kIndirect)) direct_.resize(pixels * 3);
+}
+
+bool AovFilm::BecomesNearest(std::uint32_t pixel, std::uint64_t key) {
+  if (key >= nearest_[pixel]) return false;
+  nearest_[pixel] = key;
+  return true;
+}
+
+void AovFilm::AddFirstHits(const FirstHits& hits) {
+  if (hits_.empty()) return;
+  for (std::uint32_t i = 0; i < hits.rays && !nearest_.empty(); ++i) {
+    const std::uint32_t pixel = hits.paths.pixel[i];
+    if (hits.hits.geom[i] != kNoHit || !BecomesNearest(pixel, NearnessKey(hits, i))) continue;
+    for (HitLayer& layer : layers_) {
+      if (layer.values.empty()) continue;
+      const std::size_t channels = layer.aov->channels.size();
+      std::fill_n(&layer.values[pixel * channels], channels, layer.aov->background);
+    }
+  }
+  for (std::uint32_t begin = 0; begin < hits.first.count; begin += kRows) {
+    AddRows(hits, begin, std::min(begin + kRows, hits.first.count));
+  }
+}
+
+void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end) {
+  const FirstSurfaces rows = {.frame = hits.first.frame,
+                              .surfaces = Slice(hits.first.surfaces, begin),
+                              .count = end - begin};
+  std::uint32_t pixel[kRows];
+  bool nearest[kRows];
+  for (std::uint32_t i = 0; i < rows.count; ++i) {
+    const std::uint32_t path = rows.surfaces.path[i];
+    pixel[i] = hits.paths.pixel[path];
+    ++hits_[pixel[i]];
+    nearest[i] = !nearest_.empty() && BecomesNearest(pixel[i], NearnessKey(hits, path));
+  }
+  float columns[kMaxAovChannels][kRows];
+  const AovColumns out = {columns[0], columns[1], columns[2]};
+  for (HitLayer& layer : layers_) {
+    layer.aov->read(rows, out);
+    const std::size_t channels = layer.aov->channels.size();
+    for (std::size_t c = 0; c < channels; ++c) {
+      for (std::uint32_t i = 0; i < rows.count; ++i) {
+        const std::size_t at = pixel[i] * channels + c;
+        if (layer.aov->sum == AovSum::kMeanOfHits) {
+          layer.sums[at] += ToUnits(columns[c][i], layer.unit);
+        } else if (nearest[i]) {
+          layer.values[at] = columns[c][i];
+        }
+      }
+    }
+  }
+}
+
+void AovFilm::AddRadiance(const PathColumns& paths, std::uint32_t n, const FilmScale& scale) {
+  if (!squares_.empty()) AddSquaresToFilm(paths, n, scale, squares_.data());
+}
+
+void AovFilm::AddDirect(const PathColumns& paths, std::uint32_t n, const FilmScale& scale) {
+  if (!direct_.empty()) AddToFilm(paths, n, scale, direct_.data());
+}
+
+void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
+                          const FilmScale& scale, const GroupColumns& given) {
+  // As AddToFilm rounds.
+  const auto units = [&](float value) {
+    const double kept = value > 0 ? double(std::min(value, scale.limit)) : 0.0;
+    return std::uint64_t(std::llrint(kept * scale.units));
+  };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t path = rows[i];
+    const std::size_t at = (given.group[i] * pixels_ + paths.pixel[path]) * 3;
+    const float now[3] = {paths.r[path], paths.g[path], paths.b[path]};
+    float* const before[3] = {&given.r[path], &given.g[path], &given.b[path]};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::uint64_t all = units(now[c]), old = units(*before[c]);
+      if (all > old) lit_[at + c] = SaturatingSum(lit_[at + c], all - old);
+      *before[c] = now[c];
+    }
+  }
+}
+
+void AovFilm::Merge(const AovFilm& other) {
+  assert(aovs_ == other.aovs_ && pixels_ == other.pixels_);
+  for (std::size_t k = 0; k < layers_.size(); ++k) {
+    HitLayer& to = layers_[k];
+    const HitLayer& from = other.layers_[k];
+    const std::size_t channels = to.aov->channels.size();
+    for (std::size_t i = 0; i < to.sums.size(); ++i) to.sums[i] += from.sums[i];
+    for (std::size_t i = 0; i < to.values.size(); ++i) {
+      if (other.nearest_[i / channels] < nearest_[i / channels]) to.values[i] = from.values[i];
+    }
+  }
+  for (std::size_t i = 0; i < hits_.size(); ++i) hits_[i] += other.hits_[i];
+  for (std::size_t i = 0; i < nearest_.size(); ++i) {
+    nearest_[i] = std::min(nearest_[i], other.nearest_[i]);
+  }
+  for (std::size_t i = 0; i < squares_.size(); ++i) {
+    squares_[i] = SaturatingSum(squares_[i], other.squares_[i]);
+  }
+  for (std::size_t i = 0; i < direct_.size(); ++i) {
+    direct_[i] = SaturatingSum(direct_[i], other.direct_[i]);
+  }
+  for (std::size_t i = 0; i < lit_.size(); ++i) lit_[i] = SaturatingSum(lit_[i], other.lit_[i]);
+}
+
+std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& radiance,
+                                           const FilmScale& scale, std::uint64_t samples) const {
+  const double unit = 1 / scale.units, n = double(std::max<std::uint64_t>(samples, 1));
+  const double unit_of_mean = unit / n;
+  const auto layer_of = [&](const Aov& aov) {
+    return std::find_if(layers_.begin(), layers_.end(),
+                        [&](const HitLayer& layer) { return layer.aov == &aov; });
+  };
+  // Value i of a layer: channel i % channels of pixel i / channels.
+  const auto value = [&](const Aov& aov, std::size_t group, std::size_t pixel,
+                         std::size_t i) -> double {
+    switch (aov.sum) {
+      case AovSum::kMeanOfHits: {
+        const HitLayer& layer = *layer_of(aov);
+        if (hits_[pixel] == 0) return aov.background;
+        return double(layer.sums[i]) * layer.unit / hits_[pixel];
+      }
+      case AovSum::kNearestHit:
+        return double(layer_of(aov)->values[i]);
+      case AovSum::kCoverage:
+        return hits_[pixel] / n;
+      case AovSum::kSampleCount:
+        return double(samples);
+      case AovSum::kVariance:
+        return Variance(squares_[i], radiance[i], samples) * unit * unit;
+      case AovSum::kDirect:
+        return double(direct_[i]) * unit_of_mean;
+      case AovSum::kIndirect:
+        return double(radiance[i] - std::min(radiance[i], direct_[i])) * unit_of_mean;
+      case AovSum::kLightGroups:
+        return double(lit_[group * pixels_ * 3 + i]) * unit_of_mean;
+    }
+    return 0;
+  };
+  std::vector<NamedChannel> resolved;
+  for (std::size_t k = 0; k < Aovs().size(); ++k) {
+    if ((aovs_ >> k & 1) == 0) continue;
+    const Aov& aov = Aovs()[k];
+    const std::size_t channels = aov.channels.size();
+    const bool split = aov.sum == AovSum::kLightGroups;
+    for (std::size_t group = 0; group < (split ? light_groups_.size() : 1); ++group) {
+      const std::string layer =
+          std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
+      for (std::size_t c = 0; c < channels; ++c) {
+        NamedChannel channel = {layer + "." + aov.channels[c], {}};
+        channel.values.resize(pixels_);
+        for (std::size_t pixel = 0; pixel < pixels_; ++pixel) {
+          channel.values[pixel] = ToFloat(value(aov, group, pixel, pixel * channels + c));
+        }
+        resolved.push_back(std::move(channel));
+      }
+    }
+  }
+  return resolved;
+}
+
+}  // namespace skywave

@@ -1,0 +1,164 @@
+#include "wavefront/film/aovs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "wavefront/frame.h"
+
+namespace skywave {
+namespace {
+
+void Copy(const float* x, const float* y, const float* z, std::uint32_t n, const AovColumns& out) {
+  std::copy_n(x, n, out[0]), std::copy_n(y, n, out[1]), std::copy_n(z, n, out[2]);
+}
+
+void ReadAlbedo(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  Copy(s.color_r, s.color_g, s.color_b, first.count, out);
+}
+
+void ReadNormal(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  Copy(s.ng_x, s.ng_y, s.ng_z, first.count, out);
+}
+
+void ReadShadingNormal(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  Copy(s.ns_x, s.ns_y, s.ns_z, first.count, out);
+}
+
+void ReadPosition(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  for (std::uint32_t i = 0; i < first.count; ++i) {
+    out[0][i] = s.org_x[i] - s.ng_x[i] * s.lift[i];
+    out[1][i] = s.org_y[i] - s.ng_y[i] * s.lift[i];
+    out[2][i] = s.org_z[i] - s.ng_z[i] * s.lift[i];
+  }
+}
+
+// Along the axis for cameras with a plane film, else along the ray, as Blender has it.
+void ReadDepth(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  const CameraView& camera = first.frame.camera;
+  if (!HasPlaneFilm(camera.kind)) {
+    std::copy_n(s.t, first.count, out[0]);
+    return;
+  }
+  const float* const f = camera.forward;
+  const float scale = 1 / std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  ReadPosition(first, out);
+  for (std::uint32_t i = 0; i < first.count; ++i) {
+    out[0][i] =
+        scale * ((out[0][i] - camera.origin[0]) * f[0] + (out[1][i] - camera.origin[1]) * f[1] +
+                 (out[2][i] - camera.origin[2]) * f[2]);
+  }
+}
+
+void ReadUv(const FirstSurfaces& first, const AovColumns& out) {
+  const SurfaceColumns& s = first.surfaces;
+  for (std::uint32_t i = 0; i < first.count; ++i) {
+    const TriangleUvs& triangle = first.frame.geometry->uvs()[s.triangle[i]];
+    const float u = s.u[i], v = s.v[i], w = 1 - u - v;
+    for (int axis = 0; axis < 2; ++axis) {
+      out[axis][i] = w * triangle.uv[0][axis] + u * triangle.uv[1][axis] + v * triangle.uv[2][axis];
+    }
+    out[2][i] = 1;
+  }
+}
+
+void ReadObjectId(const FirstSurfaces& first, const AovColumns& out) {
+  for (std::uint32_t i = 0; i < first.count; ++i) {
+    out[0][i] = float(first.frame.geometry->MeshOf(first.surfaces.triangle[i]) + 1);
+  }
+}
+
+void ReadMaterialId(const FirstSurfaces& first, const AovColumns& out) {
+  for (std::uint32_t i = 0; i < first.count; ++i) {
+    out[0][i] = float((first.surfaces.material[i] & kMaterialMask) + 1);
+  }
+}
+
+constexpr float kFarAway = 1e10f;  // as Blender has it
+
+constexpr Aov kAovs[] = {
+    {"albedo", "RGB", AovSum::kMeanOfHits, "reflectance, textures included", ReadAlbedo,
+     AovRange::kColor},
+    {"normal", "XYZ", AovSum::kMeanOfHits, "of the triangle, towards the camera, world space",
+     ReadNormal},
+    {"shading-normal", "XYZ", AovSum::kMeanOfHits,
+     "interpolated from the vertices, bent by maps, world space", ReadShadingNormal},
+    {"depth", "Z", AovSum::kMeanOfHits,
+     "along the camera's axis (spherical cameras, fisheye: along the ray); 1e10: nothing hit",
+     ReadDepth, AovRange::kWorld, kFarAway},
+    {"position", "XYZ", AovSum::kMeanOfHits, "world space", ReadPosition, AovRange::kWorld},
+    {"uv", "UVA", AovSum::kNearestHit, "texture coordinates; A: 1 where something was hit", ReadUv},
+    {"object-id", "V", AovSum::kNearestHit, "number of the mesh in the scene from 1 on; 0: none",
+     ReadObjectId},
+    {"material-id", "V", AovSum::kNearestHit, "number of the material from 1 on; 0: none",
+     ReadMaterialId},
+    {"coverage", "V", AovSum::kCoverage, "share of the samples that hit something"},
+    {"samples", "V", AovSum::kSampleCount, "number of samples"},
+    {"variance", "RGB", AovSum::kVariance, "of one sample of the beauty"},
+    {"direct", "RGB", AovSum::kDirect, "light that met at most one surface"},
+    {"indirect", "RGB", AovSum::kIndirect, "the rest of the beauty"},
+    {"lights", "RGB", AovSum::kLightGroups, "the beauty by lights: a layer lights-NAME a group"},
+};
+static_assert(std::size(kAovs) < 32);
+
+template <class Predicate>
+bool Any(AovSet aovs, const Predicate& holds) {
+  for (std::size_t i = 0; i < std::size(kAovs); ++i) {
+    if ((aovs >> i & 1) != 0 && holds(kAovs[i])) return true;
+  }
+  return false;
+}
+
+std::optional<AovSet> ParseOne(std::string_view name) {
+  for (std::size_t i = 0; i < std::size(kAovs); ++i) {
+    if (kAovs[i].name == name) return AovSet{1} << i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::span<const Aov> Aovs() { return kAovs; }
+
+AovSet AllAovs() { return (AovSet{1} << std::size(kAovs)) - 1; }
+
+std::optional<AovSet> ParseAovs(std::string_view names) {
+  if (names == "all") return AllAovs();
+  AovSet aovs = 0;
+  for (std::size_t begin = 0; begin <= names.size();) {
+    const std::size_t end = std::min(names.find(',', begin), names.size());
+    const std::optional<AovSet> one = ParseOne(names.substr(begin, end - begin));
+    if (!one) return std::nullopt;
+    aovs |= *one;
+    begin = end + 1;
+  }
+  return aovs;
+}
+
+std::string ToString(AovSet aovs) {
+  std::string text;
+  for (std::size_t i = 0; i < std::size(kAovs); ++i) {
+    if ((aovs >> i & 1) == 0) continue;
+    text += (text.empty() ? "" : ",") + std::string(kAovs[i].name);
+  }
+  return text;
+}
+
+bool Sums(AovSet aovs, AovSum sum) {
+  return Any(aovs, [&](const Aov& aov) { return aov.sum == sum; });
+}
+
+bool NeedsUvs(AovSet aovs) {
+  return Any(aovs, [](const Aov& aov) { return aov.read == ReadUv; });
+}
+
+bool ReadsHits(AovSet aovs) {
+  return Any(aovs,
+             [](const Aov& aov) { return aov.read != nullptr || aov.sum == AovSum::kCoverage; });
+}
+
+}  // namespace skywave

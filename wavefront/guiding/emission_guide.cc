@@ -1,0 +1,369 @@
+#include "wavefront/guiding/emission_guide.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "lights/maps/sphere_map.h"
+#include "lights/strategies/importance.h"
+#include "wavefront/guiding/emission_pilot.h"
+#include "wavefront/flush_denormals.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+// Fewer needs than this do not say where in a part of the disk they are.
+constexpr std::ptrdiff_t kLeastNeeds = 8;
+// What one need counts at most, in means of all of them.
+constexpr std::uint64_t kMostMeans = 8;
+// Columns of a map whose texels are small against cells of directions.
+constexpr int kLeastColumns = 256;
+
+using NeedSpan = std::span<SkyNeed>;
+
+std::uint64_t SumOf(NeedSpan needs) {
+  std::uint64_t sum = 0;
+  for (const SkyNeed& need : needs) sum += need.weight;
+  return sum;
+}
+
+// A part of the unit square.
+struct Part {
+  float low[2] = {0, 0}, high[2] = {1, 1};
+};
+
+float Along(const SkyNeed& need, std::uint32_t axis) { return axis == 0 ? need.u : need.v; }
+
+// Where half of what is needed lies below. Counted in bins, then in those of the bin where that is,
+// inside of which all is spread evenly in the end: nothing is sorted.
+float Median(NeedSpan needs, std::uint32_t axis, double low, double high) {
+  constexpr std::uint32_t kBins = 32, kRounds = 4;
+  double left = 0.5 * double(SumOf(needs));
+  for (std::uint32_t round = 0; round < kRounds; ++round) {
+    std::uint64_t bins[kBins] = {};
+    const double width = (high - low) / kBins;
+    for (const SkyNeed& need : needs) {
+      const double bin = std::floor((double(Along(need, axis)) - low) / width);
+      // The borders of a round count all that is on them.
+      if (bin >= 0 && bin < kBins) bins[std::uint32_t(bin)] += need.weight;
+    }
+    std::uint32_t bin = 0;
+    for (; bin + 1 < kBins && double(bins[bin]) < left; ++bin) left -= double(bins[bin]);
+    low += bin * width, high = low + width;
+    if (round + 1 == kRounds) {
+      const double share = bins[bin] > 0 ? std::min(1.0, left / double(bins[bin])) : 0.5;
+      return float(low + share * width);
+    }
+  }
+  return float(low);
+}
+
+// Cuts a part and its parts in halves of what is needed there.
+void Cut(NeedSpan needs, const Part& part, std::uint32_t node, float* cuts) {
+  if (node >= kGuideLeaves) return;
+  const std::uint32_t axis = std::uint32_t(std::bit_width(node) - 1) & 1;
+  const float low = part.low[axis], high = part.high[axis];
+  // Where they say nothing, they are even, and so are all parts; and parts must stay parts.
+  constexpr float kLeastSide = 0x1p-13f;
+  if (std::ssize(needs) < kLeastNeeds || high - low < kLeastSide) needs = {};
+  float cut = 0.5f * (low + high);
+  if (!needs.empty()) {
+    const float margin = (high - low) / 64;
+    cut = std::clamp(Median(needs, axis, low, high), low + margin, high - margin);
+  }
+  cuts[node] = cut;
+  const auto middle = std::partition(needs.begin(), needs.end(),
+                                     [&](const SkyNeed& need) { return Along(need, axis) < cut; });
+  const auto below = std::size_t(middle - needs.begin());
+  Part lower = part, upper = part;
+  lower.high[axis] = upper.low[axis] = cut;
+  Cut(needs.first(below), lower, 2 * node, cuts);
+  Cut(needs.subspan(below), upper, 2 * node + 1, cuts);
+}
+
+// The box of needs, wider by what more of them would have made it.
+Part BoxOf(NeedSpan needs) {
+  Part box;
+  for (std::uint32_t axis = 0; axis < 2; ++axis) {
+    const auto [least, most] = std::minmax_element(
+        needs.begin(), needs.end(),
+        [axis](const SkyNeed& a, const SkyNeed& b) { return Along(a, axis) < Along(b, axis); });
+    const float low = Along(*least, axis), high = Along(*most, axis);
+    const float margin = (high - low) / float(needs.size()) + 1e-4f;
+    box.low[axis] = std::max(0.0f, low - margin), box.high[axis] = std::min(1.0f, high + margin);
+  }
+  return box;
+}
+
+// Counts what a pixel needs in parts of all that it needs, so that dark ones count as much as
+// bright ones: noise is seen against what it lies on. Pixels darker than the mean by more than
+// kDarkest do not.
+void MakeRelative(std::vector<SkyNeed>& needs, std::size_t pixels) {
+  constexpr std::uint64_t kDarkest = 16;
+  std::vector<std::uint64_t> sums(pixels);
+  for (const SkyNeed& need : needs) sums[need.pixel] += need.weight;
+  const std::uint64_t least = SumOf(needs) / pixels / kDarkest + 1;
+  for (SkyNeed& need : needs) {
+    need.weight =
+        std::uint64_t(double(need.weight) / double(sums[need.pixel] + least) * kNeedUnits);
+  }
+}
+
+// A sphere that most of the points that need light lie in. In whole numbers, so that the order of
+// needs does not matter.
+SceneSphere FocusOf(NeedSpan needs, const SceneSphere& sphere) {
+  constexpr double kSteps = 1 << 15;  // in a radius of the scene
+  constexpr int kRounds = 3, kRings = 512;
+  constexpr double kInside = 0.9;
+  double middle[3] = {};  // [steps]
+  double radius = 4 * kSteps;
+  const auto offset = [&](const SkyNeed& need, int axis) {
+    return std::round((double(need.point[axis]) - sphere.center[axis]) / sphere.radius * kSteps);
+  };
+  const auto distance = [&](const SkyNeed& need) {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) sum += std::pow(offset(need, axis) - middle[axis], 2);
+    return std::sqrt(sum);
+  };
+  // The middle of those inside, and then the radius about it.
+  for (int round = 0; round < kRounds; ++round) {
+    std::int64_t sums[3] = {}, weight = 0;
+    for (const SkyNeed& need : needs) {
+      if (distance(need) > radius) continue;
+      weight += std::int64_t(need.weight);
+      for (int axis = 0; axis < 3; ++axis) {
+        sums[axis] += std::int64_t(need.weight) * std::int64_t(offset(need, axis));
+      }
+    }
+    if (weight == 0) break;
+    for (int axis = 0; axis < 3; ++axis) middle[axis] = double(sums[axis]) / double(weight);
+    std::uint64_t rings[kRings] = {}, all = 0;
+    for (const SkyNeed& need : needs) {
+      const int ring = int(distance(need) / (2 * kSteps) * kRings);
+      rings[std::min(ring, kRings - 1)] += need.weight, all += need.weight;
+    }
+    int ring = 0;
+    for (std::uint64_t inside = rings[0]; double(inside) < kInside * double(all);) {
+      inside += rings[++ring];
+    }
+    radius = 2 * kSteps * (ring + 1) / kRings;
+  }
+  if (!(radius < kSteps)) return sphere;
+  SceneSphere focus = {.radius = float(radius / kSteps * sphere.radius)};
+  for (int axis = 0; axis < 3; ++axis) {
+    focus.center[axis] = float(sphere.center[axis] + middle[axis] / kSteps * sphere.radius);
+  }
+  return focus;
+}
+
+// Puts needs in the order of their cells; cell c has [begin[c], begin[c + 1]).
+std::vector<std::size_t> SortByCell(std::vector<SkyNeed>& needs) {
+  std::vector<std::size_t> begin(kGuideCells + 1);
+  for (const SkyNeed& need : needs) ++begin[need.cell + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::size_t> next = begin;
+  std::vector<SkyNeed> sorted(needs.size());
+  for (const SkyNeed& need : needs) sorted[next[need.cell]++] = need;
+  needs = std::move(sorted);
+  return begin;
+}
+
+// A map as it is, in more texels.
+EnvironmentMap Finer(const EnvironmentMap& map, int factor) {
+  const Image& from = map.latlong;
+  EnvironmentMap finer = {.latlong = Image(from.width * factor, from.height * factor),
+                          .map_from_world = map.map_from_world};
+  for (int y = 0; y < finer.latlong.height; ++y) {
+    for (int x = 0; x < finer.latlong.width; ++x) {
+      std::copy_n(from.Pixel(x / factor, y / factor), 3, finer.latlong.Pixel(x, y));
+    }
+  }
+  return finer;
+}
+
+// Of every texel: the cell of its centre, and how often light samples are in it.
+struct MapTexels {
+  std::vector<std::uint32_t> cell;
+  std::vector<double> probability;  // empty: of strategies whose lights stand for parts of the map
+};
+MapTexels LocateTexels(const EnvironmentMap& map, const EnvStrategy& strategy) {
+  const Image& image = map.latlong;
+  const auto n = std::uint32_t(image.width);
+  const std::size_t all = std::size_t(image.width) * std::size_t(image.height);
+  MapTexels texels;
+  texels.cell.resize(all);
+  if (strategy.unbiased()) texels.probability.resize(all);
+  // Of every column the horizontal direction, which rows lift.
+  std::vector<Vector3> horizon;
+  for (std::uint32_t x = 0; x < n; ++x) {
+    horizon.push_back(DirectionOfUv((double(x) + 0.5) / image.width, 0.5));
+  }
+  tbb::parallel_for(tbb::blocked_range<int>(0, image.height), [&](const auto& range) {
+    const soa::Table<EscapeColumns> rows(n);
+    std::vector<std::uint32_t> cells(PaddedRows(n));
+    for (int y = range.begin(); y < range.end(); ++y) {
+      const Vector3 row = DirectionOfUv(0.5, (y + 0.5) / image.height);  // forwards
+      for (std::uint32_t x = 0; x < n; ++x) {
+        const auto world =
+            WorldFromMap({row.y * horizon[x].x, row.y * horizon[x].y, row.z}, map.map_from_world);
+        rows->dir_x[x] = world[0], rows->dir_y[x] = world[1], rows->dir_z[x] = world[2];
+        rows->pdf[x] = 1;
+      }
+      const std::size_t first = std::size_t(y) * n;
+      FindGuideCells(rows->dir_x, rows->dir_y, rows->dir_z, n, cells.data());
+      std::copy_n(cells.begin(), n, &texels.cell[first]);
+      if (texels.probability.empty()) continue;
+      // Strategies that can emit do not look at surfaces.
+      const SurfaceColumns surfaces = {};
+      const PathColumns paths = {};
+      strategy.EvaluateEscaped(
+          {.surfaces = surfaces, .ranges = {}, .materials = {}, .paths = paths}, n, 1, rows);
+      const double solid_angle = RowSolidAngle(image.width, image.height, y);
+      for (std::uint32_t x = 0; x < n; ++x) {
+        texels.probability[first + x] = double(rows->light_pdf[x]) * solid_angle;
+      }
+    }
+  });
+  return texels;
+}
+
+// Mean luminance of each cell. A cell smaller than a texel may have no texel's centre: it gets the
+// mean of all.
+std::vector<double> CellRadiance(const Image& image, std::span<const std::uint32_t> cells) {
+  std::vector<double> energy(kGuideCells), solid_angle(kGuideCells);
+  double all = 0;
+  for (int y = 0; y < image.height; ++y) {
+    const double texel = RowSolidAngle(image.width, image.height, y);
+    for (int x = 0; x < image.width; ++x) {
+      const float* const rgb = image.Pixel(x, y);
+      const std::uint32_t cell = cells[std::size_t(y) * std::size_t(image.width) + std::size_t(x)];
+      const double luminance = Luminance(rgb);
+      energy[cell] += luminance * texel, solid_angle[cell] += texel;
+      all += luminance * texel;
+    }
+  }
+  for (std::uint32_t cell = 0; cell < kGuideCells; ++cell) {
+    energy[cell] =
+        solid_angle[cell] > 0 ? energy[cell] / solid_angle[cell] : all / (4 * std::numbers::pi);
+  }
+  return energy;
+}
+
+}  // namespace
+
+std::size_t EmissionGuide::bytes() const {
+  return cuts.size() * sizeof(float) + cells.size() * sizeof(GuideCell) +
+         (directions ? directions->table_bytes() : 0) +
+         (map ? map->latlong.rgb.size() * sizeof(float) : 0);
+}
+
+EmissionGuideView EmissionGuide::view() const {
+  return {.cells = empty() ? nullptr : cells.data(), .cuts = cuts.data(), .focus = focus};
+}
+
+EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,
+                        const SceneSphere& sphere) {
+  EmissionGuide guide;
+  if (SumOf(needs) == 0) return guide;
+  const std::uint64_t most =
+      std::max<std::uint64_t>(1, kMostMeans * (SumOf(needs) / std::uint64_t(needs.size())));
+  for (SkyNeed& need : needs) need.weight = std::min(need.weight, most);
+  const double all = double(SumOf(needs));
+  const std::vector<std::size_t> begin = SortByCell(needs);
+  guide.focus = FocusOf(needs, sphere);
+  guide.cells.resize(kGuideCells);
+  guide.cuts.resize(kGuideCells * kGuideLeaves);
+  tbb::parallel_for(0u, kGuideCells, [&](std::uint32_t i) {
+    NeedSpan mine = NeedSpan(needs).subspan(begin[i], begin[i + 1] - begin[i]);
+    GuideCell& cell = guide.cells[i];
+    constexpr double kUnguided = kEvenShare + kFocusShare;
+    double unguided = kUnguided;
+    if (!shares.empty() && shares[i] > 0) {
+      // What starts evenly is that of the whole: all the less of a cell, the more often it is
+      // drawn.
+      const double drawn = kUnguided * shares[i] + (1 - kUnguided) * double(SumOf(mine)) / all;
+      unguided = kUnguided * shares[i] / drawn;
+      cell.gain = float(drawn / shares[i]);
+    }
+    Part box;
+    if (std::ssize(mine) < kLeastNeeds) {
+      mine = {}, unguided = 1;
+    } else {
+      box = BoxOf(mine);
+    }
+    cell.even = float(unguided * kEvenShare / kUnguided);
+    cell.focused = float(unguided) - cell.even;
+    std::copy_n(box.low, 2, cell.low), std::copy_n(box.high, 2, cell.high);
+    Cut(mine, box, 1, &guide.cuts[i * kGuideLeaves]);
+  });
+  return guide;
+}
+
+EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
+                            GuideCounts& counts) {
+  const auto start = std::chrono::steady_clock::now();
+  const EnvStrategy& strategy = *frame.emitter;
+  const int factor = (kLeastColumns + frame.map->latlong.width - 1) / frame.map->latlong.width;
+  std::unique_ptr<EnvironmentMap> finer;
+  if (factor > 1) finer = std::make_unique<EnvironmentMap>(Finer(*frame.map, factor));
+  const EnvironmentMap& map = finer ? *finer : *frame.map;
+  MapTexels texels = LocateTexels(map, strategy);
+  const std::vector<double> radiance = CellRadiance(map.latlong, texels.cell);
+
+  const FrameView pilot = PilotView(frame);
+  const Tile tile = PilotTile(pilot);
+  const std::uint64_t total =
+      std::uint64_t(tile.width) * tile.height * pilot.options.samples_per_pixel;
+  const std::uint64_t wave = pilot.options.wave;
+  // Light that a surface gets at once and shows to the eye is what light samples find; only `light`
+  // has none.
+  const PilotQuestion question = {
+      .radiance = radiance,
+      .least_surfaces = frame.options.integrator == Integrator::kLight ? 1u : 2u};
+  std::vector<std::vector<SkyNeed>> waves((total + wave - 1) / wave);
+  tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
+    const FlushDenormals flush;
+    Worker& worker = *workers[OwnWorker(frame.options, workers)];
+    const RenderStats stats = worker.stats;
+    const WaveRange range = {
+        .tile = tile,
+        .first = i * wave,
+        .count = std::uint32_t(std::min<std::uint64_t>(wave, total - i * wave))};
+    TracePilotWave(pilot, range, question, worker, waves[i]);
+    worker.stats = stats;
+  });
+  std::vector<SkyNeed> needs;
+  for (const std::vector<SkyNeed>& some : waves) {
+    needs.insert(needs.end(), some.begin(), some.end());
+  }
+  MakeRelative(needs, std::size_t(tile.width) * tile.height);
+  counts.paths = total, counts.needs = needs.size();
+
+  // Lights that stand for parts of the map are drawn by nobody but their strategy.
+  std::vector<double> shares;
+  if (!texels.probability.empty()) {
+    shares.resize(kGuideCells);
+    for (std::size_t i = 0; i < texels.cell.size(); ++i) {
+      shares[texels.cell[i]] += texels.probability[i];
+    }
+  }
+  EmissionGuide guide = MakeGuide(std::move(needs), shares, frame.sphere);
+  if (!guide.empty() && !shares.empty()) {
+    for (std::size_t i = 0; i < texels.cell.size(); ++i) {
+      texels.probability[i] *= double(guide.cells[texels.cell[i]].gain);
+    }
+    guide.directions = std::make_unique<ImportanceStrategy>(map, texels.probability);
+    guide.map = std::move(finer);
+  }
+  counts.bytes = guide.bytes();
+  counts.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return guide;
+}
+
+}  // namespace skywave

@@ -1,0 +1,15 @@
+// What a frame tells of the pilot that guided its light paths (wavefront/guiding/emission_guide.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace skywave {
+
+struct GuideCounts {
+  std::uint64_t paths = 0, needs = 0;  // of the pilot; what these found
+  std::size_t bytes = 0;               // of the tables
+  double seconds = 0;                  // wall clock
+};
+
+}  // namespace skywave

@@ -1,0 +1,37 @@
+#include "wavefront/integrators/integrator.h"
+
+#include <utility>
+
+#include "wavefront/stages/checks.h"
+#include "wavefront/stages/path_stages.h"
+
+namespace skywave {
+
+void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  StartGroups(frame, range.count, film, w);
+  clock.Lap(Stage::kGenerate);
+
+  std::uint32_t n = range.count, bounce = 0;
+  bool delta_rays = true;
+  for (; n > 0; ++bounce) {
+    CheckRays(*rays, n);
+    CountRays(w.stats, bounce, n, w.paths.rows());
+    if (bounce == frame.options.max_depth || !delta_rays) {
+      MeetLight(frame, *rays, n, bounce, w, clock);
+      break;
+    }
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
+    LightSurfaces(frame, bounce, w, clock);
+    n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
+                        clock);
+    delta_rays = w.ranges.total() > w.ranges.light_sampled();
+    std::swap(rays, next);
+  }
+  FinishWave(range.count, bounce, w, film, clock);
+}
+
+}  // namespace skywave

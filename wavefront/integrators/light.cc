@@ -1,0 +1,57 @@
+#include "wavefront/integrators/integrator.h"
+
+#include <utility>
+
+#include "wavefront/stages/checks.h"
+#include "wavefront/stages/light_stages.h"
+#include "wavefront/stages/path_stages.h"
+
+namespace skywave {
+namespace {
+
+// The number of the first light path of a wave: as many for each sample of a pixel as the film has
+// pixels, in the order of tiles, so that a wave of any size has the same ones.
+std::uint64_t FirstLightPath(const FrameView& frame, const WaveRange& range) {
+  const Tile& tile = range.tile;
+  const std::uint64_t spp = frame.options.samples_per_pixel;
+  // Tiles come row by row; within a row of tiles from left to right.
+  const std::uint64_t pixels_before =
+      std::uint64_t(tile.y) * frame.camera.width + std::uint64_t(tile.x) * tile.height;
+  return frame.options.first_sample * frame.light_paths() + pixels_before * spp + range.first;
+}
+
+}  // namespace
+
+void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+
+  // What camera rays see of lights themselves.
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  clock.Lap(Stage::kGenerate);
+  CountRays(w.stats, 0, range.count, w.paths.rows());
+  if (film.has_aovs()) {
+    MeetSurfaces(frame, *rays, range.count, 0, /*only_delta=*/false, w, clock);
+    KeepAovs(frame, 0, range.count, w, film, clock);
+  } else {
+    MeetLight(frame, *rays, range.count, 0, w, clock);
+  }
+  FinishWave(range.count, 0, w, film, clock);
+  if (frame.options.max_depth == 0) return;
+
+  StartLightPaths(frame.options, FirstLightPath(frame, range), range.count, w.paths);
+  EmitRays(frame, range.count, *rays, w, clock);
+  std::uint32_t n = range.count;
+  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
+    CheckRays(*rays, n);
+    CountRays(w.stats, bounce, n, w.paths.rows());
+    MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
+    ConnectSurfaces(frame, bounce, w, clock);
+    SplatConnections(frame, bounce, w, film, clock);
+    if (bounce == frame.options.max_depth) break;
+    n = ScatterSurfaces(frame, kLightEnd, 0, bounce, *next, w, clock);
+    std::swap(rays, next);
+  }
+}
+
+}  // namespace skywave

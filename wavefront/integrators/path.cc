@@ -1,0 +1,44 @@
+#include "wavefront/integrators/integrator.h"
+
+#include <utility>
+
+#include "wavefront/stages/checks.h"
+#include "wavefront/stages/path_stages.h"
+
+namespace skywave {
+
+std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::uint32_t n,
+                          std::uint32_t bounce, Worker& w, Film* film, StageClock& clock) {
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  const Departure own = FromOwnSurfaces(frame, w);
+  const Departure* from = &first;
+  const std::uint32_t paths = n;
+  for (; n > 0; ++bounce, from = &own) {
+    CheckRays(*rays, n);
+    CountRays(w.stats, bounce, n, w.paths.rows());
+    if (bounce == frame.options.max_depth) {
+      MeetLight(frame, *rays, n, bounce, *from, w, clock);
+      break;
+    }
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, *from, w, clock);
+    if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
+    LightSurfaces(frame, bounce, w, clock);
+    const bool last = bounce + 1 == frame.options.max_depth;
+    const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
+    n = ScatterSurfaces(frame, kCameraEnd, first_kind, bounce, *next, w, clock);
+    std::swap(rays, next);
+  }
+  return bounce;
+}
+
+void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, w.rays[0]);
+  StartGroups(frame, range.count, film, w);
+  clock.Lap(Stage::kGenerate);
+  const std::uint32_t end =
+      FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
+  FinishWave(range.count, end, w, film, clock);
+}
+
+}  // namespace skywave

@@ -1,0 +1,103 @@
+#include <algorithm>
+#include <utility>
+
+#include "wavefront/stages/checks.h"
+#include "wavefront/integrators/integrator.h"
+#include "wavefront/stages/path_stages.h"
+
+namespace skywave {
+namespace {
+
+// A continuation has the row, seed and pixel of its path, and a sample number of its own.
+void StartContinuations(const PathColumns& paths, std::uint32_t n, const Continuations& c) {
+  std::copy_n(paths.seed, n, c.wave.paths->seed);
+  std::copy_n(paths.pixel, n, c.wave.paths->pixel);
+  for (float* column :
+       {c.wave.paths->r, c.wave.paths->g, c.wave.paths->b, c.direct->r, c.direct->g, c.direct->b}) {
+    std::fill_n(column, n, 0.0f);
+  }
+}
+
+// Continuation `index` of `split`: points sample * split + index of every pair of dimensions that
+// it uses, so that all continuations of a pixel are stratified among themselves.
+void NumberContinuations(const PathColumns& paths, std::uint32_t n, std::uint32_t split,
+                         std::uint32_t index, const PathColumns& continuations) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    continuations.sample[i] = paths.sample[i] * split + index;
+  }
+}
+
+// Moves the mean over continuations of what `sums` holds to paths [0, n).
+void AddMeans(const RadianceColumns& sums, std::uint32_t n, std::uint32_t split,
+              const PathColumns& paths) {
+  const float share = 1 / float(split);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    paths.r[i] += share * sums.r[i];
+    paths.g[i] += share * sums.g[i];
+    paths.b[i] += share * sums.b[i];
+  }
+  for (float* column : {sums.r, sums.g, sums.b}) std::fill_n(column, n, 0.0f);
+}
+
+SurfaceRanges LightSampled(SurfaceRanges ranges) {
+  for (std::uint32_t kind = kFirstDeltaBsdf; kind < kBsdfKinds; ++kind) {
+    ranges.begin[kind + 1] = ranges.begin[kind];
+  }
+  return ranges;
+}
+
+// The continuations of the surfaces at hand that take light samples, one wave after the other.
+// `paths`: rows in use.
+void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, std::uint32_t paths,
+                   std::uint32_t bounce, const Worker& w, Continuations& c, StageClock& clock) {
+  const SurfaceRanges ranges = LightSampled(w.ranges);
+  const bool last = bounce + 1 == frame.options.max_depth;
+  const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
+  if (ranges.total() == 0 || first_kind == kFirstDeltaBsdf) return;
+  Departure from = FromOwnSurfaces(frame, w);
+  from.paths.r = c.direct->r, from.paths.g = c.direct->g, from.paths.b = c.direct->b;
+  for (std::uint32_t index = 0; index < frame.options.split; ++index) {
+    NumberContinuations(w.paths, paths, frame.options.split, index, c.wave.paths);
+    const std::uint32_t n = Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind,
+                                    bounce, c.wave.uniforms, c.wave.lobe, c.wave.rays[0]);
+    CountScattering(ranges, first_kind, c.wave.stats.lanes);
+    clock.Lap(Stage::kScatter);
+    FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
+  }
+  AddMeans(c.direct, paths, frame.options.split, w.paths);
+}
+
+}  // namespace
+
+void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  Continuations& c = *w.continuations;
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  StartContinuations(w.paths, range.count, c);
+  clock.Lap(Stage::kGenerate);
+
+  const FrameView of_continuations = frame.of_continuations();
+  std::uint32_t n = range.count, bounce = 0;
+  for (; n > 0; ++bounce) {
+    CheckRays(*rays, n);
+    CountRays(w.stats, bounce, n, w.paths.rows());
+    if (bounce == frame.options.max_depth) {
+      MeetLight(frame, *rays, n, bounce, w, clock);
+      break;
+    }
+    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
+    LightSurfaces(frame, bounce, w, clock);
+    ContinuePaths(frame, of_continuations, range.count, bounce, w, c, clock);
+    n = ScatterSurfaces(frame, kCameraEnd, kFirstDeltaBsdf, bounce, *next, w, clock);
+    std::swap(rays, next);
+  }
+  KeepDirectOfEnded(range.count, bounce, w, film);
+  const PathColumns& indirect = c.wave.paths;
+  AddMeans({indirect.r, indirect.g, indirect.b}, range.count, frame.options.split, w.paths);
+  w.stats += std::exchange(c.wave.stats, {});
+  FinishPaths(range.count, w, film, clock);
+}
+
+}  // namespace skywave

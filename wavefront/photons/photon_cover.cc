@@ -1,0 +1,97 @@
+#include "wavefront/photons/photon_cover.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <type_traits>
+
+#include "kernels/sampler.h"
+#include "wavefront/soa.h"
+#include "wavefront/rays/trace.h"
+
+namespace skywave {
+namespace {
+
+// Of the eye over its disk, in radii: high enough not to graze what is nearly flat, low enough to
+// stay in front of what stands around.
+constexpr float kEyeHeight = 0.5f, kLeastHeight = 0x1p-6f;
+
+// Rays and hits of a block of disks, on the stack: 22 KiB.
+class CoverTables {
+ public:
+  CoverTables() {
+    std::byte* next = block_;
+    const auto take = [&](auto*& column) {
+      column = reinterpret_cast<std::remove_reference_t<decltype(column)>>(next);
+      next += kRows * sizeof(float);
+    };
+    RayColumns::ForEachColumn(rays, take);
+    HitColumns::ForEachColumn(hits, take);
+    take(keys);
+  }
+  RayColumns rays;
+  HitColumns hits;
+  std::uint32_t* keys;
+
+ private:
+  static constexpr std::uint32_t kRows = PaddedRows(kLookupBlock * kDiskCells);
+  alignas(kColumnAlignment)
+      std::byte block_[kRows * sizeof(float) *
+                       (soa::CountColumns<RayColumns>() + soa::CountColumns<HitColumns>() + 1)];
+};
+
+void AimUp(const PhotonDisk& disk, const RayColumns& rays, std::uint32_t row) {
+  rays.org_x[row] = disk.point[0], rays.org_y[row] = disk.point[1];
+  rays.org_z[row] = disk.point[2];
+  rays.dir_x[row] = disk.normal[0], rays.dir_y[row] = disk.normal[1];
+  rays.dir_z[row] = disk.normal[2];
+  rays.t_far[row] = disk.height;
+}
+
+// In scenes with holes: each ray its own, the same for the same ray.
+const std::uint32_t* KeysOf(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                            std::uint32_t* keys) {
+  if (!frame.geometry->has_holes()) return nullptr;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    keys[i] = PixelSeed(std::bit_cast<std::uint32_t>(rays.dir_x[i]),
+                        std::bit_cast<std::uint32_t>(rays.dir_y[i]),
+                        std::bit_cast<std::uint32_t>(rays.org_x[i]));
+  }
+  return keys;
+}
+
+void Trace(const FrameView& frame, const CoverTables& t, std::uint32_t n, RenderStats& stats,
+           StageClock& clock) {
+  const std::uint32_t* const keys = KeysOf(frame, t.rays, n, t.keys);
+  stats.rays[std::uint32_t(RayKind::kBounce)] += n;
+  clock.Lap(Stage::kPhotons);
+  TraceClosest(frame.tracer, RayKind::kBounce, t.rays, n, t.hits, keys);
+  clock.Lap(Stage::kIntersect, RayKind::kBounce);
+}
+
+}  // namespace
+
+void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, RenderStats& stats,
+                DiskSurface* surfaces, StageClock& clock) {
+  if (n == 0) return;
+  const CoverTables t;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    disks[i].height = kEyeHeight * std::sqrt(disks[i].radius2);
+    AimUp(disks[i], t.rays, i);
+  }
+  Trace(frame, t, n, stats, clock);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (t.hits.geom[i] == kNoHit) continue;
+    disks[i].height *= std::max(0.5f * t.rays.t_far[i] / disks[i].height, kLeastHeight);
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    AimAtDisk(disks[i], frame.options.photons.kernel, Slice(t.rays, i * kDiskCells));
+  }
+  Trace(frame, t, n * kDiskCells, stats, clock);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    FindSeenCells(disks[i], frame.geometry->triangles(), Slice(t.rays, i * kDiskCells),
+                  Slice(t.hits, i * kDiskCells), surfaces[i]);
+  }
+}
+
+}  // namespace skywave

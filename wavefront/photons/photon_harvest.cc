@@ -1,0 +1,107 @@
+#include "wavefront/photons/photon_harvest.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "wavefront/flush_denormals.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+// Light paths that are traced before anybody looks how full the maps are, and photons that they may
+// have stored by then.
+constexpr std::uint64_t kLeastRound = 1 << 14, kMostHeld = 1 << 20;
+
+// Light paths that will most likely fill a harvest, by what `traced` ones have brought.
+double PathsToFill(const Harvest& harvest, std::uint64_t traced) {
+  const double missing = double(harvest.wanted() - harvest.size());
+  // A second round costs more than a few paths too many.
+  return (missing + 2 * std::sqrt(missing)) * double(traced) / double(harvest.size() + 1);
+}
+
+// Light paths of the next round: until the first of those that are not full will be, since paths
+// are spared what nobody wants any more. Not more of the first ones than show what they bring.
+std::uint64_t PathsOfRound(const Harvest& caustic, const Harvest& indirect, std::uint64_t traced,
+                           std::uint32_t max_depth) {
+  const std::uint64_t most =
+      std::max(kLeastRound, kMostHeld / std::max(max_depth, std::uint32_t{1}));
+  double paths = double(most);
+  for (const Harvest* const harvest : {&caustic, &indirect}) {
+    if (!harvest->full()) paths = std::min(paths, PathsToFill(*harvest, traced));
+  }
+  return std::clamp(std::uint64_t(paths), kLeastRound, most);
+}
+
+}  // namespace
+
+Harvest::Harvest(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths)
+    : wanted_(wanted) {
+  if (wanted == 0) return;
+  photons_ = std::make_unique_for_overwrite<Photon[]>(wanted + of_a_path);
+  if (with_subpaths) {
+    subpaths_ = std::make_unique_for_overwrite<PhotonSubpath[]>(wanted + of_a_path);
+  }
+}
+
+void Harvest::Take(std::span<PhotonLists> waves, PhotonList PhotonLists::*kind, std::uint64_t first,
+                   std::uint64_t end, std::uint64_t wave) {
+  struct Part {
+    std::size_t count, at;
+  };
+  std::vector<Part> parts;
+  for (const PhotonLists& lists : waves) {
+    const PhotonList& list = lists.*kind;
+    const std::size_t all = list.path.size();
+    std::size_t count = std::min<std::size_t>(all, full() ? 0 : wanted_ - size_);
+    while (count > 0 && count < all && list.path[count] == list.path[count - 1]) ++count;
+    parts.push_back({.count = count, .at = size_});
+    if (!full()) {
+      size_ += count;
+      light_paths_ = full() ? first + list.path[count - 1] + 1 : std::min(first + wave, end);
+    }
+    first += wave;
+  }
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    PhotonList& list = waves[i].*kind;
+    std::copy_n(list.photons.begin(), parts[i].count, photons_.get() + parts[i].at);
+    if (subpaths_) {
+      std::copy_n(list.subpath.begin(), parts[i].count, subpaths_.get() + parts[i].at);
+    }
+    list = {};
+  });
+}
+
+void HarvestLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t most,
+                       const TraceLightPaths& trace, Harvest& caustic, Harvest& indirect,
+                       std::vector<std::unique_ptr<Worker>>& workers,
+                       std::vector<RayRecorder>* recorders) {
+  const std::uint32_t wave = frame.options.wave;
+  for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
+    const std::uint64_t round =
+        std::min(PathsOfRound(caustic, indirect, traced, frame.options.max_depth), most - traced);
+    std::vector<PhotonLists> waves((round + wave - 1) / wave);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, waves.size(), 1),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+          const FlushDenormals flush;
+          const std::size_t slot = OwnWorker(frame.options, workers);
+          FrameView view = frame;
+          view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
+          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const std::uint64_t before = i * wave;
+            trace(view, first + traced + before,
+                  std::uint32_t(std::min<std::uint64_t>(wave, round - before)), *workers[slot],
+                  waves[i]);
+          }
+        },
+        tbb::simple_partitioner());
+    caustic.Take(waves, &PhotonLists::caustic, traced, traced + round, wave);
+    indirect.Take(waves, &PhotonLists::indirect, traced, traced + round, wave);
+    traced += round;
+  }
+}
+
+}  // namespace skywave

@@ -1,0 +1,63 @@
+// What light paths store, wave after wave, until maps are full: the part that all passes share.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "wavefront/frame.h"
+#include "wavefront/photons/photon_map.h"
+#include "wavefront/stages/photon_stages.h"
+#include "wavefront/rays/ray_recorder.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// The photons of a map before it is built: those of the first light paths that have `wanted` of
+// them together. They are cut behind a path, in the order of paths, so what is kept depends on
+// neither threads nor waves nor on how many paths were traced before somebody looked. That the last
+// path ends the count biases what is divided by the number of paths by one part in that of photons.
+class Harvest {
+ public:
+  Harvest() = default;  // wants none
+  // Of light paths that store at most `of_a_path` photons each: there is room for so many more. All
+  // memory is asked for here and touched as it fills.
+  Harvest(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths);
+
+  bool full() const { return size_ >= wanted_; }
+  std::uint64_t wanted() const { return wanted_; }
+  std::uint64_t size() const { return size_; }
+  std::uint64_t light_paths() const { return light_paths_; }
+  // In the order (light path, surface).
+  std::span<const Photon> photons() const { return {photons_.get(), size_}; }
+  std::span<const PhotonSubpath> subpaths() const {
+    return {subpaths_.get(), subpaths_ ? size_ : 0};
+  }
+
+  // Takes and frees the lists `kind` of waves of `wave` light paths each, paths [first, end) in
+  // all, in the arena of the caller.
+  void Take(std::span<PhotonLists> waves, PhotonList PhotonLists::*kind, std::uint64_t first,
+            std::uint64_t end, std::uint64_t wave);
+
+ private:
+  std::uint64_t wanted_ = 0, size_ = 0, light_paths_ = 0;
+  std::unique_ptr<Photon[]> photons_;
+  std::unique_ptr<PhotonSubpath[]> subpaths_;
+};
+
+// Traces `count` light paths from the number `first` on and stores them in lists.
+using TraceLightPaths =
+    std::function<void(const FrameView& frame, std::uint64_t first, std::uint32_t count,
+                       Worker& worker, PhotonLists& lists)>;
+
+// Traces light paths [first, first + most) of the frame until both are full. Beside the harvests at
+// most 2^20 photons are held, of depths beyond 64 those of 2^14 light paths. The caller is in the
+// arena whose threads the workers belong to; `recorders` as in RenderFrame.
+void HarvestLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t most,
+                       const TraceLightPaths& trace, Harvest& caustic, Harvest& indirect,
+                       std::vector<std::unique_ptr<Worker>>& workers,
+                       std::vector<RayRecorder>* recorders);
+
+}  // namespace skywave

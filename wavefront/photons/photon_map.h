@@ -1,0 +1,87 @@
+// Where light paths arrived, in an order in which neighbors are found.
+//
+// The photon pass hands over photons in the order (light path, surface), so a map depends on
+// neither threads nor waves. A photon takes 36 bytes until the map is built, 41 in it, and 77 in
+// between; where paths are merged (vcm), 44, 49 and 93.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/light_paths/bidirectional.h"
+#include "kernels/light_paths/photons.h"
+#include "wavefront/photons/point_tree.h"
+#include "wavefront/soa.h"
+
+namespace skywave {
+
+// A row of PhotonColumns and where it is, world space.
+struct Photon {
+  float position[3];
+  float flux[3];
+  std::uint32_t dir, normal, depth;
+};
+
+// A row of SubpathColumns.
+struct PhotonSubpath {
+  float joined_before, joined_earlier;
+};
+
+// More photons have no place in an index of 31 bits beside what a light path may add.
+inline constexpr std::uint32_t kMostPhotons = 1000000000;
+
+// Memory of a photon while its map is built, of which the half is kept [bytes].
+constexpr std::uint64_t PhotonBytes(bool with_subpaths) {
+  const std::size_t row = sizeof(Photon) + sizeof(PointTreeNode) / (kLeafPoints / 2) +
+                          soa::BytesPerRow<TreeRowColumns>() + soa::BytesPerRow<PhotonColumns>();
+  return row + (with_subpaths ? 2 * sizeof(PhotonSubpath) : 0);
+}
+
+struct PhotonMapView {
+  PointTreeView tree;
+  PhotonColumns photons;    // in the order of the tree's rows
+  SubpathColumns subpaths;  // likewise, where paths are merged
+  float radius2;            // largest squared distance of a lookup
+};
+
+class PhotonMap {
+ public:
+  PhotonMap() = default;
+  // Of all photons of `light_paths` light paths, whose flux is divided by that number. Runs on the
+  // threads of the arena of the caller. `subpaths`: of every photon, or none.
+  PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths,
+            std::span<const PhotonSubpath> subpaths = {});
+
+  PhotonMapView view() const {
+    return {.tree = tree_.view(),
+            .photons = photons_.columns(),
+            .subpaths = subpaths_.columns(),
+            .radius2 = radius * radius};
+  }
+  std::uint32_t size() const { return photons_.rows(); }
+  std::uint64_t light_paths() const { return light_paths_; }
+  std::size_t bytes() const;
+  // The distance within which a photon has `neighbors` others (or all there are): the median over
+  // some of them. 0 for an empty map.
+  float TypicalDistance(std::uint32_t neighbors) const;
+
+  float radius = 0;  // largest distance of a lookup
+
+ private:
+  PointTree tree_;
+  soa::Table<PhotonColumns> photons_;
+  soa::Table<SubpathColumns> subpaths_;
+  std::uint64_t light_paths_ = 0;
+};
+
+// All that the second pass looks up.
+struct PhotonMaps {
+  // Light from mirrors and glass alone: what light samples cannot find.
+  PhotonMap caustic;
+  // All other light but direct one; for a final gather, which looks it up one surface further on,
+  // all light. Where paths are merged, the vertices of the light sub-paths.
+  PhotonMap indirect;
+};
+
+}  // namespace skywave

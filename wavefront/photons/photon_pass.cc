@@ -1,0 +1,91 @@
+#include "wavefront/photons/photon_pass.h"
+
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "wavefront/integrators/integrator.h"
+#include "wavefront/photons/photon_harvest.h"
+
+namespace skywave {
+namespace {
+
+// The strategy of camera paths may want many light samples or surfaces to draw them for.
+FrameView LightPathView(const FrameView& frame) {
+  FrameView view = frame;
+  view.strategy = frame.emitter;
+  view.options.light_samples = 1;
+  return view;
+}
+
+// The largest distance of a lookup where the user gives none. A search for the nearest ends by
+// itself where there are photons, so it is for the places where there are few.
+float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
+  constexpr float kSearch = 3;
+  if (options.distance > 0) return options.distance;
+  return map.TypicalDistance(options.neighbors) * (options.progressive() ? 1 : kSearch);
+}
+
+}  // namespace
+
+bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
+
+std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
+  const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;
+  const bool each_sample = options.integrator == Integrator::kVcm && wanted == 0;
+  const std::uint32_t passes = each_sample ? samples : std::clamp(wanted, 1u, samples);
+  const auto first_of = [&](std::uint32_t pass) {
+    return std::uint32_t(std::uint64_t(samples) * pass / passes);
+  };
+  std::vector<PhotonPass> list;
+  double shrink2 = 1;
+  const auto shrink = [&](std::uint32_t pass) {
+    shrink2 *= (pass + 1 + double(options.photons.alpha)) / (pass + 2);
+  };
+  // Where a pass is a sample, the passes of a range of samples are those of the whole.
+  if (each_sample) {
+    for (std::uint32_t i = 0; i < options.first_sample; ++i) shrink(i);
+  }
+  const std::uint32_t before = each_sample ? options.first_sample : 0;
+  for (std::uint32_t i = 0; i < passes; ++i) {
+    list.push_back({.first_sample = options.first_sample + first_of(i),
+                    .samples = first_of(i + 1) - first_of(i),
+                    .shrink = float(std::sqrt(shrink2))});
+    shrink(before + i);
+  }
+  return list;
+}
+
+PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
+                        std::vector<std::unique_ptr<Worker>>& workers,
+                        std::vector<RayRecorder>* recorders) {
+  const PhotonOptions& wish = frame.options.photons;
+  const std::uint32_t max_depth = frame.options.max_depth;
+  // One set of photons for all samples, whichever of them are rendered, or one for each pass.
+  const std::uint64_t first = wish.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
+  // A photon that is no direct light at the surface that is seen has met one before.
+  const bool any = max_depth >= 2;
+  Harvest caustic(any && HasCaustics(*frame.geometry) ? wish.caustic : 0, max_depth, false);
+  Harvest indirect(any ? wish.indirect : 0, max_depth, false);
+  const auto trace = [&](const FrameView& view, std::uint64_t number, std::uint32_t count,
+                         Worker& worker, PhotonLists& lists) {
+    const PhotonWishes wishes = {
+        .caustic = !caustic.full(), .indirect = !indirect.full(), .all_light = wish.gather > 0};
+    TracePhotonWave(view, number, count, wishes, worker, lists);
+  };
+  HarvestLightPaths(LightPathView(frame), first,
+                    kMostPathsAPhoton * std::max(caustic.wanted(), indirect.wanted()), trace,
+                    caustic, indirect, workers, recorders);
+  PhotonMaps maps;
+  const auto build = [&wish](Harvest& harvest, PhotonMap& map) {
+    map = PhotonMap(harvest.photons(), harvest.light_paths());
+    map.radius = ChooseRadius(map, wish);
+    harvest = {};
+  };
+  tbb::parallel_invoke([&] { build(caustic, maps.caustic); },
+                       [&] { build(indirect, maps.indirect); });
+  return maps;
+}
+
+}  // namespace skywave

@@ -1,0 +1,207 @@
+#include "wavefront/stages/bidirectional.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/accumulate.h"
+#include "kernels/light_paths/arrival.h"
+#include "kernels/light_paths/flux.h"
+#include "kernels/sampler.h"
+#include "wavefront/stages/checks.h"
+#include "wavefront/guiding/emission_guide.h"
+#include "wavefront/stages/path_stages.h"
+
+namespace skywave {
+namespace {
+
+// Rows of surfaces that rays [0, n) leave get their directions.
+void SpreadDirections(const RayColumns& rays, std::uint32_t n, const LightColumns& directions) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t row = rays.from[i];
+    directions.dir_x[row] = rays.dir_x[i];
+    directions.dir_y[row] = rays.dir_y[i];
+    directions.dir_z[row] = rays.dir_z[i];
+  }
+}
+
+// Traces the shadow rays of w.lights, one for each of the eye's surfaces that take light samples,
+// and adds what arrives.
+void TraceAndAdd(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {
+  TraceLights(frame, keys, w, clock);
+  AddUnoccludedRadiance(w.lights, w.surfaces->path, w.ranges.light_sampled(), w.paths);
+  clock.Lap(Stage::kAccumulate);
+}
+
+}  // namespace
+
+void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
+                      const SurfaceRanges& ranges, const LightColumns& lights,
+                      const TurnedColumns& turned, const BsdfValueColumns& out) {
+  // In ascending order: the last vector of a BSDF may spill over the first rows of the next.
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
+    if (n == 0) continue;
+    SurfaceColumns rows = Slice(surfaces, begin);
+    LightColumns to = Slice(lights, begin);
+    const TurnedColumns seen = Slice(turned, begin);
+    FaceNormals(rows, to, n, {seen.ns_x, seen.ns_y, seen.ns_z});
+    rows.ns_x = seen.ns_x, rows.ns_y = seen.ns_y, rows.ns_z = seen.ns_z;
+    if (Bsdfs()[kind].transmits) {
+      TurnSurfaces(rows, to, n, seen);
+      rows.ng_x = seen.ng_x, rows.ng_y = seen.ng_y, rows.ng_z = seen.ng_z;
+      rows.material = seen.material;
+    }
+    std::swap(rows.wo_x, to.dir_x), std::swap(rows.wo_y, to.dir_y), std::swap(rows.wo_z, to.dir_z);
+    Bsdfs()[kind].evaluate(rows, materials, to, n, Slice(out, begin));
+    ClearUnseen(rows, n, Slice(out, begin));
+  }
+}
+
+void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
+                      const SurfaceRanges& ranges, const LightColumns& lights,
+                      const TurnedColumns& turned, const BothWays& out) {
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
+    if (n == 0) continue;
+    const SurfaceColumns rows = Slice(surfaces, begin);
+    const LightColumns to = Slice(lights, begin);
+    Bsdfs()[kind].evaluate(rows, materials, to, n, Slice(out.forward.columns(), begin));
+    if (Bsdfs()[kind].transmits) MoveToSide(to, n, rows);
+  }
+  EvaluateBackward(materials, surfaces, ranges, lights, turned, out.backward);
+}
+
+void LeaveCamera(const FrameView& frame, const UniformColumns& lens, std::uint32_t n, Worker& w) {
+  const BidirectionalTables& b = *w.bidirectional;
+  // Before there are surfaces: points that the rays pass, a unit away.
+  const SurfaceColumns& points = w.surfaces;
+  const RayColumns& rays = b.eye_rays;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    points.org_x[i] = rays.org_x[i] + rays.dir_x[i];
+    points.org_y[i] = rays.org_y[i] + rays.dir_y[i];
+    points.org_z[i] = rays.org_z[i] + rays.dir_z[i];
+  }
+  ConnectCamera(frame.camera, points, lens, n, w.lights, w.light->cameras);
+  LeaveEye(w.light->cameras->importance, float(frame.light_paths()),
+           frame.camera.kind == CameraKind::kOrthographic, n, b.eye);
+}
+
+std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const SubpathColumns& at,
+                              std::uint32_t first_kind, std::uint32_t bounce,
+                              const RayColumns& rays, const SubpathColumns& flying, Worker& w,
+                              StageClock& clock) {
+  const BidirectionalTables& b = *w.bidirectional;
+  const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
+                                  w.uniforms, w.lobe, rays);
+  CountScattering(w.ranges, first_kind, w.stats.lanes);
+  SpreadDirections(rays, n, w.lights);
+  EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
+                   b.seen.backward);
+  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, frame.ways(), rays, n, flying);
+  clock.Lap(Stage::kScatter);
+  return n;
+}
+
+void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                 std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock) {
+  const BidirectionalTables& b = *w.bidirectional;
+  const LightShares shares = frame.light_shares();
+  const auto add = [&](std::uint32_t count) {
+    WeighMetLight(b.eye, b.arrival->u, count, frame.mis(), w.escaped);
+    AddEscapedRadiance(w.escaped, count, frame.mis(), w.paths);
+  };
+  // What the camera sees by itself, no other way finds.
+  const bool alone = bounce == 0;
+  if (escaped > 0 && frame.has_sky()) {
+    if (!alone) MarkPartners(b.eye, escaped, w.escaped);
+    const float samples = shares.strategy_samples(frame.light_samples());
+    frame.strategy->EvaluateEscaped(Points(frame, w), escaped, samples, w.escaped);
+    const EscapeColumns& seen = w.escaped;
+    // Camera rays have left no surface, and need none.
+    if (!alone) {
+      SkyArrivals(frame.sphere, GuideOf(frame),
+                  {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, escaped,
+                  b.arrival->u);
+    }
+    add(escaped);
+  }
+  if (frame.has_emitters()) {
+    const std::uint32_t met = MeetEmitters(frame.local_lights, shares.local, rays, w.hits, n,
+                                           float(shares.plan.drawn), w.escaped, b.arrival->u);
+    if (!alone) MarkPartners(b.eye, met, w.escaped);
+    add(met);
+  }
+  clock.Lap(Stage::kEscape);
+}
+
+void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+  const std::uint32_t n = w.ranges.light_sampled();
+  if (n == 0) return;
+  const BidirectionalTables& b = *w.bidirectional;
+  const LightShares shares = frame.light_shares();
+  const float* const reach = SampleLights(frame, Points(frame, w), shares, bounce, /*index=*/0,
+                                          w.uniforms, w.lobe, w.lights, w.hits);
+  CheckLightSamples(w.lights, n);
+  const LightColumns& lights = w.lights;
+  SkyArrivals(frame.sphere, GuideOf(frame),
+              {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces, nullptr, lights.pdf}, n,
+              b.arrival->u);
+  if (reach != nullptr) {
+    SampleArrivals(frame.local_lights, shares.local, w.surfaces, w.uniforms->u, w.lights, n,
+                   b.arrival->u);
+  }
+  clock.Lap(Stage::kLightSample);
+  EvaluateBothWays(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned, b.seen);
+  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n,
+                    frame.ways(), w.lights);
+  if (reach != nullptr) LimitShadows(reach, n, w.lights);
+  const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
+                                            SamplePair(bounce, SampleUse::kLight), w.queue->queue);
+  if (reach != nullptr && frame.local_lights.holes) {
+    CloseHoles(frame, w.hits, keys, n, w.lights->t_far);
+  }
+  TraceAndAdd(frame, keys, w, clock);
+}
+
+void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t light_bounce,
+                     Worker& w, StageClock& clock) {
+  const std::uint32_t n = w.ranges.light_sampled();
+  const BidirectionalTables& b = *w.bidirectional;
+  const LightVertices& vertices = b.vertices[light_bounce];
+  if (n == 0 || vertices.ranges.light_sampled() == 0) return;
+  const MaterialView materials = frame.geometry->materials();
+  AimAtVertices(w.surfaces, n, vertices.view(), b.partner->index, w.lights, b.to_eye);
+  EvaluateBothWays(materials, w.surfaces, w.ranges, w.lights, b.turned, b.seen);
+  EvaluateBothWays(materials, vertices.surfaces, vertices.ranges, b.to_eye, b.turned,
+                   b.seen_by_light);
+  const ConnectionEnds ends = {b.seen.forward, b.seen.backward, b.seen_by_light.forward,
+                               b.seen_by_light.backward};
+  JoinVertices(w.surfaces, b.at, n, frame.ways(), vertices.view(), b.partner->index, ends,
+               w.lights);
+  // Behind the event of the light sample.
+  const std::uint32_t event =
+      SamplePair(bounce, SampleUse::kLight) + kPairBlock * (light_bounce + 1);
+  TraceAndAdd(frame, RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue), w, clock);
+}
+
+void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,
+                            StageClock& clock) {
+  const std::uint32_t n = w.ranges.light_sampled();
+  const BidirectionalTables& b = *w.bidirectional;
+  EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
+                   b.seen.backward);
+  WeighSplats(w.surfaces, at, b.seen.backward->pdf, w.light->cameras->importance,
+              float(frame.light_paths()), n, frame.ways(), w.lights);
+  clock.Lap(Stage::kEvaluate);
+}
+
+void KeepVertices(Worker& w, LightVertices& vertices) {
+  std::fill_n(vertices.row_of_path->index, w.paths.rows(), kNoRow);
+  for (std::uint32_t i = 0; i < w.ranges.light_sampled(); ++i) {
+    vertices.row_of_path->index[w.surfaces->path[i]] = i;
+  }
+  vertices.ranges = w.ranges;
+  std::swap(w.surfaces, vertices.surfaces);
+}
+
+}  // namespace skywave

@@ -1,0 +1,60 @@
+// The stages of sub-paths that are joined: connections of their vertices, and the weights of all
+// ways to join them. Over the tables of a worker; each counts and times what it does.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/light_paths/bidirectional.h"
+#include "kernels/columns.h"
+#include "wavefront/bidirectional_tables.h"
+#include "wavefront/film/film.h"
+#include "wavefront/frame.h"
+#include "wavefront/stages/stages.h"
+#include "wavefront/stats.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// Evaluates the BSDFs of surfaces backwards along directions dir of `lights`: value and density of
+// wo given dir, as a path that comes from there sees the surface. Rows of delta BSDFs are left as
+// they are. `turned`: room.
+void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
+                      const SurfaceRanges& ranges, const LightColumns& lights,
+                      const TurnedColumns& turned, const BsdfValueColumns& out);
+
+// The same, and forwards too. Origins of surfaces that transmit move to the side of dir
+// (MoveToSide).
+void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
+                      const SurfaceRanges& ranges, const LightColumns& lights,
+                      const TurnedColumns& turned, const BothWays& out);
+
+// Begins the sub-paths of camera rays [0, n). `lens`: uniforms that they were generated with.
+void LeaveCamera(const FrameView& frame, const UniformColumns& lens, std::uint32_t n, Worker& w);
+
+// Scatters the surfaces at hand as Scatter does and takes the sub-paths along: `at` of the
+// surfaces, `flying` of the paths.
+std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const SubpathColumns& at,
+                              std::uint32_t first_kind, std::uint32_t bounce,
+                              const RayColumns& rays, const SubpathColumns& flying, Worker& w,
+                              StageClock& clock);
+
+// Adds the light that the eye's rays [0, n) have met, `escaped` of them in the sky, weighted
+// against the other ways.
+void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                 std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// A light sample for every surface of the eye, weighted against the other ways.
+void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// Connects the surfaces of the eye with the light vertices of one bounce of the same paths.
+void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t light_bounce,
+                     Worker& w, StageClock& clock);
+
+// Weighs connections of light vertices with the camera (ConnectSurfaces) against the other ways.
+void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,
+                            StageClock& clock);
+
+// Keeps the surfaces at hand, of light sub-paths, and which paths they are of.
+void KeepVertices(Worker& w, LightVertices& vertices);
+
+}  // namespace skywave

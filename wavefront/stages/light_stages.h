@@ -1,0 +1,37 @@
+// The stages of light paths: from lights over surfaces to the film, over the tables of a worker.
+// Each counts and times what it does.
+#pragma once
+
+#include "wavefront/film/film.h"
+#include "wavefront/frame.h"
+#include "wavefront/stages/stages.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// Starts light paths [first, first + n) of the frame in rows [0, n) of `paths`: one sequence for
+// all, so that the whole set is stratified. Radiance and pixel mean nothing.
+void StartLightPaths(const RenderOptions& options, std::uint64_t first, std::uint32_t n,
+                     const PathColumns& paths);
+
+// Rays of paths [0, n) that leave the sky and the lights, one a path, in `rays`, and what is known
+// of them in w.light->emission and, on triangles, w.hits (see EmitFromLocalLights). The strategy
+// can emit. Uniforms are those of kLightEnd, bounce 0.
+void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, Worker& w,
+              StageClock& clock);
+
+// Traces rays [0, n) that arrive at bounce 1 or a later one and makes surfaces of the hits.
+void MeetSurfacesOfLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                         std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// Connects every surface that takes light samples to the camera: w.lights holds what the
+// connections bring, closed where that is nothing, and w.light->cameras where to. Shadow rays are
+// not traced.
+void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+// Traces the shadow rays of the connections and splats those that arrive, each as one of the light
+// paths of a sample.
+void SplatConnections(const FrameView& frame, std::uint32_t bounce, Worker& w, Film& film,
+                      StageClock& clock);
+
+}  // namespace skywave

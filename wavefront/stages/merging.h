@@ -1,0 +1,22 @@
+// The stages of sub-paths that are merged: their vertices stored where light paths arrive, and
+// found again near where paths from the eye do.
+#pragma once
+
+#include <cstdint>
+
+#include "wavefront/frame.h"
+#include "wavefront/stages/photon_stages.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// Stores the surfaces of bounce `depth` of light sub-paths that have a density, with what is known
+// of their sub-paths, w.bidirectional->at.
+void StoreVertices(std::uint32_t depth, Worker& w, PhotonList& list, StageClock& clock);
+
+// Adds what the eye's surfaces at hand, whose sub-paths are w.bidirectional->at, reflect of the
+// light vertices within the radius of the pass, weighted against all other ways to make these
+// paths. `bounce`: of the surfaces.
+void MergeSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+}  // namespace skywave

@@ -1,0 +1,234 @@
+#include "wavefront/stages/path_stages.h"
+
+#include <algorithm>
+
+#include "kernels/accumulate.h"
+#include "kernels/partition.h"
+#include "kernels/sampler.h"
+#include "kernels/surface/surface.h"
+#include "wavefront/stages/checks.h"
+
+namespace skywave {
+namespace {
+
+// Light samples of this bounce are the first that meet two surfaces on their way to the camera.
+constexpr std::uint32_t kFirstIndirectBounce = 1;
+
+// The keys of the rays that arrive at a bounce.
+const std::uint32_t* PathRayKeys(const FrameView& frame, const PathEnd& end, std::uint32_t bounce,
+                                 const RayColumns& rays, std::uint32_t n, const Worker& w) {
+  return RayKeys(frame, w.paths, rays.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
+                 w.queue->queue);
+}
+
+}  // namespace
+
+RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
+
+void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
+  stats.rays[std::uint32_t(KindOf(bounce))] += n;
+  BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
+  occupancy.rows += n;
+  occupancy.capacity += wave;
+}
+
+std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
+  std::uint32_t open = 0;
+  for (std::uint32_t i = 0; i < n; ++i) open += lights.t_far[i] >= 0;
+  return open;
+}
+
+ShadePoints Points(const FrameView& frame, const Worker& w) {
+  return {.surfaces = w.surfaces,
+          .ranges = w.ranges,
+          .materials = frame.geometry->materials(),
+          .paths = w.paths};
+}
+
+Departure FromOwnSurfaces(const FrameView& frame, const Worker& w) {
+  return {.frame = frame, .points = Points(frame, w), .paths = w.paths};
+}
+
+void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w) {
+  if (frame.light_groups == nullptr) return;
+  w.groups->film = &film;
+  const GroupColumns& given = w.groups->given;
+  for (float* column : {given.r, given.g, given.b}) std::fill_n(column, n, 0.0f);
+}
+
+namespace {
+
+// What paths have gained in a stage, to the groups of their lights, where somebody asks for them.
+// The rays or surfaces at hand are of paths rows[0, n); `write` writes their groups.
+template <class Write>
+void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t n, Worker& w,
+                const Write& write) {
+  if (frame.light_groups == nullptr) return;
+  write(w.groups->given->group);
+  w.groups->film->AddToGroups(w.paths, rows, n, w.groups->given);
+}
+
+// Adds what rays [0, n) that have been traced see of the sky, `escaped` of them, and of lamps.
+void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t escaped, const Departure& from, Worker& w) {
+  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  KeepGroups(frame, rays.path, n, w,
+             [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
+  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
+  KeepGroups(frame, rays.path, n, w,
+             [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
+}
+
+}  // namespace
+
+std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                           std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
+                           SurfaceRanges& ranges, StageClock& clock) {
+  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
+               PathRayKeys(frame, end, bounce, rays, n, w));
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
+  if (frame.geometry->has_mixtures()) {
+    DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, w.uniforms);
+    ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
+  }
+  return SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
+}
+
+void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                 std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges, Worker& w,
+                 StageClock& clock) {
+  w.ranges = ranges;
+  MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
+  CountMeeting(n, escaped, ranges, w.stats.lanes);
+  clock.Lap(Stage::kPartition);
+  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records, ranges.total(),
+                  w.surfaces);
+  TextureSurfaces(frame, end, ranges, w.surfaces);
+  CheckSurfaces(w.surfaces, ranges.total());
+  clock.Lap(Stage::kSurface);
+}
+
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
+  MeetSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
+}
+
+void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                  std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
+                  StageClock& clock) {
+  SurfaceRanges ranges;
+  const std::uint32_t escaped =
+      TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, ranges, clock);
+  MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  clock.Lap(Stage::kPartition);
+  // Before the surfaces that the rays left are overwritten: strategies may ask for them.
+  SeeLights(frame, rays, n, escaped, from, w);
+  clock.Lap(Stage::kEscape);
+  PrepareHits(frame, kCameraEnd, rays, n, escaped, ranges, w, clock);
+}
+
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, Worker& w, StageClock& clock) {
+  MeetLight(frame, rays, n, bounce, FromOwnSurfaces(frame, w), w, clock);
+}
+
+void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+               std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
+  const std::uint32_t* const keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
+  if (frame.has_emitters()) {
+    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
+  } else {
+    TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
+  }
+  clock.Lap(Stage::kIntersect, KindOf(bounce));
+  const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
+  MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  CountMeeting(n, escaped, {}, w.stats.lanes);
+  clock.Lap(Stage::kPartition);
+  SeeLights(frame, rays, n, escaped, from, w);
+  clock.Lap(Stage::kEscape);
+}
+
+void TraceLights(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {
+  const std::uint32_t n = w.ranges.light_sampled();
+  const std::uint32_t open = CountOpen(w.lights, n);
+  w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  clock.Lap(Stage::kEvaluate);
+  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
+  clock.Lap(Stage::kShadow, RayKind::kShadow);
+  CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
+}
+
+void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+  const ShadePoints points = Points(frame, w);
+  const std::uint32_t n = w.ranges.light_sampled();
+  if (n == 0) return;
+  const LightShares shares = frame.light_shares();
+  for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
+    const float* reach =
+        SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights, w.hits);
+    CheckLightSamples(w.lights, n);
+    clock.Lap(Stage::kLightSample);
+    EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
+    // The first light sample has one of the bounce's numbers, later ones are numbered behind.
+    const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
+    const std::uint32_t* const keys =
+        RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
+    if (reach != nullptr && frame.local_lights.holes)
+      CloseHoles(frame, w.hits, keys, n, w.lights->t_far);
+    TraceLights(frame, keys, w, clock);
+    AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
+    KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
+      GroupsOfLightSamples(frame, shares, index, w.uniforms->u, n, group);
+    });
+    clock.Lap(Stage::kAccumulate);
+  }
+}
+
+std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,
+                              std::uint32_t bounce, const RayColumns& rays, Worker& w,
+                              StageClock& clock) {
+  const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
+                                  w.uniforms, w.lobe, rays);
+  CountScattering(w.ranges, first_kind, w.stats.lanes);
+  clock.Lap(Stage::kScatter);
+  return n;
+}
+
+void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
+              Film& film, StageClock& clock) {
+  if (!film.has_aovs()) return;
+  if (bounce == 0) {
+    // Drawn anew: since generation others may have used the table.
+    DrawUniforms(w.paths, nullptr, paths, kFilmPair, {}, w.uniforms);
+    film.AddFirstHits({.first = {.frame = frame, .surfaces = w.surfaces, .count = w.ranges.total()},
+                       .paths = w.paths,
+                       .hits = w.hits,
+                       .film = w.uniforms,
+                       .rays = paths});
+  }
+  // The rays that left the first surfaces have met the sky; the second ones are not lit yet.
+  if (bounce == kFirstIndirectBounce) film.AddDirect(w.paths, paths);
+  clock.Lap(Stage::kFilm);
+}
+
+void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, Film& film) {
+  if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
+}
+
+void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+  film.Add(w.paths, n, w.stats);
+  // Of the two kernels that every path of the wave passes.
+  for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
+    w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
+  }
+  ++w.stats.waves;
+  clock.Lap(Stage::kFilm);
+}
+
+void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
+  KeepDirectOfEnded(n, bounce, w, film);
+  FinishPaths(n, w, film, clock);
+}
+
+}  // namespace skywave

@@ -1,0 +1,229 @@
+#include "wavefront/stages/photon_stages.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/sampler.h"
+#include "kernels/surface/surface.h"
+#include "wavefront/stages/checks.h"
+#include "wavefront/stages/path_stages.h"
+#include "wavefront/photons/photon_cover.h"
+
+namespace skywave {
+namespace {
+
+// What a light path has met, in PhotonTables::history.
+constexpr std::uint32_t kMetDense = 1, kMetDelta = 2;
+
+void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
+  list.photons.push_back(photon);
+  list.path.push_back(path);
+}
+
+// One surface that looks photons up.
+struct Lookup {
+  const PhotonMapView& map;
+  const SurfaceColumns& surfaces;
+  std::uint32_t row, kind;
+  MaterialView materials;
+};
+
+// Adds what the surface reflects of photons `found` [0, n).
+void AddReflected(const Lookup& at, const PhotonQuery& query, const NeighborColumns& found,
+                  std::uint32_t n, PhotonTables& t, float* rgb) {
+  LoadPhotons(at.map.photons, found, n, query, t.lights);
+  RepeatSurface(at.surfaces, at.row, PaddedRows(n) - kPadRows, t.repeated);
+  Bsdfs()[at.kind].evaluate(t.repeated, at.materials, t.lights, n, t.values);
+  SumReflected(t.values, t.lights, n, rgb);
+}
+
+PhotonQuery QueryOf(const PhotonDisk& disk, PhotonKernel kernel, std::uint32_t max_depth) {
+  return {.kernel = kernel,
+          .radius2 = disk.radius2,
+          .normal = {disk.normal[0], disk.normal[1], disk.normal[2]},
+          .max_depth = max_depth};
+}
+
+PhotonDisk DiskOf(const SurfaceColumns& s, std::uint32_t row, float radius2) {
+  return {.point = {s.org_x[row], s.org_y[row], s.org_z[row]},
+          .normal = {s.ng_x[row], s.ng_y[row], s.ng_z[row]},
+          .radius2 = radius2,
+          .height = 0};
+}
+
+void AddToPath(const SurfaceColumns& s, std::uint32_t row, float scale, const float* rgb,
+               const PathColumns& paths) {
+  const std::uint32_t path = s.path[row];
+  paths.r[path] += s.throughput_r[row] * (rgb[0] * scale);
+  paths.g[path] += s.throughput_g[row] * (rgb[1] * scale);
+  paths.b[path] += s.throughput_b[row] * (rgb[2] * scale);
+}
+
+// The disk that photons are looked up in: it ends at the farthest of `wanted` neighbors, which then
+// does not count itself, else the density would come out too high by one photon; if there are fewer
+// within the largest distance, it ends there.
+float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32_t wanted,
+                  float largest2) {
+  if (count < wanted) return largest2;
+  const float farthest2 = *std::max_element(found.distance2, found.distance2 + count);
+  return std::max(farthest2, 0x1p-40f * largest2);
+}
+
+// Rows [begin, begin + n) of the surface table, all of one BSDF.
+struct Block {
+  std::uint32_t kind, begin, n;
+};
+
+template <class Each>
+void ForEachBlock(const SurfaceRanges& ranges, const Each& each) {
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    const std::uint32_t end = ranges.begin[kind + 1];
+    for (std::uint32_t begin = ranges.begin[kind]; begin < end; begin += kLookupBlock) {
+      each(Block{.kind = kind, .begin = begin, .n = std::min(kLookupBlock, end - begin)});
+    }
+  }
+}
+
+}  // namespace
+
+Photon PhotonAt(const SurfaceColumns& s, std::uint32_t row, std::uint32_t depth) {
+  return {.position = {s.org_x[row], s.org_y[row], s.org_z[row]},
+          .flux = {s.throughput_r[row], s.throughput_g[row], s.throughput_b[row]},
+          .dir = EncodeNormal(s.wo_x[row], s.wo_y[row], s.wo_z[row]),
+          .normal = EncodeNormal(s.ng_x[row], s.ng_y[row], s.ng_z[row]),
+          .depth = depth};
+}
+
+void PhotonList::SortByPath(std::uint32_t paths) {
+  std::vector<std::uint32_t> first(paths + 1, 0);
+  for (const std::uint32_t p : path) ++first[p + 1];
+  for (std::uint32_t p = 0; p < paths; ++p) first[p + 1] += first[p];
+  PhotonList sorted;
+  sorted.photons.resize(photons.size()), sorted.path.resize(path.size());
+  sorted.subpath.resize(subpath.size());
+  for (std::size_t i = 0; i < photons.size(); ++i) {
+    const std::uint32_t to = first[path[i]]++;
+    sorted.photons[to] = photons[i], sorted.path[to] = path[i];
+    if (!subpath.empty()) sorted.subpath[to] = subpath[i];
+  }
+  *this = std::move(sorted);
+}
+
+void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
+                  StageClock& clock) {
+  const SurfaceColumns& s = w.surfaces;
+  std::uint32_t* const history = w.photon->history->queue;
+  const std::uint32_t dense = w.ranges.light_sampled(), total = w.ranges.total();
+  for (std::uint32_t row = 0; row < dense; ++row) {
+    std::uint32_t& met = history[s.path[row]];
+    const bool caustic = met == kMetDelta;
+    const bool indirect = (met & kMetDense) != 0 || wishes.all_light;
+    if (caustic && wishes.caustic) Append(PhotonAt(s, row, depth), s.path[row], lists.caustic);
+    if (indirect && wishes.indirect) Append(PhotonAt(s, row, depth), s.path[row], lists.indirect);
+    met |= kMetDense;
+  }
+  for (std::uint32_t row = dense; row < total; ++row) history[s.path[row]] |= kMetDelta;
+  clock.Lap(Stage::kPhotons);
+}
+
+void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
+                std::uint32_t max_depth, float scale, Worker& w, StageClock& clock) {
+  if (map.size() == 0) return;
+  const PhotonOptions& options = frame.options.photons;
+  const PhotonMapView view = map.view();
+  const SurfaceColumns& s = w.surfaces;
+  PhotonTables& t = *w.photon;
+  const std::uint32_t room = NearestRoom(options.neighbors);
+  ForEachBlock(w.ranges, [&](const Block& block) {
+    std::uint32_t count[kLookupBlock], row[kLookupBlock];
+    DiskSurface surfaces[kLookupBlock];
+    // Disks that may be cut come first, those that look whole are counted from the end.
+    std::uint32_t cut = 0, whole = kLookupBlock;
+    RangeSearch searches[kLookupBlock];
+    PhotonDisk disks[kLookupBlock];
+    if (!options.progressive()) {
+      FindNearest(view.tree, s.org_x + block.begin, s.org_y + block.begin, s.org_z + block.begin,
+                  block.n, options.neighbors, view.radius2, t.found, count);
+    }
+    for (std::uint32_t i = 0; i < block.n; ++i) {
+      const NeighborColumns found = Slice(t.found.columns(), i * room);
+      PhotonDisk disk = DiskOf(s, block.begin + i, view.radius2);
+      if (options.progressive()) {
+        searches[i] = StartRangeSearch(view.tree, disk.point, view.radius2);
+        count[i] = FindMore(view.tree, searches[i], room, found);
+      } else {
+        disk.radius2 = DiskRadius2(found, count[i], options.neighbors, view.radius2);
+      }
+      if (count[i] == 0) continue;
+      // What looks whole need not be looked at. A first part of a range search is no fair sample.
+      const bool doubtful =
+          treatment == Disks::kCut &&
+          (options.progressive() || count[i] < options.neighbors ||
+           !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
+      if (doubtful) {
+        disks[cut] = disk, row[cut++] = i;
+      } else {
+        disks[--whole] = disk, row[whole] = i, surfaces[whole].seen = kAllCells;
+      }
+    }
+    CoverDisks(frame, disks, cut, w.stats, surfaces, clock);
+    for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
+      if (i >= cut && i < whole) continue;
+      const NeighborColumns found = Slice(t.found.columns(), row[i] * room);
+      const Lookup at = {.map = view,
+                         .surfaces = s,
+                         .row = block.begin + row[i],
+                         .kind = block.kind,
+                         .materials = frame.geometry->materials()};
+      const PhotonQuery query = QueryOf(disks[i], options.kernel, max_depth);
+      float rgb[3] = {};
+      for (std::uint32_t n = count[row[i]]; n > 0;) {
+        if (i < cut) {
+          CloseUnseen(disks[i], options.kernel, surfaces[i], view.photons, view.tree, found, n);
+        }
+        AddReflected(at, query, found, n, t, rgb);
+        n = options.progressive() ? FindMore(view.tree, searches[row[i]], room, found) : 0;
+      }
+      AddToPath(s, at.row, scale / CoverOf(surfaces[i].seen), rgb, w.paths);
+    }
+  });
+  clock.Lap(Stage::kPhotons);
+}
+
+void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+  PhotonTables& t = *w.photon;
+  const std::uint32_t gather = frame.options.photons.gather;
+  SurfaceRanges dense = w.ranges;
+  std::fill(dense.begin + kFirstDeltaBsdf, dense.begin + kBsdfKinds + 1, dense.light_sampled());
+  if (dense.total() == 0 || bounce + 1 >= frame.options.max_depth) return;
+  for (std::uint32_t index = 0; index < gather; ++index) {
+    soa::Table<RayColumns>*rays = &t.rays[0], *next = &t.rays[1];
+    // The rays of an index have random numbers of their own; the first surface's are one sequence.
+    const PathEnd first = {.transport = Transport::kRadiance,
+                           .pairs = kPairBlock,
+                           .split = {.stride = gather, .offset = index}};
+    const PathEnd end = {.transport = Transport::kRadiance, .pairs = kPairBlock * (index + 1)};
+    std::uint32_t n =
+        Scatter(frame, first, w.paths, w.surfaces, dense, 0, bounce, w.uniforms, w.lobe, *rays);
+    clock.Lap(Stage::kScatter);
+    // The surfaces at hand step back for those that their rays meet.
+    std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
+    for (std::uint32_t met = bounce + 1; n > 0 && met < frame.options.max_depth; ++met) {
+      CheckRays(*rays, n);
+      CountRays(w.stats, met, n, w.paths.rows());
+      SurfaceRanges ranges;
+      const std::uint32_t escaped =
+          TraceAndSort(frame, end, *rays, n, met, /*only_delta=*/false, w, ranges, clock);
+      PrepareHits(frame, end, *rays, n, escaped, ranges, w, clock);
+      AddPhotons(frame, frame.photons->indirect, Disks::kWhole, frame.options.max_depth - met,
+                 1.0f / float(gather), w, clock);
+      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, met, w.uniforms,
+                  w.lobe, *next);
+      clock.Lap(Stage::kScatter);
+      std::swap(rays, next);
+    }
+    std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
+  }
+}
+
+}  // namespace skywave

@@ -1,0 +1,54 @@
+// The stages of photons: stored where light paths arrive, looked up where camera paths do.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "wavefront/frame.h"
+#include "wavefront/photons/photon_map.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// The photons of a wave of light paths for one map: in the order of surfaces while paths are
+// traced, and then in that of paths.
+struct PhotonList {
+  std::vector<Photon> photons;
+  std::vector<std::uint32_t> path;     // of each, its row in the wave
+  std::vector<PhotonSubpath> subpath;  // of each, where paths are merged; else empty
+
+  void SortByPath(std::uint32_t paths);
+};
+
+struct PhotonLists {
+  PhotonList caustic, indirect;
+};
+
+// Which maps still want photons; for a final gather the indirect one has all light.
+struct PhotonWishes {
+  bool caustic = false, indirect = false, all_light = false;
+};
+
+// The photon that arrived at a surface, which is the `depth`-th of its path.
+Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t depth);
+
+// Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
+// that want them, and keeps in w.photon->history what kinds of surfaces each path has met.
+void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
+                  StageClock& clock);
+
+// Whether photons are divided by all of their disk, or by the part of it that is surface, which
+// rays measure where photons leave a doubt.
+enum class Disks { kWhole, kCut };
+
+// Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
+// those that have met at most `max_depth` surfaces, theirs included.
+void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
+                std::uint32_t max_depth, float scale, Worker& w, StageClock& clock);
+
+// Final gather (Jensen 1996): rays from every surface at hand that has a density, over mirrors and
+// glass to the next that has one, and adds what those reflect of photons. Rays of a surface are
+// stratified. `bounce`: of the surfaces at hand.
+void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+
+}  // namespace skywave

@@ -1,0 +1,261 @@
+#include "wavefront/stages/stages.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "kernels/accumulate.h"
+#include "kernels/lights/directional.h"
+#include "kernels/lights/environment.h"
+#include "kernels/partition.h"
+#include "kernels/sampler.h"
+#include "kernels/surface/surface.h"
+#include "kernels/surface/texture.h"
+
+namespace skywave {
+namespace {
+
+// Bounces before this one are never cut by roulette.
+constexpr std::uint32_t kFirstRouletteBounce = 3;
+
+// The angle that a pixel in the middle of the film takes up; 0 where it has none.
+float PixelAngle(const CameraView& camera) {
+  constexpr float kTurn = 6.28318531f;
+  if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
+  if (camera.kind != CameraKind::kPerspective) return 0;
+  const auto length = [](const float* v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  };
+  return length(camera.right) / length(camera.forward);
+}
+
+// Whether light goes through the material itself, and may be lost on its way.
+bool HasInside(BsdfKind kind) {
+  return kind == BsdfKind::kDielectric || kind == BsdfKind::kRoughDielectric;
+}
+
+// Beam by beam: the samples of a block of pixels, then those of the next block of the tile. Seeds
+// are those of the pixels of the whole film, so that a part of it has the same noise.
+void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
+                const PathColumns& paths) {
+  assert(range.first % kBeamRays == 0 && range.count % kBeamRays == 0);
+  assert(range.tile.width % kBeamWidth == 0 && range.tile.height % kBeamHeight == 0);
+  const std::uint32_t spp = options.samples_per_pixel;
+  const std::uint64_t block = range.first / kBeamRays / spp;
+  auto sample = std::uint32_t(range.first / kBeamRays % spp);
+  const std::uint32_t across = range.tile.width / kBeamWidth;
+  std::uint32_t block_x = std::uint32_t(block % across), block_y = std::uint32_t(block / across);
+  for (std::uint32_t row = 0; row < range.count; sample = 0) {
+    std::uint32_t seed[kBeamRays], pixel[kBeamRays];
+    for (std::uint32_t i = 0; i < kBeamRays; ++i) {
+      const std::uint32_t x = range.tile.x + block_x * kBeamWidth + i % kBeamWidth;
+      const std::uint32_t y = range.tile.y + block_y * kBeamHeight + i / kBeamWidth;
+      seed[i] = PixelSeed(camera.first_column + x, camera.first_row + y, options.seed);
+      pixel[i] = y * camera.width + x;
+    }
+    for (; sample < spp && row < range.count; ++sample, row += kBeamRays) {
+      std::copy_n(seed, kBeamRays, paths.seed + row);
+      std::copy_n(pixel, kBeamRays, paths.pixel + row);
+      std::fill_n(paths.sample + row, kBeamRays, options.first_sample + sample);
+    }
+    if (++block_x == across) block_x = 0, ++block_y;
+  }
+  std::fill_n(paths.r, range.count, 0.0f);
+  std::fill_n(paths.g, range.count, 0.0f);
+  std::fill_n(paths.b, range.count, 0.0f);
+}
+
+// Light samples of the first `n` rows.
+const float* SampleRows(const FrameView& frame, const ShadePoints& points,
+                        const LightShares& shares, LightCall call, std::uint32_t n,
+                        const UniformColumns& uniforms, const UniformColumns& rest,
+                        const LightColumns& lights, const HitColumns& places) {
+  const LightPlan& plan = shares.plan;
+  if (call.index >= plan.fixed) {
+    DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
+                 {.stride = plan.drawn, .offset = call.index - plan.fixed}, uniforms);
+  } else if (plan.random_fixed) {
+    // Every fixed sample is an integral of its own, so it has a sequence of its own.
+    call.pair += kPairBlock * (call.index + 1);
+    DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
+  }
+  const bool local = call.index >= plan.fixed && shares.local.share > 0;
+  UniformColumns of_strategy = uniforms;
+  if (local && shares.local.share < 1) {
+    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
+    // more than that wastes.
+    SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
+    of_strategy.u = rest.u;
+  }
+  if (!local || shares.local.share < 1) {
+    frame.strategy->Sample(points, of_strategy, n, call, lights);
+  }
+  if (local) {
+    SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
+                      float(plan.drawn), lights, rest.v,
+                      frame.local_lights.holes ? &places : nullptr);
+  }
+  return local ? rest.v : nullptr;
+}
+
+}  // namespace
+
+void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& film,
+                  const UniformColumns& lens, const PathColumns& paths, const RayColumns& rays) {
+  StartPaths(frame.options, frame.camera, range, paths);
+  DrawUniforms(paths, nullptr, range.count, kFilmPair, {}, film);
+  if (frame.camera.has_lens()) DrawUniforms(paths, nullptr, range.count, kLensPair, {}, lens);
+  GenerateCameraRays(frame.camera, paths, film, lens, range.count, rays);
+}
+
+const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
+                             const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
+                             std::uint32_t* keys) {
+  if (!frame.geometry->has_holes()) return nullptr;
+  DrawRayKeys(paths, rows, n, event, keys);
+  return keys;
+}
+
+std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
+                       std::uint32_t n, bool only_delta, std::uint32_t* queue,
+                       SurfaceRanges& ranges) {
+  std::uint32_t count[kBsdfKinds + 1] = {};
+  ClassifyHits(hits, geometry.triangles(), geometry.bsdfs(), only_delta ? rays.pdf : nullptr, n,
+               queue, count);
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    ranges.begin[kind + 1] = ranges.begin[kind] + count[kind];
+  }
+  assert(ranges.total() + count[kMissQueue] <= n);
+  return count[kMissQueue];
+}
+
+void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+                  std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces) {
+  // In ascending order: the last vector of a queue may spill over the first rows of the next.
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    if (ranges.count(kind) == 0) continue;
+    MoveHits(rays, hits, queue, kind, n, Slice(surfaces, ranges.begin[kind]));
+  }
+}
+
+void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRanges& ranges,
+                     const SurfaceColumns& surfaces) {
+  const MaterialRecord* const materials = frame.geometry->materials().records;
+  const TextureView textures = frame.geometry->textures();
+  const float angle = end.transport == Transport::kFlux ? 0 : PixelAngle(frame.camera);
+  if (!textures.empty()) {
+    TextureColors(textures, materials, angle, ranges.total(), surfaces);
+  }
+  if (const std::uint32_t* const colors = frame.geometry->vertex_colors()) {
+    TintByVertices(colors, ranges.total(), surfaces);
+  }
+  if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
+    BendNormals(textures, maps, angle, ranges.total(), surfaces);
+  }
+  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
+    const std::uint32_t n = ranges.count(kind);
+    if (n == 0) continue;
+    const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
+    if (frame.geometry->absorbs() && HasInside(BsdfKind(kind))) AbsorbInside(materials, n, rows);
+    switch (Bsdfs()[kind].varying) {
+      case Varying::kNothing:
+        break;
+      case Varying::kRoughness:
+        PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        break;
+      case Varying::kTangent:
+        PrepareTangents(frame.geometry->tangents(), n, rows);
+        break;
+    }
+  }
+}
+
+void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
+                std::uint32_t n, const PathColumns& paths) {
+  if (n == 0 || !frame.has_sky()) return;
+  const float samples = frame.light_shares().strategy_samples(frame.light_samples());
+  frame.strategy->EvaluateEscaped(from, n, samples, escaped);
+  AddEscapedRadiance(escaped, n, frame.mis(), paths);
+}
+
+void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
+                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths) {
+  if (!frame.has_emitters()) return;
+  const LightShares shares = frame.light_shares();
+  const std::uint32_t count =
+      MeetEmitters(frame.local_lights, shares.local, rays, hits, n, float(shares.plan.drawn), met);
+  AddEscapedRadiance(met, count, frame.mis(), paths);
+}
+
+const float* SampleLights(const FrameView& frame, const ShadePoints& points,
+                          const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                          const UniformColumns& uniforms, const UniformColumns& rest,
+                          const LightColumns& lights, const HitColumns& places) {
+  const std::uint32_t n = points.ranges.light_sampled();
+  const LightCall call = {.index = index,
+                          .requested = frame.light_samples(),
+                          .pair = SamplePair(bounce, SampleUse::kLight),
+                          .share = shares.of_strategy};
+#ifdef SKYWAVE_SLOWDOWN
+  // For scripts/gate_selftest.sh: that many percent of the rows in vain, by other random numbers,
+  // so that they read other texels and cost what samples cost, whatever the scene and the machine.
+  static_assert(SKYWAVE_SLOWDOWN <= 100, "tables have no more rows");
+  LightCall wasted = call;
+  wasted.pair += kPairBlock * 4096;
+  SampleRows(frame, points, shares, wasted, n * SKYWAVE_SLOWDOWN / 100, uniforms, rest, lights,
+             places);
+#endif
+  return SampleRows(frame, points, shares, call, n, uniforms, rest, lights, places);
+}
+
+void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
+                    const SurfaceRanges& ranges, const float* reach, const LightColumns& lights) {
+  const MaterialView materials = frame.geometry->materials();
+  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+    if (ranges.count(kind) == 0) continue;
+    const std::uint32_t begin = ranges.begin[kind];
+    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
+                                  frame.mis(), Slice(lights, begin));
+  }
+  if (reach != nullptr) LimitShadows(reach, ranges.light_sampled(), lights);
+}
+
+void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
+                std::uint32_t n, float* t_far) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (t_far[i] < 0 || places.geom[i] == kNoHit) continue;
+    const std::uint32_t triangle = places.triangle[i];
+    if (triangle < frame.geometry->first_with_holes()) continue;
+    if (!IsMet(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
+      t_far[i] = -1;
+    }
+  }
+}
+
+std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
+                      const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
+                      std::uint32_t first_kind, std::uint32_t bounce,
+                      const UniformColumns& direction, const UniformColumns& lobe,
+                      const RayColumns& rays) {
+  const MaterialView materials = frame.geometry->materials();
+  const bool roulette = bounce >= kFirstRouletteBounce;
+  std::uint32_t appended = 0;
+  for (std::uint32_t kind = first_kind; kind < kBsdfKinds; ++kind) {
+    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
+    if (n == 0) continue;
+    const BsdfKernels& bsdf = Bsdfs()[kind];
+    const SurfaceColumns rows = Slice(surfaces, begin);
+    DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
+                 end.split, direction);
+    if (bsdf.lobed || roulette) {
+      DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kLobe), end.split,
+                   lobe);
+    }
+    appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, n,
+                            {.roulette = roulette, .first_row = begin, .transport = end.transport},
+                            rays, appended);
+  }
+  return appended;
+}
+
+}  // namespace skywave
