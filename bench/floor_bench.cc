@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "job/job.h"
 #include "scene/builtin/builtin.h"
 #include "tests/support/oracle.h"
-#include "job/job.h"
 #include "wavefront/render.h"
 
 namespace skywave {

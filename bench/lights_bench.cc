@@ -5,14 +5,14 @@
 #include <cmath>
 #include <random>
 
-#include "lights/tables/cells.h"
 #include "lights/light_sets/clustering.h"
 #include "lights/light_sets/median_cut.h"
 #include "lights/light_sets/penrose.h"
 #include "lights/light_sets/strata.h"
-#include "lights/strategies/strategy.h"
 #include "lights/light_sets/variance_cut.h"
 #include "lights/light_sets/voronoi.h"
+#include "lights/strategies/strategy.h"
+#include "lights/tables/cells.h"
 
 namespace skywave {
 namespace {

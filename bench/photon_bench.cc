@@ -7,8 +7,8 @@
 #include <map>
 
 #include "bench/photon_points.h"
-#include "scene/builtin/builtin.h"
 #include "job/job.h"
+#include "scene/builtin/builtin.h"
 #include "wavefront/photons/photon_pass.h"
 
 namespace skywave {

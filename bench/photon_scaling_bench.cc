@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "bench/photon_points.h"
-#include "scene/builtin/builtin.h"
 #include "job/job.h"
+#include "scene/builtin/builtin.h"
 #include "wavefront/photons/photon_pass.h"
 #include "wavefront/render.h"
 

@@ -6,11 +6,11 @@
 #include <cstdlib>
 #include <string>
 
+#include "job/job.h"
 #include "kernels/partition.h"
 #include "kernels/surface/surface.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrators/integrator.h"
-#include "job/job.h"
 #include "wavefront/stages/stages.h"
 
 namespace skywave {

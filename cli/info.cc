@@ -10,11 +10,11 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/job_flags.h"
+#include "job/job.h"
 #include "scene/geometry.h"
 #include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
-#include "job/job.h"
 
 namespace skywave {
 namespace {

@@ -51,16 +51,16 @@ std::optional<CropWindow> ParseCrop(const std::string& text) {
 }
 
 // S,T
-std::optional<PathWay> ParseWay(const std::string& text) {
-  PathWay way;
+std::optional<SubpathLengths> ParseSubpathLengths(const std::string& text) {
+  SubpathLengths lengths;
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos) return std::nullopt;
   const char *begin = text.data(), *middle = begin + comma, *end = begin + text.size();
-  const auto light = std::from_chars(begin, middle, way.light);
-  const auto eye = std::from_chars(middle + 1, end, way.eye);
+  const auto light = std::from_chars(begin, middle, lengths.light);
+  const auto eye = std::from_chars(middle + 1, end, lengths.eye);
   const bool whole = light.ptr == middle && eye.ptr == end;
   if (light.ec != std::errc() || eye.ec != std::errc() || !whole) return std::nullopt;
-  return way;
+  return lengths;
 }
 
 void AddCameraFlags(CLI::App& command, JobRequest& r) {
@@ -208,7 +208,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   AddParsed(command, "--paths",
             "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
             "weight is 1",
-            "S,T", o.way, ParseWay);
+            "S,T", o.subpath_lengths, ParseSubpathLengths);
   command
       .add_option("--light-samples", o.light_samples,
                   "light samples a hit (direct, photon; path with --split: a first hit)")
@@ -276,7 +276,8 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   }
   text += fmt::format(" --max-depth {} --filter {} --filter-radius {} --seed {}", o.max_depth,
                       ToString(o.filter), o.filter_radius, o.seed);
-  if (o.way) text += fmt::format(" --paths {},{}", o.way->light, o.way->eye);
+  if (o.subpath_lengths)
+    text += fmt::format(" --paths {},{}", o.subpath_lengths->light, o.subpath_lengths->eye);
   if (!o.mis) text += " --no-mis";
   if (o.guide && HasLightPaths(o.integrator)) text += " --guide";
   if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);

@@ -31,21 +31,22 @@ struct PathsFlags {
 };
 
 struct WayPicture {
-  PathWay way;
+  SubpathLengths lengths;
   bool weighted;
   Image picture;
 
-  std::uint32_t surfaces() const { return way.light + way.eye - 2; }
+  std::uint32_t surfaces() const { return lengths.light + lengths.eye - 2; }
   // Of its layer.
   std::string name() const {
-    return fmt::format("{}_s{}t{}", weighted ? "weighted" : "unweighted", way.light, way.eye);
+    return fmt::format("{}_s{}t{}", weighted ? "weighted" : "unweighted", lengths.light,
+                       lengths.eye);
   }
 };
 
-Image RenderWay(const RenderJob& job, const std::optional<PathWay>& way, bool weighted,
-                Progress& done) {
+Image RenderTechnique(const RenderJob& job, const std::optional<SubpathLengths>& lengths,
+                      bool weighted, Progress& done) {
   FrameView frame = job.frame();
-  frame.options.way = way;
+  frame.options.subpath_lengths = lengths;
   frame.options.mis = weighted;
   Film film = job.MakeFilm();
   RenderFrame(frame, film, &done);
@@ -53,15 +54,15 @@ Image RenderWay(const RenderJob& job, const std::optional<PathWay>& way, bool we
 }
 
 std::vector<WayPicture> WaysTo(std::uint32_t max_depth) {
-  std::vector<WayPicture> ways;
+  std::vector<WayPicture> techniques;
   for (std::uint32_t surfaces = 0; surfaces <= max_depth; ++surfaces) {
     for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
-      const PathWay way = {.light = light, .eye = surfaces + 2 - light};
-      if (light == 1 && way.eye == 1) continue;  // what shines is seen by chance alone
-      for (const bool weighted : {true, false}) ways.push_back({way, weighted, {}});
+      const SubpathLengths lengths = {.light = light, .eye = surfaces + 2 - light};
+      if (light == 1 && lengths.eye == 1) continue;  // what shines is seen by chance alone
+      for (const bool weighted : {true, false}) techniques.push_back({lengths, weighted, {}});
     }
   }
-  return ways;
+  return techniques;
 }
 
 // A row for each number of surfaces, a column for each number of vertices from the light; weighted
@@ -71,7 +72,7 @@ ContactSheet Sheet(const std::vector<WayPicture>& pictures, std::uint32_t depth,
   std::vector<SheetPicture> places;
   for (const WayPicture& p : pictures) {
     places.push_back({.row = int(p.surfaces() + (p.weighted ? 0 : depth + 1)),
-                      .column = int(p.way.light),
+                      .column = int(p.lengths.light),
                       .caption = p.name(),
                       .picture = &p.picture});
   }
@@ -103,8 +104,8 @@ int PathsMain(PathsFlags& flags) {
     CheckWritable(path);
   }
   const JobRequest& wish = flags.request;
-  if (wish.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt || wish.options.way ||
-      !wish.options.mis) {
+  if (wish.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
+      wish.options.subpath_lengths || !wish.options.mis) {
     throw InputError(InputPosition::File("--integrator, --paths, --no-mis"),
                      "skywave paths shows every way of bdpt, weighted and unweighted; skywave "
                      "render takes these flags",
@@ -129,8 +130,8 @@ int PathsMain(PathsFlags& flags) {
     const std::uint64_t samples =
         std::uint64_t(options.width) * options.height * options.samples_per_pixel;
     if (!flags.quiet) display.emplace(done, samples * (pictures.size() + 1));
-    for (WayPicture& p : pictures) p.picture = RenderWay(job, p.way, p.weighted, done);
-    whole = RenderWay(job, std::nullopt, true, done);
+    for (WayPicture& p : pictures) p.picture = RenderTechnique(job, p.lengths, p.weighted, done);
+    whole = RenderTechnique(job, std::nullopt, true, done);
   }
   std::vector<NamedChannel> layers;
   for (const WayPicture& p : pictures) AddLayer(p.picture, p.name(), layers);

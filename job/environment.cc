@@ -137,8 +137,8 @@ EnvironmentLight Sum(std::vector<EnvironmentLight> lights) {
 
 }  // namespace
 
-EnvironmentLight LoadSky(const Scene& scene, const JobRequest& request,
-                         std::vector<std::string>& notes) {
+EnvironmentLight LoadEnvironment(const Scene& scene, const JobRequest& request,
+                                 std::vector<std::string>& notes) {
   std::vector<EnvironmentLight> lights = ChooseLights(scene, request);
   for (EnvironmentLight& light : lights) LoadMap(light, request.environment, notes);
   if (lights.size() == 1) return std::move(lights.front());

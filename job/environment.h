@@ -12,7 +12,7 @@ namespace skywave {
 // where only local lights are. Several lights are summed on the grid of the finest: constants
 // exactly, other maps interpolated there, their light kept. `notes` gets a line for whatever was
 // assumed or repaired. Throws InputError for maps that cannot be read and scenes without any light.
-EnvironmentLight LoadSky(const Scene& scene, const JobRequest& request,
-                         std::vector<std::string>& notes);
+EnvironmentLight LoadEnvironment(const Scene& scene, const JobRequest& request,
+                                 std::vector<std::string>& notes);
 
 }  // namespace skywave

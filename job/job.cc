@@ -10,11 +10,11 @@
 #include <glm/gtc/constants.hpp>
 
 #include "base/error.h"
-#include "scene/shapes/ground.h"
+#include "job/environment.h"
 #include "scene/reader.h"
+#include "scene/shapes/ground.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/photons/photon_pass.h"
-#include "job/environment.h"
 
 namespace skywave {
 namespace {
@@ -30,7 +30,7 @@ double SecondsSince(Clock::time_point start) {
 }
 
 // Luminance of what a map sends through the disk of a sphere around the scene.
-double SkyPower(const Image& map, float radius) {
+double EnvironmentPower(const Image& map, float radius) {
   const std::array<double, 3> mean = SphereMean(map);
   double luminance = 0;
   for (std::size_t c = 0; c < 3; ++c) luminance += double(kLuminance[c]) * mean[c];
@@ -47,14 +47,14 @@ void RunOnThreads(int threads, const Work& work) {
 
 // `sky`: whether there is light in the map.
 std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification,
-                                                const EnvironmentMap& map, bool sky,
+                                                const EnvironmentMap& map, bool environment,
                                                 const RenderOptions& options) {
   std::unique_ptr<EnvStrategy> strategy = MakeStrategy(specification, map);
   if (!options.mis && !strategy->complete()) {
     throw InputError(InputPosition::File("--strategy " + specification),
                      "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
   }
-  if (HasSplats(options.integrator) && sky && !CanEmit(*strategy)) {
+  if (HasSplats(options.integrator) && environment && !CanEmit(*strategy)) {
     throw InputError(InputPosition::File("--strategy " + specification),
                      fmt::format("no light path can start with its samples, as --integrator {} "
                                  "needs it: use importance, alias, warp, uniform, presampled, or "
@@ -242,7 +242,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   CheckIntegrator(options_);
 
   const auto load_start = Clock::now();
-  EnvironmentLight light = LoadSky(scene, request, notes_);
+  EnvironmentLight light = LoadEnvironment(scene, request, notes_);
   times_.load += SecondsSince(load_start);
 
   const Bounds bounds = SceneBounds(scene, request.scene);
@@ -265,7 +265,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   if (HasLocalLights(scene)) {
     const float radius = BoundingRadius(bounds);
     local_lights_ =
-        LocalLights(scene, *geometry_, request.scene, radius, SkyPower(*light.map, radius));
+        LocalLights(scene, *geometry_, request.scene, radius, EnvironmentPower(*light.map, radius));
     brightest_ = std::max(brightest_, local_lights_.brightest());
   }
   sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
@@ -279,16 +279,16 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   map_ = {.latlong = std::move(*scene.environments[0].map),
           .map_from_world = Rows(scene.environments[0].world_from_map)};
   const auto tables_start = Clock::now();
-  strategy_ = MakeUsableStrategy(request.strategy, map_, has_sky(), options_);
+  strategy_ = MakeUsableStrategy(request.strategy, map_, has_environment(), options_);
   if (!request.continuation_strategy.empty()) {
     continuation_strategy_ =
-        MakeUsableStrategy(request.continuation_strategy, map_, has_sky(), options_);
+        MakeUsableStrategy(request.continuation_strategy, map_, has_environment(), options_);
   }
-  if (options_.integrator == Integrator::kPhoton && has_sky() && !CanEmit(*strategy_)) {
+  if (options_.integrator == Integrator::kPhoton && has_environment() && !CanEmit(*strategy_)) {
     emitter_ = MakeStrategy("importance", map_);
   }
   times_.tables = SecondsSince(tables_start);
-  if (options_.guide && HasLightPaths(options_.integrator) && !has_sky()) {
+  if (options_.guide && HasLightPaths(options_.integrator) && !has_environment()) {
     notes_.push_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
@@ -336,7 +336,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
   const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
                                      : emitter_        ? emitter_.get()
                                                        : strategy_.get();
-  assert(!HasLightPaths(integrator) || !has_sky() || CanEmit(*emitter));
+  assert(!HasLightPaths(integrator) || !has_environment() || CanEmit(*emitter));
   return {.options = options,
           .geometry = geometry_.get(),
           .strategy = &strategy,
@@ -347,8 +347,8 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
                      .closest = options_.backend,
                      .occlusion = options_.backend,
                      .recorder = nullptr,
-                     .first_with_holes = geometry_->has_holes()
-                                             ? std::optional(geometry_->first_with_holes())
+                     .first_with_alpha = geometry_->has_alpha()
+                                             ? std::optional(geometry_->first_with_alpha())
                                              : std::nullopt},
           .sphere = sphere_,
           .filter = {.density = filter_densities_.data(), .radius = options_.filter_radius},
@@ -357,7 +357,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
           .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
 }
 
-bool RenderJob::has_sky() const {
+bool RenderJob::has_environment() const {
   const LocalLightView lights = local_lights_.view();
   return lights.count == 0 || lights.shared.share < 1;
 }
@@ -369,8 +369,9 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   CheckIntegrator(options);
   CheckLightPaths(integrator);
   std::unique_ptr<EnvStrategy> strategy;
-  RunOnThreads(options_.threads,
-               [&] { strategy = MakeUsableStrategy(specification, map_, has_sky(), options); });
+  RunOnThreads(options_.threads, [&] {
+    strategy = MakeUsableStrategy(specification, map_, has_environment(), options);
+  });
   return strategy;
 }
 

@@ -95,7 +95,7 @@ class RenderJob {
  private:
   void BuildOnThreads(Scene scene, const JobRequest& request);
   void Build(Scene scene, const JobRequest& request);
-  bool has_sky() const;
+  bool has_environment() const;
   void CheckLightPaths(Integrator integrator) const;
 
   RenderOptions options_;

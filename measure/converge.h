@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "measure/error_split.h"
 #include "job/job.h"
+#include "measure/error_split.h"
 #include "wavefront/render.h"
 
 namespace skywave {

@@ -42,7 +42,7 @@ class PictureMoments {
 
   int count() const { return count_; }
   double mean(std::size_t channel) const { return mean_[channel]; }
-  // Of one picture, not of the mean. Needs two pictures.
+  // Of one picture, not of the mean. GuideSamples two pictures.
   double variance(std::size_t channel) const { return squares_[channel] / (count_ - 1); }
 
  private:
@@ -62,8 +62,8 @@ struct ErrorSplit {
   bool biased() const { return squared_bias > 3 * squared_bias_error; }
 };
 
-// Needs two pictures or more, independent of each other and of the reference. Where the noise of
-// the reference is unknown it counts as bias.
+// GuideSamples two pictures or more, independent of each other and of the reference. Where the
+// noise of the reference is unknown it counts as bias.
 ErrorSplit SplitError(const PictureMoments& pictures, const Reference& reference,
                       ErrorMeasure measure);
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "job/job.h"
-#include "wavefront/render.h"
 #include "wavefront/rays/replay.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 

@@ -277,7 +277,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
       }
     }
     if (scene.materials[mesh.material].opaque()) {
-      first_with_holes_ = std::uint32_t(triangles_.size());
+      first_with_alpha_ = std::uint32_t(triangles_.size());
     }
   }
   // Variants come behind all triangles, variants of variants behind those.
@@ -301,12 +301,12 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   for (const MeasuredBrdf& brdf : scene.measured) {
     measured_.insert(measured_.end(), brdf.rgb.begin(), brdf.rgb.end());
   }
-  if (has_holes()) {
+  if (has_alpha()) {
     opacity_ = MakeOpacityRecords(scene.materials);
-    hole_filter_ = {.opacity = {.triangles = triangles_.data(),
-                                .records = opacity_.data(),
-                                .textures = textures_.view()},
-                    .first = first_with_holes_};
+    alpha_filter_ = {.opacity = {.triangles = triangles_.data(),
+                                 .records = opacity_.data(),
+                                 .textures = textures_.view()},
+                     .first = first_with_alpha_};
   }
 
   const auto start = std::chrono::steady_clock::now();
@@ -333,13 +333,13 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                                vertices_.data(), 0, 3 * sizeof(float), vertex_count);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                &indices_[3 * first], 0, 3 * sizeof(std::uint32_t), count);
-    if (holes) SetHoleFilter(geometry, hole_filter_);
+    if (holes) SetAlphaFilter(geometry, alpha_filter_);
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(scene_.get(), geometry, id);
     rtcReleaseGeometry(geometry);
   };
-  attach(0, 0, first_with_holes_, false);
-  attach(1, first_with_holes_, triangle_count - first_with_holes_, true);
+  attach(0, 0, first_with_alpha_, false);
+  attach(1, first_with_alpha_, triangle_count - first_with_alpha_, true);
   rtcCommitScene(scene_.get());
   if (const RTCError error = rtcGetDeviceError(device_.get()); error != RTC_ERROR_NONE) {
     throw InputError(InputPosition::File(path),

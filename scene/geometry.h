@@ -13,12 +13,12 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/columns.h"
-#include "kernels/surface/normal_map.h"
 #include "kernels/partition.h"
+#include "kernels/surface/normal_map.h"
 #include "kernels/surface/texture.h"
 #include "scene/materials/opacity.h"
-#include "scene/scene.h"
 #include "scene/materials/texture_tables.h"
+#include "scene/scene.h"
 
 namespace skywave {
 
@@ -60,9 +60,9 @@ class Geometry {
   std::size_t triangle_count() const { return indices_.size() / 3; }
   std::size_t record_count() const { return triangles_.size(); }  // variants included
   // The first triangle of geometry 1; triangle_count() if there is none.
-  std::uint32_t first_with_holes() const { return first_with_holes_; }
-  bool has_holes() const { return first_with_holes_ < triangle_count(); }
-  const OpacityView& opacity() const { return hole_filter_.opacity; }  // where there are holes
+  std::uint32_t first_with_alpha() const { return first_with_alpha_; }
+  bool has_alpha() const { return first_with_alpha_ < triangle_count(); }
+  const OpacityView& opacity() const { return alpha_filter_.opacity; }  // where there are holes
   // All meshes, in the order of their triangles.
   const std::vector<MeshPlace>& meshes() const { return meshes_; }
   // The triangle that a record is of: itself, or what it is a variant of.
@@ -103,8 +103,8 @@ class Geometry {
   std::vector<NormalMapRecord> normal_maps_;  // by material; empty if there are none
   std::vector<TriangleTangents> map_axes_;    // by record; empty if there are none
   std::vector<OpacityRecord> opacity_;        // by material; empty if there are no holes
-  HoleFilter hole_filter_ = {};
-  std::uint32_t first_with_holes_ = 0;
+  AlphaFilter alpha_filter_ = {};
+  std::uint32_t first_with_alpha_ = 0;
   const ConductorTables* conductor_tables_ = nullptr;  // null: no material needs them
   const SheenTables* sheen_tables_ = nullptr;          // likewise
   double build_seconds_ = 0;

@@ -122,7 +122,7 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
         emission_texture_.resize(lights_.size());
         emission_texture_.back() = *material.emission_texture + 1;
       }
-      holes_ = holes_ || triangle >= geometry.first_with_holes();
+      holes_ = holes_ || triangle >= geometry.first_with_alpha();
     }
   }
   for (std::size_t i = geometry.triangle_count(); i < light_of_triangle_.size(); ++i) {
@@ -134,7 +134,7 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
 }
 
 LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path,
-                         float radius, double sky_power) {
+                         float radius, double environment_power) {
   const double disk = kPi * double(radius) * radius;
   for (const PunctualLight& from : scene.lights) {
     LocalLight light = {.kind = from.kind};
@@ -157,8 +157,9 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
 
   double power = 0;
   for (const LocalLightTotal& total : totals_) power += total.power;
-  const double share =
-      sky_power > 0 ? std::clamp(power / (power + sky_power), kLeastShare, 1 - kLeastShare) : 1;
+  const double share = environment_power > 0 ? std::clamp(power / (power + environment_power),
+                                                          kLeastShare, 1 - kLeastShare)
+                                             : 1;
   alone_ = MakeChoice(power_, kChoiceUnits);
   const auto units = std::uint32_t(std::lround(share * kChoiceUnits));
   shared_ = MakeChoice(power_, std::max(units, std::uint32_t(2 * lights_.size())));
@@ -179,7 +180,7 @@ LocalLightView LocalLights::view() const {
           .light_of_triangle = light_of_triangle_.empty() ? nullptr : light_of_triangle_.data(),
           .alone = choice(alone_),
           .shared = choice(shared_),
-          .holes = holes_,
+          .has_alpha = holes_,
           .emission_texture = emission_texture_.empty() ? nullptr : emission_texture_.data(),
           .textures = textures_};
 }

@@ -28,10 +28,10 @@ class LocalLights {
  public:
   LocalLights() = default;
   // `geometry` must outlive it. `radius`: of a sphere around the scene, on whose disk distant
-  // lights and the map shine, the map with `sky_power` (luminance). Throws InputError(path) for
-  // more lights than kMaxLocalLights.
+  // lights and the map shine, the map with `environment_power` (luminance). Throws InputError(path)
+  // for more lights than kMaxLocalLights.
   LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path, float radius,
-              double sky_power);
+              double environment_power);
 
   LocalLightView view() const;
   std::size_t bytes() const;

@@ -1,5 +1,5 @@
-// Recomputes the correction table of lights/light_sets/penrose_corrections.cc and prints it: a row a line, 21
-// vectors "u v". Takes a minute or two.
+// Recomputes the correction table of lights/light_sets/penrose_corrections.cc and prints it: a row
+// a line, 21 vectors "u v". Takes a minute or two.
 //
 // By Lloyd relaxation of the tiling's own patterns (Ostromoukhov et al. 2004; T 6.3.2). For each
 // row five importances within it; every round displaces their samples by the row's vectors so far,

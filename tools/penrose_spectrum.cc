@@ -11,8 +11,8 @@
 #include <numbers>
 
 #include "image/image.h"
-#include "lights/tables/max_pyramid.h"
 #include "lights/light_sets/penrose.h"
+#include "lights/tables/max_pyramid.h"
 
 using namespace skywave;
 

@@ -5,15 +5,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/light_paths/bidirectional.h"
 #include "kernels/columns.h"
+#include "kernels/light_paths/bidirectional.h"
 #include "kernels/light_paths/point_tree.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
 
 // Deepest path whose sub-paths are joined: a worker keeps the light vertices of every bounce.
-inline constexpr std::uint32_t kMaxJoinedDepth = 64;
+inline constexpr std::uint32_t kMaxBidirectionalDepth = 64;
 
 struct IndexColumns {
   std::uint32_t* index;
@@ -25,8 +25,8 @@ struct IndexColumns {
 };
 
 // Both directions of a surface and another point, as its BSDF sees them.
-struct BothWays {
-  explicit BothWays(std::uint32_t wave) : forward(wave), backward(wave) {}
+struct BothDirections {
+  explicit BothDirections(std::uint32_t wave) : forward(wave), backward(wave) {}
   soa::Table<BsdfValueColumns> forward, backward;  // of dir given wo; of wo given dir
 };
 
@@ -66,7 +66,7 @@ struct BidirectionalTables {
   soa::Table<LightColumns> to_eye;        // from light vertices
   soa::Table<IndexColumns> partner;       // of the eye's surfaces
   soa::Table<TurnedColumns> turned;       // room
-  BothWays seen, seen_by_light;           // ends of connections
+  BothDirections seen, seen_by_light;     // ends of connections
 };
 
 // Pairs of vertices that are merged: of a surface of the eye and a vertex of a light sub-path.
@@ -77,7 +77,7 @@ struct MergeTables {
   soa::Table<SurfaceColumns> surfaces{kRows};  // copies of the eye's
   soa::Table<SubpathColumns> at{kRows};        // and of its sub-paths
   soa::Table<TurnedColumns> turned{kRows};     // room
-  BothWays seen{kRows};
+  BothDirections seen{kRows};
 };
 
 }  // namespace skywave

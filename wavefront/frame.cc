@@ -44,7 +44,7 @@ FrameView FrameView::of_continuations() const {
 
 LightShares FrameView::light_shares() const {
   LightShares shares;
-  shares.plan = has_sky() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};
+  shares.plan = has_environment() ? strategy->Plan(light_samples()) : LightPlan{.drawn = 0};
   if (local_lights.count == 0) return shares;
   if (shares.plan.drawn > 0) {
     shares.local = local_lights.shared;

@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/light_paths/bidirectional.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/camera.h"
+#include "kernels/light_paths/bidirectional.h"
 #include "kernels/light_paths/camera_connection.h"
 #include "kernels/light_paths/emission.h"
-#include "kernels/lights/local_lights.h"
 #include "kernels/light_paths/photons.h"
+#include "kernels/lights/local_lights.h"
 #include "lights/strategies/strategy.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
@@ -31,12 +31,12 @@ constexpr bool HasLightPaths(Integrator integrator) {
   return integrator != Integrator::kDirect && integrator != Integrator::kPath;
 }
 // Whether sub-paths from both ends are joined.
-constexpr bool JoinsSubpaths(Integrator integrator) {
+constexpr bool ConnectsSubpaths(Integrator integrator) {
   return integrator == Integrator::kBdpt || integrator == Integrator::kVcm;
 }
 // Whether light paths bring splats to the film.
 constexpr bool HasSplats(Integrator integrator) {
-  return integrator == Integrator::kLight || JoinsSubpaths(integrator);
+  return integrator == Integrator::kLight || ConnectsSubpaths(integrator);
 }
 // Whether light paths are stored in passes of their own.
 constexpr bool HasPhotons(Integrator integrator) {
@@ -44,7 +44,7 @@ constexpr bool HasPhotons(Integrator integrator) {
 }
 
 // A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
-struct PathWay {
+struct SubpathLengths {
   std::uint32_t light = 0, eye = 2;
 };
 
@@ -78,7 +78,7 @@ struct RenderOptions {
   std::uint32_t light_samples = 1;  // a hit (direct), a first hit (paths that split)
   std::uint32_t split = 0;          // continuations of a path (path); 0: paths do not split
   bool mis = true;
-  std::optional<PathWay> way;  // bdpt: only this one; unset: all
+  std::optional<SubpathLengths> subpath_lengths;  // bdpt: only this one; unset: all
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
   float filter_radius = 0;    // [pixels]; 0: the filter's own
@@ -117,22 +117,22 @@ struct FrameView {
   const EnvironmentMap* map = nullptr;   // of both
   const EmissionGuide* guide = nullptr;  // of light paths of the sky; null: they start anywhere
   const PhotonMaps* photons = nullptr;   // of the pass at hand
-  float merged = 0;                      // of the pass at hand, see WayPolicy
+  float eta_vcm = 0;                     // of the pass at hand, see MisTechniques
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
   }
-  WayPolicy ways() const { return {.mis = mis(), .merged = merged}; }
+  MisTechniques mis_techniques() const { return {.mis = mis(), .eta_vcm = eta_vcm}; }
   bool splits() const { return options.split > 0; }
   // Whether light comes from beyond the scene; where it does not, the strategy is not asked.
-  bool has_sky() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
+  bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }
   // The BSDFs whose rays can still bring light where no further surface is shaded: all of them
   // under multiple importance sampling, else mirrors and glass.
   std::uint32_t first_bsdf_that_sees_light() const {
-    const bool shines = has_emitters() || (has_sky() && strategy->shines_on_bsdf_samples());
-    return (options.mis || options.way) && shines ? 0 : kFirstDeltaBsdf;
+    const bool shines = has_emitters() || (has_environment() && strategy->shines_on_bsdf_samples());
+    return (options.mis || options.subpath_lengths) && shines ? 0 : kFirstDeltaBsdf;
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
@@ -145,7 +145,8 @@ struct FrameView {
   LightShares light_shares() const;
   // Whether the picture shows what sub-paths with so many vertices bring.
   bool shows(std::uint32_t light, std::uint32_t eye) const {
-    return !options.way || (options.way->light == light && options.way->eye == eye);
+    return !options.subpath_lengths ||
+           (options.subpath_lengths->light == light && options.subpath_lengths->eye == eye);
   }
   // Light paths that stand for one sample of every pixel.
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }

@@ -63,23 +63,26 @@ void CheckPhotons(const RenderOptions& options) {
 
 // What only makes sense of paths whose sub-paths are joined, and what does not of them.
 void CheckBidirectional(const RenderOptions& options) {
-  const bool joins = JoinsSubpaths(options.integrator);
-  if (options.way && options.integrator != Integrator::kBdpt) {
+  const bool joins = ConnectsSubpaths(options.integrator);
+  if (options.subpath_lengths && options.integrator != Integrator::kBdpt) {
     throw InputError(InputPosition::File("--paths"),
                      fmt::format("shows single ways to join sub-paths, which --integrator {} does "
                                  "not; use bdpt",
                                  ToString(options.integrator)),
                      kExitUsage);
   }
-  if (options.way && (options.way->eye == 0 || options.way->light + options.way->eye < 2 ||
-                      (options.way->light == 1 && options.way->eye == 1))) {
+  if (options.subpath_lengths &&
+      (options.subpath_lengths->eye == 0 ||
+       options.subpath_lengths->light + options.subpath_lengths->eye < 2 ||
+       (options.subpath_lengths->light == 1 && options.subpath_lengths->eye == 1))) {
     throw InputError(InputPosition::File("--paths"),
                      "there are paths of light vertices S and eye vertices T, the eye counted, for "
                      "T >= 2, and for T = 1 and S >= 2",
                      kExitUsage);
   }
-  if (options.way) {
-    const std::uint64_t vertices = std::uint64_t(options.way->light) + options.way->eye;
+  if (options.subpath_lengths) {
+    const std::uint64_t vertices =
+        std::uint64_t(options.subpath_lengths->light) + options.subpath_lengths->eye;
     if (vertices - 2 > options.max_depth) {
       throw InputError(InputPosition::File("--paths"),
                        fmt::format("such paths scatter at {} surfaces, and --max-depth is {}",
@@ -87,7 +90,7 @@ void CheckBidirectional(const RenderOptions& options) {
                        kExitUsage);
     }
   }
-  if (joins && !options.mis && !options.way) {
+  if (joins && !options.mis && !options.subpath_lengths) {
     throw InputError(
         InputPosition::File("--no-mis"),
         fmt::format("--integrator {} would add every path in all ways to make it; bdpt "
@@ -95,10 +98,10 @@ void CheckBidirectional(const RenderOptions& options) {
                     ToString(options.integrator)),
         kExitUsage);
   }
-  if (joins && options.max_depth > kMaxJoinedDepth) {
+  if (joins && options.max_depth > kMaxBidirectionalDepth) {
     throw InputError(InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),
                      fmt::format("--integrator {} keeps a table a bounce, for at most {}",
-                                 ToString(options.integrator), kMaxJoinedDepth),
+                                 ToString(options.integrator), kMaxBidirectionalDepth),
                      kExitUsage);
   }
 }

@@ -9,11 +9,11 @@
 #include <memory>
 #include <new>
 
-#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/flush_denormals.h"
+#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/integrators/integrator.h"
-#include "wavefront/photons/merging_pass.h"
 #include "wavefront/option_checks.h"
+#include "wavefront/photons/merging_pass.h"
 #include "wavefront/photons/photon_pass.h"
 #include "wavefront/worker.h"
 
@@ -160,7 +160,7 @@ void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
   for (const PhotonPass& pass : PhotonPasses(frame.options)) {
     const auto start = std::chrono::steady_clock::now();
     FrameView view = frame;
-    if (merges) view.merged = plan.MergedArea(pass);
+    if (merges) view.eta_vcm = plan.MergedArea(pass);
     PhotonMaps maps = TracePass(view, plan, pass, workers, recorders);
     if (!merges) {
       if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
@@ -192,7 +192,7 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
   const auto start = std::chrono::steady_clock::now();
   arena.execute([&] {
     EmissionGuide guide;
-    if (options.guide && HasLightPaths(options.integrator) && frame.has_sky()) {
+    if (options.guide && HasLightPaths(options.integrator) && frame.has_environment()) {
       guide = LearnEmission(frame, workers, result.guide);
       if (!guide.empty()) frame.guide = &guide;
     }

@@ -18,7 +18,7 @@ Worker::~Worker() = default;
 std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   auto worker = std::make_unique<Worker>(options.wave);
   if (HasLightPaths(options.integrator)) worker->light.emplace(options.wave);
-  if (JoinsSubpaths(options.integrator)) {
+  if (ConnectsSubpaths(options.integrator)) {
     worker->bidirectional.emplace(options.wave, options.max_depth);
   }
   if (options.integrator == Integrator::kVcm) worker->merging.emplace();

@@ -7,14 +7,14 @@
 #include <optional>
 
 #include "kernels/bsdf/bsdf.h"
-#include "kernels/light_paths/camera_connection.h"
 #include "kernels/columns.h"
+#include "kernels/light_paths/camera_connection.h"
 #include "kernels/light_paths/emission.h"
 #include "kernels/light_paths/flux.h"
 #include "kernels/light_paths/point_tree.h"
 #include "wavefront/bidirectional_tables.h"
-#include "wavefront/frame.h"
 #include "wavefront/film/light_groups.h"
+#include "wavefront/frame.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 

@@ -135,8 +135,7 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
   const auto start = std::chrono::steady_clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
                [&](Progress* done) {
-                 report.reference =
-                     RenderReference(job, *report.reference_integrator, half, done);
+                 report.reference = RenderReference(job, *report.reference_integrator, half, done);
                });
   report.reference_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -7,8 +7,8 @@
 
 #include "cli/commands.h"
 #include "image/image.h"
-#include "lights/maps/environment_map.h"
 #include "lights/light_sets/probe_lights.h"
+#include "lights/maps/environment_map.h"
 
 namespace skywave {
 

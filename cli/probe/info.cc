@@ -7,8 +7,8 @@
 
 #include "base/files.h"
 #include "cli/probe/commands.h"
-#include "lights/probe/probe_info.h"
 #include "lights/maps/projections.h"
+#include "lights/probe/probe_info.h"
 
 namespace skywave {
 namespace {

@@ -4,9 +4,9 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/probe/commands.h"
-#include "lights/probe/export_lights.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
+#include "lights/probe/export_lights.h"
 
 namespace skywave {
 namespace {

@@ -3,10 +3,9 @@
 // Conventions: wo points to the eye, wi to the light, both away from the surface. `value` is
 // f(wo, wi) |cos| [1/sr], per channel, radiance transport (transmission scales radiance by the
 // squared index ratio). `pdf` is of wi given wo [1/sr]. On paths from lights (Transport::kFlux) wo
-// points to where the path comes from, the light, and wi to the eye; kernels/light_paths/flux.h makes values of
-// them. Reflection needs wi on wo's side of both
-// the geometric and the shading normal, transmission on the other side of both; what smooth normals
-// would leak through is zero.
+// points to where the path comes from, the light, and wi to the eye; kernels/light_paths/flux.h
+// makes values of them. Reflection needs wi on wo's side of both the geometric and the shading
+// normal, transmission on the other side of both; what smooth normals would leak through is zero.
 #pragma once
 
 #include <cstdint>

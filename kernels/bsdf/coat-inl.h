@@ -8,8 +8,8 @@
 #define SKYWAVE_KERNELS_COAT_INL_H_
 #endif
 
-#include "kernels/simd/exp-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
+#include "kernels/simd/exp-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

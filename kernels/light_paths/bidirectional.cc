@@ -63,10 +63,10 @@ void ClearUnseen(const SurfaceColumns& s, std::uint32_t n, const BsdfValueColumn
 
 // What the ways that join at a vertex or farther back count together, against the one that reaches
 // past it: each by the density `back` of what reaches it from there, but for the last.
-HWY_INLINE VF JoinWays(VF before, VF earlier, VF back, VF merged) {
+HWY_INLINE VF SumTechniques(VF before, VF earlier, VF back, VF eta_vcm) {
   const VF farther = hn::Mul(earlier, back);
   const VF joined = hn::Add(hn::Mul(farther, farther), hn::Mul(before, before));
-  return hn::Sqrt(hn::Add(joined, hn::Mul(merged, merged)));
+  return hn::Sqrt(hn::Add(joined, hn::Mul(eta_vcm, eta_vcm)));
 }
 
 // A cosine that is divided by.
@@ -77,8 +77,8 @@ void LeaveEye(const float* density, float light_paths, bool parallel, std::uint3
   const VF sign = Set(parallel ? -1.0f : 1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF ratio = Bounded(hn::Div(Set(light_paths), Load(density + i)));
-    Store(hn::Mul(ratio, sign), paths.joined_before + i);
-    Store(hn::Zero(F()), paths.joined_earlier + i);
+    Store(hn::Mul(ratio, sign), paths.d_vcm + i);
+    Store(hn::Zero(F()), paths.d_vc + i);
   }
 }
 
@@ -89,11 +89,11 @@ void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const Subpath
     const MU distant = hn::Or(hn::TestBit(delta, SetU(kDeltaDirection)),
                               hn::Eq(Load(emission.light + i), SetU(kNoLight)));
     const VF before = Bounded(hn::Mul(Load(emission.light_pdf + i), inverse));
-    Store(IfThen(hn::RebindMask(F(), distant), hn::Neg(before), before), paths.joined_before + i);
+    Store(IfThen(hn::RebindMask(F(), distant), hn::Neg(before), before), paths.d_vcm + i);
     // Nothing hits a light without extent by chance.
     const MF met = hn::RebindMask(F(), hn::Eq(delta, SetU(0)));
     const VF earlier = Bounded(hn::Mul(Load(emission.cosine + i), inverse));
-    Store(hn::IfThenElseZero(met, earlier), paths.joined_earlier + i);
+    Store(hn::IfThenElseZero(met, earlier), paths.d_vc + i);
   }
 }
 
@@ -101,34 +101,34 @@ void ArriveAtSurfaces(const SurfaceColumns& s, std::uint32_t n, const SubpathCol
                       const SubpathColumns& at) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(s.path, i, n);
-    const VF before = Gather(paths.joined_before, path);
-    const VF earlier = Gather(paths.joined_earlier, path);
+    const VF before = Gather(paths.d_vcm, path);
+    const VF earlier = Gather(paths.d_vc, path);
     const VF cosine = Divisor(AbsDot(GeometricNormal(s, i), Outgoing(s, i)));
     const VF t = Load(s.t + i);
     const MF far = hn::Lt(before, hn::Zero(F()));
     const VF distance2 = IfThen(far, Set(1.0f), hn::Mul(t, t));
-    Store(Bounded(hn::Div(hn::Mul(hn::Abs(before), distance2), cosine)), at.joined_before + i);
-    Store(Bounded(hn::Div(earlier, cosine)), at.joined_earlier + i);
+    Store(Bounded(hn::Div(hn::Mul(hn::Abs(before), distance2), cosine)), at.d_vcm + i);
+    Store(Bounded(hn::Div(earlier, cosine)), at.d_vc + i);
   }
 }
 
 void LeaveSurfaces(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
-                   const WayPolicy& ways, const RayColumns& rays, std::uint32_t n,
+                   const MisTechniques& techniques, const RayColumns& rays, std::uint32_t n,
                    const SubpathColumns& paths) {
-  const VF zero = hn::Zero(F()), one = Set(1.0f), merged = Set(ways.merged);
+  const VF zero = hn::Zero(F()), one = Set(1.0f), eta_vcm = Set(techniques.eta_vcm);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU from = LoadRows(rays.from, i, n);
     const V3 dir = Load3(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i);
     const VF cosine = AbsDot(Gather3(s.ng_x, s.ng_y, s.ng_z, from), dir);
-    const VF before = Gather(at.joined_before, from), earlier = Gather(at.joined_earlier, from);
+    const VF before = Gather(at.d_vcm, from), earlier = Gather(at.d_vc, from);
     const VF pdf = Load(rays.pdf + i);
     const MF delta = hn::Eq(pdf, zero);
     const VF density = IfThen(delta, one, pdf);
-    const VF joined = JoinWays(before, earlier, Gather(back_pdf, from), merged);
+    const VF joined = SumTechniques(before, earlier, Gather(back_pdf, from), eta_vcm);
     const VF farther = hn::Mul(hn::Div(cosine, density), IfThen(delta, earlier, joined));
     const VF here = IfThen(delta, zero, hn::Div(one, density));
-    Scatter({Bounded(here), Bounded(farther)}, rays.path + i, LanesLeft(i, n), paths.joined_before,
-            paths.joined_earlier);
+    Scatter({Bounded(here), Bounded(farther)}, rays.path + i, LanesLeft(i, n), paths.d_vcm,
+            paths.d_vc);
   }
 }
 
@@ -136,17 +136,17 @@ void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColu
   const VF zero = hn::Zero(F());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(rows.path, i, n);
-    const VF other = hn::Max(Gather(paths.joined_before, path), Gather(paths.joined_earlier, path));
+    const VF other = hn::Max(Gather(paths.d_vcm, path), Gather(paths.d_vc, path));
     Store(IfThen(hn::Gt(other, zero), Set(1.0f), zero), rows.pdf + i);
   }
 }
 
-void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
+void WeighHitLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
                    const MisPolicy& mis, const EscapeColumns& rows) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(rows.path, i, n);
-    const VF earlier = hn::Mul(Gather(paths.joined_earlier, path), Load(arrival + i));
-    const VF joined = Join(Gather(paths.joined_before, path), earlier);
+    const VF earlier = hn::Mul(Gather(paths.d_vc, path), Load(arrival + i));
+    const VF joined = Join(Gather(paths.d_vcm, path), earlier);
     const MF partner = hn::Gt(Load(rows.pdf + i), hn::Zero(F()));
     const VF others = hn::IfThenElseZero(partner, hn::Mul(joined, Load(rows.light_pdf + i)));
     const V3 throughput =
@@ -159,7 +159,7 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
 
 void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const WayPolicy& ways,
+                       const float* arrival, std::uint32_t n, const MisTechniques& techniques,
                        const LightColumns& lights) {
   const VF zero = hn::Zero(F()), one = Set(1.0f),
            infinity = Set(std::numeric_limits<float>::infinity());
@@ -171,9 +171,9 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
     const VF density = IfThen(hn::And(extended, hn::Gt(pdf, zero)), pdf, one);
     const VF by_bsdf = hn::IfThenElseZero(extended, hn::Div(Load(forward.pdf + i), density));
     const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));
-    const VF joined = JoinWays(Load(at.joined_before + i), Load(at.joined_earlier + i),
-                               Load(backward.pdf + i), Set(ways.merged));
-    const VF weight = HeuristicWeight(ways.mis, by_bsdf, hn::Mul(from_light, joined));
+    const VF joined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(backward.pdf + i),
+                                    Set(techniques.eta_vcm));
+    const VF weight = HeuristicWeight(techniques.mis, by_bsdf, hn::Mul(from_light, joined));
     const VF factor = hn::Div(weight, density);
     const V3 gain = Scale(Mul(Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i),
                                   Load3(forward.r + i, forward.g + i, forward.b + i)),
@@ -186,15 +186,15 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
 }
 
 void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n, const WayPolicy& ways,
-                 const LightColumns& to_eye) {
+                 const float* arrival, float light_paths, std::uint32_t n,
+                 const MisTechniques& techniques, const LightColumns& to_eye) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
-    const VF joined = JoinWays(Load(at.joined_before + i), Load(at.joined_earlier + i),
-                               Load(back_pdf + i), Set(ways.merged));
+    const VF joined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(back_pdf + i),
+                                    Set(techniques.eta_vcm));
     const VF others =
         hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), joined);
-    const VF weight = HeuristicWeight(ways.mis, others, hn::Zero(F()));
+    const VF weight = HeuristicWeight(techniques.mis, others, hn::Zero(F()));
     const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
     Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
   }
@@ -233,9 +233,10 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
 }
 
 void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32_t n,
-                  const WayPolicy& ways, const VertexView& vertices, const std::uint32_t* partner,
-                  const ConnectionEnds& ends, const LightColumns& to_light) {
-  const VF zero = hn::Zero(F()), merged = Set(ways.merged);
+                  const MisTechniques& techniques, const VertexView& vertices,
+                  const std::uint32_t* partner, const ConnectionEnds& ends,
+                  const LightColumns& to_light) {
+  const VF zero = hn::Zero(F()), eta_vcm = Set(techniques.eta_vcm);
   const SurfaceColumns& v = vertices.surfaces;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU found = LoadRows(partner, i, n);
@@ -263,13 +264,12 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
     // Each end as the other one would have sampled it, against how it was.
     const VF to_there = hn::Mul(hn::Mul(Load(ends.eye_forward.pdf + i), light_cosine), inverse2);
     const VF to_here = hn::Mul(hn::Mul(Gather(ends.light_forward.pdf, row), eye_cosine), inverse2);
-    const VF of_light =
-        JoinWays(Gather(vertices.at.joined_before, row), Gather(vertices.at.joined_earlier, row),
-                 Gather(ends.light_backward.pdf, row), merged);
-    const VF of_eye = JoinWays(Load(at.joined_before + i), Load(at.joined_earlier + i),
-                               Load(ends.eye_backward.pdf + i), merged);
+    const VF of_light = SumTechniques(Gather(vertices.at.d_vcm, row), Gather(vertices.at.d_vc, row),
+                                      Gather(ends.light_backward.pdf, row), eta_vcm);
+    const VF of_eye = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i),
+                                    Load(ends.eye_backward.pdf + i), eta_vcm);
     const VF weight =
-        HeuristicWeight(ways.mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
+        HeuristicWeight(techniques.mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
     const V3 gain = Scale(Mul(eye, light), hn::Mul(geometry, weight));
     const MF counts = hn::And(hn::RebindMask(F(), joined), hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), to_light.r + i, to_light.g + i,
@@ -287,17 +287,16 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
 void MergeVertices(const SurfaceColumns& s, const SubpathColumns& at,
                    const BsdfValueColumns& forward, const float* backward,
                    const SubpathColumns& light, const std::uint32_t* vertex, std::uint32_t n,
-                   const WayPolicy& ways, const LightColumns& lights) {
-  const VF zero = hn::Zero(F()), per_merge = Set(1 / ways.merged);
+                   const MisTechniques& techniques, const LightColumns& lights) {
+  const VF zero = hn::Zero(F()), per_merge = Set(1 / techniques.eta_vcm);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU row = LoadRows(vertex, i, n);
     // Both sub-paths end here, so each could have gone on as the other one came.
-    const VF of_light = Join(hn::Mul(Gather(light.joined_earlier, row), Load(forward.pdf + i)),
-                             Gather(light.joined_before, row));
-    const VF of_eye =
-        Join(hn::Mul(Load(at.joined_earlier + i), Load(backward + i)), Load(at.joined_before + i));
+    const VF of_light =
+        Join(hn::Mul(Gather(light.d_vc, row), Load(forward.pdf + i)), Gather(light.d_vcm, row));
+    const VF of_eye = Join(hn::Mul(Load(at.d_vc + i), Load(backward + i)), Load(at.d_vcm + i));
     const VF weight =
-        HeuristicWeight(ways.mis, hn::Mul(of_light, per_merge), hn::Mul(of_eye, per_merge));
+        HeuristicWeight(techniques.mis, hn::Mul(of_light, per_merge), hn::Mul(of_eye, per_merge));
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 value = Load3(forward.r + i, forward.g + i, forward.b + i);
     const V3 arriving = Load3(lights.r + i, lights.g + i, lights.b + i);
@@ -322,7 +321,7 @@ HWY_EXPORT(LeaveLights);
 HWY_EXPORT(ArriveAtSurfaces);
 HWY_EXPORT(LeaveSurfaces);
 HWY_EXPORT(MarkPartners);
-HWY_EXPORT(WeighMetLight);
+HWY_EXPORT(WeighHitLight);
 HWY_EXPORT(WeighLightSamples);
 HWY_EXPORT(WeighSplats);
 HWY_EXPORT(AimAtVertices);
@@ -348,28 +347,29 @@ void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const Sub
   HWY_DYNAMIC_DISPATCH(ArriveAtSurfaces)(surfaces, n, paths, at);
 }
 void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                   const WayPolicy& ways, const RayColumns& rays, std::uint32_t n,
+                   const MisTechniques& techniques, const RayColumns& rays, std::uint32_t n,
                    const SubpathColumns& paths) {
-  HWY_DYNAMIC_DISPATCH(LeaveSurfaces)(surfaces, at, back_pdf, ways, rays, n, paths);
+  HWY_DYNAMIC_DISPATCH(LeaveSurfaces)(surfaces, at, back_pdf, techniques, rays, n, paths);
 }
 void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColumns& rows) {
   HWY_DYNAMIC_DISPATCH(MarkPartners)(paths, n, rows);
 }
-void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
+void WeighHitLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
                    const MisPolicy& mis, const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(WeighMetLight)(paths, arrival, n, mis, rows);
+  HWY_DYNAMIC_DISPATCH(WeighHitLight)(paths, arrival, n, mis, rows);
 }
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const WayPolicy& ways,
+                       const float* arrival, std::uint32_t n, const MisTechniques& techniques,
                        const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(WeighLightSamples)
-  (surfaces, at, forward, backward, arrival, n, ways, lights);
+  (surfaces, at, forward, backward, arrival, n, techniques, lights);
 }
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n, const WayPolicy& ways,
-                 const LightColumns& to_eye) {
-  HWY_DYNAMIC_DISPATCH(WeighSplats)(surfaces, at, back_pdf, arrival, light_paths, n, ways, to_eye);
+                 const float* arrival, float light_paths, std::uint32_t n,
+                 const MisTechniques& techniques, const LightColumns& to_eye) {
+  HWY_DYNAMIC_DISPATCH(WeighSplats)
+  (surfaces, at, back_pdf, arrival, light_paths, n, techniques, to_eye);
 }
 void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const VertexView& vertices,
                    std::uint32_t* partner, const LightColumns& to_light,
@@ -377,17 +377,18 @@ void AimAtVertices(const SurfaceColumns& surfaces, std::uint32_t n, const Vertex
   HWY_DYNAMIC_DISPATCH(AimAtVertices)(surfaces, n, vertices, partner, to_light, to_eye);
 }
 void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                  const WayPolicy& ways, const VertexView& vertices, const std::uint32_t* partner,
-                  const ConnectionEnds& ends, const LightColumns& to_light) {
+                  const MisTechniques& techniques, const VertexView& vertices,
+                  const std::uint32_t* partner, const ConnectionEnds& ends,
+                  const LightColumns& to_light) {
   HWY_DYNAMIC_DISPATCH(JoinVertices)
-  (surfaces, at, n, ways, vertices, partner, ends, to_light);
+  (surfaces, at, n, techniques, vertices, partner, ends, to_light);
 }
 void MergeVertices(const SurfaceColumns& surfaces, const SubpathColumns& at,
                    const BsdfValueColumns& forward, const float* backward,
                    const SubpathColumns& light, const std::uint32_t* vertex, std::uint32_t n,
-                   const WayPolicy& ways, const LightColumns& lights) {
+                   const MisTechniques& techniques, const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(MergeVertices)
-  (surfaces, at, forward, backward, light, vertex, n, ways, lights);
+  (surfaces, at, forward, backward, light, vertex, n, techniques, lights);
 }
 
 }  // namespace skywave

@@ -5,8 +5,8 @@
 // Connection and Merging", dVCM and dVC).
 //
 // Ways that merge the ends of two sub-paths, where they are near each other, take part if there are
-// such (WayPolicy). The third number of that report, dVM, is dVC over `merged`, squared, at every
-// vertex, so two numbers are enough for them as well.
+// such (MisTechniques). The third number of that report, dVM, is dVC over `merged`, squared, at
+// every vertex, so two numbers are enough for them as well.
 //
 // Conventions. Densities of vertices are areal [1/length^2], measured with geometric normals; those
 // of a vertex infinitely far away are in solid angle. A delta BSDF counts as density 1 in both
@@ -28,14 +28,14 @@ namespace skywave {
 struct SubpathColumns {
   // Of the way that joins at the vertex before (dVCM); at a vertex [length^2], on the way to it
   // [sr], or negative: of an end infinitely far away, and then distance does not count.
-  float* joined_before;
+  float* d_vcm;
   // Of all ways that join farther back, but for the density with which the vertex at hand samples
   // back (dVC).
-  float* joined_earlier;
+  float* d_vc;
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.joined_before), f(self.joined_earlier);
+    f(self.d_vcm), f(self.d_vc);
   }
 };
 
@@ -55,12 +55,12 @@ struct TurnedColumns {
 inline constexpr std::uint32_t kNoRow = 0xFFFFFFFFu;
 
 // How the ways to make a path share it.
-struct WayPolicy {
+struct MisTechniques {
   MisPolicy mis;
   // Light sub-paths that a vertex of the eye is merged with, times the area around it in which they
   // are (Georgiev's eta_VCM) [length^2]: the density of a merge over that of a connection before it
   // is this times the density that it leaves out. 0: sub-paths are not merged.
-  float merged = 0;
+  float eta_vcm = 0;
 };
 
 // Rows [0, n) of `surfaces` as they look from where dir of `lights` points to: turned where that is
@@ -87,7 +87,7 @@ void ArriveAtSurfaces(const SurfaceColumns& surfaces, std::uint32_t n, const Sub
 // Rays [0, n) leave the surfaces in rows rays.from of `surfaces`, whose density for sampling back
 // is `back_pdf` [1/sr]: writes rows rays.path of `paths`.
 void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                   const WayPolicy& ways, const RayColumns& rays, std::uint32_t n,
+                   const MisTechniques& techniques, const RayColumns& rays, std::uint32_t n,
                    const SubpathColumns& paths);
 
 // Whether any other way makes the paths of rays that met light: pdf of rows [0, n) becomes 1, or 0
@@ -95,8 +95,9 @@ void LeaveSurfaces(const SurfaceColumns& surfaces, const SubpathColumns& at, con
 void MarkPartners(const SubpathColumns& paths, std::uint32_t n, const EscapeColumns& rows);
 
 // Weighs rays that have met light: throughput of rows [0, n) times the weight of their way, pdf 0.
-// `arrival`: of the light's own sub-paths, where these rays come from (kernels/light_paths/arrival.h).
-void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
+// `arrival`: of the light's own sub-paths, where these rays come from
+// (kernels/light_paths/arrival.h).
+void WeighHitLight(const SubpathColumns& paths, const float* arrival, std::uint32_t n,
                    const MisPolicy& mis, const EscapeColumns& rows);
 
 // Light samples that have been evaluated in both directions: turns r, g, b of rows [0, n) into what
@@ -104,7 +105,7 @@ void WeighMetLight(const SubpathColumns& paths, const float* arrival, std::uint3
 // light's own sub-paths at the surface.
 void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
                        const BsdfValueColumns& forward, const BsdfValueColumns& backward,
-                       const float* arrival, std::uint32_t n, const WayPolicy& ways,
+                       const float* arrival, std::uint32_t n, const MisTechniques& techniques,
                        const LightColumns& lights);
 
 // Vertices [0, n) of light sub-paths that are connected to the eye: r, g, b of `to_eye`, what the
@@ -112,8 +113,8 @@ void WeighLightSamples(const SurfaceColumns& surfaces, const SubpathColumns& at,
 // density with which the eye's own rays arrive here, one sample a pixel, but for the cosine here
 // [1/length^2].
 void WeighSplats(const SurfaceColumns& surfaces, const SubpathColumns& at, const float* back_pdf,
-                 const float* arrival, float light_paths, std::uint32_t n, const WayPolicy& ways,
-                 const LightColumns& to_eye);
+                 const float* arrival, float light_paths, std::uint32_t n,
+                 const MisTechniques& techniques, const LightColumns& to_eye);
 
 // The vertices of one bounce of a wave's light sub-paths.
 struct VertexView {
@@ -140,8 +141,9 @@ struct ConnectionEnds {
 // nothing is in between, direction and reach. Origins at both ends are on the side of the other one
 // (MoveToSide). `partner`, `to_light`: as AimAtVertices left them.
 void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std::uint32_t n,
-                  const WayPolicy& ways, const VertexView& vertices, const std::uint32_t* partner,
-                  const ConnectionEnds& ends, const LightColumns& to_light);
+                  const MisTechniques& techniques, const VertexView& vertices,
+                  const std::uint32_t* partner, const ConnectionEnds& ends,
+                  const LightColumns& to_light);
 
 // Vertices of the eye in rows [0, n) that are merged with vertices of light sub-paths, those in
 // rows `vertex` of `light`: r, g, b of `lights`, which have light from dir as LoadPhotons leaves
@@ -150,6 +152,6 @@ void JoinVertices(const SurfaceColumns& surfaces, const SubpathColumns& at, std:
 void MergeVertices(const SurfaceColumns& surfaces, const SubpathColumns& at,
                    const BsdfValueColumns& forward, const float* backward,
                    const SubpathColumns& light, const std::uint32_t* vertex, std::uint32_t n,
-                   const WayPolicy& ways, const LightColumns& lights);
+                   const MisTechniques& techniques, const LightColumns& lights);
 
 }  // namespace skywave

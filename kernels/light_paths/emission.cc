@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/light_paths/emission.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/simd/disk-inl.h"
 #include "kernels/lights/local_lights-inl.h"
+#include "kernels/simd/disk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -41,8 +41,9 @@ HWY_INLINE void StoreEmitted(const Emitted& e, VU light, MF rows, std::uint32_t 
   Store(IfThen(rows_u, e.delta, Load(out.delta + i)), out.delta + i);
 }
 
-void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const UniformColumns& disk,
-                 std::uint32_t n, const RayColumns& rays, const EmissionColumns& out) {
+void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
+                         const UniformColumns& disk, std::uint32_t n, const RayColumns& rays,
+                         const EmissionColumns& out) {
   const VF zero = hn::Zero(F()), one = Set(1.0f);
   const VF area = Set(kPi * sphere.radius * sphere.radius);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
@@ -191,12 +192,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-HWY_EXPORT(EmitFromSky);
+HWY_EXPORT(EmitFromEnvironment);
 HWY_EXPORT(EmitFromLocalLights);
 
-void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const UniformColumns& disk,
-                 std::uint32_t n, const RayColumns& rays, const EmissionColumns& emission) {
-  HWY_DYNAMIC_DISPATCH(EmitFromSky)(sphere, samples, disk, n, rays, emission);
+void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
+                         const UniformColumns& disk, std::uint32_t n, const RayColumns& rays,
+                         const EmissionColumns& emission) {
+  HWY_DYNAMIC_DISPATCH(EmitFromEnvironment)(sphere, samples, disk, n, rays, emission);
 }
 void EmitFromLocalLights(const LocalLightView& view, const LightChoice& choice,
                          const SceneSphere& sphere, const UniformColumns& pick,

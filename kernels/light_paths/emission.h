@@ -51,8 +51,9 @@ struct EmissionColumns {
 // for one drawn sample) become rays from a disk that the sphere casts its shadow on, even over it:
 // density 1 / (pi R^2). Origins are outside the sphere or, farther along the ray, where it enters
 // the box. `disk`: where on it.
-void EmitFromSky(const SceneSphere& sphere, const LightColumns& samples, const UniformColumns& disk,
-                 std::uint32_t n, const RayColumns& rays, const EmissionColumns& emission);
+void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
+                         const UniformColumns& disk, std::uint32_t n, const RayColumns& rays,
+                         const EmissionColumns& emission);
 
 // Those of rows [0, n) whose pick.u picks a light (LightChoice) become rays that leave it; the
 // others stay. Even over the area of triangles and by the cosine, on either side of those that

@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/light_paths/emission_guide.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/simd/disk-inl.h"
 #include "kernels/lights/texels-inl.h"
+#include "kernels/simd/disk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -100,16 +100,16 @@ HWY_INLINE Line LineOf(const SceneSphere& sphere, const V3& towards, const Surfa
   return line;
 }
 
-HWY_INLINE V3 Towards(const SkyLines& lines, std::uint32_t i) {
+HWY_INLINE V3 Towards(const EnvironmentLines& lines, std::uint32_t i) {
   return Load3(lines.dir_x + i, lines.dir_y + i, lines.dir_z + i);
 }
 // Rows behind n may be anything.
-HWY_INLINE VU RowOf(const SkyLines& lines, std::uint32_t i, std::uint32_t n) {
+HWY_INLINE VU RowOf(const EnvironmentLines& lines, std::uint32_t i, std::uint32_t n) {
   const VU row = lines.rows != nullptr ? Load(lines.rows + i) : hn::Iota(U(), i);
   return hn::IfThenElseZero(RowsBelow(i, n), row);
 }
 
-void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_t n,
+void LocateOnDisk(const SceneSphere& sphere, const EnvironmentLines& lines, std::uint32_t n,
                   const DiskPlaceColumns& places) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 towards = Towards(lines, i);
@@ -130,8 +130,8 @@ HWY_INLINE VF EvenDensity(const SceneSphere& sphere) {
   return Set(1 / (kPi * sphere.radius * sphere.radius));
 }
 
-void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, const SkyLines& lines,
-                 std::uint32_t n, float* arrival) {
+void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& guide,
+                         const EnvironmentLines& lines, std::uint32_t n, float* arrival) {
   const VF even = EvenDensity(sphere), one = Set(1.0f);
   const VF infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
@@ -192,9 +192,9 @@ void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
                  const RayColumns& rays, const EmissionColumns& emission) {
   const VF even = EvenDensity(sphere);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const MU of_sky = hn::Eq(Load(emission.light + i), SetU(kNoLight));
+    const MU of_environment = hn::Eq(Load(emission.light + i), SetU(kNoLight));
     const MU directional = hn::TestBit(Load(emission.delta + i), SetU(kDeltaDirection));
-    const MU distant = hn::And(RowsBelow(i, n), hn::Or(of_sky, directional));
+    const MU distant = hn::And(RowsBelow(i, n), hn::Or(of_environment, directional));
     if (hn::AllFalse(U(), distant)) continue;
     const MF rows = hn::RebindMask(F(), distant);
     const auto store = [&](VF value, float* to)
@@ -212,7 +212,7 @@ void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
     }
     VF of_light = Load(emission.light_pdf + i);
     if (light_pdf != nullptr) {
-      of_light = IfThen(hn::RebindMask(F(), of_sky), Load(light_pdf + i), of_light);
+      of_light = IfThen(hn::RebindMask(F(), of_environment), Load(light_pdf + i), of_light);
     }
     const VF gain = IfThen(hn::RebindMask(F(), directional), Set(1.0f), c.gain);
     const VF arrival = hn::Mul(hn::Mul(even, gain), crowding);
@@ -230,10 +230,10 @@ namespace skywave {
 
 HWY_EXPORT(LocateOnDisk);
 HWY_EXPORT(FindGuideCells);
-HWY_EXPORT(SkyArrivals);
+HWY_EXPORT(EnvironmentArrivals);
 HWY_EXPORT(GuideStarts);
 
-void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_t n,
+void LocateOnDisk(const SceneSphere& sphere, const EnvironmentLines& lines, std::uint32_t n,
                   const DiskPlaceColumns& places) {
   HWY_DYNAMIC_DISPATCH(LocateOnDisk)(sphere, lines, n, places);
 }
@@ -241,9 +241,9 @@ void FindGuideCells(const float* dir_x, const float* dir_y, const float* dir_z, 
                     std::uint32_t* cell) {
   HWY_DYNAMIC_DISPATCH(FindGuideCells)(dir_x, dir_y, dir_z, n, cell);
 }
-void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, const SkyLines& lines,
-                 std::uint32_t n, float* arrival) {
-  HWY_DYNAMIC_DISPATCH(SkyArrivals)(sphere, guide, lines, n, arrival);
+void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& guide,
+                         const EnvironmentLines& lines, std::uint32_t n, float* arrival) {
+  HWY_DYNAMIC_DISPATCH(EnvironmentArrivals)(sphere, guide, lines, n, arrival);
 }
 void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
                  const UniformColumns& disk, const float* light_pdf, std::uint32_t n,

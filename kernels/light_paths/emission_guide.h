@@ -1,10 +1,11 @@
-// Where light paths of the sky start if that is learnt (kernels/light_paths/emission.h): a table over cells of
-// directions, each with a box on the disk of the scene's sphere and a tree that cuts it into parts.
+// Where light paths of the sky start if that is learnt (kernels/light_paths/emission.h): a table
+// over cells of directions, each with a box on the disk of the scene's sphere and a tree that cuts
+// it into parts.
 //
-// The disk is the unit square, mapped by SampleDisc (kernels/simd/sphere-inl.h), which keeps areas. Some
-// light paths start evenly over all of it, some over the disk of a smaller sphere. For the others a
-// tree cuts the cell's box, in u and v by turns, and every one of its leaves gets the same share:
-// the pair of uniforms that places an origin is warped, digit by digit, so points that are
+// The disk is the unit square, mapped by SampleDisc (kernels/simd/sphere-inl.h), which keeps areas.
+// Some light paths start evenly over all of it, some over the disk of a smaller sphere. For the
+// others a tree cuts the cell's box, in u and v by turns, and every one of its leaves gets the same
+// share: the pair of uniforms that places an origin is warped, digit by digit, so points that are
 // stratified stay so. Nothing is rejected.
 #pragma once
 
@@ -42,7 +43,7 @@ struct EmissionGuideView {
 
 // Directions towards the sky (unit) and points of the lines along them: those of surfaces
 // rows[0, n), of the surface in the same row where `rows` is null.
-struct SkyLines {
+struct EnvironmentLines {
   const float *dir_x, *dir_y, *dir_z;
   const SurfaceColumns& surfaces;
   const std::uint32_t* rows = nullptr;
@@ -60,7 +61,7 @@ struct DiskPlaceColumns {
 };
 
 // Where on the disk lines [0, n) enter the scene.
-void LocateOnDisk(const SceneSphere& sphere, const SkyLines& lines, std::uint32_t n,
+void LocateOnDisk(const SceneSphere& sphere, const EnvironmentLines& lines, std::uint32_t n,
                   const DiskPlaceColumns& places);
 
 // The cells of directions [0, n).
@@ -69,16 +70,16 @@ void FindGuideCells(const float* dir_x, const float* dir_y, const float* dir_z, 
 
 // The density with which light paths from infinitely far away arrive along lines [0, n), given
 // their direction's density as of light samples (kernels/light_paths/arrival.h) [1/length^2].
-void SkyArrivals(const SceneSphere& sphere, const EmissionGuideView& guide, const SkyLines& lines,
-                 std::uint32_t n, float* arrival);
+void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& guide,
+                         const EnvironmentLines& lines, std::uint32_t n, float* arrival);
 
-// Starts rays among [0, n) that come from infinitely far away, as EmitFromSky and
+// Starts rays among [0, n) that come from infinitely far away, as EmitFromEnvironment and
 // EmitFromLocalLights have left them, where their light is needed: `disk` is warped to a new
 // origin, and the flux divided by how crowded it is there. Makes the record of the start what light
-// samples and SkyArrivals say of the same direction and place: weights of bidirectional paths add
-// up to 1 only if both ends say the same. The flux has the density that was drawn, which is another
-// where the border of a cell cuts a texel. `light_pdf`: of light samples of the sky in these
-// directions [1/sr]; null: rays of the sky have started with light samples.
+// samples and EnvironmentArrivals say of the same direction and place: weights of bidirectional
+// paths add up to 1 only if both ends say the same. The flux has the density that was drawn, which
+// is another where the border of a cell cuts a texel. `light_pdf`: of light samples of the sky in
+// these directions [1/sr]; null: rays of the sky have started with light samples.
 void GuideStarts(const SceneSphere& sphere, const EmissionGuideView& guide,
                  const UniformColumns& disk, const float* light_pdf, std::uint32_t n,
                  const RayColumns& rays, const EmissionColumns& emission);

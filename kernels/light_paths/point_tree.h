@@ -2,7 +2,8 @@
 //
 // The tree is a heap of splits over 2^levels leaves; leaf i has points [i n / 2^levels,
 // (i + 1) n / 2^levels), at most kLeafPoints. Points lie in the order of leaves, three columns, so
-// a leaf is one or two vectors. The wavefront's PointTree (wavefront/photons/point_tree.h) builds it.
+// a leaf is one or two vectors. The wavefront's PointTree (wavefront/photons/point_tree.h) builds
+// it.
 //
 // Searches are exact: bounds of a cell are computed as distances are, and rounding is monotonous,
 // so no cell is passed over that holds a point that counts. What they find, and in which order, is

@@ -8,9 +8,9 @@
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/lights/texels-inl.h"
 #include "kernels/simd/search-inl.h"
 #include "kernels/simd/sphere-inl.h"
-#include "kernels/lights/texels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

@@ -59,8 +59,8 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     const VF falloff = SpotFalloff(light, hn::Neg(Dot(axis, dir)));
     worth = IfThen(spot, hn::Mul(intensity_worth, falloff), worth);
   }
-  // What is known of a hit's place, as surfaces are lifted (kernels/surface/surface.cc), and how much
-  // nearer an origin can come that is moved through its surface.
+  // What is known of a hit's place, as surfaces are lifted (kernels/surface/surface.cc), and how
+  // much nearer an origin can come that is moved through its surface.
   const VF known = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
   const VF slack = hn::Add(known, hn::Add(lift, lift));
   VF reach = hn::Sub(distance, slack);
@@ -115,9 +115,9 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
   }
 }
 
-std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
-                           const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met, float* arrival) {
+std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
+                                const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
+                                float samples, const EscapeColumns& emitter_hits, float* arrival) {
   std::uint32_t to = 0;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     for (std::uint32_t ahead = i + kAhead; ahead < i + kAhead + hn::Lanes(U()); ++ahead) {
@@ -148,20 +148,20 @@ std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice
       radiance =
           TexturedEmission(view, light, index, emits, Load(hits.u + i), Load(hits.v + i), radiance);
     }
-    rows.Move(rays.dir_x + i, met.dir_x + to);
-    rows.Move(rays.dir_y + i, met.dir_y + to);
-    rows.Move(rays.dir_z + i, met.dir_z + to);
-    rows.Move(rays.throughput_r + i, met.throughput_r + to);
-    rows.Move(rays.throughput_g + i, met.throughput_g + to);
-    rows.Move(rays.throughput_b + i, met.throughput_b + to);
-    rows.Move(rays.pdf + i, met.pdf + to);
-    rows.Move(rays.path + i, met.path + to);
-    rows.Move(rays.from + i, met.from + to);
-    rows.Append(radiance.x, met.radiance_r + to);
-    rows.Append(radiance.y, met.radiance_g + to);
-    rows.Append(radiance.z, met.radiance_b + to);
+    rows.Move(rays.dir_x + i, emitter_hits.dir_x + to);
+    rows.Move(rays.dir_y + i, emitter_hits.dir_y + to);
+    rows.Move(rays.dir_z + i, emitter_hits.dir_z + to);
+    rows.Move(rays.throughput_r + i, emitter_hits.throughput_r + to);
+    rows.Move(rays.throughput_g + i, emitter_hits.throughput_g + to);
+    rows.Move(rays.throughput_b + i, emitter_hits.throughput_b + to);
+    rows.Move(rays.pdf + i, emitter_hits.pdf + to);
+    rows.Move(rays.path + i, emitter_hits.path + to);
+    rows.Move(rays.from + i, emitter_hits.from + to);
+    rows.Append(radiance.x, emitter_hits.radiance_r + to);
+    rows.Append(radiance.y, emitter_hits.radiance_g + to);
+    rows.Append(radiance.z, emitter_hits.radiance_b + to);
     rows.Append(SolidAngleDensity(probability, light.area(), hn::Mul(t, t), cosine),
-                met.light_pdf + to);
+                emitter_hits.light_pdf + to);
     if (arrival != nullptr) {
       const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
       rows.Append(hn::Div(cosine, hn::Mul(sides, hn::Mul(t, t))), arrival + to);
@@ -180,7 +180,7 @@ namespace skywave {
 
 HWY_EXPORT(SampleLocalLights);
 HWY_EXPORT(LimitShadows);
-HWY_EXPORT(MeetEmitters);
+HWY_EXPORT(IntersectEmitters);
 
 void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
                        const SurfaceColumns& surfaces, const UniformColumns& uniforms,
@@ -192,10 +192,11 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
 void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights) {
   HWY_DYNAMIC_DISPATCH(LimitShadows)(reach, n, lights);
 }
-std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
-                           const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met, float* arrival) {
-  return HWY_DYNAMIC_DISPATCH(MeetEmitters)(view, choice, rays, hits, n, samples, met, arrival);
+std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
+                                const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
+                                float samples, const EscapeColumns& emitter_hits, float* arrival) {
+  return HWY_DYNAMIC_DISPATCH(IntersectEmitters)(view, choice, rays, hits, n, samples, emitter_hits,
+                                                 arrival);
 }
 
 }  // namespace skywave

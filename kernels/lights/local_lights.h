@@ -45,9 +45,9 @@ struct LocalLightView {
   std::uint32_t count = 0;
   // The light of every triangle record of the scene, or kNoLight; null: no triangle shines.
   const std::uint32_t* light_of_triangle = nullptr;
-  LightChoice alone;   // share 1: for light samples that nobody else wants
-  LightChoice shared;  // with the strategy of the map, by power; share 1: there is no map
-  bool holes = false;  // whether rays may pass through some of the triangles
+  LightChoice alone;       // share 1: for light samples that nobody else wants
+  LightChoice shared;      // with the strategy of the map, by power; share 1: there is no map
+  bool has_alpha = false;  // whether rays may pass through some of the triangles
   // Of every light: row in the texture table + 1, 0: none; null: no emission has a texture. Light
   // samples and rays that hit the triangle both see level 0, so they see the same light.
   const std::uint32_t* emission_texture = nullptr;
@@ -70,9 +70,11 @@ void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& light
 
 // Appends to `met` (from its row 0) those of rays [0, n) that hit the shining side of a triangle,
 // in order, with its radiance and the density of SampleLocalLights there; returns their number.
-// There is a triangle that shines. `arrival`, where it is not null: see kernels/light_paths/arrival.h.
-std::uint32_t MeetEmitters(const LocalLightView& view, const LightChoice& choice,
-                           const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
-                           float samples, const EscapeColumns& met, float* arrival = nullptr);
+// There is a triangle that shines. `arrival`, where it is not null: see
+// kernels/light_paths/arrival.h.
+std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
+                                const RayColumns& rays, const HitColumns& hits, std::uint32_t n,
+                                float samples, const EscapeColumns& emitter_hits,
+                                float* arrival = nullptr);
 
 }  // namespace skywave

@@ -7,8 +7,8 @@
 #define SKYWAVE_KERNELS_POWER_INL_H_
 #endif
 
-#include "kernels/simd/exp-inl.h"
 #include "kernels/bsdf/ggx-inl.h"
+#include "kernels/simd/exp-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

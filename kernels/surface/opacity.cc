@@ -24,7 +24,8 @@ float Opacity(const OpacityView& view, std::uint32_t triangle, float u, float v)
   return record.factor * FirstChannel(view.textures, record.texture - 1, triangle, u, v);
 }
 
-bool IsMet(const OpacityView& view, std::uint32_t key, std::uint32_t triangle, float u, float v) {
+bool StopsRay(const OpacityView& view, std::uint32_t key, std::uint32_t triangle, float u,
+              float v) {
   const float opacity = Opacity(view, triangle, u, v);
   const float cutoff = RecordOf(view, triangle).cutoff;
   if (cutoff >= 0) return opacity >= cutoff;

@@ -3,7 +3,8 @@
 // Asked while Embree traverses, for one candidate hit after the other, so this is scalar. The
 // answer is a function of the key of the ray and of the triangle: it depends neither on the order
 // in which Embree comes upon triangles nor on how often it asks. Textures are read at level 0, by
-// the arithmetic of kernels/surface/texture-inl.h: a mean over holes is no edge, and many samples blend.
+// the arithmetic of kernels/surface/texture-inl.h: a mean over holes is no edge, and many samples
+// blend.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,7 @@ struct OpacityView {
 float Opacity(const OpacityView& view, std::uint32_t triangle, float u, float v);
 
 // Whether the ray of that key meets the triangle there.
-bool IsMet(const OpacityView& view, std::uint32_t key, std::uint32_t triangle, float u, float v);
+bool StopsRay(const OpacityView& view, std::uint32_t key, std::uint32_t triangle, float u, float v);
 
 // Writes keys of rays [0, n): hashes of the path in row `rows[i]` of `paths` and of `event`, the
 // number of what the path uses the rays for.

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <numbers>
 
-#include "lights/tables/max_pyramid.h"
 #include "lights/light_sets/median_cut.h"
 #include "lights/light_sets/penrose.h"
 #include "lights/light_sets/variance_cut.h"
 #include "lights/light_sets/voronoi.h"
+#include "lights/tables/max_pyramid.h"
 
 namespace skywave {
 namespace {

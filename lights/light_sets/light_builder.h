@@ -5,10 +5,10 @@
 #include <optional>
 #include <span>
 
-#include "lights/tables/cells.h"
 #include "lights/light_sets/clustering.h"
 #include "lights/light_sets/penrose.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/cells.h"
 
 namespace skywave {
 

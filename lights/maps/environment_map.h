@@ -29,10 +29,10 @@ struct EnvironmentMap {
 // Throws InputError for any other shape, naming `path` and the flag that decides.
 Projection DetectProjection(const Image& image, const std::string& path);
 
-// Lat-long version of a map: itself, or any other projection resampled (lights/maps/resample.h) to a
-// size that keeps its angular resolution: as many columns as an angular map has, 4 columns for 3 of
-// a ball or an octahedral square, 4 for each pixel of a cube's edge. Throws InputError for a cube
-// whose faces are not square.
+// Lat-long version of a map: itself, or any other projection resampled (lights/maps/resample.h) to
+// a size that keeps its angular resolution: as many columns as an angular map has, 4 columns for 3
+// of a ball or an octahedral square, 4 for each pixel of a cube's edge. Throws InputError for a
+// cube whose faces are not square.
 Image ToLatLong(Image image, Projection projection);
 
 // Direction in map space (right, forward, up) to a point of the angular map in [-1, 1]^2, x to the

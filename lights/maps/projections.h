@@ -2,8 +2,8 @@
 //
 // Image points are (u, v) in [0, 1]^2 of the whole picture, u to the right, v down; pixel (i, j) of
 // W x H covers [i, i + 1) / W x [j, j + 1) / H. Directions are unit vectors in map space: x right,
-// y forward, z up (kernels/lights/environment.h). Seen from inside the sphere no projection but the ball,
-// a reflection, is mirrored.
+// y forward, z up (kernels/lights/environment.h). Seen from inside the sphere no projection but the
+// ball, a reflection, is mirrored.
 //
 //   latlong           forward in the middle, right at u = 3/4, up along the top edge
 //   angular           (Debevec 1998) forward in the middle, right to the right, up up; distance

@@ -1,8 +1,8 @@
 // A lat-long map as light on the sphere: what every builder of samples, cells and lights reads.
 //
 // Radiance is constant inside a texel. Directions are in map space (right, forward, up) with
-// u = 1/2 + atan2(right, forward) / 2 pi, v = acos(up) / pi, as kernels/lights/environment.h has them.
-// All integrals over texels are exact, so rows add up to 4 pi and no pole needs special care.
+// u = 1/2 + atan2(right, forward) / 2 pi, v = acos(up) / pi, as kernels/lights/environment.h has
+// them. All integrals over texels are exact, so rows add up to 4 pi and no pole needs special care.
 // Units: radiance is that of the image, energy is luminance integrated over solid angle.
 #pragma once
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "lights/tables/cells.h"
 #include "lights/light_sets/strata.h"
+#include "lights/tables/cells.h"
 
 namespace skywave {
 

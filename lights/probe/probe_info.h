@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "lights/maps/sphere_map.h"
 #include "lights/light_sets/strata.h"
+#include "lights/maps/sphere_map.h"
 
 namespace skywave {
 

@@ -2,8 +2,8 @@
 //
 // uniform  directions uniform over the sphere, density 1 / 4 pi, whatever the map.
 // cosine   directions about the shading normal, density cos / pi (P 3-6), whatever the map.
-// bsdf     no light samples: light is found by BSDF sampling alone. Needs it, so not with --no-mis.
-// None has parameters.
+// bsdf     no light samples: light is found by BSDF sampling alone. GuideSamples it, so not with
+// --no-mis. None has parameters.
 #pragma once
 
 #include "lights/strategies/strategy.h"

@@ -15,8 +15,7 @@ constexpr std::string_view kDivisions[] = {"variation", "p", "lights"};
 constexpr std::string_view kRests[] = {"importance", "presampled"};
 
 // Luminance of the light times solid angle over A; solid angle alone where that is black.
-std::vector<double> ImportanceOfA(const Texels& light, const SphereMap& map,
-                                  const Strata& strata) {
+std::vector<double> ImportanceOfA(const Texels& light, const SphereMap& map, const Strata& strata) {
   std::vector<double> importance(map.texels());
   double total = 0;
   for (int y = 0; y < map.height; ++y) {
@@ -70,8 +69,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
     for (std::size_t i = 0; i < cells.size(); ++i) {
       if (strata.in_a[i] == 0) cells[i] = kNoCell;
     }
-    cells_.emplace(width, height, ImportanceOfA(*texels_, sphere, strata), cells,
-                   lights_->size());
+    cells_.emplace(width, height, ImportanceOfA(*texels_, sphere, strata), cells, lights_->size());
     cell_density_ = cells_->DensityInCells(cells);
   }
 }

@@ -14,17 +14,17 @@
 //   rest-samples=360  cells of B, picked by energy (MPA, T 7.3)
 //   inside=0          1: instead of the light of each of A's cells one sample inside the cell, by
 //                     importance: stratified, with a density. Unbiased with rest=importance.
-//                     Needs pick=all.
+//                     GuideSamples pick=all.
 #pragma once
 
 #include <optional>
 
-#include "lights/tables/cell_sampler.h"
 #include "lights/light_sets/directional_lights.h"
-#include "lights/tables/inversion_table.h"
 #include "lights/light_sets/light_builder.h"
 #include "lights/light_sets/strata.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/cell_sampler.h"
+#include "lights/tables/inversion_table.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {

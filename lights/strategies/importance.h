@@ -18,8 +18,8 @@
 
 #include <optional>
 
-#include "lights/tables/inversion_table.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/inversion_table.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "kernels/chunk.h"
-#include "lights/strategies/importance.h"
 #include "lights/light_sets/variance_cut.h"
+#include "lights/strategies/importance.h"
 
 namespace skywave {
 namespace {

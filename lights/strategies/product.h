@@ -13,8 +13,8 @@
 #include <optional>
 
 #include "kernels/bsdf/product.h"
-#include "lights/tables/cell_sampler.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/cell_sampler.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {

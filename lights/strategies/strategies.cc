@@ -5,13 +5,13 @@
 
 #include "base/error.h"
 #include "lights/light_sets/light_builder.h"
-#include "lights/strategies/strategy.h"
 #include "lights/strategies/baselines.h"
 #include "lights/strategies/hybrid.h"
 #include "lights/strategies/importance.h"
 #include "lights/strategies/lights.h"
 #include "lights/strategies/product.h"
 #include "lights/strategies/ris.h"
+#include "lights/strategies/strategy.h"
 #include "lights/strategies/texels.h"
 
 namespace skywave {

@@ -11,8 +11,8 @@
 //   lights=360 cells, from=penrose, and the other parameters of directional lights.
 #pragma once
 
-#include "lights/tables/cell_sampler.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/cell_sampler.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "lights/maps/projections.h"
 #include "lights/light_sets/voronoi.h"
+#include "lights/maps/projections.h"
 
 namespace skywave {
 namespace {

@@ -29,7 +29,7 @@ struct LightSet {
   // Every one with energy > 0; along a Hilbert curve over the sphere, so that lights that one
   // uniform picks by their energy keep the stratification of the points that pick them.
   std::vector<DirectionalLight> lights;
-  CellMap cell_of_texel;                 // index of the light that has the texel's energy
+  CellMap cell_of_texel;  // index of the light that has the texel's energy
 };
 
 struct CellSums {

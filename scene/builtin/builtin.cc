@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "scene/shapes/mesh.h"
 #include "scene/builtin/scene_building.h"
+#include "scene/shapes/mesh.h"
 #include "scene/shapes/shapes.h"
 
 namespace skywave {

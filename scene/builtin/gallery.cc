@@ -5,8 +5,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <vector>
 
-#include "scene/shapes/mesh.h"
 #include "scene/builtin/scene_building.h"
+#include "scene/shapes/mesh.h"
 #include "scene/shapes/shapes.h"
 
 namespace skywave {

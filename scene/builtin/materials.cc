@@ -2,8 +2,8 @@
 // made of.
 #include <utility>
 
-#include "scene/materials/metals.h"
 #include "scene/builtin/scene_building.h"
+#include "scene/materials/metals.h"
 #include "scene/shapes/shapes.h"
 
 namespace skywave {

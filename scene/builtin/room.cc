@@ -2,8 +2,8 @@
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "scene/shapes/mesh.h"
 #include "scene/builtin/scene_building.h"
+#include "scene/shapes/mesh.h"
 #include "scene/shapes/shapes.h"
 
 namespace skywave {

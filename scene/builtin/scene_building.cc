@@ -3,9 +3,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <utility>
 
-#include "scene/shapes/mesh.h"
-#include "scene/materials/metals.h"
 #include "scene/builtin/procedural_sky.h"
+#include "scene/materials/metals.h"
+#include "scene/shapes/mesh.h"
 
 namespace skywave {
 namespace {

@@ -4,11 +4,10 @@
 //   KHR_materials_ior              its index
 //   KHR_materials_transmission     from a factor of 1/2: a pane of the base colour, or with
 //   KHR_materials_volume           (thickness above 0) a dielectric, smooth or rough; no absorption
-//   KHR_materials_clearcoat, KHR_materials_sheen   layers (kernels/bsdf/coat-inl.h), by their factors
-//   KHR_materials_specular         the index that reflects so much
-//   KHR_materials_unlit            Lambert, with a warning
-//   KHR_texture_transform          offset, rotation and scale
-//   alphaMode MASK, BLEND          holes by alphaCutoff, or in the share of rays that alpha leaves
+//   KHR_materials_clearcoat, KHR_materials_sheen   layers (kernels/bsdf/coat-inl.h), by their
+//   factors KHR_materials_specular         the index that reflects so much KHR_materials_unlit
+//   Lambert, with a warning KHR_texture_transform          offset, rotation and scale alphaMode
+//   MASK, BLEND          holes by alphaCutoff, or in the share of rays that alpha leaves
 //   normalTexture                  with its scale, along TANGENT or else the axes of the uvs
 //   emissiveFactor, emissiveTexture, KHR_materials_emissive_strength
 //                                  radiance in nits, on both sides of doubleSided materials; of the

@@ -15,12 +15,12 @@ namespace skywave {
 std::vector<OpacityRecord> MakeOpacityRecords(const std::vector<Material>& materials);
 
 // What the filter of a geometry is given: its triangles are those from `first` on.
-struct HoleFilter {
+struct AlphaFilter {
   OpacityView opacity;
   std::uint32_t first;
 };
 
 // Makes `geometry` ask. `filter` must outlive it; rays carry their keys (DrawRayKeys) in `id`.
-void SetHoleFilter(RTCGeometry geometry, const HoleFilter& filter);
+void SetAlphaFilter(RTCGeometry geometry, const AlphaFilter& filter);
 
 }  // namespace skywave

@@ -29,8 +29,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
 #include "scene/materials/texture_files.h"
+#include "scene/scene.h"
 #include "scene/warnings.h"
 
 namespace skywave {

@@ -11,9 +11,9 @@
 
 #include "base/error.h"
 #include "base/files.h"
-#include "scene/obj/mtl.h"
 #include "scene/obj/check.h"
 #include "scene/obj/meshes.h"
+#include "scene/obj/mtl.h"
 
 namespace skywave {
 namespace {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "scene/shapes/loop_subdivision.h"
-#include "scene/shapes/mesh.h"
 #include "scene/pbrt/parameters.h"
 #include "scene/scene.h"
+#include "scene/shapes/loop_subdivision.h"
+#include "scene/shapes/mesh.h"
 #include "scene/warnings.h"
 
 namespace skywave {

@@ -10,11 +10,11 @@
 #include <tuple>
 #include <vector>
 
+#include "scene/materials/texture_files.h"
 #include "scene/pbrt/parameters.h"
 #include "scene/pbrt/tokens.h"
 #include "scene/read_options.h"
 #include "scene/scene.h"
-#include "scene/materials/texture_files.h"
 #include "scene/warnings.h"
 
 namespace skywave {

@@ -9,8 +9,8 @@
 #include <filesystem>
 
 #include "base/error.h"
-#include "scene/pbrt/state.h"
 #include "scene/materials/texture_baking.h"
+#include "scene/pbrt/state.h"
 
 namespace skywave {
 namespace {

@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/shapes/mesh.h"
 #include "scene/pbrt/materials.h"
 #include "scene/pbrt/reader.h"
 #include "scene/pbrt/shapes.h"
 #include "scene/pbrt/state.h"
 #include "scene/pbrt/surface_maps.h"
+#include "scene/shapes/mesh.h"
 
 namespace skywave {
 namespace {

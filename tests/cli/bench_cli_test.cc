@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/xml.h"
 
@@ -143,7 +144,7 @@ TEST_F(Bench, CountersAreTheSameTextForThreadsAndBackends) {
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "the committed counters are of AVX2";
   const Result one = Run("bench --counters --threads 2 --backend single");
   EXPECT_EQ(one.exit_code, 0) << one.err;
-  EXPECT_EQ(one.out, ReadFile(SKYWAVE_SOURCE "/tests/baselines/bench_counters.txt"));
+  EXPECT_EQ(one.out, ReadFile(SourcePath("tests/baselines/bench_counters.txt")));
   for (const char* const part : {"gallery rays shadow ", "many-shapes bounce 1 rows ",
                                  "spheres table_bytes importance ", "bytes_per_path "}) {
     EXPECT_TRUE(Contains(one.out, part)) << part;

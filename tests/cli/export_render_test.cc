@@ -15,9 +15,9 @@
 #include <string>
 
 #include "base/files.h"
+#include "lights/light_sets/probe_lights.h"
 #include "lights/probe/calibration.h"
 #include "lights/probe/export_lights.h"
-#include "lights/light_sets/probe_lights.h"
 #include "tests/support/light_test_maps.h"
 
 namespace skywave {

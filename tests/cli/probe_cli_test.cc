@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "lights/maps/resample.h"
 #include "tests/support/light_test_maps.h"
+#include "tests/support/paths.h"
 
 namespace skywave {
 namespace {
@@ -29,8 +30,8 @@ class ProbeCommand : public testing::Test {
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
   // The exit code; both streams go to out_.
   int Probe(const std::string& arguments) {
-    const int status = std::system(("cd '" + folder_.string() + "' && " SKYWAVE_PROGRAM " probe " +
-                                    arguments + " > out.txt 2>&1")
+    const int status = std::system(("cd '" + folder_.string() + "' && " + ProgramPath() +
+                                    " probe " + arguments + " > out.txt 2>&1")
                                        .c_str());
     out_ = ReadFile(File("out.txt"));
     return WEXITSTATUS(status);

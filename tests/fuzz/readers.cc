@@ -6,11 +6,11 @@
 #include "base/gzip.h"
 #include "image/image.h"
 #include "scene/gltf/reader.h"
+#include "scene/materials/spectrum.h"
 #include "scene/obj/mtl.h"
 #include "scene/obj/reader.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
-#include "scene/materials/spectrum.h"
 
 namespace skywave {
 namespace {

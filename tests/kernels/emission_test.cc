@@ -277,8 +277,8 @@ TEST(LightRaysOfAll, ArePickedAsTheChoiceHasIt) {
 }
 
 // Light samples of a sky: some with a density, some directional, some that found nothing.
-struct SkySamples {
-  explicit SkySamples(std::uint32_t n) : samples(n) {
+struct EnvironmentSamples {
+  explicit EnvironmentSamples(std::uint32_t n) : samples(n) {
     Random random(221);
     for (std::uint32_t i = 0; i < n; ++i) {
       Put(random.Direction(), i, samples->dir_x, samples->dir_y, samples->dir_z);
@@ -289,11 +289,11 @@ struct SkySamples {
   soa::Table<LightColumns> samples;
 };
 
-TEST(SkyRays, AreWhatTheSamplesAre) {
-  const SkySamples sky(kSamples);
+TEST(EnvironmentRays, AreWhatTheSamplesAre) {
+  const EnvironmentSamples sky(kSamples);
   const auto disk = RandomUniforms(kSamples, 222);
   Emitted e(kSamples);
-  EmitFromSky(kSphere, sky.samples, disk, kSamples, e.rays, e.emission);
+  EmitFromEnvironment(kSphere, sky.samples, disk, kSamples, e.rays, e.emission);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const LightColumns& s = sky.samples;
     const Vec towards = Get(i, s.dir_x, s.dir_y, s.dir_z);
@@ -317,18 +317,18 @@ TEST(SkyRays, AreWhatTheSamplesAre) {
 
 // Light from far away is as near as the box lets it be, and the same light: on the lines that it
 // would have come along.
-TEST(SkyRays, BeginWhereTheyEnterTheBox) {
+TEST(EnvironmentRays, BeginWhereTheyEnterTheBox) {
   SceneSphere boxed = kSphere;
   const double low[3] = {-3, -0.1, -3.9}, high[3] = {3, 0.4, 3.9};
   for (int axis = 0; axis < 3; ++axis) {
     boxed.low[axis] = boxed.center[axis] + float(low[axis]);
     boxed.high[axis] = boxed.center[axis] + float(high[axis]);
   }
-  const SkySamples sky(kSamples);
+  const EnvironmentSamples sky(kSamples);
   const auto disk = RandomUniforms(kSamples, 222);
   Emitted from_disk(kSamples), from_box(kSamples);
-  EmitFromSky(kSphere, sky.samples, disk, kSamples, from_disk.rays, from_disk.emission);
-  EmitFromSky(boxed, sky.samples, disk, kSamples, from_box.rays, from_box.emission);
+  EmitFromEnvironment(kSphere, sky.samples, disk, kSamples, from_disk.rays, from_disk.emission);
+  EmitFromEnvironment(boxed, sky.samples, disk, kSamples, from_box.rays, from_box.emission);
   std::uint32_t entered = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const Vec dir = from_disk.Direction(i), before = from_disk.Origin(i);
@@ -352,7 +352,7 @@ TEST(SkyRays, BeginWhereTheyEnterTheBox) {
 }
 
 TEST(Emission, BitsDoNotDependOnTargetOrNumberOfRows) {
-  const SkySamples sky(kFullWave);
+  const EnvironmentSamples sky(kFullWave);
   const std::vector<LocalLight> lights = Lights();
   const std::uint32_t first[] = {0,
                                  kChoiceUnits / 8,
@@ -364,7 +364,7 @@ TEST(Emission, BitsDoNotDependOnTargetOrNumberOfRows) {
   const auto pick = RandomUniforms(kFullWave, 231), aim = RandomUniforms(kFullWave, 232);
   const auto emit = [&](std::uint32_t n) {
     Emitted e(kFullWave);
-    EmitFromSky(kSphere, sky.samples, aim, n, e.rays, e.emission);
+    EmitFromEnvironment(kSphere, sky.samples, aim, n, e.rays, e.emission);
     EmitFromLocalLights(view, {.first = first, .share = 0.75f}, kSphere, pick, aim, n, e.rays,
                         e.emission, e.places);
     return e.Bits(n);

@@ -7,8 +7,8 @@
 #include <set>
 #include <string>
 
-#include "kernels/bsdf/bsdf.h"
 #include "job/job.h"
+#include "kernels/bsdf/bsdf.h"
 #include "wavefront/render.h"
 
 namespace skywave {

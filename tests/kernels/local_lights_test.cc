@@ -117,9 +117,10 @@ TEST_F(LocalLightKernels, AChoiceFollowsPowerToAUnit) {
 TEST_F(LocalLightKernels, SharesWithTheMapByPowerWithinBounds) {
   double power = 0;
   for (const LocalLightTotal& total : lights_.totals()) power += total.power;
-  for (const auto& [sky, share] : {std::pair{3 * power, 0.25}, std::pair{1e9 * power, 1.0 / 16},
-                                   std::pair{1e-9 * power, 15.0 / 16}}) {
-    const LocalLights lights(scene_, geometry_, "test", 2, sky);
+  for (const auto& [environment, share] :
+       {std::pair{3 * power, 0.25}, std::pair{1e9 * power, 1.0 / 16},
+        std::pair{1e-9 * power, 15.0 / 16}}) {
+    const LocalLights lights(scene_, geometry_, "test", 2, environment);
     const LocalLightView view = lights.view();
     EXPECT_NEAR(view.shared.share, share, 1e-6);
     EXPECT_EQ(view.shared.share, float(view.shared.first[view.count]) / float(kChoiceUnits));
@@ -408,7 +409,8 @@ TEST_F(LocalLightKernels, MetTrianglesHaveTheDensityOfTheirSamples) {
     ForEachTarget([&] {
       soa::Table<EscapeColumns> met(n);
       FillWithGarbage(met.columns(), n);
-      const std::uint32_t count = MeetEmitters(view_, view_.alone, rays, hits, n, kSamples, met);
+      const std::uint32_t count =
+          IntersectEmitters(view_, view_.alone, rays, hits, n, kSamples, met);
       ASSERT_EQ(count, expected.size());
       for (std::uint32_t k = 0; k < count; ++k) {
         const std::uint32_t i = expected[k];
@@ -445,7 +447,7 @@ TEST(LocalLightMeeting, OneSidedTrianglesAreDarkFromBehind) {
     }
     soa::Table<EscapeColumns> met(2);
     const LocalLightView view = one.lights.view();
-    EXPECT_EQ(MeetEmitters(view, view.alone, rays, hits, 2, 1, met), two_sided ? 2u : 1u);
+    EXPECT_EQ(IntersectEmitters(view, view.alone, rays, hits, 2, 1, met), two_sided ? 2u : 1u);
     EXPECT_EQ(met->dir_z[0], 1);
   }
 }

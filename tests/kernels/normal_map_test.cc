@@ -10,8 +10,8 @@
 
 #include "kernels/surface/surface.h"
 #include "scene/geometry.h"
-#include "scene/shapes/mesh.h"
 #include "scene/materials/texture_tables.h"
+#include "scene/shapes/mesh.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/targets.h"

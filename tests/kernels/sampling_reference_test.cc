@@ -7,14 +7,14 @@
 #include <cmath>
 #include <functional>
 
-#include "kernels/lights/directional.h"
 #include "kernels/bsdf/product.h"
+#include "kernels/lights/directional.h"
 #include "kernels/lights/resampling.h"
 #include "kernels/lights/texel_samplers.h"
-#include "lights/tables/cell_sampler.h"
 #include "lights/light_sets/directional_lights.h"
-#include "lights/tables/inversion_table.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/cell_sampler.h"
+#include "lights/tables/inversion_table.h"
 #include "lights/tables/texels.h"
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/shade_points.h"

@@ -11,10 +11,10 @@
 #include <limits>
 
 #include "base/error.h"
-#include "scene/geometry.h"
 #include "scene/builtin/scene_building.h"
-#include "scene/shapes/shapes.h"
+#include "scene/geometry.h"
 #include "scene/materials/texture_tables.h"
+#include "scene/shapes/shapes.h"
 #include "tests/support/oracle_texture.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/targets.h"

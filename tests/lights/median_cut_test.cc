@@ -8,8 +8,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "lights/tables/cells.h"
 #include "lights/light_sets/variance_cut.h"
+#include "lights/tables/cells.h"
 #include "tests/support/light_test_maps.h"
 
 namespace skywave {

@@ -25,18 +25,18 @@ struct Row {
 };
 using enum BsdfKind;
 constexpr Row kRows[] = {
-    {"MapLambert", kSky, kLambert, 0, 0},
-    {"MapGlossy", kSky, kConductor, 0.15f, 0.1f},
-    {"MapGlass", kSky, kDielectric, 0, 0},
-    {"MapMirror", kSky, kMirror, 0, 0.1f},
+    {"MapLambert", kEnvironment, kLambert, 0, 0},
+    {"MapGlossy", kEnvironment, kConductor, 0.15f, 0.1f},
+    {"MapGlass", kEnvironment, kDielectric, 0, 0},
+    {"MapMirror", kEnvironment, kMirror, 0, 0.1f},
     {"LampLambert", kLamp, kLambert, 0, 0.1f},
     {"LampGlossy", kLamp, kConductor, 0.15f, 0},
     {"LampGlass", kLamp, kDielectric, 0, 0.1f},
     {"LampMirror", kLamp, kMirror, 0, 0},
-    {"BothLambert", kSky | kLamp, kLambert, 0, 0.1f},
-    {"BothGlossy", kSky | kLamp, kConductor, 0.15f, 0},
-    {"BothGlass", kSky | kLamp, kDielectric, 0, 0},
-    {"BothMirror", kSky | kLamp, kMirror, 0, 0.1f},
+    {"BothLambert", kEnvironment | kLamp, kLambert, 0, 0.1f},
+    {"BothGlossy", kEnvironment | kLamp, kConductor, 0.15f, 0},
+    {"BothGlass", kEnvironment | kLamp, kDielectric, 0, 0},
+    {"BothMirror", kEnvironment | kLamp, kMirror, 0, 0.1f},
 };
 constexpr int kRuns = 12;
 constexpr std::uint32_t kPasses = 16;  // of those that converge
@@ -63,8 +63,8 @@ Scene WithoutBalls(Scene scene) {
 }
 
 // The mean of three pictures of so many passes: under the lamp the light of one is off by 1 % or 2
-// %, which is noise. Disks are whole but where photons are seen directly, so at edges large ones
-// darken.
+// %, which is noise. AreaCorrection are whole but where photons are seen directly, so at edges
+// large ones darken.
 PictureEstimate Progressive(const Scene& scene, JobRequest request, std::uint32_t gather,
                             std::uint32_t passes) {
   const bool merges = request.integrator == Integrator::kVcm;

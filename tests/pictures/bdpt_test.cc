@@ -35,8 +35,8 @@ TEST_P(BdptLights, PicturesAreThoseOfPaths) {
                           Request(Integrator::kBdpt, 4), kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Bdpt, BdptLights,
-                         testing::Values(kSky, kLamp, kBall, kPoint, kSpot, kDistant, kSky | kLamp,
-                                         kSky | kLocal),
+                         testing::Values(kEnvironment, kLamp, kBall, kPoint, kSpot, kDistant,
+                                         kEnvironment | kLamp, kEnvironment | kLocal),
                          [](const auto& test) { return "Lights" + std::to_string(test.param); });
 
 struct BsdfCase {
@@ -48,7 +48,7 @@ class BdptBsdfs : public testing::TestWithParam<BsdfCase> {};
 
 TEST_P(BdptBsdfs, PicturesAreThoseOfPaths) {
   const BsdfCase& test = GetParam();
-  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp),
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kEnvironment | kLamp),
                           Request(Integrator::kBdpt, 5), kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 TEST(Bdpt, EveryDepthIsThatOfPaths) {
-  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLamp | kPoint);
+  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLamp | kPoint);
   for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 7u}) {
     SCOPED_TRACE(depth);
     EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, depth), kRuns, kLevel));
@@ -75,7 +75,7 @@ TEST(Bdpt, EveryDepthIsThatOfPaths) {
 
 // Lenses and every kind of camera.
 TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
-  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp);
+  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLamp);
   for (const CameraKind kind : kCameraKinds) {
     for (const float lens : {0.0f, 0.3f}) {
       if (lens > 0 && !HasPlaneFilm(kind)) continue;
@@ -92,20 +92,20 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
 TEST(Bdpt, VeilsAreThoseOfPaths) {
   Material veil = Of(BsdfKind::kLambert);
   veil.opacity = 0.4f;
-  Scene scene = MattRoom(veil, kSky | kLamp | kPoint);
+  Scene scene = MattRoom(veil, kEnvironment | kLamp | kPoint);
   for (Material& material : scene.materials) {
     if (material.name == "lamp") material.opacity = 0.7f;
   }
   EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, 4), kRuns, kLevel));
 }
 
-std::vector<PathWay> WaysOf(std::uint32_t surfaces) {
-  std::vector<PathWay> ways;
+std::vector<SubpathLengths> WaysOf(std::uint32_t surfaces) {
+  std::vector<SubpathLengths> techniques;
   for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
-    const PathWay way = {.light = light, .eye = surfaces + 2 - light};
-    if (light != 1 || way.eye != 1) ways.push_back(way);
+    const SubpathLengths way = {.light = light, .eye = surfaces + 2 - light};
+    if (light != 1 || way.eye != 1) techniques.push_back(way);
   }
-  return ways;
+  return techniques;
 }
 
 // Surfaces that are far from each other: connections unweighted have no bounded variance in
@@ -132,10 +132,10 @@ TEST(Bdpt, EveryWayAloneFindsAllLight) {
     for (std::uint32_t surfaces = 1; surfaces <= (kind == BsdfKind::kLambert ? 3 : 2); ++surfaces) {
       PictureEstimate expected;
       std::uint32_t seed = 100;
-      for (const PathWay& way : WaysOf(surfaces)) {
+      for (const SubpathLengths& way : WaysOf(surfaces)) {
         SCOPED_TRACE(std::to_string(way.light) + "," + std::to_string(way.eye));
         FrameView frame = job.frame();
-        frame.options.way = way;
+        frame.options.subpath_lengths = way;
         frame.options.mis = false;
         const PictureEstimate alone =
             MeanOfBlocks(EstimateFromEngine(job, frame, kRuns, seed += 100), 6);
@@ -150,11 +150,11 @@ TEST(Bdpt, EveryWayAloneFindsAllLight) {
 }
 
 TEST(Bdpt, WeightedWaysAddUpToThePicture) {
-  const RenderJob job(MattRoom(Of(BsdfKind::kDielectric), kSky | kLocal),
+  const RenderJob job(MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLocal),
                       Request(Integrator::kBdpt, 4));
-  const auto render = [&](const std::optional<PathWay>& way) {
+  const auto render = [&](const std::optional<SubpathLengths>& way) {
     FrameView frame = job.frame();
-    frame.options.way = way;
+    frame.options.subpath_lengths = way;
     Film film = job.MakeFilm();
     RenderFrame(frame, film);
     return film.Resolve(frame.options.samples_per_pixel).rgb;
@@ -162,7 +162,7 @@ TEST(Bdpt, WeightedWaysAddUpToThePicture) {
   const std::vector<float> picture = render(std::nullopt);
   std::vector<double> sum(picture.size());
   for (std::uint32_t surfaces = 0; surfaces <= 4; ++surfaces) {
-    for (const PathWay& way : WaysOf(surfaces)) {
+    for (const SubpathLengths& way : WaysOf(surfaces)) {
       const std::vector<float> part = render(way);
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
     }
@@ -171,27 +171,28 @@ TEST(Bdpt, WeightedWaysAddUpToThePicture) {
 }
 
 TEST(Bdpt, WhatItCannotDoIsRefused) {
-  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kSky | kLamp);
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
   const auto refused = [&](auto change) {
     JobRequest request = Request(Integrator::kBdpt, 3);
     change(request);
     EXPECT_THROW(RenderJob(scene, request), InputError);
   };
   refused([](JobRequest& r) { r.options.mis = false; });
-  refused([](JobRequest& r) { r.max_depth = kMaxJoinedDepth + 1; });
+  refused([](JobRequest& r) { r.max_depth = kMaxBidirectionalDepth + 1; });
   refused([](JobRequest& r) { r.strategy = "cosine"; });
-  refused([](JobRequest& r) { r.options.way = PathWay{.light = 1, .eye = 1}; });
-  refused([](JobRequest& r) { r.options.way = PathWay{.light = 3, .eye = 0}; });
+  refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 1}; });
+  refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 3, .eye = 0}; });
   refused([](JobRequest& r) {
-    r.options.way = PathWay{.light = 1, .eye = 2};
+    r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2};
     r.integrator = Integrator::kPath;
   });
   // Of four surfaces, one more than the depth.
-  refused([](JobRequest& r) { r.options.way = PathWay{.light = 2, .eye = 4}; });
-  refused([](JobRequest& r) { r.options.way = PathWay{.light = ~0u, .eye = ~0u}; });
+  refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 2, .eye = 4}; });
+  refused(
+      [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = ~0u, .eye = ~0u}; });
   JobRequest alone = Request(Integrator::kBdpt, 3);
   alone.options.mis = false;
-  alone.options.way = PathWay{.light = 1, .eye = 2};
+  alone.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2};
   EXPECT_NO_THROW(RenderJob(scene, alone));
 }
 

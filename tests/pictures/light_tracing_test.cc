@@ -186,7 +186,7 @@ TEST(LightTracing, IsPathTracingUnderDirectionalLights) {
   }
 }
 
-TEST(LightTracing, LooksThroughHoles) {
+TEST(LightTracing, LooksThroughAlpha) {
   Scene scene = Things();
   scene.materials[1].opacity = 0.6f;
   AddLamp(scene, 1.2f, {0.5f, 3, 0.5f}, {6, 5, 4});

@@ -189,7 +189,7 @@ TEST(LocalLightIrradiance, TheEyeSeesALampsRadiance) {
 
 // ---- Against the oracle and itself ----
 
-enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kSky = 32 };
+enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kEnvironment = 32 };
 
 // Matt, metal, mirror and glass under some lights, the same camera always. All lamps are there as
 // surfaces, whether they shine or not.
@@ -210,7 +210,7 @@ Scene LitBalls(int lights) {
   }
   if (lights & kSpot) scene.lights.push_back(SlantingSpot());
   if (lights & kDistant) scene.lights.push_back(SlantingSun());
-  if (lights & kSky) SetLight(scene, SkyWithSun(32, 16, 3, 0.5));
+  if (lights & kEnvironment) SetLight(scene, SkyWithSun(32, 16, 3, 0.5));
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
   return scene;
 }
@@ -239,12 +239,12 @@ TEST_P(LocalLightPictures, PathsAreTheOracles) {
   ExpectOracles(LitBalls(GetParam()), Request(Integrator::kPath, 4));
 }
 INSTANTIATE_TEST_SUITE_P(Oracle, LocalLightPictures,
-                         testing::Values(kLamp, kBall, kPoint | kSky, kSpot, kDistant,
+                         testing::Values(kLamp, kBall, kPoint | kEnvironment, kSpot, kDistant,
                                          kLamp | kBall | kPoint | kSpot | kDistant,
-                                         kLamp | kBall | kPoint | kSpot | kDistant | kSky));
+                                         kLamp | kBall | kPoint | kSpot | kDistant | kEnvironment));
 
 TEST(LocalLightEstimators, EveryDepthIsTheOracles) {
-  const Scene scene = LitBalls(kLamp | kPoint | kSky);
+  const Scene scene = LitBalls(kLamp | kPoint | kEnvironment);
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
     for (const std::uint32_t depth : {0u, 1u, 2u}) {
       SCOPED_TRACE(std::string(ToString(integrator)) + " " + std::to_string(depth));
@@ -263,7 +263,7 @@ Scene MattRoom(int lights) {
 // Light samples alone, with BSDF samples, and BSDF samples alone have one expectation.
 TEST(LocalLightEstimators, LightAndBsdfSamplesAgree) {
   // No points: BSDF samples cannot meet them. Wide lamps: they meet them often.
-  Scene scene = MattRoom(kLamp | kBall | kSky);
+  Scene scene = MattRoom(kLamp | kBall | kEnvironment);
   AddLamp(scene, 4, 4, {0, 4, 0}, {1, 2, 1});
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
     JobRequest request = Request(integrator, 3);
@@ -301,21 +301,22 @@ TEST(LocalLightEstimators, LightsAddUp) {
       const RenderJob job(LitBalls(lights), Request(integrator, 3));
       return MeanOfBlocks(EstimateFromEngine(job, kRuns, seed), 3);
     };
-    const PictureEstimate sky = estimate(kSky, 1), lamp = estimate(kLamp, 1000),
+    const PictureEstimate sky = estimate(kEnvironment, 1), lamp = estimate(kLamp, 1000),
                           point = estimate(kPoint, 2000);
-    EXPECT_TRUE(SamePicture(Sum(sky, lamp), estimate(kSky | kLamp, 3000), kLevel)) << "sky, lamp";
-    EXPECT_TRUE(SamePicture(Sum(sky, point), estimate(kSky | kPoint, 4000), kLevel))
+    EXPECT_TRUE(SamePicture(Sum(sky, lamp), estimate(kEnvironment | kLamp, 3000), kLevel))
+        << "sky, lamp";
+    EXPECT_TRUE(SamePicture(Sum(sky, point), estimate(kEnvironment | kPoint, 4000), kLevel))
         << "sky, point";
-    EXPECT_TRUE(
-        SamePicture(Sum(Sum(sky, point), lamp), estimate(kSky | kPoint | kLamp, 5000), kLevel))
+    EXPECT_TRUE(SamePicture(Sum(Sum(sky, point), lamp),
+                            estimate(kEnvironment | kPoint | kLamp, 5000), kLevel))
         << "all three";
   }
 }
 
 // Whatever samples the map, biased or not: local lights add the same.
 TEST(LocalLightEstimators, EveryStrategyLeavesLocalLightsAlone) {
-  const Scene sky = MattRoom(kSky), lamps = MattRoom(kLamp | kPoint),
-              all = MattRoom(kSky | kLamp | kPoint);
+  const Scene sky = MattRoom(kEnvironment), lamps = MattRoom(kLamp | kPoint),
+              all = MattRoom(kEnvironment | kLamp | kPoint);
   JobRequest request = Request(Integrator::kPath, 2);
   request.width = 12, request.height = 9;
   const auto estimate = [&](const Scene& scene, std::uint32_t seed) {

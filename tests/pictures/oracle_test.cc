@@ -339,7 +339,7 @@ TEST(OraclePictures, EveryFilterAgrees) {
   }
 }
 
-TEST(OraclePictures, HolesAndReliefAgree) {
+TEST(OraclePictures, AlphaAndReliefAgree) {
   for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
     JobRequest request = Request(integrator, 4);
     request.options.light_samples = 2;
@@ -348,7 +348,7 @@ TEST(OraclePictures, HolesAndReliefAgree) {
 }
 
 // Every screen shines where it is, the sky as well.
-TEST(OraclePictures, HolesInLightsAgree) {
+TEST(OraclePictures, AlphaInLightsAgrees) {
   Scene scene = ScreensScene();
   for (Material& material : scene.materials) {
     if (material.opaque()) continue;

@@ -58,7 +58,8 @@ TEST_P(VcmLights, PicturesAreThoseOfPaths) {
                           kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Vcm, VcmLights,
-                         testing::Values(kSky, kLamp, kPoint, kDistant, kSky | kLocal),
+                         testing::Values(kEnvironment, kLamp, kPoint, kDistant,
+                                         kEnvironment | kLocal),
                          [](const auto& test) { return "Lights" + std::to_string(test.param); });
 
 struct BsdfCase {
@@ -70,7 +71,7 @@ class VcmBsdfs : public testing::TestWithParam<BsdfCase> {};
 
 TEST_P(VcmBsdfs, PicturesAreThoseOfPaths) {
   const BsdfCase& test = GetParam();
-  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kSky | kLamp),
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(test.kind, test.alpha), kEnvironment | kLamp),
                           Request(5, kSmallRadius), kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Vcm, VcmBsdfs,
@@ -88,13 +89,13 @@ INSTANTIATE_TEST_SUITE_P(Vcm, VcmBsdfs,
 TEST(Vcm, LensesSeeWhatPathsSee) {
   JobRequest request = Request(4, kSmallRadius);
   request.camera.lens_radius = 0.3f;
-  EXPECT_TRUE(
-      SameAsPaths(MattRoom(Of(BsdfKind::kDielectric), kSky | kLamp), request, kRuns, kLevel));
+  EXPECT_TRUE(SameAsPaths(MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLamp), request, kRuns,
+                          kLevel));
 }
 
 // Nothing is merged, so nothing is biased.
 TEST(Vcm, WithoutARadiusItIsBidirectional) {
-  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kSky | kLocal);
+  const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLocal);
   JobRequest request = Request(4, 1e-6f);
   const PictureEstimate vcm =
       MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, 0), 3);
@@ -109,7 +110,7 @@ TEST(Vcm, WithoutARadiusItIsBidirectional) {
 // What merges bring to a picture, weighted or not: as paths that no way joins.
 Image MergesOf(const RenderJob& job, bool weighted) {
   FrameView frame = job.frame();
-  frame.options.way = PathWay{.light = 0, .eye = 1000};
+  frame.options.subpath_lengths = SubpathLengths{.light = 0, .eye = 1000};
   frame.options.mis = weighted;
   Film film = job.MakeFilm();
   RenderFrame(frame, film);
@@ -220,7 +221,7 @@ TEST(Vcm, PassesConverge) {
 
 // Light vertices are cut to a number, so that waves end inside of what is kept.
 TEST(Vcm, ThreadsAndWavesDoNotMatter) {
-  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kSky | kLocal);
+  const Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLocal);
   for (const std::uint32_t passes : {0u, 1u, 3u}) {
     JobRequest request = Request(4, 0);
     request.samples_per_pixel = 5;
@@ -252,16 +253,17 @@ TEST(Vcm, PhotonsBoundWhatAPassStores) {
 // ---- Its surroundings ----
 
 TEST(Vcm, RefusesWhatCannotBe) {
-  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kSky | kLamp);
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
   const auto refused = [&](const std::string& word, auto change) {
     JobRequest request = Request(3, 0);
     change(request);
     ExpectRefused(scene, request, word);
   };
   refused("--no-mis", [](JobRequest& r) { r.options.mis = false; });
-  refused("--max-depth", [](JobRequest& r) { r.max_depth = kMaxJoinedDepth + 1; });
+  refused("--max-depth", [](JobRequest& r) { r.max_depth = kMaxBidirectionalDepth + 1; });
   refused("cosine", [](JobRequest& r) { r.strategy = "cosine"; });
-  refused("--paths", [](JobRequest& r) { r.options.way = PathWay{.light = 1, .eye = 2}; });
+  refused("--paths",
+          [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2}; });
   refused("--photons 0", [](JobRequest& r) { r.options.photons.indirect = 0; });
   refused("--spp", [](JobRequest& r) { r.options.photons.passes = 33; });
   refused("--photon-distance", [](JobRequest& r) { r.options.photons.distance = 100; });

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "scene/obj/mtl.h"
 #include "scene/obj/check.h"
+#include "scene/obj/mtl.h"
 #include "scene/obj/reader.h"
 #include "tests/support/temporary_folder.h"
 

@@ -16,6 +16,7 @@
 #include "scene/pbrt/reader.h"
 #include "scene/reader.h"
 #include "scene/shapes/shapes.h"
+#include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/temporary_folder.h"
@@ -31,7 +32,7 @@ struct Example {
 
 // The rows "| `directives` | state | ... |" of the table.
 std::vector<Example> Examples() {
-  std::istringstream lines(ReadFile(SKYWAVE_SOURCE "/docs/pbrt.md"));
+  std::istringstream lines(ReadFile(SourcePath("docs/pbrt.md")));
   std::vector<Example> examples;
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with("| `")) continue;
@@ -207,7 +208,7 @@ TEST_F(PbrtFeatures, KillerooIsTheSamePictureInBothVersions) {
   std::array<Image, 2> pictures;
   for (const int version : {3, 4}) {
     const std::string name = "killeroo_v" + std::to_string(version) + ".pbrt";
-    Scene scene = Parse(ReadFile(SKYWAVE_SOURCE "/tests/data/" + name));
+    Scene scene = Parse(ReadFile(SourcePath("tests/data/" + name)));
     ASSERT_EQ(scene.meshes.size(), 5u);
     EXPECT_EQ(scene.settings.width, 700);
     EXPECT_EQ(scene.settings.samples_per_pixel, 64);

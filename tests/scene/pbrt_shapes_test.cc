@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/files.h"
-#include "scene/shapes/patches.h"
 #include "scene/pbrt/reader.h"
+#include "scene/shapes/patches.h"
 
 namespace skywave {
 namespace {

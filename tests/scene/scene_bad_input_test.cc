@@ -11,8 +11,8 @@
 
 #include "base/error.h"
 #include "scene/pbrt/reader.h"
-#include "scene/shapes/ply.h"
 #include "scene/reader.h"
+#include "scene/shapes/ply.h"
 
 namespace skywave {
 namespace {

@@ -9,9 +9,9 @@
 #include <glm/gtc/constants.hpp>
 #include <string>
 
-#include "scene/shapes/mesh.h"
 #include "scene/builtin/procedural_sky.h"
 #include "scene/reader.h"
+#include "scene/shapes/mesh.h"
 
 namespace skywave {
 namespace {

@@ -153,7 +153,7 @@ TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
   EXPECT_THROW(Read("", "Material \"diffuse\" \"string normalmap\" \"no.png\""), InputError);
 }
 
-TEST(MtlTextures, HolesAndReliefAreOfEveryMaterialButGlass) {
+TEST(MtlTextures, AlphaAndReliefAreOfEveryMaterialButGlass) {
   const TemporaryFolder folder;
   WriteFourColors(folder, "colors.png");
   WritePng(folder.Path("grey.png"), 2, 1, {51, 51, 51, 255, 255, 255});

@@ -14,7 +14,8 @@ namespace skywave {
 inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   EmissionGuide guide;
   const RenderOptions& options = frame.options;
-  if (!options.guide || !HasLightPaths(options.integrator) || !frame.has_sky()) return guide;
+  if (!options.guide || !HasLightPaths(options.integrator) || !frame.has_environment())
+    return guide;
   tbb::task_arena arena(threads);
   arena.execute([&] {
     std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));

@@ -8,7 +8,7 @@
 namespace skywave {
 
 // Lights of a room, any of them together.
-enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kSky = 32 };
+enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kEnvironment = 32 };
 inline constexpr int kLocal = kLamp | kBall | kPoint | kSpot | kDistant;
 
 // A rectangle parallel to the floor that shines downwards.
@@ -45,7 +45,7 @@ inline Scene MattRoom(const Material& material, int lights) {
   if (lights & kSpot) scene.lights.push_back(SlantingSpot());
   if (lights & kDistant) scene.lights.push_back(SlantingSun());
   // Constant in parts: the eye sees a map interpolated, light paths do not (design.md).
-  if (lights & kSky) SetConstantLight(scene, 0.5f);
+  if (lights & kEnvironment) SetConstantLight(scene, 0.5f);
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
   return scene;
 }

@@ -38,12 +38,13 @@ double FilterOffset(const std::vector<float>& offsets, double uniform) {
 
 Oracle::Oracle(const Scene& scene, OracleLights lights)
     : camera_(scene.camera.value()),
-      has_sky_(!scene.environments.empty()),
-      environment_(has_sky_ ? scene.environments[0] : EnvironmentLight{.scale = glm::vec3(0)},
-                   lights) {
+      has_environment_(!scene.environments.empty()),
+      environment_(
+          has_environment_ ? scene.environments[0] : EnvironmentLight{.scale = glm::vec3(0)},
+          lights) {
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
-    has_holes_ = has_holes_ || !material.opaque();
+    has_alpha_ = has_alpha_ || !material.opaque();
   }
   scene_textures_.materials = scene.materials;
   scene_textures_.textures = scene.textures;
@@ -209,7 +210,7 @@ void Oracle::ApplyTextures(const Triangle& triangle, const dvec3& weights, Hit& 
 
 bool Oracle::Occluded(const Ray& ray, double distance, OracleRandom& random) const {
   const double reach = distance * (1 - 1e-4);
-  if (has_holes_) {
+  if (has_alpha_) {
     RTCRayHit hit = {};
     return FindHit(ray, reach, random, hit);
   }
@@ -229,7 +230,8 @@ Oracle::Ray Oracle::LeaveFrom(const Hit& hit, const dvec3& direction) const {
 
 // What a ray that left the scene sees. `pdf`: of its direction by BSDF sampling, 0 if it had none
 // and so no light sample can have found the same light.
-dvec3 Oracle::LightFromSky(const dvec3& direction, double pdf, const RenderOptions& options) const {
+dvec3 Oracle::LightFromEnvironment(const dvec3& direction, double pdf,
+                                   const RenderOptions& options) const {
   if (pdf == 0) return environment_.Seen(direction);
   if (!options.mis) return dvec3(0);
   const OracleEnvironment::Lit lit = environment_.AsLight(direction);
@@ -239,7 +241,7 @@ dvec3 Oracle::LightFromSky(const dvec3& direction, double pdf, const RenderOptio
 }
 
 // Light samples are shared out evenly between the map and local lights.
-double Oracle::LocalShare() const { return local_lights_.empty() ? 0 : has_sky_ ? 0.5 : 1; }
+double Oracle::LocalShare() const { return local_lights_.empty() ? 0 : has_environment_ ? 0.5 : 1; }
 
 // What a ray that ends in a shining triangle sees of it; `pdf` as above.
 dvec3 Oracle::LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const {
@@ -292,7 +294,7 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
     // Behind the last surface, and behind the BSDF sample of `direct`, only what shines counts.
     const bool last = bounce == options.max_depth || (direct && pdf > 0);
     if (!Intersect(ray, random, hit)) {
-      return radiance + throughput * LightFromSky(ray.direction, pdf, options);
+      return radiance + throughput * LightFromEnvironment(ray.direction, pdf, options);
     }
     radiance += throughput * LightFromHit(hit, pdf, options);
     if (last) return radiance;

@@ -1,8 +1,8 @@
 // The correctness reference and the speed floor of the engine: a plain depth-first path tracer. One
 // path at a time, single rays of Embree, shading in double, its own BSDFs, environment, light
 // samples, camera and random numbers. It shares with the engine only the meaning of the scene (the
-// conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and wavefront/integrators/integrator.h) and the tables
-// FilterOffsets() and GgxTables().
+// conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and
+// wavefront/integrators/integrator.h) and the tables FilterOffsets() and GgxTables().
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -70,8 +70,8 @@ class Oracle {
   bool IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const;
   glm::dvec3 Emission(std::uint32_t triangle, double u, double v) const;
   Ray LeaveFrom(const Hit& hit, const glm::dvec3& direction) const;
-  glm::dvec3 LightFromSky(const glm::dvec3& direction, double pdf,
-                          const RenderOptions& options) const;
+  glm::dvec3 LightFromEnvironment(const glm::dvec3& direction, double pdf,
+                                  const RenderOptions& options) const;
   glm::dvec3 LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const;
   glm::dvec3 LightFromSample(const Hit& hit, const RenderOptions& options,
                              OracleRandom& random) const;
@@ -81,11 +81,11 @@ class Oracle {
                  OraclePicture& picture) const;
 
   Camera camera_;
-  bool has_sky_;
+  bool has_environment_;
   OracleEnvironment environment_;
   OracleLocalLights local_lights_;
   std::vector<OracleMaterial> materials_;
-  bool has_holes_ = false;
+  bool has_alpha_ = false;
   Scene scene_textures_;  // materials, textures and images only
   std::vector<Triangle> triangles_;
   RTCDevice device_ = nullptr;

@@ -121,8 +121,8 @@ double SpecularShare(const OracleMaterial& m, double cosine) {
   return std::clamp(specular / (specular + rest), 0.1, 0.9);
 }
 
-// kernels/bsdf/metallic_roughness-inl.h, its formulae in the order of their terms. The means over the
-// hemisphere are integrated here.
+// kernels/bsdf/metallic_roughness-inl.h, its formulae in the order of their terms. The means over
+// the hemisphere are integrated here.
 OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
   constexpr int kSteps = 64;
   double mean = 0, coat_mean = 0;

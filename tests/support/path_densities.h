@@ -19,10 +19,10 @@ struct PathSurface {
 };
 
 enum class PathLight {
-  kArea,      // a point of a surface
-  kPosition,  // a point or spot
-  kSky,       // a direction that BSDFs can find
-  kDirection  // one that they cannot
+  kArea,         // a point of a surface
+  kPosition,     // a point or spot
+  kEnvironment,  // a direction that BSDFs can find
+  kDirection     // one that they cannot
 };
 
 struct BidirectionalPath {
@@ -31,7 +31,7 @@ struct BidirectionalPath {
   double light_paths;                 // of the picture, for each sample of a pixel
   std::vector<PathSurface> surfaces;  // from the eye to the light, at least one
   PathLight light;
-  Vec light_point;   // kSky, kDirection: unit direction towards it
+  Vec light_point;   // kEnvironment, kDirection: unit direction towards it
   Vec light_normal;  // kArea
   double light_pdf;  // of the point [1/length^2] or direction [1/sr] or light [1]
   // Of the first direction from the point [1/sr], or of points of the disk across the direction
@@ -41,7 +41,9 @@ struct BidirectionalPath {
   // in; 0: there are no such ways.
   double merged = 0;
 
-  bool distant() const { return light == PathLight::kSky || light == PathLight::kDirection; }
+  bool distant() const {
+    return light == PathLight::kEnvironment || light == PathLight::kDirection;
+  }
 };
 
 // Density of the way with `lights` vertices on the sub-path from the light, the light counted, and

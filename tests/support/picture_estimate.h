@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "image/image.h"
-#include "tests/support/oracle.h"
 #include "job/job.h"
+#include "tests/support/oracle.h"
 
 namespace skywave {
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/files.h"
+#include "tests/support/paths.h"
 
 namespace skywave {
 
@@ -30,8 +31,8 @@ class Program : public testing::Test {
 
   // Runs `skywave arguments` in the test's folder. The shell splits the arguments.
   Result Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_ + "/files' || exit; '" SKYWAVE_PROGRAM "' " + arguments +
-                                " >../out 2>../err </dev/null";
+    const std::string command = "cd '" + folder_ + "/files' || exit; '" + ProgramPath() + "' " +
+                                arguments + " >../out 2>../err </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ + "/out"),
             ReadFile(folder_ + "/err")};

@@ -5,14 +5,14 @@
 #include <bit>
 #include <cmath>
 
+#include "job/job.h"
 #include "scene/builtin/scene_building.h"
 #include "scene/shapes/shapes.h"
-#include "job/job.h"
 
 namespace skywave {
 
-// A map whose texels the engine's packed form holds exactly (kernels/lights/environment.h): channels are
-// rounded to 8 bits of the texel's brightest.
+// A map whose texels the engine's packed form holds exactly (kernels/lights/environment.h):
+// channels are rounded to 8 bits of the texel's brightest.
 inline Image Packable(Image map) {
   for (std::size_t i = 0; i < map.rgb.size(); i += 3) {
     const float brightest = std::max({map.rgb[i], map.rgb[i + 1], map.rgb[i + 2]});

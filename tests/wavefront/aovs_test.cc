@@ -183,14 +183,14 @@ TEST(Aovs, BitsDoNotDependOnTheCut) {
     }
     ForEachTarget([&] { EXPECT_EQ(Resolve(job), reference); });
     // Samples in parts, out of order.
-    Film merged = job.MakeFilm();
+    Film eta_vcm = job.MakeFilm();
     for (const auto& [first, count] : {std::pair{4u, 2u}, std::pair{0u, 1u}, std::pair{1u, 3u}}) {
       FrameView frame = job.frame();
       frame.options.first_sample = first;
       frame.options.samples_per_pixel = count;
-      merged.Merge(Render(job, frame));
+      eta_vcm.Merge(Render(job, frame));
     }
-    EXPECT_EQ(ByName(merged.ResolveAovs(6)), reference);
+    EXPECT_EQ(ByName(eta_vcm.ResolveAovs(6)), reference);
   }
 }
 
@@ -230,7 +230,7 @@ TEST(Aovs, DirectIsThePictureOfOneSurface) {
 
 // ---- Groups of lights ----
 
-enum LightsOfRoom { kSky = 1, kLamp = 2, kPoint = 4, kSun = 8 };
+enum LightsOfRoom { kEnvironment = 1, kLamp = 2, kPoint = 4, kSun = 8 };
 
 Scene LitRoom(int lights) {
   Scene scene = PaintedScene();
@@ -244,17 +244,18 @@ Scene LitRoom(int lights) {
                             .emission = {0.5f, 0.4f, 0.3f},
                             .direction = glm::normalize(glm::vec3(-1, 2, 0.5f))});
   }
-  if (!(lights & kSky)) scene.environments.clear();
+  if (!(lights & kEnvironment)) scene.environments.clear();
   return scene;
 }
 
 constexpr std::pair<const char*, int> kRoomGroups[] = {
-    {"environment", kSky}, {"point", kPoint}, {"sun_1", kSun}, {"the_lamp", kLamp}};
+    {"environment", kEnvironment}, {"point", kPoint}, {"sun_1", kSun}, {"the_lamp", kLamp}};
 
 // To the last unit of the film: nothing of a light is lost, counted twice or rounded otherwise.
 TEST(LightGroups, AddUpToThePicture) {
   for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
-    for (const int lights : {kSky | kLamp | kPoint | kSun, kLamp | kSun, int(kSky)}) {
+    for (const int lights :
+         {kEnvironment | kLamp | kPoint | kSun, kLamp | kSun, int(kEnvironment)}) {
       JobRequest request = SmallRequest(37, 29, 5);
       request.integrator = integrator;
       request.options.light_samples = 2;
@@ -281,7 +282,7 @@ TEST(LightGroups, AreWhatTheirLightMakesAlone) {
       for (const float value : values) sum += value;
       return sum / double(values.size());
     };
-    const RenderJob all = MakeJob(LitRoom(kSky | kLamp | kPoint | kSun), request, "lights");
+    const RenderJob all = MakeJob(LitRoom(kEnvironment | kLamp | kPoint | kSun), request, "lights");
     for (const auto& [name, light] : kRoomGroups) {
       const RenderJob alone = MakeJob(LitRoom(light), request, "lights");
       std::vector<double> differences;
@@ -305,7 +306,7 @@ TEST(LightGroups, AreWhatTheirLightMakesAlone) {
 }
 
 TEST(LightGroups, AreBoundedInNumber) {
-  Scene scene = LitRoom(kSky);
+  Scene scene = LitRoom(kEnvironment);
   for (int i = 0; i < 40; ++i) {
     scene.lights.push_back({.name = "l" + std::to_string(i % 36),
                             .emission = glm::vec3(1),

@@ -145,16 +145,16 @@ TEST_P(Determinism, WavesAndBackendsDoNotMatter) {
 }
 
 TEST_P(Determinism, RangesOfSamplesAddUp) {
-  Film merged = job().MakeFilm();
+  Film eta_vcm = job().MakeFilm();
   for (const auto& [first, count] : {std::pair{3u, 2u}, std::pair{0u, 1u}, std::pair{1u, 2u}}) {
     FrameView frame = job().frame();
     frame.options.first_sample = first;
     frame.options.samples_per_pixel = count;
     Film part = job().MakeFilm();
     RenderFrame(frame, part);
-    merged.Merge(part);
+    eta_vcm.Merge(part);
   }
-  EXPECT_EQ(std::vector<std::uint64_t>(merged.sums().begin(), merged.sums().end()), Reference());
+  EXPECT_EQ(std::vector<std::uint64_t>(eta_vcm.sums().begin(), eta_vcm.sums().end()), Reference());
 }
 
 TEST_P(Determinism, EveryInstructionSetGivesTheSameBits) {

@@ -21,27 +21,27 @@ constexpr std::uint32_t kRows = 40000;
 const SceneSphere kSphere = {.center = {1, -2, 3}, .radius = 5};
 
 // Most of them in a small spot of the square and a strip, different ones for different cells.
-std::vector<SkyNeed> SomeNeeds(std::uint32_t count) {
-  std::vector<SkyNeed> needs;
+std::vector<GuideSample> SomeGuideSamples(std::uint32_t count) {
+  std::vector<GuideSample> samples;
   Random random(31);
   for (std::uint32_t i = 0; i < count; ++i) {
-    SkyNeed need = {.cell = random.Word() % (kGuideCells / 2)};
-    need.weight = 1 + random.Word() % 1000;
-    const float turn = float(need.cell) / float(kGuideCells);
+    GuideSample sample = {.cell = random.Word() % (kGuideCells / 2)};
+    sample.weight = 1 + random.Word() % 1000;
+    const float turn = float(sample.cell) / float(kGuideCells);
     if (i % 2 == 0) {
-      need.u = 0.2f + turn + 0.01f * random.Float(), need.v = 0.3f + 0.02f * random.Float();
+      sample.u = 0.2f + turn + 0.01f * random.Float(), sample.v = 0.3f + 0.02f * random.Float();
     } else if (i % 3 != 0) {
-      need.u = random.Float(), need.v = 0.8f + 0.05f * random.Float();
+      sample.u = random.Float(), sample.v = 0.8f + 0.05f * random.Float();
     } else {
-      need.u = random.Float(), need.v = random.Float();
+      sample.u = random.Float(), sample.v = random.Float();
     }
     // In a ball of radius 1 about (2, -2, 3), and a few anywhere.
     const Vec point =
         Vec{2, -2, 3} + (i % 50 == 0 ? 3.0 : 1.0) * random.Float() * random.Direction();
-    Put(point, 0, need.point, need.point + 1, need.point + 2);
-    needs.push_back(need);
+    Put(point, 0, sample.point, sample.point + 1, sample.point + 2);
+    samples.push_back(sample);
   }
-  return needs;
+  return samples;
 }
 std::vector<double> SomeShares() {
   std::vector<double> shares(kGuideCells);
@@ -51,7 +51,7 @@ std::vector<double> SomeShares() {
   return shares;
 }
 const EmissionGuide& Guide() {
-  static const EmissionGuide guide = MakeGuide(SomeNeeds(40000), SomeShares(), kSphere);
+  static const EmissionGuide guide = MakeGuide(SomeGuideSamples(40000), SomeShares(), kSphere);
   return guide;
 }
 
@@ -146,7 +146,7 @@ Starts StartAt(const EmissionGuide& guide, const UniformColumns& disk, std::uint
     start.samples->r[i] = start.samples->g[i] = start.samples->b[i] = 1;
     start.samples->pdf[i] = 0.25f;
   }
-  EmitFromSky(kSphere, start.samples, disk, n, start.rays, start.emission);
+  EmitFromEnvironment(kSphere, start.samples, disk, n, start.rays, start.emission);
   GuideStarts(kSphere, guide.view(), disk, nullptr, n, start.rays, start.emission);
   for (std::uint32_t i = 0; i < n; ++i) {
     start.crowding[i] = kPi * 25 / 0.25 / double(start.rays->throughput_g[i]);
@@ -200,11 +200,11 @@ TEST(LocateOnDisk, IsTheInverseOfEmission) {
     surfaces->lift[row] = float(lift);
     rows->queue[i] = row;
   }
-  const SkyLines lines = {s.samples->dir_x, s.samples->dir_y, s.samples->dir_z, surfaces,
-                          rows->queue};
+  const EnvironmentLines lines = {s.samples->dir_x, s.samples->dir_y, s.samples->dir_z, surfaces,
+                                  rows->queue};
   LocateOnDisk(kSphere, lines, n, places);
   std::vector<float> arrival(PaddedRows(n));
-  SkyArrivals(kSphere, Guide().view(), lines, n, arrival.data());
+  EnvironmentArrivals(kSphere, Guide().view(), lines, n, arrival.data());
   std::uint32_t off = 0;
   for (std::uint32_t i = 0; i < n; ++i) {
     ASSERT_NEAR(places->u[i], s.u[i], 2e-5) << i;
@@ -215,12 +215,12 @@ TEST(LocateOnDisk, IsTheInverseOfEmission) {
   EXPECT_LT(off, n / 500);
 }
 
-TEST(SkyArrivals, AreEvenWithoutAGuide) {
+TEST(EnvironmentArrivals, AreEvenWithoutAGuide) {
   soa::Table<SurfaceColumns> surfaces(8);
   soa::Table<LightColumns> lights(8);
   std::vector<float> arrival(PaddedRows(8));
-  SkyArrivals(kSphere, {}, {lights->dir_x, lights->dir_y, lights->dir_z, surfaces}, 8,
-              arrival.data());
+  EnvironmentArrivals(kSphere, {}, {lights->dir_x, lights->dir_y, lights->dir_z, surfaces}, 8,
+                      arrival.data());
   EXPECT_NEAR(arrival[7], 1 / (kPi * 25), 1e-9);
 }
 
@@ -304,7 +304,7 @@ TEST(GuideStarts, KnowsWhoseRaysTheyAre) {
   const std::uint32_t n = 600;
   const auto disk = RandomUniforms(n, 43);
   Starts s = StartAt(Guide(), disk, n, -1);
-  EmitFromSky(kSphere, s.samples, disk, n, s.rays, s.emission);
+  EmitFromEnvironment(kSphere, s.samples, disk, n, s.rays, s.emission);
   for (std::uint32_t i = 0; i < n; i += 3) s.emission->light[i] = 4;
   const std::vector<float> pdf(s.emission->pdf, s.emission->pdf + n);
   const std::vector<float> x(s.rays->org_x, s.rays->org_x + n);
@@ -330,8 +330,9 @@ TEST(EmissionGuide, BitsDoNotDependOnTargetOrNumberOfRows) {
       soa::Table<SurfaceColumns> surfaces(n);
       std::copy_n(s.rays->org_x, n, surfaces->org_x);
       soa::Table<UniformColumns> arrival(n);
-      SkyArrivals(kSphere, Guide().view(),
-                  {s.samples->dir_x, s.samples->dir_y, s.samples->dir_z, surfaces}, n, arrival->u);
+      EnvironmentArrivals(kSphere, Guide().view(),
+                          {s.samples->dir_x, s.samples->dir_y, s.samples->dir_z, surfaces}, n,
+                          arrival->u);
       auto bits = ColumnBits(s.emission.columns(), n);
       for (std::uint32_t i = 0; i < n; ++i) {
         for (const float f : {s.rays->org_x[i], s.rays->throughput_b[i], arrival->u[i]}) {
@@ -345,12 +346,12 @@ TEST(EmissionGuide, BitsDoNotDependOnTargetOrNumberOfRows) {
 
 // ---- What is made of needs ----
 
-TEST(MakeGuide, DoesNotDependOnTheOrderOfNeeds) {
-  std::vector<SkyNeed> needs = SomeNeeds(5000);
-  const EmissionGuide guide = MakeGuide(needs, SomeShares(), kSphere);
-  std::reverse(needs.begin(), needs.end());
-  std::swap(needs[7], needs[4000]);
-  const EmissionGuide other = MakeGuide(needs, SomeShares(), kSphere);
+TEST(MakeGuide, DoesNotDependOnTheOrderOfSamples) {
+  std::vector<GuideSample> samples = SomeGuideSamples(5000);
+  const EmissionGuide guide = MakeGuide(samples, SomeShares(), kSphere);
+  std::reverse(samples.begin(), samples.end());
+  std::swap(samples[7], samples[4000]);
+  const EmissionGuide other = MakeGuide(samples, SomeShares(), kSphere);
   EXPECT_EQ(guide.cuts, other.cuts);
   for (std::uint32_t i = 0; i < kGuideCells; ++i) {
     EXPECT_EQ(std::memcmp(&guide.cells[i], &other.cells[i], sizeof(GuideCell)), 0);
@@ -375,17 +376,17 @@ TEST(MakeGuide, LeavesEveryStartPossible) {
   EXPECT_GT(sum, 0.8);
 }
 
-TEST(MakeGuide, CrowdsWhereNeedsAre) {
+TEST(MakeGuide, CrowdsWhereGuideSamplesAre) {
   const std::uint32_t cell = 17;
-  std::vector<SkyNeed> needs;
+  std::vector<GuideSample> samples;
   Random random(3);
   for (int i = 0; i < 4000; ++i) {
     // Two places.
     const float u = i % 4 == 0 ? 0.1f : 0.7f;
-    needs.push_back({.cell = cell,
-                     .u = u + 0.01f * random.Float(),
-                     .v = 0.1f + 0.01f * random.Float(),
-                     .weight = 100});
+    samples.push_back({.cell = cell,
+                       .u = u + 0.01f * random.Float(),
+                       .v = 0.1f + 0.01f * random.Float(),
+                       .weight = 100});
   }
   const auto share_inside = [&](const EmissionGuide& guide) {
     double inside = 0;
@@ -395,7 +396,7 @@ TEST(MakeGuide, CrowdsWhereNeedsAre) {
     return inside / kGuideLeaves;
   };
   const std::vector<double> shares(kGuideCells, 1.0 / kGuideCells);
-  const EmissionGuide guide = MakeGuide(needs, shares, kSphere);
+  const EmissionGuide guide = MakeGuide(samples, shares, kSphere);
   constexpr double kUnguided = kEvenShare + kFocusShare;
   EXPECT_NEAR(guide.cells[cell].gain, kUnguided + (1 - kUnguided) * kGuideCells, 1e-3);
   EXPECT_NEAR(guide.cells[cell].even * guide.cells[cell].gain, kEvenShare, 1e-6);
@@ -405,7 +406,7 @@ TEST(MakeGuide, CrowdsWhereNeedsAre) {
   EXPECT_GT(share_inside(guide), 0.6);
   EXPECT_LE(share_inside(guide), 0.75);
   // Without directions the even share is that of every cell.
-  const EmissionGuide places = MakeGuide(needs, {}, kSphere);
+  const EmissionGuide places = MakeGuide(samples, {}, kSphere);
   EXPECT_EQ(places.cells[cell].gain, 1);
   EXPECT_EQ(places.cells[cell].even, float(kEvenShare));
   EXPECT_EQ(share_inside(places), share_inside(guide));
@@ -418,11 +419,11 @@ TEST(MakeGuide, FocusesOnMostOfWhatNeedsLight) {
   EXPECT_NEAR(focus.center[2], 3, 0.05);
   EXPECT_NEAR(focus.radius, 0.92, 0.03);
   // All over the scene: the focus is all of it.
-  std::vector<SkyNeed> needs = SomeNeeds(5000);
+  std::vector<GuideSample> samples = SomeGuideSamples(5000);
   Random random(8);
-  for (SkyNeed& need : needs)
-    Put(8 * random.Direction(), 0, need.point, need.point + 1, need.point + 2);
-  EXPECT_EQ(MakeGuide(needs, {}, kSphere).focus.radius, kSphere.radius);
+  for (GuideSample& sample : samples)
+    Put(8 * random.Direction(), 0, sample.point, sample.point + 1, sample.point + 2);
+  EXPECT_EQ(MakeGuide(samples, {}, kSphere).focus.radius, kSphere.radius);
 }
 
 TEST(MakeGuide, SaysNothingOfWhatItDoesNotKnow) {
@@ -434,7 +435,7 @@ TEST(MakeGuide, SaysNothingOfWhatItDoesNotKnow) {
   EXPECT_NEAR(guide.cells[5].even + guide.cells[5].focused, 1, 1e-6);
   for (const Leaf& leaf : LeavesOf(guide, 5)) EXPECT_EQ(leaf.Area() * kGuideLeaves, 1);
   // All of them at one point, one of which outshines all others: parts get small, but stay parts.
-  std::vector<SkyNeed> same(100, {9, 0.25f, 0.75f, {}, 0, 3});
+  std::vector<GuideSample> same(100, {9, 0.25f, 0.75f, {}, 0, 3});
   same[50].weight = std::uint64_t{1} << 40;
   for (const Leaf& leaf : LeavesOf(MakeGuide(same, {}, kSphere), 9)) EXPECT_GT(leaf.Area(), 0);
 }

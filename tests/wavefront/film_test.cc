@@ -306,9 +306,9 @@ TEST(FilmSplats, MixWithSamplesAndSaturate) {
   const Splats splat = SplatsOf({bright, bright});
   for (int i = 0; i < 5000; ++i) shared.AddSplats(splat.lights, splat.cameras->pixel, 2, 1, stats);
   EXPECT_EQ(shared.sums()[3], kFull);
-  Film merged(3, 2, 16);
-  merged.Merge(shared);
-  EXPECT_EQ(Sums(merged), Sums(shared));
+  Film eta_vcm(3, 2, 16);
+  eta_vcm.Merge(shared);
+  EXPECT_EQ(Sums(eta_vcm), Sums(shared));
 }
 
 }  // namespace

@@ -12,8 +12,8 @@
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
 #include "wavefront/guiding/emission_pilot.h"
-#include "wavefront/stages/light_stages.h"
 #include "wavefront/render.h"
+#include "wavefront/stages/light_stages.h"
 
 namespace skywave {
 namespace {
@@ -211,8 +211,9 @@ TEST(GuidedRays, SayWhatTheOtherEndSays) {
     frame.strategy->EvaluateEscaped(
         {.surfaces = w.surfaces, .ranges = ranges, .materials = {}, .paths = w.paths}, n, 1, seen);
     std::vector<float> arrival(PaddedRows(n));
-    SkyArrivals(frame.sphere, guide.view(),
-                {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, n, arrival.data());
+    EnvironmentArrivals(frame.sphere, guide.view(),
+                        {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, n,
+                        arrival.data());
     std::uint32_t off = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       const double light_pdf = directional ? 1 : double(seen.light_pdf[i]);

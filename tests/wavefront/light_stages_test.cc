@@ -116,7 +116,7 @@ TEST(EmitRays, CarriesThePowerOfTheMapByEveryStrategyThatCan) {
 
 // On a wide floor, too, a surface knows where it is as well as what is small on it needs: rays from
 // the sky begin no higher than the scene is.
-TEST(MeetSurfacesOfLight, LightOfTheSkyComesFromNearBy) {
+TEST(IntersectLightPathSurfaces, LightOfTheSkyComesFromNearBy) {
   Scene scene = LitFloor(true, false);
   scene.meshes[0] = Quad(200);
   Place(scene, Sphere(0.5f, 4), 0, {0, 0.5f, 0});
@@ -125,7 +125,7 @@ TEST(MeetSurfacesOfLight, LightOfTheSkyComesFromNearBy) {
   LightWave wave(frame, 0, kWave);
   Worker& w = wave.worker;
   StageClock clock(w.stats);
-  MeetSurfacesOfLight(frame, w.rays[0], kWave, 1, w, clock);
+  IntersectLightPathSurfaces(frame, w.rays[0], kWave, 1, w, clock);
   std::uint32_t above = 0;
   for (std::uint32_t i = 0; i < w.ranges.total(); ++i) {
     if (w.surfaces->wo_y[i] < 0.1f) continue;

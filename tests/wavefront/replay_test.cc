@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "job/job.h"
 #include "scene/builtin/builtin.h"
 #include "tests/support/screens_scene.h"
-#include "job/job.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -105,7 +105,7 @@ TEST_P(ReplayOf, HitsAreTheSameForEveryCallAndOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Replay, ReplayOf, testing::Bool(), [](const auto& test) {
-  return test.param ? "SceneWithHoles" : "OpaqueScene";
+  return test.param ? "SceneWithAlpha" : "OpaqueScene";
 });
 
 TEST(OrderRays, KeepsEveryRay) {

@@ -83,7 +83,7 @@ TEST(Split, PicturesWithoutMisAreTheOracles) {
   ExpectOracles(scene, request);
 }
 
-TEST(Split, PicturesWithLocalLightsAndHolesAreTheOracles) {
+TEST(Split, PicturesWithLocalLightsAndAlphaAreTheOracles) {
   Scene scene = ScreensScene();
   for (Material& material : scene.materials) {
     if (material.opaque()) continue;
@@ -212,12 +212,12 @@ TEST(Split, BitsDoNotDependOnTheCut) {
       }
     }
     ForEachTarget([&] { EXPECT_EQ(Sums(Render(job, job.frame())), reference); });
-    Film merged = job.MakeFilm();
+    Film eta_vcm = job.MakeFilm();
     for (const auto& [first, count] : {std::pair{3u, 2u}, std::pair{0u, 3u}}) {
       frame.options.first_sample = first, frame.options.samples_per_pixel = count;
-      merged.Merge(Render(job, frame));
+      eta_vcm.Merge(Render(job, frame));
     }
-    EXPECT_EQ(Sums(merged), reference);
+    EXPECT_EQ(Sums(eta_vcm), reference);
   }
 }
 

@@ -1,6 +1,6 @@
-// The sums behind the layers of a picture (wavefront/film/aovs.h). Like those of the film they do not
-// depend on the order of addition: means are sums of signed fixed-point numbers, of 2^38 units at
-// the end of their range, so that 2^24 samples cannot overflow; the sample nearest to a pixel's
+// The sums behind the layers of a picture (wavefront/film/aovs.h). Like those of the film they do
+// not depend on the order of addition: means are sums of signed fixed-point numbers, of 2^38 units
+// at the end of their range, so that 2^24 samples cannot overflow; the sample nearest to a pixel's
 // centre is the minimum of a key; squares are exact.
 #pragma once
 

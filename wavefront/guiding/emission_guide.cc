@@ -11,25 +11,25 @@
 
 #include "lights/maps/sphere_map.h"
 #include "lights/strategies/importance.h"
-#include "wavefront/guiding/emission_pilot.h"
 #include "wavefront/flush_denormals.h"
+#include "wavefront/guiding/emission_pilot.h"
 #include "wavefront/render.h"
 
 namespace skywave {
 namespace {
 
 // Fewer needs than this do not say where in a part of the disk they are.
-constexpr std::ptrdiff_t kLeastNeeds = 8;
+constexpr std::ptrdiff_t kLeastGuideSamples = 8;
 // What one need counts at most, in means of all of them.
 constexpr std::uint64_t kMostMeans = 8;
 // Columns of a map whose texels are small against cells of directions.
 constexpr int kLeastColumns = 256;
 
-using NeedSpan = std::span<SkyNeed>;
+using GuideSampleSpan = std::span<GuideSample>;
 
-std::uint64_t SumOf(NeedSpan needs) {
+std::uint64_t SumOf(GuideSampleSpan samples) {
   std::uint64_t sum = 0;
-  for (const SkyNeed& need : needs) sum += need.weight;
+  for (const GuideSample& sample : samples) sum += sample.weight;
   return sum;
 }
 
@@ -38,20 +38,22 @@ struct Part {
   float low[2] = {0, 0}, high[2] = {1, 1};
 };
 
-float Along(const SkyNeed& need, std::uint32_t axis) { return axis == 0 ? need.u : need.v; }
+float Along(const GuideSample& sample, std::uint32_t axis) {
+  return axis == 0 ? sample.u : sample.v;
+}
 
 // Where half of what is needed lies below. Counted in bins, then in those of the bin where that is,
 // inside of which all is spread evenly in the end: nothing is sorted.
-float Median(NeedSpan needs, std::uint32_t axis, double low, double high) {
+float Median(GuideSampleSpan samples, std::uint32_t axis, double low, double high) {
   constexpr std::uint32_t kBins = 32, kRounds = 4;
-  double left = 0.5 * double(SumOf(needs));
+  double left = 0.5 * double(SumOf(samples));
   for (std::uint32_t round = 0; round < kRounds; ++round) {
     std::uint64_t bins[kBins] = {};
     const double width = (high - low) / kBins;
-    for (const SkyNeed& need : needs) {
-      const double bin = std::floor((double(Along(need, axis)) - low) / width);
+    for (const GuideSample& sample : samples) {
+      const double bin = std::floor((double(Along(sample, axis)) - low) / width);
       // The borders of a round count all that is on them.
-      if (bin >= 0 && bin < kBins) bins[std::uint32_t(bin)] += need.weight;
+      if (bin >= 0 && bin < kBins) bins[std::uint32_t(bin)] += sample.weight;
     }
     std::uint32_t bin = 0;
     for (; bin + 1 < kBins && double(bins[bin]) < left; ++bin) left -= double(bins[bin]);
@@ -65,37 +67,39 @@ float Median(NeedSpan needs, std::uint32_t axis, double low, double high) {
 }
 
 // Cuts a part and its parts in halves of what is needed there.
-void Cut(NeedSpan needs, const Part& part, std::uint32_t node, float* cuts) {
+void Cut(GuideSampleSpan samples, const Part& part, std::uint32_t node, float* cuts) {
   if (node >= kGuideLeaves) return;
   const std::uint32_t axis = std::uint32_t(std::bit_width(node) - 1) & 1;
   const float low = part.low[axis], high = part.high[axis];
   // Where they say nothing, they are even, and so are all parts; and parts must stay parts.
   constexpr float kLeastSide = 0x1p-13f;
-  if (std::ssize(needs) < kLeastNeeds || high - low < kLeastSide) needs = {};
+  if (std::ssize(samples) < kLeastGuideSamples || high - low < kLeastSide) samples = {};
   float cut = 0.5f * (low + high);
-  if (!needs.empty()) {
+  if (!samples.empty()) {
     const float margin = (high - low) / 64;
-    cut = std::clamp(Median(needs, axis, low, high), low + margin, high - margin);
+    cut = std::clamp(Median(samples, axis, low, high), low + margin, high - margin);
   }
   cuts[node] = cut;
-  const auto middle = std::partition(needs.begin(), needs.end(),
-                                     [&](const SkyNeed& need) { return Along(need, axis) < cut; });
-  const auto below = std::size_t(middle - needs.begin());
+  const auto middle =
+      std::partition(samples.begin(), samples.end(),
+                     [&](const GuideSample& sample) { return Along(sample, axis) < cut; });
+  const auto below = std::size_t(middle - samples.begin());
   Part lower = part, upper = part;
   lower.high[axis] = upper.low[axis] = cut;
-  Cut(needs.first(below), lower, 2 * node, cuts);
-  Cut(needs.subspan(below), upper, 2 * node + 1, cuts);
+  Cut(samples.first(below), lower, 2 * node, cuts);
+  Cut(samples.subspan(below), upper, 2 * node + 1, cuts);
 }
 
 // The box of needs, wider by what more of them would have made it.
-Part BoxOf(NeedSpan needs) {
+Part BoxOf(GuideSampleSpan samples) {
   Part box;
   for (std::uint32_t axis = 0; axis < 2; ++axis) {
     const auto [least, most] = std::minmax_element(
-        needs.begin(), needs.end(),
-        [axis](const SkyNeed& a, const SkyNeed& b) { return Along(a, axis) < Along(b, axis); });
+        samples.begin(), samples.end(), [axis](const GuideSample& a, const GuideSample& b) {
+          return Along(a, axis) < Along(b, axis);
+        });
     const float low = Along(*least, axis), high = Along(*most, axis);
-    const float margin = (high - low) / float(needs.size()) + 1e-4f;
+    const float margin = (high - low) / float(samples.size()) + 1e-4f;
     box.low[axis] = std::max(0.0f, low - margin), box.high[axis] = std::min(1.0f, high + margin);
   }
   return box;
@@ -104,49 +108,49 @@ Part BoxOf(NeedSpan needs) {
 // Counts what a pixel needs in parts of all that it needs, so that dark ones count as much as
 // bright ones: noise is seen against what it lies on. Pixels darker than the mean by more than
 // kDarkest do not.
-void MakeRelative(std::vector<SkyNeed>& needs, std::size_t pixels) {
+void MakeRelative(std::vector<GuideSample>& samples, std::size_t pixels) {
   constexpr std::uint64_t kDarkest = 16;
   std::vector<std::uint64_t> sums(pixels);
-  for (const SkyNeed& need : needs) sums[need.pixel] += need.weight;
-  const std::uint64_t least = SumOf(needs) / pixels / kDarkest + 1;
-  for (SkyNeed& need : needs) {
-    need.weight =
-        std::uint64_t(double(need.weight) / double(sums[need.pixel] + least) * kNeedUnits);
+  for (const GuideSample& sample : samples) sums[sample.pixel] += sample.weight;
+  const std::uint64_t least = SumOf(samples) / pixels / kDarkest + 1;
+  for (GuideSample& sample : samples) {
+    sample.weight = std::uint64_t(double(sample.weight) / double(sums[sample.pixel] + least) *
+                                  kGuideSampleUnits);
   }
 }
 
 // A sphere that most of the points that need light lie in. In whole numbers, so that the order of
 // needs does not matter.
-SceneSphere FocusOf(NeedSpan needs, const SceneSphere& sphere) {
+SceneSphere FocusOf(GuideSampleSpan samples, const SceneSphere& sphere) {
   constexpr double kSteps = 1 << 15;  // in a radius of the scene
   constexpr int kRounds = 3, kRings = 512;
   constexpr double kInside = 0.9;
   double middle[3] = {};  // [steps]
   double radius = 4 * kSteps;
-  const auto offset = [&](const SkyNeed& need, int axis) {
-    return std::round((double(need.point[axis]) - sphere.center[axis]) / sphere.radius * kSteps);
+  const auto offset = [&](const GuideSample& sample, int axis) {
+    return std::round((double(sample.point[axis]) - sphere.center[axis]) / sphere.radius * kSteps);
   };
-  const auto distance = [&](const SkyNeed& need) {
+  const auto distance = [&](const GuideSample& sample) {
     double sum = 0;
-    for (int axis = 0; axis < 3; ++axis) sum += std::pow(offset(need, axis) - middle[axis], 2);
+    for (int axis = 0; axis < 3; ++axis) sum += std::pow(offset(sample, axis) - middle[axis], 2);
     return std::sqrt(sum);
   };
   // The middle of those inside, and then the radius about it.
   for (int round = 0; round < kRounds; ++round) {
     std::int64_t sums[3] = {}, weight = 0;
-    for (const SkyNeed& need : needs) {
-      if (distance(need) > radius) continue;
-      weight += std::int64_t(need.weight);
+    for (const GuideSample& sample : samples) {
+      if (distance(sample) > radius) continue;
+      weight += std::int64_t(sample.weight);
       for (int axis = 0; axis < 3; ++axis) {
-        sums[axis] += std::int64_t(need.weight) * std::int64_t(offset(need, axis));
+        sums[axis] += std::int64_t(sample.weight) * std::int64_t(offset(sample, axis));
       }
     }
     if (weight == 0) break;
     for (int axis = 0; axis < 3; ++axis) middle[axis] = double(sums[axis]) / double(weight);
     std::uint64_t rings[kRings] = {}, all = 0;
-    for (const SkyNeed& need : needs) {
-      const int ring = int(distance(need) / (2 * kSteps) * kRings);
-      rings[std::min(ring, kRings - 1)] += need.weight, all += need.weight;
+    for (const GuideSample& sample : samples) {
+      const int ring = int(distance(sample) / (2 * kSteps) * kRings);
+      rings[std::min(ring, kRings - 1)] += sample.weight, all += sample.weight;
     }
     int ring = 0;
     for (std::uint64_t inside = rings[0]; double(inside) < kInside * double(all);) {
@@ -163,14 +167,14 @@ SceneSphere FocusOf(NeedSpan needs, const SceneSphere& sphere) {
 }
 
 // Puts needs in the order of their cells; cell c has [begin[c], begin[c + 1]).
-std::vector<std::size_t> SortByCell(std::vector<SkyNeed>& needs) {
+std::vector<std::size_t> SortByCell(std::vector<GuideSample>& samples) {
   std::vector<std::size_t> begin(kGuideCells + 1);
-  for (const SkyNeed& need : needs) ++begin[need.cell + 1];
+  for (const GuideSample& sample : samples) ++begin[sample.cell + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<std::size_t> next = begin;
-  std::vector<SkyNeed> sorted(needs.size());
-  for (const SkyNeed& need : needs) sorted[next[need.cell]++] = need;
-  needs = std::move(sorted);
+  std::vector<GuideSample> sorted(samples.size());
+  for (const GuideSample& sample : samples) sorted[next[sample.cell]++] = sample;
+  samples = std::move(sorted);
   return begin;
 }
 
@@ -267,20 +271,20 @@ EmissionGuideView EmissionGuide::view() const {
   return {.cells = empty() ? nullptr : cells.data(), .cuts = cuts.data(), .focus = focus};
 }
 
-EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,
+EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double> shares,
                         const SceneSphere& sphere) {
   EmissionGuide guide;
-  if (SumOf(needs) == 0) return guide;
+  if (SumOf(samples) == 0) return guide;
   const std::uint64_t most =
-      std::max<std::uint64_t>(1, kMostMeans * (SumOf(needs) / std::uint64_t(needs.size())));
-  for (SkyNeed& need : needs) need.weight = std::min(need.weight, most);
-  const double all = double(SumOf(needs));
-  const std::vector<std::size_t> begin = SortByCell(needs);
-  guide.focus = FocusOf(needs, sphere);
+      std::max<std::uint64_t>(1, kMostMeans * (SumOf(samples) / std::uint64_t(samples.size())));
+  for (GuideSample& sample : samples) sample.weight = std::min(sample.weight, most);
+  const double all = double(SumOf(samples));
+  const std::vector<std::size_t> begin = SortByCell(samples);
+  guide.focus = FocusOf(samples, sphere);
   guide.cells.resize(kGuideCells);
   guide.cuts.resize(kGuideCells * kGuideLeaves);
   tbb::parallel_for(0u, kGuideCells, [&](std::uint32_t i) {
-    NeedSpan mine = NeedSpan(needs).subspan(begin[i], begin[i + 1] - begin[i]);
+    GuideSampleSpan mine = GuideSampleSpan(samples).subspan(begin[i], begin[i + 1] - begin[i]);
     GuideCell& cell = guide.cells[i];
     constexpr double kUnguided = kEvenShare + kFocusShare;
     double unguided = kUnguided;
@@ -292,7 +296,7 @@ EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shar
       cell.gain = float(drawn / shares[i]);
     }
     Part box;
-    if (std::ssize(mine) < kLeastNeeds) {
+    if (std::ssize(mine) < kLeastGuideSamples) {
       mine = {}, unguided = 1;
     } else {
       box = BoxOf(mine);
@@ -326,7 +330,7 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
   const PilotQuestion question = {
       .radiance = radiance,
       .least_surfaces = frame.options.integrator == Integrator::kLight ? 1u : 2u};
-  std::vector<std::vector<SkyNeed>> waves((total + wave - 1) / wave);
+  std::vector<std::vector<GuideSample>> waves((total + wave - 1) / wave);
   tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
     const FlushDenormals flush;
     Worker& worker = *workers[OwnWorker(frame.options, workers)];
@@ -338,12 +342,12 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
     TracePilotWave(pilot, range, question, worker, waves[i]);
     worker.stats = stats;
   });
-  std::vector<SkyNeed> needs;
-  for (const std::vector<SkyNeed>& some : waves) {
-    needs.insert(needs.end(), some.begin(), some.end());
+  std::vector<GuideSample> samples;
+  for (const std::vector<GuideSample>& some : waves) {
+    samples.insert(samples.end(), some.begin(), some.end());
   }
-  MakeRelative(needs, std::size_t(tile.width) * tile.height);
-  counts.paths = total, counts.needs = needs.size();
+  MakeRelative(samples, std::size_t(tile.width) * tile.height);
+  counts.paths = total, counts.samples = samples.size();
 
   // Lights that stand for parts of the map are drawn by nobody but their strategy.
   std::vector<double> shares;
@@ -353,7 +357,7 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
       shares[texels.cell[i]] += texels.probability[i];
     }
   }
-  EmissionGuide guide = MakeGuide(std::move(needs), shares, frame.sphere);
+  EmissionGuide guide = MakeGuide(std::move(samples), shares, frame.sphere);
   if (!guide.empty() && !shares.empty()) {
     for (std::size_t i = 0; i < texels.cell.size(); ++i) {
       texels.probability[i] *= double(guide.cells[texels.cell[i]].gain);

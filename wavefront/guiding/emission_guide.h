@@ -1,11 +1,11 @@
 // Where light paths of the sky are needed, learnt from what camera paths see of it.
 //
-// A sky's light paths start on a disk as wide as the scene (kernels/light_paths/emission.h), most of them where
-// nobody looks: over the far ends of a floor, on the walls around a window. Before a frame a few
-// camera paths, the pilot, note where lines of light enter that would have brought something, as
-// importance maps do for photons (Peter and Pietrek 1998). What they find becomes a density over
-// directions and places (kernels/light_paths/emission_guide.h), mixed with the even one, so every start stays
-// possible and the estimate unbiased.
+// A sky's light paths start on a disk as wide as the scene (kernels/light_paths/emission.h), most
+// of them where nobody looks: over the far ends of a floor, on the walls around a window. Before a
+// frame a few camera paths, the pilot, note where lines of light enter that would have brought
+// something, as importance maps do for photons (Peter and Pietrek 1998). What they find becomes a
+// density over directions and places (kernels/light_paths/emission_guide.h), mixed with the even
+// one, so every start stays possible and the estimate unbiased.
 #pragma once
 
 #include <cstdint>
@@ -23,14 +23,14 @@
 namespace skywave {
 
 // Light that came in along a line: what a camera path gained by it.
-struct SkyNeed {
+struct GuideSample {
   std::uint32_t cell;    // of the direction
   float u, v;            // of the place (DiskPlaceColumns)
   float point[3];        // where it came in, world space
   std::uint32_t pixel;   // of the pilot's film
-  std::uint64_t weight;  // [1/kNeedUnits of the mean radiance of the sky]
+  std::uint64_t weight;  // [1/kGuideSampleUnits of the mean radiance of the sky]
 };
-inline constexpr double kNeedUnits = 1 << 20;
+inline constexpr double kGuideSampleUnits = 1 << 20;
 
 // Shares of light paths that start evenly over the disk of the scene, as if nothing were known, and
 // over that of the focus: what the pilot has missed is at most so much rarer.
@@ -56,7 +56,7 @@ inline EmissionGuideView GuideOf(const FrameView& frame) {
 
 // The table, for a scene within `sphere`. `shares`: how often light samples are in a cell, if
 // directions are to be guided too; else empty. The order of `needs` does not matter, and is lost.
-EmissionGuide MakeGuide(std::vector<SkyNeed> needs, std::span<const double> shares,
+EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double> shares,
                         const SceneSphere& sphere);
 
 // Traces the pilot of a frame whose light paths start with frame.emitter, and makes its guide; an

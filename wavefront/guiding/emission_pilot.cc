@@ -34,16 +34,17 @@ double Luminance(float r, float g, float b) {
 }
 
 // Of the paths of a wave: collects their needs, line by line, places first, then how much.
-class NeedList {
+class GuideSampleList {
  public:
-  NeedList(const FrameView& pilot, const PilotQuestion& question, std::vector<SkyNeed>& needs)
+  GuideSampleList(const FrameView& pilot, const PilotQuestion& question,
+                  std::vector<GuideSample>& samples)
       : sphere_(pilot.sphere),
         question_(question),
         surfaces_met_(pilot.options.wave),
         places_(pilot.options.wave),
         unit_(std::accumulate(question.radiance.begin(), question.radiance.end(), 0.0) /
-              double(question.radiance.size()) / kNeedUnits),
-        needs_(needs) {}
+              double(question.radiance.size()) / kGuideSampleUnits),
+        needs_(samples) {}
 
   // Surfaces [0, n) of w.surfaces have a density.
   void Meet(const Worker& w, std::uint32_t n) {
@@ -102,7 +103,7 @@ class NeedList {
   std::vector<std::uint32_t> surfaces_met_;
   soa::Table<DiskPlaceColumns> places_;
   double unit_;
-  std::vector<SkyNeed>& needs_;
+  std::vector<GuideSample>& needs_;
 };
 
 }  // namespace
@@ -134,9 +135,9 @@ FrameView PilotView(const FrameView& frame) {
 Tile PilotTile(const FrameView& pilot) { return {0, 0, pilot.camera.width, pilot.camera.height}; }
 
 void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQuestion& question,
-                    Worker& w, std::vector<SkyNeed>& needs) {
+                    Worker& w, std::vector<GuideSample>& samples) {
   StageClock clock(w.stats);
-  NeedList list(pilot, question, needs);
+  GuideSampleList list(pilot, question, samples);
   const float samples = pilot.light_shares().strategy_samples(1);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(pilot, range, w.uniforms, w.lobe, w.paths, *rays);

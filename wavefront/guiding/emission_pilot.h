@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/frame.h"
+#include "wavefront/guiding/emission_guide.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/worker.h"
 
@@ -32,6 +32,6 @@ struct PilotQuestion {
 
 // Traces paths `range` of the pilot and appends what they need of the sky.
 void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQuestion& question,
-                    Worker& w, std::vector<SkyNeed>& needs);
+                    Worker& w, std::vector<GuideSample>& samples);
 
 }  // namespace skywave

@@ -7,9 +7,9 @@
 namespace skywave {
 
 struct GuideCounts {
-  std::uint64_t paths = 0, needs = 0;  // of the pilot; what these found
-  std::size_t bytes = 0;               // of the tables
-  double seconds = 0;                  // wall clock
+  std::uint64_t paths = 0, samples = 0;  // of the pilot; what these found
+  std::size_t bytes = 0;                 // of the tables
+  double seconds = 0;                    // wall clock
 };
 
 }  // namespace skywave

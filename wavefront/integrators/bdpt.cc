@@ -1,9 +1,9 @@
 #include <utility>
 
 #include "kernels/partition.h"
+#include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/bidirectional.h"
 #include "wavefront/stages/checks.h"
-#include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/merging.h"
 #include "wavefront/stages/path_stages.h"
@@ -27,7 +27,7 @@ void TraceLightSubpaths(const FrameView& frame, std::uint32_t n, Worker& w, Film
     if (n == 0) continue;
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
-    MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
+    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, vertices.at);
     if (frame.shows(bounce + 1, 1)) {
       ConnectSurfaces(frame, bounce, w, clock);
@@ -63,12 +63,12 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
         TraceAndSort(frame, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
     MoveEscaped(*rays, w.queue->queue, n, w.escaped);
     const std::uint32_t eye = bounce + 2;  // vertices, with the surfaces to come
-    if (frame.shows(0, eye)) AddMetLight(frame, *rays, n, escaped, bounce, w, clock);
+    if (frame.shows(0, eye)) AddHitLight(frame, *rays, n, escaped, bounce, w, clock);
     if (bounce == max_depth) break;
     PrepareHits(frame, kCameraEnd, *rays, n, escaped, ranges, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     ArriveAtSurfaces(w.surfaces, ranges.total(), b.eye, b.at);
-    if (frame.merged > 0) MergeSurfaces(frame, bounce, w, clock);
+    if (frame.eta_vcm > 0) MergeSurfaces(frame, bounce, w, clock);
     if (frame.shows(1, eye)) ConnectLights(frame, bounce, w, clock);
     for (std::uint32_t light = 0; bounce + light + 2 <= max_depth; ++light) {
       if (frame.shows(light + 2, eye)) ConnectVertices(frame, bounce, light, w, clock);

@@ -20,10 +20,10 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
+      IntersectLights(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,

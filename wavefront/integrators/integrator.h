@@ -12,7 +12,7 @@ namespace skywave {
 
 struct PhotonList;
 struct PhotonLists;
-struct PhotonWishes;
+struct WantedPhotons;
 
 // By the integrator of the frame's options, whose tables the worker has.
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
@@ -47,10 +47,10 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& wor
 // Bidirectional path tracing (Lafortune and Willems 1993; Veach and Guibas 1995): each path has a
 // sub-path from the camera and one from a light; all their vertices are connected with each other,
 // with light samples and with the camera, and weighted by the power heuristic over all of that
-// (kernels/light_paths/bidirectional.h). At most max_depth surfaces over both; roulette as in path tracing.
-// Vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012) is the same with
-// one way more at every surface of the eye: it is merged with the light vertices near it, those of
-// a first pass (photons of the frame), where frame.merged is not 0.
+// (kernels/light_paths/bidirectional.h). At most max_depth surfaces over both; roulette as in path
+// tracing. Vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012) is the
+// same with one way more at every surface of the eye: it is merged with the light vertices near it,
+// those of a first pass (photons of the frame), where frame.merged is not 0.
 void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
 // Photon mapping (Jensen 1996, T 4.3), second pass: direct light as in RenderDirectWave; at the
@@ -63,7 +63,7 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& wo
 // Its first pass: light paths [first, first + count) of the frame, stored at surfaces with a
 // density in the lists that `wishes` names, in the order (path, surface).
 void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
-                     const PhotonWishes& wishes, Worker& worker, PhotonLists& lists);
+                     const WantedPhotons& wanted, Worker& worker, PhotonLists& lists);
 
 // The first pass of vertex connection and merging: the vertices with a density of light sub-paths
 // [first, first + count) of the frame, in the order (path, surface), with what weights need.

@@ -31,10 +31,10 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   clock.Lap(Stage::kGenerate);
   CountRays(w.stats, 0, range.count, w.paths.rows());
   if (film.has_aovs()) {
-    MeetSurfaces(frame, *rays, range.count, 0, /*only_delta=*/false, w, clock);
+    IntersectSurfaces(frame, *rays, range.count, 0, /*only_delta=*/false, w, clock);
     KeepAovs(frame, 0, range.count, w, film, clock);
   } else {
-    MeetLight(frame, *rays, range.count, 0, w, clock);
+    IntersectLights(frame, *rays, range.count, 0, w, clock);
   }
   FinishWave(range.count, 0, w, film, clock);
   if (frame.options.max_depth == 0) return;
@@ -45,7 +45,7 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
-    MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
+    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     ConnectSurfaces(frame, bounce, w, clock);
     SplatConnections(frame, bounce, w, film, clock);
     if (bounce == frame.options.max_depth) break;

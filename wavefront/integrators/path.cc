@@ -17,10 +17,10 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetLight(frame, *rays, n, bounce, *from, w, clock);
+      IntersectLights(frame, *rays, n, bounce, *from, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, *from, w, clock);
+    IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, *from, w, clock);
     if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;

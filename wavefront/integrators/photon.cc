@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/integrators/integrator.h"
+#include "wavefront/stages/checks.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
@@ -10,7 +10,7 @@
 namespace skywave {
 
 void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
-                     const PhotonWishes& wishes, Worker& w, PhotonLists& lists) {
+                     const WantedPhotons& wanted, Worker& w, PhotonLists& lists) {
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   StartLightPaths(frame.options, first, count, w.paths);
@@ -18,13 +18,13 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   EmitRays(frame, count, *rays, w, clock);
 
   // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
-  const std::uint32_t first_kind = wishes.indirect ? 0 : kFirstDeltaBsdf;
+  const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
-    MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
-    StorePhotons(wishes, bounce, w, lists, clock);
+    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
+    StorePhotons(wanted, bounce, w, lists, clock);
     if (bounce == frame.options.max_depth) break;
     n = ScatterSurfaces(frame, kLightEnd, first_kind, bounce, *next, w, clock);
     std::swap(rays, next);
@@ -46,18 +46,18 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
+      IntersectLights(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
+    IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/true, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const std::uint32_t left = frame.options.max_depth - bounce;
-    AddPhotons(frame, frame.photons->caustic, Disks::kCut, left, 1, w, clock);
+    AddPhotons(frame, frame.photons->caustic, AreaCorrection::kVisibleCells, left, 1, w, clock);
     if (frame.options.photons.gather > 0) {
       GatherPhotons(frame, bounce, w, clock);
     } else {
-      AddPhotons(frame, frame.photons->indirect, Disks::kCut, left, 1, w, clock);
+      AddPhotons(frame, frame.photons->indirect, AreaCorrection::kVisibleCells, left, 1, w, clock);
     }
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/integrators/integrator.h"
+#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -83,10 +83,10 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
-      MeetLight(frame, *rays, n, bounce, w, clock);
+      IntersectLights(frame, *rays, n, bounce, w, clock);
       break;
     }
-    MeetSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     ContinuePaths(frame, of_continuations, range.count, bounce, w, c, clock);

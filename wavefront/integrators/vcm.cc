@@ -1,8 +1,8 @@
 #include <utility>
 
+#include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/bidirectional.h"
 #include "wavefront/stages/checks.h"
-#include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/merging.h"
 #include "wavefront/stages/path_stages.h"
@@ -21,7 +21,7 @@ void TraceVertexWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
     CheckRays(*rays, n);
     CountRays(w.stats, bounce, n, w.paths.rows());
-    MeetSurfacesOfLight(frame, *rays, n, bounce, w, clock);
+    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, b.at);
     StoreVertices(bounce, w, list, clock);
     if (bounce == frame.options.max_depth) break;

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "wavefront/integrators/integrator.h"
-#include "wavefront/photons/photon_harvest.h"
+#include "wavefront/photons/photon_collector.h"
 
 namespace skywave {
 namespace {
@@ -31,12 +31,12 @@ PhotonMap MapOfVertices(const FrameView& frame, std::uint64_t first, std::uint64
                         std::uint64_t most, std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders) {
   const std::uint32_t max_depth = frame.options.max_depth;
-  Harvest caustic, vertices(std::min(most, count * max_depth), max_depth, true);
+  PhotonCollector caustic, vertices(std::min(most, count * max_depth), max_depth, true);
   const auto trace = [](const FrameView& view, std::uint64_t number, std::uint32_t paths,
                         Worker& worker, PhotonLists& lists) {
     TraceVertexWave(view, number, paths, worker, lists.indirect);
   };
-  HarvestLightPaths(frame, first, count, trace, caustic, vertices, workers, recorders);
+  CollectPhotons(frame, first, count, trace, caustic, vertices, workers, recorders);
   return PhotonMap(vertices.photons(), vertices.light_paths(), vertices.subpaths());
 }
 
@@ -50,7 +50,7 @@ float MergePlan::MergedArea(const PhotonPass& pass) const {
 MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
                       std::vector<RayRecorder>* recorders) {
   const RenderOptions& options = frame.options;
-  const PhotonOptions& wish = options.photons;
+  const PhotonOptions& wanted = options.photons;
   if (options.max_depth == 0) return {.light_paths = 0, .radius = 0};
   const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
   const std::uint64_t most = frame.light_paths() * samples;
@@ -59,13 +59,13 @@ MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker
       MapOfVertices(frame, kFirstPlanningPath, traced, std::numeric_limits<std::uint64_t>::max(),
                     workers, recorders);
   const double vertices = double(map.size()) / double(traced);  // of a light path
-  MergePlan plan = {.light_paths = most, .radius = wish.distance};
-  if (vertices * double(most) > wish.indirect) {
-    plan.light_paths = std::uint64_t(std::ceil(wish.indirect / vertices));
+  MergePlan plan = {.light_paths = most, .radius = wanted.distance};
+  if (vertices * double(most) > wanted.indirect) {
+    plan.light_paths = std::uint64_t(std::ceil(wanted.indirect / vertices));
   }
   if (plan.radius <= 0) {
     const float more = float(double(plan.light_paths) / double(traced));
-    plan.radius = kMergedDistance * map.TypicalDistance(wish.neighbors) / std::sqrt(more);
+    plan.radius = kMergedDistance * map.TypicalDistance(wanted.neighbors) / std::sqrt(more);
   }
   return plan;
 }
@@ -74,7 +74,7 @@ PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const Pho
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders) {
   const std::uint64_t first = std::uint64_t(pass.first_sample) << 32;
-  PhotonMap map = MapOfVertices(frame, first, frame.merged > 0 ? plan.light_paths : 0,
+  PhotonMap map = MapOfVertices(frame, first, frame.eta_vcm > 0 ? plan.light_paths : 0,
                                 frame.options.photons.indirect, workers, recorders);
   map.radius = plan.radius * pass.shrink;
   return map;

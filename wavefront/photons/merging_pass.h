@@ -19,7 +19,7 @@ struct MergePlan {
   std::uint64_t light_paths;  // of a pass
   float radius;               // of the first pass
 
-  // WayPolicy::merged of a pass; weights take merges for fewer than they are.
+  // MisTechniques::merged of a pass; weights take merges for fewer than they are.
   float MergedArea(const PhotonPass& pass) const;
 };
 

@@ -6,8 +6,8 @@
 #include <type_traits>
 
 #include "kernels/sampler.h"
-#include "wavefront/soa.h"
 #include "wavefront/rays/trace.h"
+#include "wavefront/soa.h"
 
 namespace skywave {
 namespace {
@@ -51,7 +51,7 @@ void AimUp(const PhotonDisk& disk, const RayColumns& rays, std::uint32_t row) {
 // In scenes with holes: each ray its own, the same for the same ray.
 const std::uint32_t* KeysOf(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                             std::uint32_t* keys) {
-  if (!frame.geometry->has_holes()) return nullptr;
+  if (!frame.geometry->has_alpha()) return nullptr;
   for (std::uint32_t i = 0; i < n; ++i) {
     keys[i] = PixelSeed(std::bit_cast<std::uint32_t>(rays.dir_x[i]),
                         std::bit_cast<std::uint32_t>(rays.dir_y[i]),

@@ -38,8 +38,8 @@ PhotonMap::PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths,
   });
   tbb::parallel_for(std::uint32_t{0}, subpaths_.rows(), [&](std::uint32_t i) {
     const PhotonSubpath& subpath = subpaths[tree_.order()[i]];
-    subpaths_->joined_before[i] = subpath.joined_before;
-    subpaths_->joined_earlier[i] = subpath.joined_earlier;
+    subpaths_->d_vcm[i] = subpath.d_vcm;
+    subpaths_->d_vc[i] = subpath.d_vc;
   });
 }
 

@@ -25,7 +25,7 @@ struct Photon {
 
 // A row of SubpathColumns.
 struct PhotonSubpath {
-  float joined_before, joined_earlier;
+  float d_vcm, d_vc;
 };
 
 // More photons have no place in an index of 31 bits beside what a light path may add.

@@ -153,10 +153,10 @@ void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayView& 
 }
 
 // Makes one numbering of the triangles of both geometries.
-void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_holes, std::uint32_t n) {
+void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std::uint32_t n) {
   for (std::uint32_t i = 0; i < n; ++i) {
     if (hits.geom[i] != 1) continue;
-    hits.triangle[i] += first_with_holes;
+    hits.triangle[i] += first_with_alpha;
     hits.geom[i] = 0;
   }
 }
@@ -242,7 +242,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
       }
       break;
   }
-  if (tracer.first_with_holes) NumberTriangles(hits, *tracer.first_with_holes, n);
+  if (tracer.first_with_alpha) NumberTriangles(hits, *tracer.first_with_alpha, n);
 }
 
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,

@@ -41,7 +41,7 @@ struct Tracer {
   RayRecorder* recorder = nullptr;
   // Triangles from here on are in the geometry with holes (scene/geometry.h). Unset: there is none,
   // and rays need no keys.
-  std::optional<std::uint32_t> first_with_holes = std::nullopt;
+  std::optional<std::uint32_t> first_with_alpha = std::nullopt;
 };
 
 // In scenes with holes `keys` decides, ray by ray, which holes are met (DrawRayKeys); else null.

@@ -7,8 +7,8 @@
 #include "kernels/light_paths/arrival.h"
 #include "kernels/light_paths/flux.h"
 #include "kernels/sampler.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/guiding/emission_guide.h"
+#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -57,9 +57,9 @@ void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfa
   }
 }
 
-void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
-                      const SurfaceRanges& ranges, const LightColumns& lights,
-                      const TurnedColumns& turned, const BothWays& out) {
+void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns& surfaces,
+                            const SurfaceRanges& ranges, const LightColumns& lights,
+                            const TurnedColumns& turned, const BothDirections& out) {
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
     if (n == 0) continue;
@@ -97,37 +97,37 @@ std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const 
   SpreadDirections(rays, n, w.lights);
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                    b.seen.backward);
-  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, frame.ways(), rays, n, flying);
+  LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, frame.mis_techniques(), rays, n, flying);
   clock.Lap(Stage::kScatter);
   return n;
 }
 
-void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                  std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const BidirectionalTables& b = *w.bidirectional;
   const LightShares shares = frame.light_shares();
   const auto add = [&](std::uint32_t count) {
-    WeighMetLight(b.eye, b.arrival->u, count, frame.mis(), w.escaped);
+    WeighHitLight(b.eye, b.arrival->u, count, frame.mis(), w.escaped);
     AddEscapedRadiance(w.escaped, count, frame.mis(), w.paths);
   };
   // What the camera sees by itself, no other way finds.
   const bool alone = bounce == 0;
-  if (escaped > 0 && frame.has_sky()) {
+  if (escaped > 0 && frame.has_environment()) {
     if (!alone) MarkPartners(b.eye, escaped, w.escaped);
     const float samples = shares.strategy_samples(frame.light_samples());
     frame.strategy->EvaluateEscaped(Points(frame, w), escaped, samples, w.escaped);
     const EscapeColumns& seen = w.escaped;
     // Camera rays have left no surface, and need none.
     if (!alone) {
-      SkyArrivals(frame.sphere, GuideOf(frame),
-                  {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, escaped,
-                  b.arrival->u);
+      EnvironmentArrivals(frame.sphere, GuideOf(frame),
+                          {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, escaped,
+                          b.arrival->u);
     }
     add(escaped);
   }
   if (frame.has_emitters()) {
-    const std::uint32_t met = MeetEmitters(frame.local_lights, shares.local, rays, w.hits, n,
-                                           float(shares.plan.drawn), w.escaped, b.arrival->u);
+    const std::uint32_t met = IntersectEmitters(frame.local_lights, shares.local, rays, w.hits, n,
+                                                float(shares.plan.drawn), w.escaped, b.arrival->u);
     if (!alone) MarkPartners(b.eye, met, w.escaped);
     add(met);
   }
@@ -143,22 +143,23 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
                                           w.uniforms, w.lobe, w.lights, w.hits);
   CheckLightSamples(w.lights, n);
   const LightColumns& lights = w.lights;
-  SkyArrivals(frame.sphere, GuideOf(frame),
-              {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces, nullptr, lights.pdf}, n,
-              b.arrival->u);
+  EnvironmentArrivals(frame.sphere, GuideOf(frame),
+                      {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces, nullptr, lights.pdf},
+                      n, b.arrival->u);
   if (reach != nullptr) {
     SampleArrivals(frame.local_lights, shares.local, w.surfaces, w.uniforms->u, w.lights, n,
                    b.arrival->u);
   }
   clock.Lap(Stage::kLightSample);
-  EvaluateBothWays(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned, b.seen);
+  EvaluateBothDirections(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
+                         b.seen);
   WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n,
-                    frame.ways(), w.lights);
+                    frame.mis_techniques(), w.lights);
   if (reach != nullptr) LimitShadows(reach, n, w.lights);
   const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
                                             SamplePair(bounce, SampleUse::kLight), w.queue->queue);
-  if (reach != nullptr && frame.local_lights.holes) {
-    CloseHoles(frame, w.hits, keys, n, w.lights->t_far);
+  if (reach != nullptr && frame.local_lights.has_alpha) {
+    CloseTransparentSamples(frame, w.hits, keys, n, w.lights->t_far);
   }
   TraceAndAdd(frame, keys, w, clock);
 }
@@ -171,12 +172,12 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
   if (n == 0 || vertices.ranges.light_sampled() == 0) return;
   const MaterialView materials = frame.geometry->materials();
   AimAtVertices(w.surfaces, n, vertices.view(), b.partner->index, w.lights, b.to_eye);
-  EvaluateBothWays(materials, w.surfaces, w.ranges, w.lights, b.turned, b.seen);
-  EvaluateBothWays(materials, vertices.surfaces, vertices.ranges, b.to_eye, b.turned,
-                   b.seen_by_light);
+  EvaluateBothDirections(materials, w.surfaces, w.ranges, w.lights, b.turned, b.seen);
+  EvaluateBothDirections(materials, vertices.surfaces, vertices.ranges, b.to_eye, b.turned,
+                         b.seen_by_light);
   const ConnectionEnds ends = {b.seen.forward, b.seen.backward, b.seen_by_light.forward,
                                b.seen_by_light.backward};
-  JoinVertices(w.surfaces, b.at, n, frame.ways(), vertices.view(), b.partner->index, ends,
+  JoinVertices(w.surfaces, b.at, n, frame.mis_techniques(), vertices.view(), b.partner->index, ends,
                w.lights);
   // Behind the event of the light sample.
   const std::uint32_t event =
@@ -191,7 +192,7 @@ void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Wo
   EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                    b.seen.backward);
   WeighSplats(w.surfaces, at, b.seen.backward->pdf, w.light->cameras->importance,
-              float(frame.light_paths()), n, frame.ways(), w.lights);
+              float(frame.light_paths()), n, frame.mis_techniques(), w.lights);
   clock.Lap(Stage::kEvaluate);
 }
 

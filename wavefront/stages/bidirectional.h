@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "kernels/light_paths/bidirectional.h"
 #include "kernels/columns.h"
+#include "kernels/light_paths/bidirectional.h"
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
@@ -24,9 +24,9 @@ void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfa
 
 // The same, and forwards too. Origins of surfaces that transmit move to the side of dir
 // (MoveToSide).
-void EvaluateBothWays(const MaterialView& materials, const SurfaceColumns& surfaces,
-                      const SurfaceRanges& ranges, const LightColumns& lights,
-                      const TurnedColumns& turned, const BothWays& out);
+void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns& surfaces,
+                            const SurfaceRanges& ranges, const LightColumns& lights,
+                            const TurnedColumns& turned, const BothDirections& out);
 
 // Begins the sub-paths of camera rays [0, n). `lens`: uniforms that they were generated with.
 void LeaveCamera(const FrameView& frame, const UniformColumns& lens, std::uint32_t n, Worker& w);
@@ -40,7 +40,7 @@ std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const 
 
 // Adds the light that the eye's rays [0, n) have met, `escaped` of them in the sky, weighted
 // against the other ways.
-void AddMetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                  std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 // A light sample for every surface of the eye, weighted against the other ways.

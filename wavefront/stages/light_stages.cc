@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "kernels/light_paths/bidirectional.h"
-#include "kernels/lights/directional.h"
 #include "kernels/light_paths/flux.h"
+#include "kernels/lights/directional.h"
 #include "kernels/sampler.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/guiding/emission_guide.h"
+#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -88,23 +88,23 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
   DrawUniforms(w.paths, nullptr, n, LightPair(0, SampleUse::kScatter), {}, w.lobe);
   const EmissionColumns& emission = w.light->emission;
   if (shares.local.share < 1) {
-    EmitFromSky(frame.sphere, w.lights, w.lobe, n, rays, emission);
+    EmitFromEnvironment(frame.sphere, w.lights, w.lobe, n, rays, emission);
   }
   if (shares.local.share > 0) {
     EmitFromLocalLights(frame.local_lights, shares.local, frame.sphere, w.uniforms, w.lobe, n, rays,
                         emission, w.hits);
-    if (frame.local_lights.holes) {
+    if (frame.local_lights.has_alpha) {
       const std::uint32_t* const keys =
           RayKeys(frame, w.paths, rays.path, n, LightPair(0, SampleUse::kLobe), w.queue->queue);
-      CloseHoles(frame, w.hits, keys, n, rays.t_far);
+      CloseTransparentSamples(frame, w.hits, keys, n, rays.t_far);
     }
   }
   if (frame.guide != nullptr) GuideDistantRays(frame, shares, n, rays, w);
   clock.Lap(Stage::kGenerate);
 }
 
-void MeetSurfacesOfLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                         std::uint32_t bounce, Worker& w, StageClock& clock) {
+void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                                std::uint32_t bounce, Worker& w, StageClock& clock) {
   SurfaceRanges ranges;
   const std::uint32_t escaped =
       TraceAndSort(frame, kLightEnd, rays, n, bounce, /*only_delta=*/false, w, ranges, clock);

@@ -21,8 +21,8 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
               StageClock& clock);
 
 // Traces rays [0, n) that arrive at bounce 1 or a later one and makes surfaces of the hits.
-void MeetSurfacesOfLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                         std::uint32_t bounce, Worker& w, StageClock& clock);
+void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                                std::uint32_t bounce, Worker& w, StageClock& clock);
 
 // Connects every surface that takes light samples to the camera: w.lights holds what the
 // connections bring, closed where that is nothing, and w.light->cameras where to. Shadow rays are

@@ -20,7 +20,7 @@ void AddMerged(const FrameView& frame, const SubpathColumns& vertices, std::uint
   Bsdfs()[kind].evaluate(t.surfaces, materials, t.lights, n, t.seen.forward);
   EvaluateBackward(materials, t.surfaces, ranges, t.lights, t.turned, t.seen.backward);
   MergeVertices(t.surfaces, t.at, t.seen.forward, t.seen.backward->pdf, vertices, t.found->point, n,
-                frame.ways(), t.lights);
+                frame.mis_techniques(), t.lights);
   AddUnoccludedRadiance(t.lights, t.surfaces->path, n, w.paths);
 }
 
@@ -37,8 +37,8 @@ void RepeatVertex(const Worker& w, std::uint32_t row, std::uint32_t begin, std::
   repeat(s.throughput_g, t.surfaces->throughput_g);
   repeat(s.throughput_b, t.surfaces->throughput_b);
   repeat(s.path, t.surfaces->path);
-  repeat(at.joined_before, t.at->joined_before);
-  repeat(at.joined_earlier, t.at->joined_earlier);
+  repeat(at.d_vcm, t.at->d_vcm);
+  repeat(at.d_vc, t.at->d_vc);
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ void StoreVertices(std::uint32_t depth, Worker& w, PhotonList& list, StageClock&
   for (std::uint32_t row = 0; row < w.ranges.light_sampled(); ++row) {
     list.photons.push_back(PhotonAt(w.surfaces, row, depth));
     list.path.push_back(w.surfaces->path[row]);
-    list.subpath.push_back({at.joined_before[row], at.joined_earlier[row]});
+    list.subpath.push_back({at.d_vcm[row], at.d_vc[row]});
   }
   clock.Lap(Stage::kPhotons);
 }

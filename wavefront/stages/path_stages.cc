@@ -108,14 +108,14 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   clock.Lap(Stage::kSurface);
 }
 
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
-  MeetSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
+void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                       std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
+  IntersectSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
 }
 
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                  std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
-                  StageClock& clock) {
+void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                       std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
+                       StageClock& clock) {
   SurfaceRanges ranges;
   const std::uint32_t escaped =
       TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, ranges, clock);
@@ -127,13 +127,13 @@ void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t 
   PrepareHits(frame, kCameraEnd, rays, n, escaped, ranges, w, clock);
 }
 
-void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-               std::uint32_t bounce, Worker& w, StageClock& clock) {
-  MeetLight(frame, rays, n, bounce, FromOwnSurfaces(frame, w), w, clock);
+void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                     std::uint32_t bounce, Worker& w, StageClock& clock) {
+  IntersectLights(frame, rays, n, bounce, FromOwnSurfaces(frame, w), w, clock);
 }
 
-void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-               std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
+void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                     std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
   const std::uint32_t* const keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
   if (frame.has_emitters()) {
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
@@ -174,8 +174,8 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const std::uint32_t* const keys =
         RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
-    if (reach != nullptr && frame.local_lights.holes)
-      CloseHoles(frame, w.hits, keys, n, w.lights->t_far);
+    if (reach != nullptr && frame.local_lights.has_alpha)
+      CloseTransparentSamples(frame, w.hits, keys, n, w.lights->t_far);
     TraceLights(frame, keys, w, clock);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {

@@ -49,17 +49,17 @@ Departure FromOwnSurfaces(const FrameView& frame, const Worker& w);
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits. With
 // `only_delta`: see SortHits. `from`: if unsaid, the surfaces of the worker itself.
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                  std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock);
-void MeetSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-                  std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
-                  StageClock& clock);
+void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                       std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock);
+void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                       std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
+                       StageClock& clock);
 
-// The end of a path: only what shines by itself can still be seen. `from`: as in MeetSurfaces.
-void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-               std::uint32_t bounce, Worker& w, StageClock& clock);
-void MeetLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-               std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock);
+// The end of a path: only what shines by itself can still be seen. `from`: as in IntersectSurfaces.
+void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                     std::uint32_t bounce, Worker& w, StageClock& clock);
+void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
+                     std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock);
 
 // Traces the shadow rays of w.lights, one a surface that takes light samples, as TraceShadows does,
 // and counts them. What came before on the clock was evaluation.

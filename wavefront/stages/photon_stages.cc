@@ -5,15 +5,15 @@
 
 #include "kernels/sampler.h"
 #include "kernels/surface/surface.h"
+#include "wavefront/photons/photon_cover.h"
 #include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
-#include "wavefront/photons/photon_cover.h"
 
 namespace skywave {
 namespace {
 
 // What a light path has met, in PhotonTables::history.
-constexpr std::uint32_t kMetDense = 1, kMetDelta = 2;
+constexpr std::uint32_t kScatteredDense = 1, kScatteredDelta = 2;
 
 void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
   list.photons.push_back(photon);
@@ -109,24 +109,24 @@ void PhotonList::SortByPath(std::uint32_t paths) {
   *this = std::move(sorted);
 }
 
-void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
+void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock) {
   const SurfaceColumns& s = w.surfaces;
   std::uint32_t* const history = w.photon->history->queue;
   const std::uint32_t dense = w.ranges.light_sampled(), total = w.ranges.total();
   for (std::uint32_t row = 0; row < dense; ++row) {
-    std::uint32_t& met = history[s.path[row]];
-    const bool caustic = met == kMetDelta;
-    const bool indirect = (met & kMetDense) != 0 || wishes.all_light;
-    if (caustic && wishes.caustic) Append(PhotonAt(s, row, depth), s.path[row], lists.caustic);
-    if (indirect && wishes.indirect) Append(PhotonAt(s, row, depth), s.path[row], lists.indirect);
-    met |= kMetDense;
+    std::uint32_t& scattered = history[s.path[row]];
+    const bool caustic = scattered == kScatteredDelta;
+    const bool indirect = (scattered & kScatteredDense) != 0 || wanted.all_light;
+    if (caustic && wanted.caustic) Append(PhotonAt(s, row, depth), s.path[row], lists.caustic);
+    if (indirect && wanted.indirect) Append(PhotonAt(s, row, depth), s.path[row], lists.indirect);
+    scattered |= kScatteredDense;
   }
-  for (std::uint32_t row = dense; row < total; ++row) history[s.path[row]] |= kMetDelta;
+  for (std::uint32_t row = dense; row < total; ++row) history[s.path[row]] |= kScatteredDelta;
   clock.Lap(Stage::kPhotons);
 }
 
-void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
+void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection treatment,
                 std::uint32_t max_depth, float scale, Worker& w, StageClock& clock) {
   if (map.size() == 0) return;
   const PhotonOptions& options = frame.options.photons;
@@ -137,7 +137,7 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
   ForEachBlock(w.ranges, [&](const Block& block) {
     std::uint32_t count[kLookupBlock], row[kLookupBlock];
     DiskSurface surfaces[kLookupBlock];
-    // Disks that may be cut come first, those that look whole are counted from the end.
+    // AreaCorrection that may be cut come first, those that look whole are counted from the end.
     std::uint32_t cut = 0, whole = kLookupBlock;
     RangeSearch searches[kLookupBlock];
     PhotonDisk disks[kLookupBlock];
@@ -157,7 +157,7 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
       if (count[i] == 0) continue;
       // What looks whole need not be looked at. A first part of a range search is no fair sample.
       const bool doubtful =
-          treatment == Disks::kCut &&
+          treatment == AreaCorrection::kVisibleCells &&
           (options.progressive() || count[i] < options.neighbors ||
            !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
       if (doubtful) {
@@ -208,16 +208,17 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     clock.Lap(Stage::kScatter);
     // The surfaces at hand step back for those that their rays meet.
     std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
-    for (std::uint32_t met = bounce + 1; n > 0 && met < frame.options.max_depth; ++met) {
+    for (std::uint32_t scattered = bounce + 1; n > 0 && scattered < frame.options.max_depth;
+         ++scattered) {
       CheckRays(*rays, n);
-      CountRays(w.stats, met, n, w.paths.rows());
+      CountRays(w.stats, scattered, n, w.paths.rows());
       SurfaceRanges ranges;
       const std::uint32_t escaped =
-          TraceAndSort(frame, end, *rays, n, met, /*only_delta=*/false, w, ranges, clock);
+          TraceAndSort(frame, end, *rays, n, scattered, /*only_delta=*/false, w, ranges, clock);
       PrepareHits(frame, end, *rays, n, escaped, ranges, w, clock);
-      AddPhotons(frame, frame.photons->indirect, Disks::kWhole, frame.options.max_depth - met,
-                 1.0f / float(gather), w, clock);
-      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, met, w.uniforms,
+      AddPhotons(frame, frame.photons->indirect, AreaCorrection::kFullDisk,
+                 frame.options.max_depth - scattered, 1.0f / float(gather), w, clock);
+      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, scattered, w.uniforms,
                   w.lobe, *next);
       clock.Lap(Stage::kScatter);
       std::swap(rays, next);

@@ -25,7 +25,7 @@ struct PhotonLists {
 };
 
 // Which maps still want photons; for a final gather the indirect one has all light.
-struct PhotonWishes {
+struct WantedPhotons {
   bool caustic = false, indirect = false, all_light = false;
 };
 
@@ -34,16 +34,16 @@ Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t
 
 // Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
 // that want them, and keeps in w.photon->history what kinds of surfaces each path has met.
-void StorePhotons(const PhotonWishes& wishes, std::uint32_t depth, Worker& w, PhotonLists& lists,
+void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 
 // Whether photons are divided by all of their disk, or by the part of it that is surface, which
 // rays measure where photons leave a doubt.
-enum class Disks { kWhole, kCut };
+enum class AreaCorrection { kFullDisk, kVisibleCells };
 
 // Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
 // those that have met at most `max_depth` surfaces, theirs included.
-void AddPhotons(const FrameView& frame, const PhotonMap& map, Disks treatment,
+void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection treatment,
                 std::uint32_t max_depth, float scale, Worker& w, StageClock& clock);
 
 // Final gather (Jensen 1996): rays from every surface at hand that has a density, over mirrors and

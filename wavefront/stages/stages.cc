@@ -93,7 +93,7 @@ const float* SampleRows(const FrameView& frame, const ShadePoints& points,
   if (local) {
     SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
                       float(plan.drawn), lights, rest.v,
-                      frame.local_lights.holes ? &places : nullptr);
+                      frame.local_lights.has_alpha ? &places : nullptr);
   }
   return local ? rest.v : nullptr;
 }
@@ -111,7 +111,7 @@ void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformC
 const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
                              const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
                              std::uint32_t* keys) {
-  if (!frame.geometry->has_holes()) return nullptr;
+  if (!frame.geometry->has_alpha()) return nullptr;
   DrawRayKeys(paths, rows, n, event, keys);
   return keys;
 }
@@ -172,19 +172,19 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
 
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
                 std::uint32_t n, const PathColumns& paths) {
-  if (n == 0 || !frame.has_sky()) return;
+  if (n == 0 || !frame.has_environment()) return;
   const float samples = frame.light_shares().strategy_samples(frame.light_samples());
   frame.strategy->EvaluateEscaped(from, n, samples, escaped);
   AddEscapedRadiance(escaped, n, frame.mis(), paths);
 }
 
 void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
-                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths) {
+                std::uint32_t n, const EscapeColumns& emitter_hits, const PathColumns& paths) {
   if (!frame.has_emitters()) return;
   const LightShares shares = frame.light_shares();
-  const std::uint32_t count =
-      MeetEmitters(frame.local_lights, shares.local, rays, hits, n, float(shares.plan.drawn), met);
-  AddEscapedRadiance(met, count, frame.mis(), paths);
+  const std::uint32_t count = IntersectEmitters(frame.local_lights, shares.local, rays, hits, n,
+                                                float(shares.plan.drawn), emitter_hits);
+  AddEscapedRadiance(emitter_hits, count, frame.mis(), paths);
 }
 
 const float* SampleLights(const FrameView& frame, const ShadePoints& points,
@@ -220,13 +220,13 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
   if (reach != nullptr) LimitShadows(reach, ranges.light_sampled(), lights);
 }
 
-void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
-                std::uint32_t n, float* t_far) {
+void CloseTransparentSamples(const FrameView& frame, const HitColumns& places,
+                             const std::uint32_t* keys, std::uint32_t n, float* t_far) {
   for (std::uint32_t i = 0; i < n; ++i) {
     if (t_far[i] < 0 || places.geom[i] == kNoHit) continue;
     const std::uint32_t triangle = places.triangle[i];
-    if (triangle < frame.geometry->first_with_holes()) continue;
-    if (!IsMet(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
+    if (triangle < frame.geometry->first_with_alpha()) continue;
+    if (!StopsRay(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
       t_far[i] = -1;
     }
   }

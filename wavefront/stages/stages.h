@@ -66,7 +66,7 @@ void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeCol
 
 // Adds the radiance of rays that hit what shines to their paths. `met`: room for them.
 void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
-                std::uint32_t n, const EscapeColumns& met, const PathColumns& paths);
+                std::uint32_t n, const EscapeColumns& emitter_hits, const PathColumns& paths);
 
 // Draws light sample `index` of the plan for every surface that takes light samples, of which there
 // is at least one. Returns how far the light of every row is, null: infinitely. `rest`: room for
@@ -84,8 +84,8 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
 
 // Closes (t_far negative) the light samples that are at a hole of their own triangle, which their
 // shadow rays do not reach. `places`: as SampleLights writes them; `keys`: of the shadow rays.
-void CloseHoles(const FrameView& frame, const HitColumns& places, const std::uint32_t* keys,
-                std::uint32_t n, float* t_far);
+void CloseTransparentSamples(const FrameView& frame, const HitColumns& places,
+                             const std::uint32_t* keys, std::uint32_t n, float* t_far);
 
 // Scatters the surfaces of BSDFs [first_kind, kBsdfKinds) and writes the rays that go on; returns
 // their number.

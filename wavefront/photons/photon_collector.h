@@ -9,8 +9,8 @@
 
 #include "wavefront/frame.h"
 #include "wavefront/photons/photon_map.h"
-#include "wavefront/stages/photon_stages.h"
 #include "wavefront/rays/ray_recorder.h"
+#include "wavefront/stages/photon_stages.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
@@ -19,12 +19,12 @@ namespace skywave {
 // them together. They are cut behind a path, in the order of paths, so what is kept depends on
 // neither threads nor waves nor on how many paths were traced before somebody looked. That the last
 // path ends the count biases what is divided by the number of paths by one part in that of photons.
-class Harvest {
+class PhotonCollector {
  public:
-  Harvest() = default;  // wants none
+  PhotonCollector() = default;  // wants none
   // Of light paths that store at most `of_a_path` photons each: there is room for so many more. All
   // memory is asked for here and touched as it fills.
-  Harvest(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths);
+  PhotonCollector(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths);
 
   bool full() const { return size_ >= wanted_; }
   std::uint64_t wanted() const { return wanted_; }
@@ -55,9 +55,9 @@ using TraceLightPaths =
 // Traces light paths [first, first + most) of the frame until both are full. Beside the harvests at
 // most 2^20 photons are held, of depths beyond 64 those of 2^14 light paths. The caller is in the
 // arena whose threads the workers belong to; `recorders` as in RenderFrame.
-void HarvestLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t most,
-                       const TraceLightPaths& trace, Harvest& caustic, Harvest& indirect,
-                       std::vector<std::unique_ptr<Worker>>& workers,
-                       std::vector<RayRecorder>* recorders);
+void CollectPhotons(const FrameView& frame, std::uint64_t first, std::uint64_t most,
+                    const TraceLightPaths& trace, PhotonCollector& caustic,
+                    PhotonCollector& indirect, std::vector<std::unique_ptr<Worker>>& workers,
+                    std::vector<RayRecorder>* recorders);
 
 }  // namespace skywave

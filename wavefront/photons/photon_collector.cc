@@ -1,4 +1,4 @@
-#include "wavefront/photons/photon_harvest.h"
+#include "wavefront/photons/photon_collector.h"
 
 #include <tbb/parallel_for.h>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t kLeastRound = 1 << 14, kMostHeld = 1 << 20;
 
 // Light paths that will most likely fill a harvest, by what `traced` ones have brought.
-double PathsToFill(const Harvest& harvest, std::uint64_t traced) {
+double PathsToFill(const PhotonCollector& harvest, std::uint64_t traced) {
   const double missing = double(harvest.wanted() - harvest.size());
   // A second round costs more than a few paths too many.
   return (missing + 2 * std::sqrt(missing)) * double(traced) / double(harvest.size() + 1);
@@ -24,12 +24,12 @@ double PathsToFill(const Harvest& harvest, std::uint64_t traced) {
 
 // Light paths of the next round: until the first of those that are not full will be, since paths
 // are spared what nobody wants any more. Not more of the first ones than show what they bring.
-std::uint64_t PathsOfRound(const Harvest& caustic, const Harvest& indirect, std::uint64_t traced,
-                           std::uint32_t max_depth) {
+std::uint64_t PathsOfRound(const PhotonCollector& caustic, const PhotonCollector& indirect,
+                           std::uint64_t traced, std::uint32_t max_depth) {
   const std::uint64_t most =
       std::max(kLeastRound, kMostHeld / std::max(max_depth, std::uint32_t{1}));
   double paths = double(most);
-  for (const Harvest* const harvest : {&caustic, &indirect}) {
+  for (const PhotonCollector* const harvest : {&caustic, &indirect}) {
     if (!harvest->full()) paths = std::min(paths, PathsToFill(*harvest, traced));
   }
   return std::clamp(std::uint64_t(paths), kLeastRound, most);
@@ -37,7 +37,7 @@ std::uint64_t PathsOfRound(const Harvest& caustic, const Harvest& indirect, std:
 
 }  // namespace
 
-Harvest::Harvest(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths)
+PhotonCollector::PhotonCollector(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths)
     : wanted_(wanted) {
   if (wanted == 0) return;
   photons_ = std::make_unique_for_overwrite<Photon[]>(wanted + of_a_path);
@@ -46,8 +46,8 @@ Harvest::Harvest(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpat
   }
 }
 
-void Harvest::Take(std::span<PhotonLists> waves, PhotonList PhotonLists::*kind, std::uint64_t first,
-                   std::uint64_t end, std::uint64_t wave) {
+void PhotonCollector::Take(std::span<PhotonLists> waves, PhotonList PhotonLists::*kind,
+                           std::uint64_t first, std::uint64_t end, std::uint64_t wave) {
   struct Part {
     std::size_t count, at;
   };
@@ -74,10 +74,10 @@ void Harvest::Take(std::span<PhotonLists> waves, PhotonList PhotonLists::*kind, 
   });
 }
 
-void HarvestLightPaths(const FrameView& frame, std::uint64_t first, std::uint64_t most,
-                       const TraceLightPaths& trace, Harvest& caustic, Harvest& indirect,
-                       std::vector<std::unique_ptr<Worker>>& workers,
-                       std::vector<RayRecorder>* recorders) {
+void CollectPhotons(const FrameView& frame, std::uint64_t first, std::uint64_t most,
+                    const TraceLightPaths& trace, PhotonCollector& caustic,
+                    PhotonCollector& indirect, std::vector<std::unique_ptr<Worker>>& workers,
+                    std::vector<RayRecorder>* recorders) {
   const std::uint32_t wave = frame.options.wave;
   for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
     const std::uint64_t round =

@@ -18,9 +18,9 @@ constexpr std::size_t kMostSurfaces = 5;
 constexpr float kLightPaths = 700;
 
 BidirectionalPath RandomPath(Random& random, std::size_t surfaces, double delta_share,
-                             double merged) {
+                             double eta_vcm) {
   BidirectionalPath path;
-  path.merged = merged;
+  path.eta_vcm = eta_vcm;
   const auto density = [&] { return std::exp(random.Between(-3, 4)); };
   const auto point = [&] { return random.Between(0.5, 3) * random.Direction(); };
   path.eye = point();
@@ -57,7 +57,7 @@ class Subpaths {
 
   // Weights of the way with that many vertices from the light, by the kernels.
   std::vector<double> Weights(std::size_t lights) {
-    if (lights == 0) return MetLight();
+    if (lights == 0) return HitLight();
     if (lights == 1) return LightSamples();
     return lights == surfaces() + 1 ? Splats() : Connections(lights - 2);
   }
@@ -67,7 +67,7 @@ class Subpaths {
     const LightVertices &eye = eye_[surface], &light = light_[surface];
     const soa::Table<LightColumns> lights(kPaths);
     const soa::Table<IndexColumns> vertex(kPaths);
-    const BothWays seen(kPaths);
+    const BothDirections seen(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       Fill(1, i, lights->r, lights->g, lights->b);
       Fill(1, i, seen.forward->r, seen.forward->g, seen.forward->b);
@@ -76,12 +76,12 @@ class Subpaths {
       vertex->index[i] = LightRow(i);
     }
     MergeVertices(eye.surfaces, eye.at, seen.forward, seen.backward->pdf, light.at, vertex->index,
-                  kPaths, ways(), lights);
+                  kPaths, mis_techniques(), lights);
     return {lights->g, lights->g + kPaths};
   }
 
  private:
-  WayPolicy ways() const { return {.mis = {}, .merged = float(paths_[0].merged)}; }
+  MisTechniques mis_techniques() const { return {.mis = {}, .eta_vcm = float(paths_[0].eta_vcm)}; }
   static std::uint32_t LightRow(std::uint32_t path) { return kPaths - 1 - path; }
 
   // The surface as a sub-path sees it that comes from `from`, `distance` away along `wo`.
@@ -136,8 +136,8 @@ class Subpaths {
                     surface.pdf_to_eye);
       }
       ArriveAtSurfaces(eye_[j].surfaces, kPaths, eye_flying_, eye_[j].at);
-      LeaveSurfaces(eye_[j].surfaces, eye_[j].at, leaving.back->u, ways(), leaving.rays, kPaths,
-                    eye_flying_);
+      LeaveSurfaces(eye_[j].surfaces, eye_[j].at, leaving.back->u, mis_techniques(), leaving.rays,
+                    kPaths, eye_flying_);
     }
   }
 
@@ -151,7 +151,7 @@ class Subpaths {
       emission->light_pdf[i] = float(path.light_pdf);
       emission->cosine[i] =
           path.light == PathLight::kArea ? float(std::fabs(Dot(path.light_normal, dir))) : 1;
-      emission->light[i] = path.light == PathLight::kSky ? kNoLight : 3;
+      emission->light[i] = path.light == PathLight::kEnvironment ? kNoLight : 3;
       emission->delta[i] = path.light == PathLight::kPosition    ? kDeltaPosition
                            : path.light == PathLight::kDirection ? kDeltaDirection
                                                                  : 0;
@@ -169,8 +169,8 @@ class Subpaths {
                     surface.pdf_to_light);
       }
       ArriveAtSurfaces(light_[j].surfaces, kPaths, flying, light_[j].at);
-      LeaveSurfaces(light_[j].surfaces, light_[j].at, leaving.back->u, ways(), leaving.rays, kPaths,
-                    flying);
+      LeaveSurfaces(light_[j].surfaces, light_[j].at, leaving.back->u, mis_techniques(),
+                    leaving.rays, kPaths, flying);
     }
   }
 
@@ -181,13 +181,13 @@ class Subpaths {
   }
   // Density of light samples in solid angle; infinite for lights that nothing can hit.
   double LightPdf(const BidirectionalPath& path) const {
-    if (path.light == PathLight::kSky) return path.light_pdf;
+    if (path.light == PathLight::kEnvironment) return path.light_pdf;
     if (path.light != PathLight::kArea) return std::numeric_limits<double>::infinity();
     const Vec way = ToLight(path, surfaces() - 1);
     return path.light_pdf * Dot(way, way) / std::fabs(Dot(path.light_normal, Unit(way)));
   }
 
-  std::vector<double> MetLight() {
+  std::vector<double> HitLight() {
     const soa::Table<EscapeColumns> met(kPaths);
     const soa::Table<UniformColumns> arrival(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -196,7 +196,7 @@ class Subpaths {
       arrival->u[i] = float(Arrival(paths_[i]));
     }
     MarkPartners(eye_flying_, kPaths, met);
-    WeighMetLight(eye_flying_, arrival->u, kPaths, MisPolicy(), met);
+    WeighHitLight(eye_flying_, arrival->u, kPaths, MisPolicy(), met);
     return {met->throughput_g, met->throughput_g + kPaths};
   }
 
@@ -204,7 +204,7 @@ class Subpaths {
     const LightVertices& last = eye_.back();
     const soa::Table<LightColumns> lights(kPaths);
     const soa::Table<UniformColumns> arrival(kPaths);
-    const BothWays seen(kPaths);
+    const BothDirections seen(kPaths);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const PathSurface& surface = paths_[i].surfaces.back();
@@ -217,7 +217,7 @@ class Subpaths {
       arrival->u[i] = float(Arrival(paths_[i]));
     }
     WeighLightSamples(last.surfaces, last.at, seen.forward, seen.backward, arrival->u, kPaths,
-                      ways(), lights);
+                      mis_techniques(), lights);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const double pdf = LightPdf(paths_[i]);
       weights[i] = lights->g[i] * (std::isinf(pdf) ? 1 : pdf);
@@ -238,7 +238,8 @@ class Subpaths {
       arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way));
       back->u[row] = float(paths_[i].surfaces[0].pdf_to_light);
     }
-    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths, ways(), to_eye);
+    WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths,
+                mis_techniques(), to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) weights[i] = to_eye->g[LightRow(i)];
     return weights;
   }
@@ -249,7 +250,7 @@ class Subpaths {
     const LightVertices &eye = eye_[j - 1], &light = light_[j];
     const soa::Table<LightColumns> to_light(kPaths), to_eye(kPaths);
     const soa::Table<IndexColumns> partner(kPaths);
-    const BothWays at_eye(kPaths), at_light(kPaths);
+    const BothDirections at_eye(kPaths), at_light(kPaths);
     AimAtVertices(eye.surfaces, kPaths, light.view(), partner->index, to_light, to_eye);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const std::uint32_t row = LightRow(i);
@@ -266,7 +267,7 @@ class Subpaths {
       at_light.forward->pdf[row] = float(y.pdf_to_eye);
       at_light.backward->pdf[row] = float(y.pdf_to_light);
     }
-    JoinVertices(eye.surfaces, eye.at, kPaths, ways(), light.view(), partner->index,
+    JoinVertices(eye.surfaces, eye.at, kPaths, mis_techniques(), light.view(), partner->index,
                  {at_eye.forward, at_eye.backward, at_light.forward, at_light.backward}, to_light);
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -285,14 +286,14 @@ class Subpaths {
 };
 
 // `merged`: 0 for paths that are only joined.
-void ExpectWeights(std::size_t surfaces, double delta_share, double merged) {
+void ExpectWeights(std::size_t surfaces, double delta_share, double eta_vcm) {
   SCOPED_TRACE(testing::Message() << surfaces << " surfaces, delta " << delta_share << ", merged "
-                                  << merged);
+                                  << eta_vcm);
   Random random(5);
   std::vector<BidirectionalPath> paths;
   std::vector<WayWeights> expected;
   for (std::uint32_t i = 0; i < kPaths; ++i) {
-    paths.push_back(RandomPath(random, surfaces, delta_share, merged));
+    paths.push_back(RandomPath(random, surfaces, delta_share, eta_vcm));
     expected.emplace_back(paths.back());
   }
   ForEachTarget([&] {
@@ -311,11 +312,11 @@ void ExpectWeights(std::size_t surfaces, double delta_share, double merged) {
         compare(i, weights[i], WayDensity(paths[i], lights), expected[i].joined[lights]);
       }
     }
-    for (std::size_t surface = 0; merged > 0 && surface < surfaces; ++surface) {
+    for (std::size_t surface = 0; eta_vcm > 0 && surface < surfaces; ++surface) {
       SCOPED_TRACE(testing::Message() << "merged at surface " << surface);
       const std::vector<double> weights = subpaths.MergeWeights(surface);
       for (std::uint32_t i = 0; i < kPaths; ++i) {
-        compare(i, weights[i], MergeDensity(paths[i], surface), expected[i].merged[surface]);
+        compare(i, weights[i], MergeDensity(paths[i], surface), expected[i].eta_vcm[surface]);
       }
     }
     for (std::uint32_t i = 0; i < kPaths; ++i) {
@@ -328,7 +329,7 @@ void ExpectWeights(std::size_t surfaces, double delta_share, double merged) {
 TEST(WayWeights, AreThoseByDefinitionAndSumToOne) {
   for (std::size_t surfaces = 1; surfaces <= kMostSurfaces; ++surfaces) {
     for (const double delta_share : {0.0, 0.4, 1.0}) {
-      for (const double merged : {0.0, 0.1, 4.0}) ExpectWeights(surfaces, delta_share, merged);
+      for (const double eta_vcm : {0.0, 0.1, 4.0}) ExpectWeights(surfaces, delta_share, eta_vcm);
     }
   }
 }

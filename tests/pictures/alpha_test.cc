@@ -5,8 +5,8 @@
 
 #include "kernels/surface/opacity.h"
 #include "scene/geometry.h"
-#include "scene/shapes/mesh.h"
 #include "scene/materials/texture_tables.h"
+#include "scene/shapes/mesh.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/screens_scene.h"
 #include "wavefront/render.h"
@@ -160,10 +160,10 @@ TEST(Holes, AnswersDependOnKeyAndTriangleAlone) {
   int met = 0, both = 0;
   for (std::uint32_t key = 0; key < 4000; ++key) {
     for (std::uint32_t t = 0; t + 1 < 50; t += 2) {
-      const bool first = IsMet(view, key * 2654435761u, t, 0.2f, 0.3f);
-      ASSERT_EQ(first, IsMet(view, key * 2654435761u, t, 0.6f, 0.1f));
+      const bool first = StopsRay(view, key * 2654435761u, t, 0.2f, 0.3f);
+      ASSERT_EQ(first, StopsRay(view, key * 2654435761u, t, 0.6f, 0.1f));
       met += first;
-      both += first && IsMet(view, key * 2654435761u, t + 1, 0, 0);
+      both += first && StopsRay(view, key * 2654435761u, t + 1, 0, 0);
     }
   }
   const double n = 4000 * 25;
@@ -228,7 +228,7 @@ TEST(Holes, MixturesHaveThem) {
   const Geometry geometry(scene, "test");
   ASSERT_EQ(geometry.triangle_count(), 4u);
   ASSERT_EQ(geometry.record_count(), 8u);
-  EXPECT_EQ(geometry.first_with_holes(), 2u);
+  EXPECT_EQ(geometry.first_with_alpha(), 2u);
   for (std::uint32_t record = 0; record < 8; ++record) {
     EXPECT_EQ(geometry.MeshOf(record), record < 2 ? 1u : 0u) << record;
     const std::uint32_t tag = geometry.triangles()[record].tag;
@@ -240,15 +240,15 @@ TEST(Holes, MixturesHaveThem) {
 TEST(Holes, OpaqueScenesHaveOneGeometryAndNoKeys) {
   Scene scene = Sheets(2, 1);
   const Geometry opaque(scene, "test");
-  EXPECT_FALSE(opaque.has_holes());
+  EXPECT_FALSE(opaque.has_alpha());
   const RenderJob job(scene, SmallRequest(4, 4, 1));
-  EXPECT_FALSE(job.frame().tracer.first_with_holes);
+  EXPECT_FALSE(job.frame().tracer.first_with_alpha);
   AddLambert(scene, "holes", glm::vec3(1));
   scene.materials[1].opacity = 0.5f;
   Place(scene, Quad(1), 1, {0, 1, 0});
   std::swap(scene.meshes.front(), scene.meshes.back());
   const Geometry mixed(scene, "test");
-  ASSERT_EQ(mixed.first_with_holes(), 4u);
+  ASSERT_EQ(mixed.first_with_alpha(), 4u);
   for (std::uint32_t t = 0; t < 6; ++t) {
     EXPECT_EQ(mixed.triangles()[t].tag & kMaterialMask, t < 4 ? 0u : 1u);
     EXPECT_EQ(mixed.MeshOf(t), t < 2 ? 1u : t < 4 ? 2u : 0u);

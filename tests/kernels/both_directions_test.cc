@@ -59,8 +59,8 @@ struct Pairs {
     }
   }
   void Evaluate() {
-    EvaluateBothWays(rows.materials(), rows.surfaces, RangesOf(material.kind, kRows), lights,
-                     turned, seen);
+    EvaluateBothDirections(rows.materials(), rows.surfaces, RangesOf(material.kind, kRows), lights,
+                           turned, seen);
   }
 
   const MaterialCase& material;
@@ -68,12 +68,12 @@ struct Pairs {
   ShadingRows rows;
   soa::Table<LightColumns> lights;
   soa::Table<TurnedColumns> turned;
-  BothWays seen;
+  BothDirections seen;
 };
 
 // What a path that comes from wi makes of the same point: normals that face it, and the other face
 // if that is another one.
-TEST(BothWays, BackwardsIsForwardsWithExchangedRoles) {
+TEST(BothDirections, BackwardsIsForwardsWithExchangedRoles) {
   std::uint32_t seed = 1;
   for (const MaterialCase& material : DenseCases()) {
     SCOPED_TRACE(material.name);
@@ -113,7 +113,7 @@ TEST(BothWays, BackwardsIsForwardsWithExchangedRoles) {
   }
 }
 
-TEST(BothWays, DensityBackIsTheFormulas) {
+TEST(BothDirections, DensityBackIsTheFormulas) {
   std::uint32_t seed = 101;
   std::size_t compared = 0;
   for (const MaterialCase& material : DenseCases()) {
@@ -156,7 +156,7 @@ TEST(BothWays, DensityBackIsTheFormulas) {
 
 // f(wo, wi) = f(wi, wo), and over an interface of indices f / n^2 on the side that radiance goes to
 // (Veach 1997, eq. 5.14).
-TEST(BothWays, ValuesAreReciprocal) {
+TEST(BothDirections, ValuesAreReciprocal) {
   std::uint32_t seed = 201;
   for (const MaterialCase& material : DenseCases()) {
     SCOPED_TRACE(material.name);

@@ -1,6 +1,6 @@
 // What is kept of light paths: the first of them that are enough, and no more than there is memory
 // for.
-#include "wavefront/photons/photon_harvest.h"
+#include "wavefront/photons/photon_collector.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scene/builtin/builtin.h"
+#include "tests/support/paths.h"
 #include "tests/support/program.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
@@ -46,7 +47,7 @@ std::vector<PhotonLists> Waves(const std::vector<std::uint32_t>& counts, std::ui
 }
 
 // Paths are kept whole and in order until there are enough photons, however they came.
-TEST(PhotonHarvest, KeepsTheFirstPathsThatFillIt) {
+TEST(PhotonCollector, KeepsTheFirstPathsThatFillIt) {
   constexpr std::uint32_t kPaths = 100;
   const std::vector<std::uint32_t> counts = Counts(kPaths, 3);
   const std::uint32_t all = std::accumulate(counts.begin(), counts.end(), 0u);
@@ -56,7 +57,7 @@ TEST(PhotonHarvest, KeepsTheFirstPathsThatFillIt) {
     for (const std::uint32_t round : {1u, 7u, 64u, kPaths}) {
       for (const std::uint32_t wave : {1u, 3u, 200u}) {
         SCOPED_TRACE(testing::Message() << wanted << " of rounds " << round << ", waves " << wave);
-        Harvest harvest(wanted, kOfAPath, true);
+        PhotonCollector harvest(wanted, kOfAPath, true);
         for (std::uint32_t first = 0; first < kPaths; first += round) {
           const std::uint32_t end = std::min(first + round, kPaths);
           std::vector<PhotonLists> waves = Waves(counts, first, end, wave);
@@ -68,7 +69,7 @@ TEST(PhotonHarvest, KeepsTheFirstPathsThatFillIt) {
         ASSERT_EQ(harvest.subpaths().size(), size);
         for (std::uint32_t i = 0; i < size; ++i) {
           ASSERT_EQ(harvest.photons()[i].depth, i);
-          ASSERT_EQ(harvest.subpaths()[i].joined_before, float(i));
+          ASSERT_EQ(harvest.subpaths()[i].d_vcm, float(i));
         }
       }
     }
@@ -76,7 +77,7 @@ TEST(PhotonHarvest, KeepsTheFirstPathsThatFillIt) {
 }
 
 // Of passes that have light paths enough and of those that have not, for both integrators.
-TEST(PhotonHarvest, PassesKeepWhatIsAskedForAtMost) {
+TEST(PhotonCollector, PassesKeepWhatIsAskedForAtMost) {
   constexpr std::uint32_t kDepth = 5;
   for (const Integrator integrator : {Integrator::kPhoton, Integrator::kVcm}) {
     for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
@@ -139,7 +140,7 @@ using PhotonProgram = Program;
 TEST_F(PhotonProgram, SaysWhoseMemoryIsMissing) {
   for (const std::string integrator : {"photon", "vcm --size 4000x4000"}) {
     const Result result =
-        Run("--version; ulimit -v 2000000; '" SKYWAVE_PROGRAM
+        Run("--version; ulimit -v 2000000; '" + ProgramPath() +
             "' render lamps --spp 1 --threads 2 --photons 60000000 -o a.exr --integrator " +
             integrator);
     EXPECT_EQ(result.exit_code, kExitUsage) << result.err;
