@@ -8,7 +8,6 @@
 
 #include "job/job.h"
 #include "kernels/partition.h"
-#include "kernels/surface/surface.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/stages.h"
@@ -39,34 +38,30 @@ struct WaveFixture {
   void Camera() {
     GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
     n = range.count;
-    TraceClosest(frame.tracer, RayKind::kCamera, worker.rays[0], n, worker.hits);
-    ranges = {};
-    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
-                       ranges);
-    MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
-    MoveSurfaces(worker.rays[0], worker.hits, worker.queue->queue, n, ranges, worker.surfaces);
-    PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
-                    ranges.total(), worker.surfaces);
-    TextureSurfaces(frame, kCameraEnd, ranges, worker.surfaces);
+    Trace(0);
+    StageClock clock(worker.stats);
+    PrepareHits(frame, kCameraEnd, worker.rays[0], n, escaped, ranges, worker, clock);
   }
 
-  // One bounce further: rays[0] are scattered rays, traced.
+  // One bounce further: rays[0] are scattered rays, traced. The surfaces are still those that the
+  // rays have left; `ranges` says where the ones that they hit will be.
   void Bounce() {
     n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms,
                 worker.lobe, worker.rays[0]);
-    TraceClosest(frame.tracer, RayKind::kBounce, worker.rays[0], n, worker.hits);
+    Trace(1);
+  }
+
+  // Traces rays[0], which arrive at `bounce`, and moves those that escape.
+  void Trace(std::uint32_t bounce) {
+    StageClock clock(worker.stats);
     ranges = {};
-    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
-                       ranges);
+    escaped = TraceAndSort(frame, kCameraEnd, worker.rays[0], n, bounce, /*only_delta=*/false,
+                           worker, ranges, clock);
     MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
   }
 
-  ShadePoints Points() const {
-    return {.surfaces = worker.surfaces,
-            .ranges = ranges,
-            .materials = materials,
-            .paths = worker.paths};
-  }
+  // The surfaces of the worker, as strategies see them.
+  ShadePoints Points() const { return skywave::Points(frame, worker); }
 
   static JobRequest Request(const std::string& strategy) {
     JobRequest request;
@@ -85,7 +80,6 @@ struct WaveFixture {
   FlushDenormals flush;
   RenderJob job;
   FrameView frame;
-  MaterialView materials = frame.geometry->materials();
   Film film;
   Worker worker;
   WaveRange range;

@@ -171,8 +171,8 @@ void AddBenchCommand(CLI::App& program, Run& run) {
   const auto flags = std::make_shared<BenchFlags>();
   flags->request.samples_per_pixel = 8;
   AddJobFlags(*command, flags->request);
-  command->get_option("scene")->required(false)->description(
-      "pbrt, OBJ or PLY file, or a built-in scene (default: the suite)");
+  CLI::Option* const scene = command->get_option("scene")->required(false);
+  scene->description(scene->get_description() + " (default: the suite)");
   std::vector<std::string> job_flags;
   for (const CLI::Option* option : command->get_options()) job_flags.push_back(option->get_name());
   command
