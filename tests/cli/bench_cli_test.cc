@@ -33,7 +33,7 @@ std::size_t Count(const std::string& text, const std::string& part) {
 // The page is whole in a browser that finds no host, if there is one.
 void ExpectWholeInABrowser(const std::string& folder, const std::string& name) {
   if (std::system("command -v chromium >/dev/null") != 0) {
-    std::puts("there is no chromium");
+    std::puts("skipped: there is no chromium");
     return;
   }
   const std::string browser =
