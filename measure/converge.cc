@@ -1,4 +1,5 @@
 #include "measure/converge.h"
+#include "wavefront/option_names.h"
 
 #include <algorithm>
 #include <bit>

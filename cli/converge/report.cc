@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "measure/revision.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
