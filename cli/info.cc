@@ -3,10 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/job_flags.h"
@@ -34,10 +34,9 @@ struct SceneFile {
 
 SceneFile Load(const std::string& path, const ReadOptions& options) {
   SceneFile file;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   file.scene = ReadScene(path, options);
-  file.load_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  file.load_seconds = SecondsSince(start);
   file.summary = Summarize(file.scene);
   if (file.summary.triangles > 0) {
     const Geometry geometry(file.scene, path);

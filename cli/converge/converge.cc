@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
@@ -132,13 +132,12 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
       flags.reference_integrator.value_or(ReferenceIntegrator(report.contestants));
   const RenderOptions& options = job.options();
   if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
                [&](Progress* done) {
                  report.reference = RenderReference(job, *report.reference_integrator, half, done);
                });
-  report.reference_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.reference_seconds = SecondsSince(start);
   if (flags.save_reference.empty()) return;
   WriteReference(flags.save_reference,
                  {.reference = report.reference,
