@@ -148,7 +148,7 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
         TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
     MoveEscaped(*rays, w.queue->queue, n, w.escaped);
     if (bounce > 0 && escaped > 0) {
-      pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, samples, w.escaped);
+      pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, light_samples, w.escaped);
       list.AddEscapes(w, escaped);
     }
     if (bounce == pilot.options.max_depth) break;
