@@ -67,7 +67,7 @@ void AddCameraFlags(CLI::App& command, JobRequest& r) {
   const auto group = "Camera";
   CameraRequest& c = r.camera;
   AddParsed(command, "--camera", "kind (default: the scene's, or perspective)",
-            "perspective|orthographic|latlong|equal-area|fisheye", c.kind, ParseCameraKind);
+            "perspective|orthographic|latlong|equal-area|fisheye", c.kind, Parse<CameraKind>);
   AddParsed(command, "--eye", "where it stands", "X,Y,Z", c.eye, ParsePoint);
   AddParsed(command, "--target", "what it looks at (with --eye alone: the middle of the scene)",
             "X,Y,Z", c.target, ParsePoint);
@@ -116,7 +116,7 @@ void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
       "of a lookup, at most; progressive, vcm: radius of the first pass (0: by the photons)",
       FiniteNumber(0, 1e12));
   AddParsed(command, "--photon-kernel", "weights of a lookup (default: epanechnikov)",
-            "constant|cone|epanechnikov", p.kernel, ParsePhotonKernel);
+            "constant|cone|epanechnikov", p.kernel, Parse<PhotonKernel>);
   command.get_option("--photon-kernel")->group(group);
   command
       .add_option("--progressive", p.passes,
@@ -164,7 +164,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--env", r.environment.path, "illumination map (EXR, Radiance HDR, PFM)")
       ->group(light);
   AddParsed(command, "--env-projection", "how its pixels lie (default: by shape)",
-            ProjectionNames(), r.environment.projection, ParseProjection);
+            Choices<Projection>(), r.environment.projection, Parse<Projection>);
   command
       .add_option("--env-rotate", r.environment.rotation_degrees,
                   "turn about the up axis, counter-clockwise from above")
@@ -204,7 +204,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
-            "direct|path|light|bdpt|photon|vcm", r.integrator, ParseIntegrator);
+            "direct|path|light|bdpt|photon|vcm", r.integrator, Parse<Integrator>);
   AddParsed(command, "--paths",
             "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
             "weight is 1",
@@ -226,7 +226,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
                   "surfaces a path scatters at (default: the scene's, or 5)")
       ->check(CLI::Range(0u, kMaxDepth));
   AddParsed(command, "--filter", "pixel filter (default: the scene's, or blackman-harris)",
-            "box|triangle|gaussian|blackman-harris", r.filter, ParsePixelFilter);
+            "box|triangle|gaussian|blackman-harris", r.filter, Parse<PixelFilter>);
   command.add_option("--filter-radius", o.filter_radius, "[pixels] (default: the filter's own)")
       ->check(FiniteNumber(0, 100));
   // It pays where light has to find its way in, and costs where it finds it anyway.
@@ -243,7 +243,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   AddParsed(command, "--backend", "how rays reach Embree, but for camera rays (default: best)",
-            "best|stream|packet|array|single", o.backend, ParseBackend);
+            "best|stream|packet|array|single", o.backend, Parse<Backend>);
   command.add_option("--embree-config", r.embree_config, "for rtcNewDevice, for example isa=avx2");
 }
 

@@ -194,7 +194,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
     options_.max_depth = kMaxDepth;
   }
   options_.integrator = request.integrator.value_or(
-      ParseIntegrator(said.integrator.value_or("")).value_or(options_.integrator));
+      Parse<Integrator>(said.integrator.value_or("")).value_or(options_.integrator));
   if (said.photons_each_sample && options_.integrator == Integrator::kPhoton) {
     PhotonOptions& photons = options_.photons;
     if (photons.passes == 0) photons.passes = options_.samples_per_pixel;

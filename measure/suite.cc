@@ -142,18 +142,6 @@ JobRequest SuiteRequest(const SuiteScene& scene, JobRequest base) {
   return base;
 }
 
-std::string_view ToString(PictureCheck check) {
-  switch (check) {
-    case PictureCheck::kSameBits:
-      return "same bits";
-    case PictureCheck::kWithinBounds:
-      return "within bounds";
-    case PictureCheck::kWrong:
-      return "wrong";
-  }
-  return "";
-}
-
 double BlockDifference(const Fingerprint& a, const Fingerprint& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.means.size(); ++i) {

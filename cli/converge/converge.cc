@@ -213,7 +213,7 @@ int ConvergeMain(ConvergeFlags& flags) {
 }
 
 Integrator IntegratorCalled(const std::string& name, const std::string& flag) {
-  const std::optional<Integrator> integrator = ParseIntegrator(name);
+  const std::optional<Integrator> integrator = Parse<Integrator>(name);
   if (!integrator) throw CLI::ValidationError(flag, "there is none called " + name);
   return *integrator;
 }
@@ -295,7 +295,9 @@ void AddConvergeCommand(CLI::App& program, Run& run) {
   command
       ->add_option_function<std::string>(
           "--measure",
-          [flags](const std::string& name) { flags->settings.measure = *ParseErrorMeasure(name); },
+          [flags](const std::string& name) {
+            flags->settings.measure = *Parse<ErrorMeasure>(name);
+          },
           "of error (default: mse)")
       ->check(CLI::IsMember({"mse", "relative_mse"}));
   command

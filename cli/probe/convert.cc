@@ -89,15 +89,15 @@ void AddProbeConvertCommand(CLI::App& probe, Run& run) {
           "--to",
           [flags](const std::string& text) {
             flags->faces_out = text == "cube-faces";
-            flags->to = flags->faces_out ? Projection::kCubeStrip : *ParseProjection(text);
+            flags->to = flags->faces_out ? Projection::kCubeStrip : *Parse<Projection>(text);
           },
-          ProjectionNames() +
+          Choices<Projection>() +
               ", or cube-faces: six files, OUTPUT-right.exr, -left, -up, -down, "
               "-front, -back")
       ->check([](const std::string& text) {
-        return text == "cube-faces" || ParseProjection(text)
+        return text == "cube-faces" || Parse<Projection>(text)
                    ? ""
-                   : "'" + text + "' is not " + ProjectionNames() + "|cube-faces";
+                   : "'" + text + "' is not " + Choices<Projection>() + "|cube-faces";
       })
       ->type_name("NAME")
       ->required();

@@ -68,7 +68,7 @@ void AddProbeLightsCommand(CLI::App& probe, Run& run) {
   command
       ->add_option_function<std::string>(
           "--format",
-          [flags](const std::string& text) { flags->options.format = *ParseLightFormat(text); },
+          [flags](const std::string& text) { flags->options.format = *Parse<LightFormat>(text); },
           "table, json or scene text for pbrt (v4), povray (3.7), blender (Python), maya (MEL) "
           "(default: table)")
       ->check(CLI::IsMember({"table", "json", "pbrt", "povray", "blender", "maya"}));

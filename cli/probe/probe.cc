@@ -14,10 +14,10 @@ void AddMapFlags(CLI::App& command, MapFlags& flags) {
   command
       .add_option_function<std::string>(
           "--projection",
-          [&flags](const std::string& text) { flags.projection = ParseProjection(text); },
+          [&flags](const std::string& text) { flags.projection = Parse<Projection>(text); },
           "how its pixels lie (default: by shape)")
       ->check([](const std::string& text) {
-        return ParseProjection(text) ? "" : "'" + text + "' is not " + ProjectionNames();
+        return Parse<Projection>(text) ? "" : "'" + text + "' is not " + Choices<Projection>();
       })
       ->type_name("NAME");
   command.add_flag("--trust-input", flags.limits.trust_input,
@@ -53,19 +53,19 @@ void AddLightFlags(CLI::App& command, LightRequest& request) {
   LightOptions& lights = request.lights;
   AddParsed(command, "--method",
             fmt::format("who places them (default: {})", ToString(lights.source)),
-            "median-cut|variance-cut|penrose", lights.source, ParseLightSource);
+            Choices<LightSource>(), lights.source, Parse<LightSource>);
   command.add_option("-n,--lights", lights.lights, "how many, before clustering")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
   AddParsed(command, "--position",
             "of a light in its cell: where the sampler put it, middle of its area or of its energy",
-            "sample|center|centroid", lights.position, ParseLightPosition);
+            Choices<LightPosition>(), lights.position, Parse<LightPosition>);
   command.add_option("--lloyd", lights.lloyd_steps, "steps that move lights to their centroids")
       ->check(CLI::Range(0, 1000));
   AddParsed(command, "--cluster",
             "merge lights pairwise, weighed by one, energy or mean luminance; until --clusters or "
             "--separation say so",
-            "F1|F2|F3", lights.cluster, ParseClusterFrequency);
+            Choices<ClusterFrequency>(), lights.cluster, Parse<ClusterFrequency>);
   // Where to stop is a wish to cluster.
   const auto by_energy = [&lights] {
     if (!lights.cluster) lights.cluster = ClusterFrequency::kEnergy;
