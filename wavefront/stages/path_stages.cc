@@ -201,7 +201,10 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
   if (bounce == 0) {
     // Drawn anew: since generation others may have used the table.
     DrawUniforms(w.paths, nullptr, paths, kFilmPair, {}, w.uniforms);
-    film.AddFirstHits({.first = {.frame = frame, .surfaces = w.surfaces, .count = w.ranges.total()},
+    film.AddFirstHits({.first = {.geometry = *frame.geometry,
+                                 .camera = frame.camera,
+                                 .surfaces = w.surfaces,
+                                 .count = w.ranges.total()},
                        .paths = w.paths,
                        .hits = w.hits,
                        .film = w.uniforms,
