@@ -9,7 +9,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -17,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/clock.h"
 #include "bench/photon_points.h"
 #include "job/job.h"
 #include "scene/builtin/builtin.h"
@@ -94,9 +94,9 @@ Work RenderPass(const char* scene, std::uint32_t gather) {
 double Seconds(const Work& work, int threads, std::uint64_t& items) {
   tbb::task_arena arena(threads);
   arena.initialize();
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   arena.execute([&] { items = work.run(threads); });
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return SecondsSince(start);
 }
 
 double Median(std::vector<double> values) {

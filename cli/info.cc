@@ -3,11 +3,11 @@
 #include <fmt/ranges.h>
 
 #include <array>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "cli/commands.h"
 #include "job/options.h"
@@ -35,10 +35,9 @@ struct SceneFile {
 
 SceneFile Load(const std::string& path, const ReadOptions& options) {
   SceneFile file;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   file.scene = ReadScene(path, options);
-  file.load_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  file.load_seconds = SecondsSince(start);
   file.summary = Summarize(file.scene);
   if (file.summary.triangles > 0) {
     const Geometry geometry(file.scene, path);

@@ -35,20 +35,6 @@ Codec<Number> WholeNumberCodec(Number low, Number high) {
 
 }  // namespace
 
-std::string_view ToString(OptionScope scope) {
-  switch (scope) {
-    case OptionScope::kInput:
-      return "input";
-    case OptionScope::kPixels:
-      return "pixels";
-    case OptionScope::kSpeed:
-      return "speed";
-    case OptionScope::kOutput:
-      return "output";
-  }
-  return "";
-}
-
 Codec<std::uint64_t> WholeNumbers(std::uint64_t low, std::uint64_t high) {
   return WholeNumberCodec(low, high);
 }

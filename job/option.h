@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/names.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
@@ -22,7 +23,12 @@ enum class OptionScope {
   kSpeed,   // the time that the same picture takes
   kOutput   // what is written or printed
 };
-std::string_view ToString(OptionScope scope);
+template <>
+inline constexpr auto kEnumNames<OptionScope> =
+    std::to_array<Named<OptionScope>>({{OptionScope::kInput, "input"},
+                                       {OptionScope::kPixels, "pixels"},
+                                       {OptionScope::kSpeed, "speed"},
+                                       {OptionScope::kOutput, "output"}});
 
 // The text of an option for people and for programs.
 struct OptionInfo {
@@ -108,16 +114,13 @@ Codec<Number> Numbers(Number low, Number high) {
   }
 }
 
-// One of the names of an enumeration, "a|b|c" in `values`. `parse` and `print` take and return the
-// names.
-template <class Parse, class Print>
-auto Choices(std::string values, Parse parse, Print print) {
-  using Value = typename decltype(parse(std::string_view()))::value_type;
-  return Codec<Value>{
-      .values = values,
-      .metavar = values,
-      .parse = [parse](const std::string& text) { return parse(std::string_view(text)); },
-      .print = [print](const Value& value) { return std::string(print(value)); }};
+// One of the names of an enum (base/names.h).
+template <HasNames Enum>
+Codec<Enum> NamesOfEnum() {
+  return {.values = Choices<Enum>(),
+          .metavar = Choices<Enum>(),
+          .parse = [](const std::string& text) { return Parse<Enum>(text); },
+          .print = [](const Enum& value) { return std::string(ToString(value)); }};
 }
 
 // A value that stands for "unset" and is neither printed nor a value that users can give.

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
+
+#include "base/clock.h"
 
 namespace skywave {
 namespace {
@@ -81,10 +82,9 @@ std::vector<Contestant> MakeContestants(const RenderJob& job,
         contestant.name = ToString(integrator);
         if (specifications.size() > 1) contestant.name += " " + specification;
       }
-      const auto start = std::chrono::steady_clock::now();
+      const auto start = Clock::now();
       contestant.strategy = job.MakeOtherStrategy(specification, integrator);
-      contestant.table_seconds =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      contestant.table_seconds = SecondsSince(start);
       contestants.push_back(std::move(contestant));
     }
   }

@@ -23,16 +23,6 @@ double MeanWeightedSquare(const Image& difference, const Image& reference, Error
 
 }  // namespace
 
-std::optional<ErrorMeasure> ParseErrorMeasure(std::string_view name) {
-  if (name == "mse") return ErrorMeasure::kMse;
-  if (name == "relative_mse") return ErrorMeasure::kRelativeMse;
-  return std::nullopt;
-}
-
-std::string_view ToString(ErrorMeasure measure) {
-  return measure == ErrorMeasure::kMse ? "mse" : "relative_mse";
-}
-
 double Value(const ImageDifference& difference, ErrorMeasure measure) {
   return measure == ErrorMeasure::kMse ? difference.mse : difference.relative_mse;
 }

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <vector>
 
+#include "base/names.h"
 #include "image/compare.h"
 #include "image/image.h"
 
@@ -12,8 +12,9 @@ namespace skywave {
 
 // The measure that curves, targets and bias are in. See ImageDifference.
 enum class ErrorMeasure { kMse, kRelativeMse };
-std::optional<ErrorMeasure> ParseErrorMeasure(std::string_view name);
-std::string_view ToString(ErrorMeasure measure);  // "mse", "relative_mse"
+template <>
+inline constexpr auto kEnumNames<ErrorMeasure> = std::to_array<Named<ErrorMeasure>>(
+    {{ErrorMeasure::kMse, "mse"}, {ErrorMeasure::kRelativeMse, "relative_mse"}});
 double Value(const ImageDifference& difference, ErrorMeasure measure);
 
 // The picture that errors are measured against.

@@ -5,11 +5,11 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
+#include "base/clock.h"
 #include "image/image.h"
 #include "measure/statistics.h"
 
@@ -70,11 +70,6 @@ constexpr SuiteScene kFull[] = {
        0.241931915f, 0.302869588f, 0.145995989f, 0.188021556f, 0.19551383f, 0.233943239f,
        0.28385216f, 0.217432365f, 0.198110759f, 0.214790165f}}},
 };
-
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 double PeakMemoryBytes() {
   rusage usage = {};
@@ -145,18 +140,6 @@ JobRequest SuiteRequest(const SuiteScene& scene, JobRequest base) {
   base.width = scene.width, base.height = scene.height;
   base.samples_per_pixel = scene.samples_per_pixel;
   return base;
-}
-
-std::string_view ToString(PictureCheck check) {
-  switch (check) {
-    case PictureCheck::kSameBits:
-      return "same bits";
-    case PictureCheck::kWithinBounds:
-      return "within bounds";
-    case PictureCheck::kWrong:
-      return "wrong";
-  }
-  return "";
 }
 
 double BlockDifference(const Fingerprint& a, const Fingerprint& b) {

@@ -39,7 +39,11 @@ enum class PictureCheck {
   kWithinBounds,  // on other instruction sets: the means of all blocks are near enough
   kWrong
 };
-std::string_view ToString(PictureCheck check);
+template <>
+inline constexpr auto kEnumNames<PictureCheck> =
+    std::to_array<Named<PictureCheck>>({{PictureCheck::kSameBits, "same bits"},
+                                        {PictureCheck::kWithinBounds, "within bounds"},
+                                        {PictureCheck::kWrong, "wrong"}});
 
 // Largest relative difference of a block that another instruction set may cause; seen with SSE2,
 // SSE4.2 and AVX: 0.00012 and less. Another seed makes more than 0.004.

@@ -191,18 +191,4 @@ std::size_t LocalLights::bytes() const {
              sizeof(std::uint32_t);
 }
 
-std::string_view ToString(LocalLightKind kind) {
-  switch (kind) {
-    case LocalLightKind::kTriangle:
-      return "triangle";
-    case LocalLightKind::kPoint:
-      return "point";
-    case LocalLightKind::kSpot:
-      return "spot";
-    case LocalLightKind::kDistant:
-      return "distant";
-  }
-  return "";
-}
-
 }  // namespace skywave

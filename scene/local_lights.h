@@ -5,9 +5,9 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "base/names.h"
 #include "kernels/lights/local_lights.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
@@ -66,6 +66,11 @@ float BoundingRadius(const Bounds& bounds);
 // Solid angle of a spot's light as if it were all of full intensity [sr].
 double SpotSolidAngle(float cos_full, float cos_dark);
 
-std::string_view ToString(LocalLightKind kind);
+template <>
+inline constexpr auto kEnumNames<LocalLightKind> =
+    std::to_array<Named<LocalLightKind>>({{LocalLightKind::kTriangle, "triangle"},
+                                          {LocalLightKind::kPoint, "point"},
+                                          {LocalLightKind::kSpot, "spot"},
+                                          {LocalLightKind::kDistant, "distant"}});
 
 }  // namespace skywave

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "base/names.h"
 #include "lights/light_sets/clustering.h"
 #include "lights/light_sets/penrose.h"
 #include "lights/strategies/strategy.h"
@@ -24,11 +25,21 @@ struct LightOptions {
   PenroseParameters penrose;
 };
 
-// "penrose", "median-cut", "variance-cut"; "sample", "center", "centroid"; "F1", "F2", "F3".
-std::string_view ToString(LightSource source);
-std::optional<LightSource> ParseLightSource(std::string_view name);
-std::optional<LightPosition> ParseLightPosition(std::string_view name);
-std::optional<ClusterFrequency> ParseClusterFrequency(std::string_view name);
+template <>
+inline constexpr auto kEnumNames<LightSource> =
+    std::to_array<Named<LightSource>>({{LightSource::kPenrose, "penrose"},
+                                       {LightSource::kMedianCut, "median-cut"},
+                                       {LightSource::kVarianceCut, "variance-cut"}});
+template <>
+inline constexpr auto kEnumNames<LightPosition> =
+    std::to_array<Named<LightPosition>>({{LightPosition::kSample, "sample"},
+                                         {LightPosition::kCentre, "center"},
+                                         {LightPosition::kCentroid, "centroid"}});
+template <>
+inline constexpr auto kEnumNames<ClusterFrequency> =
+    std::to_array<Named<ClusterFrequency>>({{ClusterFrequency::kOne, "F1"},
+                                            {ClusterFrequency::kEnergy, "F2"},
+                                            {ClusterFrequency::kMeanLuminance, "F3"}});
 
 // Places lights, clusters and relaxes them as the options say, and gives each the light of its
 // cell. The energy of the lights is the energy of the map. Fewer lights than asked for where texels

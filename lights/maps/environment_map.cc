@@ -29,7 +29,7 @@ Projection DetectProjection(const Image& image, const std::string& path) {
       InputPosition::File(path),
       fmt::format("{} x {} pixels are neither a lat-long map (2:1) nor an angular map (square) nor "
                   "a cube cross (4:3, 3:4); say which with --env-projection {}",
-                  width, height, ProjectionNames()));
+                  width, height, Choices<Projection>()));
 }
 
 Image ToLatLong(Image image, Projection projection) {

@@ -16,14 +16,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-constexpr Projection kProjections[] = {Projection::kLatLong,       Projection::kAngular,
-                                       Projection::kMirrorBall,    Projection::kHorizontalCross,
-                                       Projection::kVerticalCross, Projection::kCubeStrip,
-                                       Projection::kOctahedral};
-constexpr std::string_view kNames[] = {"latlong",          "angular",        "mirror-ball",
-                                       "horizontal-cross", "vertical-cross", "cube-strip",
-                                       "octahedral"};
-
 // A face of the cube: direction = middle + a * across + b * rising, a and b in [-1, 1].
 struct Face {
   Vector3 middle, across, rising;
@@ -171,19 +163,6 @@ double DiskPixelSolidAngle(Projection projection, int width, int height, int x, 
 }
 
 }  // namespace
-
-std::span<const Projection> AllProjections() { return kProjections; }
-
-std::string_view ToString(Projection projection) { return kNames[int(projection)]; }
-
-std::optional<Projection> ParseProjection(std::string_view name) {
-  for (Projection projection : kProjections) {
-    if (ToString(projection) == name) return projection;
-  }
-  return std::nullopt;
-}
-
-std::string ProjectionNames() { return fmt::format("{}", fmt::join(kNames, "|")); }
 
 ImagePoint PointOfDirection(Projection projection, const Vector3& d) {
   ImagePoint point = {};

@@ -20,22 +20,21 @@
 //                     the bottom edge: what `imgtool makeequiarea` makes of a lat-long
 #pragma once
 
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-
+#include "base/names.h"
 #include "lights/maps/environment_map.h"
 #include "lights/vector3.h"
 
 namespace skywave {
 
-// All projections, in the order of the enumeration, and their names ("latlong", ...).
-std::span<const Projection> AllProjections();
-std::string_view ToString(Projection projection);
-std::optional<Projection> ParseProjection(std::string_view name);
-// "latlong|angular|...": for usage texts.
-std::string ProjectionNames();
+template <>
+inline constexpr auto kEnumNames<Projection> =
+    std::to_array<Named<Projection>>({{Projection::kLatLong, "latlong"},
+                                      {Projection::kAngular, "angular"},
+                                      {Projection::kMirrorBall, "mirror-ball"},
+                                      {Projection::kHorizontalCross, "horizontal-cross"},
+                                      {Projection::kVerticalCross, "vertical-cross"},
+                                      {Projection::kCubeStrip, "cube-strip"},
+                                      {Projection::kOctahedral, "octahedral"}});
 
 struct ImagePoint {
   double u, v;

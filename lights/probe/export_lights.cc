@@ -239,17 +239,6 @@ std::string Maya(std::span<const DirectionalLight> lights, const ExportOptions& 
 
 }  // namespace
 
-std::optional<LightFormat> ParseLightFormat(std::string_view name) {
-  constexpr std::pair<std::string_view, LightFormat> kFormats[] = {
-      {"table", LightFormat::kTable},     {"json", LightFormat::kJson},
-      {"pbrt", LightFormat::kPbrt},       {"povray", LightFormat::kPovray},
-      {"blender", LightFormat::kBlender}, {"maya", LightFormat::kMaya}};
-  for (const auto& [key, format] : kFormats) {
-    if (key == name) return format;
-  }
-  return std::nullopt;
-}
-
 WorldAxes AxesOf(LightFormat format, char up_axis) {
   const Vector3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
   if (format == LightFormat::kTable || format == LightFormat::kJson) return {x, y, z};

@@ -19,12 +19,20 @@
 #include <string>
 #include <string_view>
 
+#include "base/names.h"
 #include "lights/tables/cells.h"
 
 namespace skywave {
 
 enum class LightFormat { kTable, kJson, kPbrt, kPovray, kBlender, kMaya };
-std::optional<LightFormat> ParseLightFormat(std::string_view name);
+template <>
+inline constexpr auto kEnumNames<LightFormat> =
+    std::to_array<Named<LightFormat>>({{LightFormat::kTable, "table"},
+                                       {LightFormat::kJson, "json"},
+                                       {LightFormat::kPbrt, "pbrt"},
+                                       {LightFormat::kPovray, "povray"},
+                                       {LightFormat::kBlender, "blender"},
+                                       {LightFormat::kMaya, "maya"}});
 
 // Axes of a world as unit vectors for the map's right, forward and up.
 struct WorldAxes {

@@ -38,17 +38,17 @@ Image Paint(Projection projection, int width, int height) {
 
 TEST(Projections, NamesAndValuesBelongTogether) {
   int index = 0;
-  for (Projection projection : AllProjections()) {
+  for (Projection projection : ValuesOf<Projection>()) {
     EXPECT_EQ(int(projection), index++);
-    EXPECT_EQ(ParseProjection(ToString(projection)), projection);
+    EXPECT_EQ(Parse<Projection>(ToString(projection)), projection);
   }
   EXPECT_EQ(index, 7);
-  EXPECT_FALSE(ParseProjection("latlon"));
+  EXPECT_FALSE(Parse<Projection>("latlon"));
 }
 
 TEST(Projections, DirectionsComeBack) {
   std::mt19937 random(1);
-  for (Projection projection : AllProjections()) {
+  for (Projection projection : ValuesOf<Projection>()) {
     for (int i = 0; i < 20000; ++i) {
       const Vector3 d = test::RandomDirection(random);
       const ImagePoint point = PointOfDirection(projection, d);
@@ -64,7 +64,7 @@ TEST(Projections, DirectionsComeBack) {
 TEST(Projections, PointsComeBack) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform;
-  for (Projection projection : AllProjections()) {
+  for (Projection projection : ValuesOf<Projection>()) {
     int lit = 0;
     for (int i = 0; i < 20000; ++i) {
       const ImagePoint point = {uniform(random), uniform(random)};
@@ -140,7 +140,7 @@ TEST(Projections, AxesLandAtTheDocumentedPlaces) {
 TEST(Projections, OnlyBallAndSquareAreMirrored) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.02, 0.98);
-  for (Projection projection : AllProjections()) {
+  for (Projection projection : ValuesOf<Projection>()) {
     for (int i = 0; i < 2000; ++i) {
       const ImagePoint point = {uniform(random), uniform(random)};
       const double step = 1e-6;
@@ -181,7 +181,7 @@ TEST(Projections, OctahedralIsWhatPbrtMakesOfALatLong) {
 }
 
 TEST(Projections, PixelsAddUpToTheSphere) {
-  for (Projection projection : AllProjections()) {
+  for (Projection projection : ValuesOf<Projection>()) {
     for (int scale : {1, 2, 7}) {
       int width = 12 * scale, height = 12 * scale;
       if (projection == Projection::kHorizontalCross) height = width / 4 * 3;
@@ -197,12 +197,12 @@ TEST(Projections, PixelsAddUpToTheSphere) {
 }
 
 TEST(Resample, BetweenAllProjectionsTheSkyStaysTheSame) {
-  for (Projection from : AllProjections()) {
+  for (Projection from : ValuesOf<Projection>()) {
     int width, height;
     DefaultSize(from, 96, width, height);
     const Image image = Paint(from, width, height);
     const auto energy = SphereIntegral(image, from);
-    for (Projection to : AllProjections()) {
+    for (Projection to : ValuesOf<Projection>()) {
       int to_width, to_height;
       DefaultSize(to, 64, to_width, to_height);
       const Image result = Resample(image, from, to, to_width, to_height);
@@ -235,7 +235,7 @@ TEST(Resample, BetweenAllProjectionsTheSkyStaysTheSame) {
 TEST(Resample, OddSizesAndSinglePixelsKeepLight) {
   for (const test::NamedMap& map : test::AdversarialMaps()) {
     const auto energy = SphereIntegral(map.image, Projection::kLatLong);
-    for (Projection to : AllProjections()) {
+    for (Projection to : ValuesOf<Projection>()) {
       for (int size : {1, 5, 31}) {
         // A small disk has no pixel that its rim leaves whole: it is read in its middle only.
         const bool disk = to == Projection::kAngular || to == Projection::kMirrorBall;
@@ -258,7 +258,7 @@ TEST(Resample, OddSizesAndSinglePixelsKeepLight) {
 
 TEST(Resample, AConstantStaysConstant) {
   const Image image = test::ConstantMap(40, 20, 0.75f);
-  for (Projection to : AllProjections()) {
+  for (Projection to : ValuesOf<Projection>()) {
     int width, height;
     DefaultSize(to, 32, width, height);
     const Image result = Resample(image, Projection::kLatLong, to, width, height);
@@ -286,7 +286,7 @@ TEST(Resample, ASunStaysInPlace) {
     }
     return sum;
   };
-  for (Projection to : AllProjections()) {
+  for (Projection to : ValuesOf<Projection>()) {
     if (to == Projection::kLatLong) continue;
     int width, height;
     DefaultSize(to, 192, width, height);

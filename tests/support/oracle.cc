@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <thread>
 
+#include "base/clock.h"
 #include "scene/geometry.h"
 #include "wavefront/flush_denormals.h"
 
@@ -354,7 +354,7 @@ OraclePicture Oracle::Render(const RenderOptions& options) const {
   picture.variance.resize(picture.mean.rgb.size());
   const std::vector<float> filter = FilterOffsets(options.filter, options.filter_radius);
   std::atomic<int> next_row = 0;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const auto work = [&] {
     const FlushDenormals flush;
     for (int y = next_row++; y < options.height; y = next_row++) {
@@ -364,7 +364,7 @@ OraclePicture Oracle::Render(const RenderOptions& options) const {
   std::vector<std::thread> threads;
   for (int i = 0; i < std::max(options.threads, 1); ++i) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
-  picture.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  picture.seconds = SecondsSince(start);
   return picture;
 }
 

@@ -95,7 +95,8 @@ void AovFilm::AddFirstHits(const FirstHits& hits) {
 }
 
 void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end) {
-  const FirstSurfaces rows = {.frame = hits.first.frame,
+  const FirstSurfaces rows = {.geometry = hits.first.geometry,
+                              .camera = hits.first.camera,
                               .surfaces = Slice(hits.first.surfaces, begin),
                               .count = end - begin};
   std::uint32_t pixel[kRows];

@@ -9,11 +9,11 @@
 #include <string>
 #include <string_view>
 
+#include "kernels/camera.h"
 #include "kernels/columns.h"
+#include "scene/geometry.h"
 
 namespace skywave {
-
-struct FrameView;
 
 // How the samples of a pixel become one value. What the camera rays meet (the first two) is read at
 // the first surface, through no mirror and no glass.
@@ -33,7 +33,8 @@ enum class AovRange { kUnit, kColor, kWorld };
 
 // Surfaces [0, count) that the camera rays of a wave hit.
 struct FirstSurfaces {
-  const FrameView& frame;
+  const Geometry& geometry;
+  const CameraView& camera;
   SurfaceColumns surfaces;
   std::uint32_t count;
 };

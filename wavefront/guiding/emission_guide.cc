@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "base/clock.h"
 #include "lights/maps/sphere_map.h"
 #include "lights/strategies/importance.h"
 #include "wavefront/flush_denormals.h"
@@ -311,7 +311,7 @@ EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double
 
 EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
                             GuideCounts& counts) {
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const EnvStrategy& strategy = *frame.emitter;
   const int factor = (kLeastColumns + frame.map->latlong.width - 1) / frame.map->latlong.width;
   std::unique_ptr<EnvironmentMap> finer;
@@ -366,7 +366,7 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
     guide.map = std::move(finer);
   }
   counts.bytes = guide.bytes();
-  counts.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  counts.seconds = SecondsSince(start);
   return guide;
 }
 

@@ -18,19 +18,10 @@
 #include "lights/strategies/strategy.h"
 #include "wavefront/frame.h"
 #include "wavefront/guiding/guide_counts.h"
+#include "wavefront/guiding/guide_sample.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
-
-// Light that came in along a line: what a camera path gained by it.
-struct GuideSample {
-  std::uint32_t cell;    // of the direction
-  float u, v;            // of the place (DiskPlaceColumns)
-  float point[3];        // where it came in, world space
-  std::uint32_t pixel;   // of the pilot's film
-  std::uint64_t weight;  // [1/kGuideSampleUnits of the mean radiance of the sky]
-};
-inline constexpr double kGuideSampleUnits = 1 << 20;
 
 // Shares of light paths that start evenly over the disk of the scene, as if nothing were known, and
 // over that of the focus: what the pilot has missed is at most so much rarer.

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "kernels/light_paths/emission_guide.h"
 #include "kernels/partition.h"
 #include "wavefront/stages/path_stages.h"
 

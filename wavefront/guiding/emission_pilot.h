@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "wavefront/frame.h"
-#include "wavefront/guiding/emission_guide.h"
+#include "wavefront/guiding/guide_sample.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/worker.h"
 

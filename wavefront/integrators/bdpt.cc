@@ -3,7 +3,6 @@
 #include "kernels/partition.h"
 #include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/bidirectional.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/merging.h"
 #include "wavefront/stages/path_stages.h"
@@ -25,8 +24,6 @@ void TraceLightSubpaths(const FrameView& frame, std::uint32_t n, Worker& w, Film
     ++bounce;
     vertices.ranges = {};
     if (n == 0) continue;
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, vertices.at);
     if (frame.shows(bounce + 1, 1)) {
@@ -56,8 +53,6 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   soa::Table<RayColumns>*rays = &b.eye_rays, *next = &w.rays[0];
   std::uint32_t n = range.count, bounce = 0;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     SurfaceRanges ranges;
     const std::uint32_t escaped =
         TraceAndSort(frame, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -17,8 +16,6 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
   std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
       IntersectLights(frame, *rays, n, bounce, w, clock);
       break;

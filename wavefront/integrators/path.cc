@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -14,8 +13,6 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
   const Departure* from = &first;
   const std::uint32_t paths = n;
   for (; n > 0; ++bounce, from = &own) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
       IntersectLights(frame, *rays, n, bounce, *from, w, clock);
       break;

@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "wavefront/integrators/integrator.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
@@ -21,8 +20,6 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     StorePhotons(wanted, bounce, w, lists, clock);
     if (bounce == frame.options.max_depth) break;
@@ -43,8 +40,6 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
   std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
       IntersectLights(frame, *rays, n, bounce, w, clock);
       break;

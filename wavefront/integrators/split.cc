@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "wavefront/integrators/integrator.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -80,8 +79,6 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   const FrameView of_continuations = frame.of_continuations();
   std::uint32_t n = range.count, bounce = 0;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
       IntersectLights(frame, *rays, n, bounce, w, clock);
       break;

@@ -4,9 +4,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
+#include "base/clock.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/soa.h"
 
@@ -63,7 +63,6 @@ std::vector<Batch> BatchesOf(RayKind kind, bool occlusion,
 // recorded ones from main memory is no part of the ceiling, and neither is counting hits.
 double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
                      tbb::task_arena& arena, std::uint64_t& hits) {
-  using Clock = std::chrono::steady_clock;
   std::uint32_t rows = 1;
   for (const Batch& b : batches) rows = std::max(rows, b.batch.count);
   std::vector<std::unique_ptr<Scratch>> scratch(std::size_t(arena.max_concurrency()));
@@ -82,7 +81,7 @@ double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bo
       } else {
         TraceClosest(tracer, batches[i].batch.kind, mine.rays, n, mine.hits, keys);
       }
-      mine.seconds += std::chrono::duration<double>(Clock::now() - start).count();
+      mine.seconds += SecondsSince(start);
       mine.hit += occlusion ? CountOccluded(mine.rays, n) : CountHits(mine.hits, n);
     });
   });

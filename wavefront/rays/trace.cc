@@ -163,30 +163,6 @@ void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std
 
 }  // namespace
 
-std::optional<Backend> ParseBackend(std::string_view name) {
-  if (name == ToString(Backend::kBest)) return Backend::kBest;
-  for (const Backend backend : kBackends) {
-    if (name == ToString(backend)) return backend;
-  }
-  return std::nullopt;
-}
-
-std::string_view ToString(Backend backend) {
-  switch (backend) {
-    case Backend::kBest:
-      return "best";
-    case Backend::kStream:
-      return "stream";
-    case Backend::kPacket:
-      return "packet";
-    case Backend::kArray:
-      return "array";
-    case Backend::kSingle:
-      return "single";
-  }
-  return "";
-}
-
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
   const RayView view = View(rays, keys);

@@ -5,8 +5,8 @@
 
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
+#include "base/names.h"
 #include "kernels/columns.h"
 
 namespace skywave {
@@ -25,8 +25,13 @@ enum class Backend {
 // The calls of Embree that there are.
 inline constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kArray,
                                         Backend::kSingle};
-std::optional<Backend> ParseBackend(std::string_view name);
-std::string_view ToString(Backend backend);
+template <>
+inline constexpr auto kEnumNames<Backend> =
+    std::to_array<Named<Backend>>({{Backend::kBest, "best"},
+                                   {Backend::kStream, "stream"},
+                                   {Backend::kPacket, "packet"},
+                                   {Backend::kArray, "array"},
+                                   {Backend::kSingle, "single"}});
 
 class RayRecorder;
 enum class RayKind : std::uint32_t;

@@ -14,6 +14,18 @@ namespace {
 // Light samples of this bounce are the first that meet two surfaces on their way to the camera.
 constexpr std::uint32_t kFirstIndirectBounce = 1;
 
+// The kind of the rays that arrive at a bounce.
+RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
+
+// Checks and counts rays [0, n) before they are traced.
+void CountRays(const RayColumns& rays, std::uint32_t n, std::uint32_t bounce, Worker& w) {
+  CheckRays(rays, n);
+  w.stats.rays[std::uint32_t(KindOf(bounce))] += n;
+  BounceOccupancy& occupancy = w.stats.bounces[std::min(bounce, kCountedBounces - 1)];
+  occupancy.rows += n;
+  occupancy.capacity += w.paths.rows();
+}
+
 // The keys of the rays that arrive at a bounce.
 const std::uint32_t* PathRayKeys(const FrameView& frame, const PathEnd& end, std::uint32_t bounce,
                                  const RayColumns& rays, std::uint32_t n, const Worker& w) {
@@ -22,15 +34,6 @@ const std::uint32_t* PathRayKeys(const FrameView& frame, const PathEnd& end, std
 }
 
 }  // namespace
-
-RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
-
-void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave) {
-  stats.rays[std::uint32_t(KindOf(bounce))] += n;
-  BounceOccupancy& occupancy = stats.bounces[std::min(bounce, kCountedBounces - 1)];
-  occupancy.rows += n;
-  occupancy.capacity += wave;
-}
 
 std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n) {
   std::uint32_t open = 0;
@@ -84,6 +87,7 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
 std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                            std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
                            SurfaceRanges& ranges, StageClock& clock) {
+  CountRays(rays, n, bounce, w);
   TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
                PathRayKeys(frame, end, bounce, rays, n, w));
   clock.Lap(Stage::kIntersect, KindOf(bounce));
@@ -134,6 +138,7 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
 
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                      std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
+  CountRays(rays, n, bounce, w);
   const std::uint32_t* const keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
   if (frame.has_emitters()) {
     TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
@@ -201,7 +206,10 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
   if (bounce == 0) {
     // Drawn anew: since generation others may have used the table.
     DrawUniforms(w.paths, nullptr, paths, kFilmPair, {}, w.uniforms);
-    film.AddFirstHits({.first = {.frame = frame, .surfaces = w.surfaces, .count = w.ranges.total()},
+    film.AddFirstHits({.first = {.geometry = *frame.geometry,
+                                 .camera = frame.camera,
+                                 .surfaces = w.surfaces,
+                                 .count = w.ranges.total()},
                        .paths = w.paths,
                        .hits = w.hits,
                        .film = w.uniforms,

@@ -9,12 +9,6 @@
 
 namespace skywave {
 
-// Of the rays that arrive at a bounce.
-RayKind KindOf(std::uint32_t bounce);
-
-// Counts rays [0, n) of a bounce; `wave`: rows that there is room for.
-void CountRays(RenderStats& stats, std::uint32_t bounce, std::uint32_t n, std::uint32_t wave);
-
 // Shadow rays that are there to be traced or, once traced, that met nothing.
 std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 

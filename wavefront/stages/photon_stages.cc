@@ -6,7 +6,6 @@
 #include "kernels/sampler.h"
 #include "kernels/surface/surface.h"
 #include "wavefront/photons/photon_cover.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -210,8 +209,6 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
     for (std::uint32_t scattered = bounce + 1; n > 0 && scattered < frame.options.max_depth;
          ++scattered) {
-      CheckRays(*rays, n);
-      CountRays(w.stats, scattered, n, w.paths.rows());
       SurfaceRanges ranges;
       const std::uint32_t escaped =
           TraceAndSort(frame, end, *rays, n, scattered, /*only_delta=*/false, w, ranges, clock);
