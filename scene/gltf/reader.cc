@@ -27,8 +27,7 @@ namespace fs = std::filesystem;
   throw InputError(InputPosition::File(path), reason);
 }
 
-// ---- Only files below the glTF file's folder may be named ----
-
+// Files are only read from below the glTF file's folder.
 struct Folder {
   fs::path path;
   std::string refused;  // the first name outside the folder
@@ -115,8 +114,6 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   }
   return model;
 }
-
-// ---- Nodes ----
 
 glm::dmat4 LocalTransform(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
