@@ -1,4 +1,4 @@
-// skywave bench: how fast the suite or a scene renders, and how much of that is Embree.
+// Implements skywave bench: the speed of the suite or of a scene, and Embree's share of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,11 +25,11 @@ struct BenchFlags {
 
 constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
 constexpr int kExitWrongPicture = 1;
-// Rays that a replay may keep in memory without a word: 72 bytes each, in three orders.
+// Limit of rays that a replay keeps in memory without asking: 72 bytes each, in three orders.
 constexpr double kMaxRecordedRays = 2e7;
 
-// Those flags of a job that leave the pictures of the suite as they are, and --seed, which is there
-// to see the comparison fail.
+// The flags of a job that do not change the pictures of the suite, and --seed, which makes the
+// comparison fail on purpose.
 constexpr std::string_view kSuiteJobFlags[] = {"--threads", "--wave", "--backend",
                                                "--embree-config", "--seed"};
 constexpr std::string_view kSuiteOnlyFlags[] = {"--full", "--counters", "--report", "--history",
@@ -102,7 +102,7 @@ int BenchScene(const BenchFlags& flags) {
   return 0;
 }
 
-// Says which picture is wrong and what the program would have to hold if it were right.
+// Reports a wrong picture, and the expected values under which it would be right.
 bool PictureIsRight(const SuiteResult& result) {
   if (result.check == PictureCheck::kSameBits) return true;
   if (result.check == PictureCheck::kWithinBounds) {
@@ -150,7 +150,7 @@ int BenchSuite(const BenchFlags& flags) {
     right &= PictureIsRight(report.results.back());
   }
   report.options = report.results.front().options;
-  // The counters of a wrong picture are shown: what changed is what one wants to see.
+  // The counters of a wrong picture are shown because they help to find the change.
   if (flags.counters) {
     fmt::print("{}", CountersText(report.results));
     return right ? 0 : kExitWrongPicture;

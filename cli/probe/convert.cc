@@ -1,4 +1,4 @@
-// skywave probe convert: a map in another projection or size.
+// Implements skywave probe convert: a map in another projection or size.
 #include <fmt/format.h>
 
 #include <array>
@@ -22,7 +22,7 @@ struct ConvertFlags {
   bool faces_in = false, faces_out = false;
 };
 
-// "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
+// Reads "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
 void ReadSize(const std::string& text, Projection to, int& width, int& height) {
   const char* end = text.data() + text.size();
   auto parsed = std::from_chars(text.data(), end, width);

@@ -1,4 +1,4 @@
-// skywave probe lights: a map as directional lights for this and other renderers.
+// Implements skywave probe lights: a map as directional lights for this and other renderers.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -18,7 +18,7 @@ struct LightsFlags {
   std::string output;
 };
 
-// pbrt-v4 reads maps as octahedral squares only.
+// pbrt-v4 reads maps only as octahedral squares.
 void WriteResidual(const std::string& path, const Image& residual, LightFormat format) {
   if (format != LightFormat::kPbrt) return WriteImage(path, residual);
   int width, height;

@@ -1,4 +1,4 @@
-// skywave probe: looks at illumination maps, converts them and turns them into lights.
+// Implements skywave probe: analyses illumination maps, converts them and turns them into lights.
 #include <fmt/format.h>
 
 #include <numbers>
@@ -66,7 +66,7 @@ void AddLightFlags(CLI::App& command, LightRequest& request) {
             "merge lights pairwise, weighed by one, energy or mean luminance; until --clusters or "
             "--separation say so",
             "F1|F2|F3", lights.cluster, ParseClusterFrequency);
-  // Where to stop is a wish to cluster.
+  // A limit for clustering implies clustering.
   const auto by_energy = [&lights] {
     if (!lights.cluster) lights.cluster = ClusterFrequency::kEnergy;
   };
