@@ -8,7 +8,7 @@ namespace skywave {
 namespace {
 
 constexpr int kGap = 2;                      // between pictures [pixels]
-constexpr int kGlyphRows = 7, kAdvance = 6;  // of a letter, which is five columns wide
+constexpr int kGlyphRows = 7, kAdvance = 6;  // size of a letter, which is five columns wide
 constexpr int kCaption = kGlyphRows + 4;     // height of a caption's strip
 constexpr std::uint8_t kPaper = 72, kInk = 235;
 

@@ -17,7 +17,8 @@ inline constexpr std::string_view kRayOrderNames[kRayOrders] = {"traced", "wave"
 struct SuiteReport {
   bool full = false;
   Machine machine;
-  RenderOptions options;  // of the first scene; threads, wave and backend are the same for all
+  RenderOptions options;  // those of the first scene; threads, wave and backend are the same for
+                          // all
   int repetitions = 0;
   bool replayed = true;  // also rendered with other numbers of threads
   std::vector<SuiteResult> results;
@@ -25,7 +26,7 @@ struct SuiteReport {
 
 // A run of the suite that was kept as JSON.
 struct HistoryEntry {
-  std::string name;  // of the file
+  std::string name;  // name of the file
   SuiteSummary summary;
 };
 // Throws InputError if `path` is not such a file.

@@ -24,7 +24,7 @@ struct ConvergeReport {
   std::uint32_t reference_samples = 0;             // per pixel; 0: unknown
   double reference_seconds = 0;
   std::vector<Contestant> contestants;
-  std::vector<CurveRuns> curves;  // of each contestant
+  std::vector<CurveRuns> curves;  // one per contestant
   TargetSummary summary;
   std::vector<std::string> warnings;
   ToneMapping tone;  // for the pictures on the page

@@ -122,7 +122,8 @@ TEST_P(CameraConnections, ImportanceIsPixelsOverArea) {
   Random random(311);
   const Vec origin = Axis(3), forward = Unit(Axis(2));
   const Vec s = Unit(Cross(forward, {0.2, 0.9, 0.1})), t = Cross(forward, s);
-  constexpr double kRadius = 4, kSide = 32;  // of a sphere, or of a square across the view
+  constexpr double kRadius = 4, kSide = 32;  // the sphere's radius, or the side of a square across
+                                             // the view
   std::vector<Vec> normals(kPoints);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     c.lens->u[i] = random.Float(), c.lens->v[i] = random.Float();

@@ -84,7 +84,8 @@ const std::vector<Subject>& Subjects() {
 
 const Vec kNormal = Unit({0.3, 0.8, 0.5});
 constexpr std::uint32_t kSamples = 40000;
-constexpr double kRounding = 2e-6;  // of a direction and its transformation to the map [rad]
+constexpr double kRounding = 2e-6;  // error of a direction and of its transformation to the map
+                                    // [rad]
 
 // Returns surfaces with one normal.
 soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {

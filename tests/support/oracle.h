@@ -23,7 +23,7 @@ namespace skywave {
 
 struct OraclePicture {
   Image mean;
-  std::vector<double> variance;  // of the mean, three per pixel; 0 for a single sample
+  std::vector<double> variance;  // variance of the mean, three per pixel; 0 for a single sample
   double seconds = 0;            // wall clock
 };
 
