@@ -305,7 +305,7 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
   }
 }
 
-TEST_F(Cli, LayersStandBesideThePicture) {
+TEST_F(Cli, LayersAccompanyThePicture) {
   const std::string picture = "render scene.pbrt --size 6x4 --spp 3 -q";
   ASSERT_EQ(Run(picture + " -o plain.exr").exit_code, 0);
   ASSERT_EQ(Run(picture + " --aovs uv,depth -o layers.exr").exit_code, 0);

@@ -143,7 +143,7 @@ TEST_P(LightRays, CarryThePowerOfTheLight) {
       AgreesWith(flux.mean(), flux.standard_error(), 2 * PowerOf(row), SidakLevel(5), 1e-5));
 }
 
-TEST_P(LightRays, AreWhatTheRecordSays) {
+TEST_P(LightRays, MatchTheRecord) {
   const std::uint32_t row = GetParam();
   const LocalLight light = Lights()[row];
   const Emitted e = EmitOf(row, kSamples, 203);
@@ -194,7 +194,7 @@ TEST_P(LightRays, AreWhatTheRecordSays) {
   }
 }
 
-TEST_P(LightRays, LeaveAsDenselyAsTheySay) {
+TEST_P(LightRays, LeaveWithTheReportedDensity) {
   const std::uint32_t row = GetParam();
   const LocalLight light = Lights()[row];
   const Emitted e = EmitOf(row, kSamples, 205);
@@ -291,7 +291,7 @@ struct EnvironmentSamples {
   soa::Table<LightColumns> samples;
 };
 
-TEST(EnvironmentRays, AreWhatTheSamplesAre) {
+TEST(EnvironmentRays, MatchTheSamples) {
   const EnvironmentSamples environment(kSamples);
   const auto disk = RandomUniforms(kSamples, 222);
   Emitted e(kSamples);

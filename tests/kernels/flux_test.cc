@@ -241,7 +241,7 @@ TEST_P(Flux, BitsDoNotDependOnTargetOrNumberOfRows) {
 }
 
 // Normals that would face away from the incoming direction are turned towards it, on either side.
-TEST(FaceNormals, FaceWhoeverLooks) {
+TEST(FaceNormals, FaceTheViewer) {
   ShadingRows rows(ExampleOf(BsdfKind::kLambert), kFullWave, kNormal, kNormal);
   Random random(83);
   std::vector<Vec> shading(kFullWave), dirs(kFullWave);

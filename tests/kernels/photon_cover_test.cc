@@ -106,7 +106,7 @@ TEST(PhotonCover, RaysLieAsTheKernelWeighs) {
   }
 }
 
-TEST(PhotonCover, DoubtsWhatIsNotWhole) {
+TEST(PhotonCover, RejectsIncompleteDisks) {
   const PhotonDisk disk = TiltedDisk();
   const PhotonKernel kernel = PhotonKernel::kEpanechnikov;
   Targets at(disk, kernel);

@@ -262,7 +262,7 @@ TEST(Sampler, PixelsHaveSeedsOfTheirOwn) {
   EXPECT_NE(PixelSeed(0, 0, 0), PixelSeed(0, 0, 1));
 }
 
-TEST(Sampler, PairsOfAPathDoNotMeet) {
+TEST(Sampler, PairsOfAPathAreDistinct) {
   std::set<std::uint32_t> pairs = {kFilmPair, kLensPair};
   EXPECT_EQ(pairs.size(), 2u);
   for (std::uint32_t bounce = 0; bounce < 50; ++bounce) {

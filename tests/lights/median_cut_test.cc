@@ -40,7 +40,7 @@ void ExpectExactCover(const SphereMap& map, const std::vector<Region>& regions) 
   EXPECT_TRUE(std::all_of(covered.begin(), covered.end(), [](int n) { return n == 1; }));
 }
 
-TEST(Cuts, CoverEveryMapOnceWithTheCountAskedFor) {
+TEST(Cuts, CoverEveryMapOnceWithTheRequestedCount) {
   for (const auto& [name, image] : test::AdversarialMaps()) {
     SCOPED_TRACE(name);
     const SphereMap map = MakeSphereMap(image);

@@ -174,7 +174,7 @@ TEST(Alpha, AnswersDependOnKeyAndTriangleAlone) {
 
 // A floor is lit by an emitting sheet only: the sheet contributes in proportion to its opacity,
 // whether its light is found by light samples or by chance.
-TEST(Alpha, LightsShineWhereTheyAre) {
+TEST(Alpha, LightsEmitInProportionToIt) {
   const auto floor = [](float opacity, bool squares, bool mis, Integrator integrator) {
     Scene scene;
     const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
@@ -214,7 +214,7 @@ TEST(Alpha, LightsShineWhereTheyAre) {
 
 // Opacity comes from the mixture, everything else from its parts; tables have a row for every
 // variant.
-TEST(Alpha, MixturesHaveThem) {
+TEST(Alpha, MixturesHaveIt) {
   Scene scene;
   const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
   scene.images = {Plain(NormalColor({0.3f, 0, 1}))};

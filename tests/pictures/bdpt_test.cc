@@ -89,7 +89,7 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
 }
 
 // Some surfaces, among them a lamp, let rays pass by chance.
-TEST(Bdpt, VeilsAreThoseOfPaths) {
+TEST(Bdpt, SurfacesWithAlphaAreThoseOfPaths) {
   Material veil = Of(BsdfKind::kLambert);
   veil.opacity = 0.4f;
   Scene scene = MattRoom(veil, kEnvironment | kLamp | kPoint);
@@ -149,7 +149,7 @@ TEST(Bdpt, EveryTechniqueAloneFindsAllLight) {
   }
 }
 
-TEST(Bdpt, WeightedWaysAddUpToThePicture) {
+TEST(Bdpt, WeightedTechniquesAddUpToThePicture) {
   const RenderJob job(MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLocal),
                       Request(Integrator::kBdpt, 4));
   const auto render = [&](const std::optional<SubpathLengths>& technique) {

@@ -114,7 +114,7 @@ INSTANTIATE_TEST_SUITE_P(White, Furnace, testing::ValuesIn(Cases()),
 
 // A slab with the index of air absorbs according to the length of the path through it (Beer and
 // Lambert).
-TEST(AbsorbingGlass, TakesWhatItsThicknessDoes) {
+TEST(AbsorbingGlass, AbsorbsByItsThickness) {
   const glm::vec3 absorption(0.7f, 0, 2.5f);
   for (const BsdfKind bsdf : {BsdfKind::kDielectric, BsdfKind::kLambert}) {
     Scene scene;

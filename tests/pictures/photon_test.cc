@@ -168,7 +168,7 @@ Scene UnderGlass() {
   return scene;
 }
 
-TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
+TEST(Photon, MapsAreDividedByTheSurfacesThatPhotonsHit) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   JobRequest request = Request(8, 8, 1, 6);
@@ -299,7 +299,7 @@ TEST(Photon, ProgressivePassesConverge) {
   }
 }
 
-TEST(Photon, RefusesWhatCannotBe) {
+TEST(Photon, RefusesImpossibleRequests) {
   Scene scene = UnderGlass();
   SetConstantLight(scene, 0);
   ExpectRefused(scene, Request(4, 4, 1, 3), "nothing shines");

@@ -244,7 +244,7 @@ TEST(Vcm, PhotonsBoundWhatAPassStores) {
   EXPECT_GT(few.radius, all.radius);
 }
 
-TEST(Vcm, RefusesWhatCannotBe) {
+TEST(Vcm, RefusesImpossibleRequests) {
   const Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
   const auto refused = [&](const std::string& word, auto change) {
     JobRequest request = Request(3, 0);

@@ -474,7 +474,7 @@ TEST(Lights, FramesOfInfiniteLights) {
   ExpectNear(mirrored[0], {0, -1, 0});
 }
 
-TEST(Files, IncludesAndMapsAreLookedUpBesideTheirFile) {
+TEST(Files, IncludesAndMapsAreLookedUpInTheFolderOfTheirFile) {
   const TemporaryFolder folder;
   folder.Write("parts/shape.pbrt", kTriangle);
   folder.Write("parts/map.hdr", "");

@@ -132,7 +132,7 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
 
 TEST_P(WaveAllocations, AreNone) { ExpectNoAllocations(BuiltinScene("spheres"), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithTextures) { ExpectNoAllocations(PaintedScene(), GetParam()); }
-TEST_P(WaveAllocations, AreNoneWithHoles) { ExpectNoAllocations(ScreensScene(), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithAlpha) { ExpectNoAllocations(ScreensScene(), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithLocalLights) {
   ExpectNoAllocations(BuiltinScene("lamps"), GetParam());
 }

@@ -76,7 +76,7 @@ double DistanceToRay(Vec origin, Vec direction, Vec point) {
   return Length(Cross(Unit(direction), point - origin));
 }
 
-TEST(Lens, RaysStartOnItAndMeetInThePlaneThatIsSharp) {
+TEST(Lens, RaysStartOnItAndConvergeInTheFocalPlane) {
   const auto box = FilterOffsets(PixelFilter::kBox, 0.5f);
   constexpr int kWidth = 64, kHeight = 48;
   for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic}) {
@@ -206,7 +206,7 @@ TEST(EqualArea, InvertsTheMapToTheSquare) {
   }
 }
 
-TEST(EqualArea, MeetsItselfAtTheSidesOfTheSquare) {
+TEST(EqualArea, IsContinuousAcrossTheSidesOfTheSquare) {
   // Positions that a filter draws outside, paired with the equivalent ones inside.
   const std::array<double, 4> pairs[] = {
       {-0.1, 0.3, 0.1, 0.7}, {1.1, 0.3, 0.9, 0.7}, {0.3, -0.1, 0.7, 0.1}, {0.3, 1.1, 0.7, 0.9}};

@@ -228,7 +228,7 @@ TEST(EnvironmentArrivals, AreEvenWithoutAGuide) {
 
 // Applies chi-square to a grid over the square, whose cells expect their part of the overlapping
 // leaves.
-TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
+TEST(GuideStarts, DrawsPlacesWithTheReportedDensity) {
   constexpr int kSide = 16;
   for (const int cell : {0, 3, 77, 127, 200}) {
     SCOPED_TRACE(cell);
@@ -304,7 +304,7 @@ TEST(GuideStarts, KeepsPointsStratified) {
 }
 
 // Rays of other lights stay unchanged, and the record uses the given density of light samples.
-TEST(GuideStarts, KnowsWhoseRaysTheyAre) {
+TEST(GuideStarts, ChangesEnvironmentRaysOnly) {
   const std::uint32_t n = 600;
   const auto disk = RandomUniforms(n, 43);
   Starts s = StartAt(Guide(), disk, n, -1);
@@ -378,7 +378,7 @@ TEST(MakeGuide, LeavesEveryStartPossible) {
   EXPECT_GT(sum, 0.8);
 }
 
-TEST(MakeGuide, CrowdsWhereGuideSamplesAre) {
+TEST(MakeGuide, IsDenseWhereGuideSamplesAre) {
   const std::uint32_t cell = 17;
   std::vector<GuideSample> samples;
   Random random(3);
@@ -414,7 +414,7 @@ TEST(MakeGuide, CrowdsWhereGuideSamplesAre) {
   EXPECT_EQ(share_inside(places), share_inside(guide));
 }
 
-TEST(MakeGuide, FocusesOnMostOfWhatNeedsLight) {
+TEST(MakeGuide, FocusesOnMostGuideSamples) {
   const SceneSphere& focus = Guide().focus;
   EXPECT_NEAR(focus.center[0], 2, 0.05);
   EXPECT_NEAR(focus.center[1], -2, 0.05);
@@ -428,7 +428,7 @@ TEST(MakeGuide, FocusesOnMostOfWhatNeedsLight) {
   EXPECT_EQ(MakeGuide(samples, {}, kSphere).focus.radius, kSphere.radius);
 }
 
-TEST(MakeGuide, SaysNothingOfWhatItDoesNotKnow) {
+TEST(MakeGuide, IsEvenWithoutEnoughSamples) {
   EXPECT_TRUE(MakeGuide({}, SomeShares(), kSphere).empty());
   EXPECT_EQ(EmissionGuide().view().cells, nullptr);
   // A few samples do not make a density, so cells with so few are even.

@@ -77,7 +77,7 @@ TEST(PhotonCollector, KeepsTheFirstPathsThatFillIt) {
 }
 
 // The passes include some with enough light paths and some without, for both integrators.
-TEST(PhotonCollector, PassesKeepWhatIsAskedForAtMost) {
+TEST(PhotonCollector, PassesKeepAtMostTheRequestedPhotons) {
   constexpr std::uint32_t kDepth = 5;
   for (const Integrator integrator : {Integrator::kPhoton, Integrator::kVcm}) {
     for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
@@ -113,7 +113,7 @@ TEST(PhotonMemory, IsAsDocumented) {
   EXPECT_EQ(PhotonBytes(true), 93u);
 }
 
-TEST(PhotonMemory, IsAskedForBeforehand) {
+TEST(PhotonMemory, IsCheckedBeforehand) {
   RenderOptions options;
   options.integrator = Integrator::kPhoton;
   options.photons.indirect = 900, options.photons.caustic = 100;
