@@ -1,6 +1,7 @@
-// Shadow rays of directional lights in two orders: all surfaces of a wave towards one light, then
-// the next light (as the integrators walk them), or all lights of a surface, then the next surface.
-// The same rays, in streams of the same length. SKYWAVE_BENCH_* choose scene and map.
+// Traces shadow rays of directional lights in two orders: all surfaces of a wave towards one light,
+// then the next light (the order of the integrators), or all lights of a surface, then the next
+// surface. The rays are the same, in streams of the same length. SKYWAVE_BENCH_* choose scene and
+// map.
 #include <benchmark/benchmark.h>
 
 #include <limits>

@@ -1,4 +1,5 @@
-// Every stage and the kernels inside it, on one wave of a real scene: ns an item (a row in).
+// Measures every stage and the kernels inside it on one wave of a real scene: ns per item (input
+// row).
 #include <benchmark/benchmark.h>
 #include <hwy/targets.h>
 
@@ -29,7 +30,7 @@ WaveFixture& BounceWave() {
   return wave;
 }
 
-// Runs `body` and reports the time of one of `items`.
+// Runs `body` and reports the time per item.
 template <class Body>
 void Run(benchmark::State& state, std::uint32_t items, Body body) {
   const auto start = std::chrono::steady_clock::now();
@@ -96,19 +97,19 @@ void AddEscapedStage(benchmark::State& state, bool bounce) {
       [&] { AddEscaped(f.frame, f.Points(), f.worker.escaped, f.escaped, f.worker.paths); });
 }
 void PrepareSurfacesKernel(benchmark::State& state) {
-  static WaveFixture f;  // its own: the kernel works in place
+  static WaveFixture f;  // a separate fixture because the kernel works in place
   Run(state, f.ranges.total(), [&] {
     PrepareSurfaces(f.frame.geometry->triangles(), f.frame.geometry->materials().records,
                     f.ranges.total(), f.worker.surfaces);
   });
 }
-// Nothing to do where the scene has neither textures nor metallic-roughness.
+// There is nothing to do if the scene has neither textures nor metallic-roughness.
 void TextureSurfacesStage(benchmark::State& state) {
   static WaveFixture f;
   Run(state, f.ranges.total(),
       [&] { TextureSurfaces(f.frame, kCameraEnd, f.ranges, f.worker.surfaces); });
 }
-// A fixed sample of the plan (one light, one cell), or a drawn one.
+// Measures a fixed sample of the plan (one light, one cell), or a drawn one.
 void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
   WaveFixture f(strategy);
   Worker& w = f.worker;
@@ -170,7 +171,8 @@ void PathWave(benchmark::State& state) {
   Run(state, f.range.count, [&] { RenderPathWave(f.frame, f.range, f.worker, f.film); });
 }
 
-// A material of every BSDF: those of the scene "materials" and a measured one, all of one value.
+// Returns one material for each BSDF: those of the scene "materials" and a measured one with a
+// single value.
 const Geometry& MaterialsOfAll() {
   static const Geometry geometry = [] {
     Scene scene = BuiltinScene("materials");
@@ -203,7 +205,8 @@ void PaintWave(WaveFixture& f, std::uint32_t kind) {
   }
 }
 
-// Every surface of the camera wave shaded as BSDF `kind`, light samples and scattering apart.
+// Shades every surface of the camera wave with BSDF `kind`; light samples and scattering are
+// measured separately.
 void BsdfEvaluate(benchmark::State& state, std::uint32_t kind) {
   static WaveFixture f;
   Worker& w = f.worker;
@@ -268,7 +271,7 @@ void Register() {
   add("wave/path", PathWave);
 }
 
-// Confines the kernels to one instruction set, by Highway's name of it; empty: the best there is.
+// Restricts the kernels to one instruction set by its name in Highway; empty: the best available.
 bool ChooseTarget(const std::string& name) {
   if (name.empty()) return true;
   const std::int64_t supported = hwy::SupportedTargets();

@@ -1,5 +1,5 @@
-// One wave of a built-in scene, stopped between the stages, so that each can be run on its own on
-// what it really meets. Environment variables choose another scene and map:
+// One wave of a built-in scene, stopped between the stages, so that each can run separately on
+// realistic data. Environment variables choose another scene and map:
 // SKYWAVE_BENCH_SCENE, SKYWAVE_BENCH_ENV, SKYWAVE_BENCH_STRATEGY, SKYWAVE_BENCH_WAVE.
 #pragma once
 
@@ -35,7 +35,7 @@ struct WaveFixture {
     Camera();
   }
 
-  // Camera rays traced, partitioned and prepared: worker.surfaces is ready to shade.
+  // Traces, partitions and prepares camera rays: worker.surfaces is then ready to shade.
   void Camera() {
     GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
     n = range.count;
@@ -50,7 +50,7 @@ struct WaveFixture {
     TextureSurfaces(frame, kCameraEnd, ranges, worker.surfaces);
   }
 
-  // One bounce further: rays[0] are scattered rays, traced.
+  // Advances by one bounce: rays[0] are then scattered and traced rays.
   void Bounce() {
     n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms,
                 worker.lobe, worker.rays[0]);

@@ -1,4 +1,4 @@
-// skywave compare: how far two pictures are apart.
+// Implements skywave compare: the difference between two pictures.
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// skywave info: what is in a scene.
+// Implements skywave info: the contents of a scene.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -30,7 +30,7 @@ struct SceneFile {
   SceneSummary summary;
   std::array<LocalLightTotal, kLocalLightKinds> local_lights = {};  // by kind
   double load_seconds = 0, build_seconds = 0;
-  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // what rendering keeps
+  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // memory during rendering
 };
 
 SceneFile Load(const std::string& path, const ReadOptions& options) {
@@ -57,7 +57,7 @@ std::string_view KindOf(const Material& material) {
   return material.mixture ? "mixture" : ToString(material.bsdf);
 }
 
-// What a BSDF reads beside the reflectance, in the order in which it is printed.
+// A parameter of a BSDF in addition to the reflectance, in the order of printing.
 struct Parameter {
   const char* name;
   std::vector<float> values;
@@ -194,7 +194,7 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   return json;
 }
 
-// What any material may have besides.
+// Describes maps and other properties that any material may have.
 std::string SurfaceMaps(const Material& material) {
   std::string text;
   if (!material.opaque()) {

@@ -1,5 +1,5 @@
-// skywave paths: what every way to join sub-paths of bdpt brings to a picture, as layers of an EXR
-// and on one sheet.
+// Implements skywave paths: the contribution of every technique of bdpt to a picture, as layers of
+// an EXR and on one sheet.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace skywave {
 namespace {
 
-// Two pictures a way: 2 (1 + 3 + 4 + ... ) of them.
+// There are two pictures per technique: 2 (1 + 3 + 4 + ... ) of them.
 constexpr std::uint32_t kDeepest = 8;
 
 // The layers are those of the ways to connect sub-paths.
@@ -39,7 +39,7 @@ struct WayPicture {
   Image picture;
 
   std::uint32_t surfaces() const { return lengths.light + lengths.eye - 2; }
-  // Of its layer.
+  // Returns the name of its layer.
   std::string name() const {
     return fmt::format("{}_s{}t{}", weighted ? "weighted" : "unweighted", lengths.light,
                        lengths.eye);
@@ -61,15 +61,15 @@ std::vector<WayPicture> WaysTo(std::uint32_t max_depth) {
   for (std::uint32_t surfaces = 0; surfaces <= max_depth; ++surfaces) {
     for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
       const SubpathLengths lengths = {.light = light, .eye = surfaces + 2 - light};
-      if (light == 1 && lengths.eye == 1) continue;  // what shines is seen by chance alone
+      if (light == 1 && lengths.eye == 1) continue;  // camera rays see lights anyway
       for (const bool weighted : {true, false}) techniques.push_back({lengths, weighted, {}});
     }
   }
   return techniques;
 }
 
-// A row for each number of surfaces, a column for each number of vertices from the light; weighted
-// pictures above, unweighted ones below.
+// There is one row for each number of surfaces and one column for each number of vertices on the
+// light sub-path; weighted pictures are above, unweighted ones below.
 ContactSheet Sheet(const std::vector<WayPicture>& pictures, std::uint32_t depth,
                    const ToneMapping& tone) {
   std::vector<SheetPicture> places;

@@ -35,15 +35,6 @@ std::string PngPath(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }
 
-std::optional<ToneCurve> ParseToneCurve(std::string_view name) {
-  if (name == "clip") return ToneCurve::kClip;
-  if (name == "filmic") return ToneCurve::kFilmic;
-  return std::nullopt;
-}
-std::string_view PrintToneCurve(ToneCurve curve) {
-  return curve == ToneCurve::kFilmic ? "filmic" : "clip";
-}
-
 // 1/125 or 0.008
 std::optional<float> ParseShutter(const std::string& text) {
   const std::size_t slash = text.find('/');
@@ -79,7 +70,7 @@ std::vector<OptionOf<RenderFlags>> Options() {
     option({.name = "shutter", .group = kExposure, .help = "exposure time of a camera for which radiance is luminance in cd/m^2", .scope = kPixels, .example = "--shutter 1/60 --f-number 8", .needs = "f-number"}, FIELD(photo.shutter_seconds), seconds),
     option({.name = "f-number", .group = kExposure, .help = "f-number of its lens", .scope = kPixels, .example = "--shutter 1/60 --f-number 8", .needs = "shutter"}, FIELD(photo.f_number), Unless(0.0f, Floats(0.1, 1000))),
     option({.name = "iso", .group = kExposure, .help = "speed of its sensor", .scope = kPixels, .example = "--shutter 1/60 --f-number 8 --iso 200", .needs = "shutter"}, FIELD(photo.iso), Floats(0.1, 1e8)),
-    option({.name = "tone", .group = kExposure, .help = "tone curve of the PNG", .scope = kPixels, .example = "--tone filmic"}, FIELD(tone.curve), Choices("clip|filmic", ParseToneCurve, PrintToneCurve)),
+    option({.name = "tone", .group = kExposure, .help = "tone curve of the PNG", .scope = kPixels, .example = "--tone filmic"}, FIELD(tone.curve), NamesOfEnum<ToneCurve>()),
     option({.name = "stats", .group = kOutput, .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
   };
   // clang-format on

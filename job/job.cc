@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "job/choose_camera.h"
 #include "job/environment.h"
@@ -25,9 +25,9 @@ namespace {
 // Seconds that `work` takes.
 template <class Work>
 double Time(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return SecondsSince(start);
 }
 
 // Luminance of the light that a map sends through the disk of a sphere around the scene.

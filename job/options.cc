@@ -154,8 +154,6 @@ bool TakesLightSamples(Integrator integrator) {
 
 // One line an option. Help texts are half sentences; defaults are added to them.
 std::vector<JobOption> MakeJobOptions() {
-  const auto integrators = Choices("direct|path|light|bdpt|photon|vcm", ParseIntegrator,
-                                   [](Integrator integrator) { return ToString(integrator); });
   // clang-format off
   return {
     Plain({.name = "scene", .help = "pbrt, OBJ, glTF or PLY file, or a built-in scene", .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
@@ -166,7 +164,7 @@ std::vector<JobOption> MakeJobOptions() {
     FromScene({.name = "spp", .help = "samples per pixel", .scope = kPixels, .example = "--spp 3"},
           FIELD(samples_per_pixel), Numbers(1u, 1u << 24)),
     Resolved(MakeOption<JobRequest>({.name = "integrator", .help = "how light is computed", .scope = kPixels, .example = "--integrator direct", .default_text = "path"},
-          FIELD(integrator), integrators), ResolveIntegrator),
+          FIELD(integrator), NamesOfEnum<Integrator>()), ResolveIntegrator),
     Plain({.name = "strategy", .help = "where light samples come from: skywave strategies", .scope = kPixels, .example = "--strategy importance:compensate=1", .metavar = "NAME[:KEY=VALUE,...]"},
           FIELD(strategy), Texts("a strategy")),
     Plain({.name = "aovs", .help = "layers of the EXR in addition to the picture (see below)", .scope = kPixels, .example = "--aovs albedo,depth"},
@@ -175,7 +173,7 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.threads), Numbers(0, 4096)),
 
     Plain({.name = "env-projection", .group = kLight, .help = "projection of the map", .scope = kPixels, .example = "--env map.exr --env-projection latlong", .default_text = "by its shape", .metavar = "NAME"},
-          FIELD(environment.projection), Choices(ProjectionNames(), ParseProjection, [](Projection p) { return ToString(p); })),
+          FIELD(environment.projection), NamesOfEnum<Projection>()),
     Plain({.name = "env-rotate", .group = kLight, .help = "turn about the up axis, counter-clockwise seen from above", .scope = kPixels, .example = "--env-rotate 31.7", .metavar = "DEGREES"},
           FIELD(environment.rotation_degrees), Numbers(-1e6f, 1e6f)),
     Plain({.name = "env-intensity", .group = kLight, .help = "factor of the map's radiance", .scope = kPixels, .example = "--env-intensity 0.3"},
@@ -188,7 +186,7 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
 
     Plain({.name = "camera", .group = kCamera, .help = "kind of camera", .scope = kPixels, .example = "--camera orthographic", .default_text = "the scene's, or perspective"},
-          FIELD(camera.kind), Choices("perspective|orthographic|latlong|equal-area|fisheye", ParseCameraKind, [](CameraKind k) { return ToString(k); })),
+          FIELD(camera.kind), NamesOfEnum<CameraKind>()),
     Plain({.name = "eye", .group = kCamera, .help = "position", .scope = kPixels, .example = "--eye=-1.5,2,3", .default_text = "the scene's, or one that sees all of it"},
           FIELD(camera.eye), Points()),
     Plain({.name = "target", .group = kCamera, .help = "point that the camera looks at", .scope = kPixels, .example = "--target 0.1,0.2,-0.3", .default_text = "with --eye: the middle of the scene"},
@@ -205,7 +203,7 @@ std::vector<JobOption> MakeJobOptions() {
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
           FIELD(crop), Crops()), ResolveCrop),
     Resolved(MakeOption<JobRequest>({.name = "filter", .group = kFilm, .help = "pixel filter", .scope = kPixels, .example = "--filter gaussian", .default_text = "blackman-harris"},
-          FIELD(filter), Choices("box|triangle|gaussian|blackman-harris", ParsePixelFilter, [](PixelFilter f) { return ToString(f); })), ResolveFilter),
+          FIELD(filter), NamesOfEnum<PixelFilter>()), ResolveFilter),
     Resolved(MakeOption<JobRequest>({.name = "filter-radius", .group = kFilm, .help = "radius of the filter [pixels]; 0: the filter's own", .scope = kPixels, .example = "--filter-radius 0.7", .default_text = "the filter's own"},
           FIELD(options.filter_radius), Floats(0, 100)), nullptr),
     Plain({.name = "seed", .group = kFilm, .help = "seed of the random numbers", .scope = kPixels, .example = "--seed 77", .in_suite = true},
@@ -235,7 +233,7 @@ std::vector<JobOption> MakeJobOptions() {
     Resolved(MakeOption<JobRequest>({.name = "photon-distance", .group = kPhotons, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons", .scope = kPixels, .example = "--integrator photon --photon-distance 0.5", .applies = HasPhotons},
           FIELD(options.photons.distance), Floats(0, 1e12)), ResolvePhotonDistance),
     Plain({.name = "photon-kernel", .group = kPhotons, .help = "weights of the photons of a lookup", .scope = kPixels, .example = "--integrator photon --photon-kernel cone", .applies = HasPhotons},
-          FIELD(options.photons.kernel), Choices("constant|cone|epanechnikov", ParsePhotonKernel, [](PhotonKernel k) { return ToString(k); })),
+          FIELD(options.photons.kernel), NamesOfEnum<PhotonKernel>()),
     Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
           FIELD(options.photons.alpha), Floats(0.01, 1)),
 
@@ -249,7 +247,7 @@ std::vector<JobOption> MakeJobOptions() {
     Plain({.name = "wave", .group = kSpeedGroup, .help = "rows of a wave, rounded up to whole beams of 8", .scope = kSpeed, .in_suite = true},
           FIELD(options.wave), Numbers(1u, 1u << 20)),
     Plain({.name = "backend", .group = kSpeedGroup, .help = "how rays other than camera rays reach Embree", .scope = kSpeed, .in_suite = true},
-          FIELD(options.backend), Choices("best|stream|packet|array|single", ParseBackend, [](Backend b) { return ToString(b); })),
+          FIELD(options.backend), NamesOfEnum<Backend>()),
     // Other instruction sets find hits with other bits.
     Plain({.name = "embree-config", .group = kSpeedGroup, .help = "configuration of rtcNewDevice, for example isa=avx2", .scope = kPixels, .example = "--embree-config isa=sse2", .in_suite = true},
           FIELD(embree_config), Texts("KEY=VALUE,...")),

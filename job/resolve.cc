@@ -54,7 +54,7 @@ void ResolveSize(JobRequest& request, const SceneDefaults& scene) {
 void ResolveIntegrator(JobRequest& request, const SceneDefaults& scene) {
   Integrator& integrator = request.options.integrator;
   integrator = request.integrator.value_or(
-      ParseIntegrator(scene.settings.integrator.value_or("")).value_or(integrator));
+      Parse<Integrator>(scene.settings.integrator.value_or("")).value_or(integrator));
   request.integrator = integrator;
 }
 

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
@@ -77,8 +77,7 @@ std::vector<OptionOf<ConvergeFlags>> Options() {
   };
   constexpr OptionScope kPixels = OptionScope::kPixels;
   constexpr std::string_view kReference = "Reference", kOutput = "Output";
-  const auto integrators = Choices("direct|path|light|bdpt|photon|vcm", ParseIntegrator,
-                                   [](Integrator integrator) { return ToString(integrator); });
+  const auto integrators = NamesOfEnum<Integrator>();
   // clang-format off
   return {
     option({.name = "strategies", .help = "the first is the one that others are compared with", .scope = kPixels, .metavar = "NAME[:KEY=VALUE,...] ...", .most_values = 100}, FIELD(strategies), Texts("strategies")),
@@ -86,7 +85,7 @@ std::vector<OptionOf<ConvergeFlags>> Options() {
     option({.name = "budgets", .help = "samples per pixel, separated by commas", .scope = kPixels, .default_text = "1,2,4,...,64", .metavar = "N,N,...", .most_values = 64, .delimiter = ','}, FIELD(budgets), Numbers(1u, kMaxSamples)),
     option({.name = "time", .help = "instead: 1,2,4,... for each strategy up to renders of about this [s]", .scope = kPixels, .excludes = "budgets"}, FIELD(seconds), Unless(0.0, Doubles(0.001, 1e6))),
     option({.name = "repeats", .help = "renders of each, with seeds of their own", .scope = kPixels}, FIELD(settings.repeats), Numbers(2, 1000)),
-    option({.name = "measure", .help = "measure of error", .scope = kPixels}, FIELD(settings.measure), Choices("mse|relative_mse", ParseErrorMeasure, [](ErrorMeasure m) { return ToString(m); })),
+    option({.name = "measure", .help = "measure of error", .scope = kPixels}, FIELD(settings.measure), NamesOfEnum<ErrorMeasure>()),
     option({.name = "target-error", .help = "error that times are compared at", .scope = kPixels, .default_text = "the first strategy's smallest"}, FIELD(target), Doubles(1e-30, 1e30)),
     option({.name = "reference", .group = kReference, .help = "picture of the same size, or auto: two independent halves by --reference-strategy", .scope = kPixels, .metavar = "EXR|auto"}, FIELD(reference), Texts("a picture")),
     option({.name = "reference-strategy", .group = kReference, .help = "strategy of an automatic reference", .scope = kPixels}, FIELD(request.strategy), Texts("a strategy")),
@@ -156,13 +155,12 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
       flags.reference_integrator.value_or(ReferenceIntegrator(report.contestants));
   const RenderOptions& options = job.options();
   if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
                [&](Progress* done) {
                  report.reference = RenderReference(job, *report.reference_integrator, half, done);
                });
-  report.reference_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.reference_seconds = SecondsSince(start);
   if (flags.save_reference.empty()) return;
   WriteReference(flags.save_reference,
                  {.reference = report.reference,

@@ -1,4 +1,4 @@
-// skywave probe calibrate: a map that shows which way is which.
+// Implements skywave probe calibrate: a map that shows its axes.
 #include <fmt/format.h>
 
 #include "base/files.h"

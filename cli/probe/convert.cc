@@ -1,4 +1,4 @@
-// skywave probe convert: a map in another projection or size.
+// Implements skywave probe convert: a map in another projection or size.
 #include <fmt/format.h>
 
 #include <array>
@@ -22,7 +22,7 @@ struct ConvertFlags {
   bool faces_in = false, faces_out = false;
 };
 
-// "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
+// Reads "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
 void ReadSize(const std::string& text, Projection to, int& width, int& height) {
   const char* end = text.data() + text.size();
   auto parsed = std::from_chars(text.data(), end, width);
@@ -87,13 +87,13 @@ std::vector<OptionOf<ConvertFlags>> Options() {
        .help = "projection that is written; cube-faces: six files, OUTPUT-right.exr, -left, -up, "
                "-down, -front, -back",
        .required = true,
-       .values = ProjectionNames() + "|cube-faces",
-       .value_name = ProjectionNames() + "|cube-faces"},
+       .values = Choices<Projection>() + "|cube-faces",
+       .value_name = Choices<Projection>() + "|cube-faces"},
       {},
       {}};
   to.set = [values = to.values](ConvertFlags& f, const std::vector<std::string>& texts) {
     f.faces_out = texts.front() == "cube-faces";
-    const auto projection = f.faces_out ? Projection::kCubeStrip : ParseProjection(texts.front());
+    const auto projection = f.faces_out ? Projection::kCubeStrip : Parse<Projection>(texts.front());
     if (!projection) return NotAValue(texts.front(), values);
     f.to = *projection;
     return std::string();

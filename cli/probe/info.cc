@@ -1,4 +1,4 @@
-// skywave probe info: what is in a map.
+// Implements skywave probe info: the contents of a map.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// skywave probe lights: a map as directional lights for this and other renderers.
+// Implements skywave probe lights: a map as directional lights for this and other renderers.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -18,7 +18,7 @@ struct LightsFlags {
   std::string output;
 };
 
-// pbrt-v4 reads maps as octahedral squares only.
+// pbrt-v4 reads maps only as octahedral squares.
 void WriteResidual(const std::string& path, const Image& residual, LightFormat format) {
   if (format != LightFormat::kPbrt) return WriteImage(path, residual);
   int width, height;
@@ -72,7 +72,7 @@ std::vector<OptionOf<LightsFlags>> Options() {
                                    .print = [](const char& axis) { return std::string(1, axis); }};
   // clang-format off
   return {
-    option({.name = "format", .help = "table, JSON, or scene text for pbrt (v4), POV-Ray (3.7), Blender (Python), Maya (MEL)", .default_text = "table"}, FIELD(options.format), Choices("table|json|pbrt|povray|blender|maya", ParseLightFormat, [](LightFormat) { return ""; })),
+    option({.name = "format", .help = "table, JSON, or scene text for pbrt (v4), POV-Ray (3.7), Blender (Python), Maya (MEL)", .default_text = "table"}, FIELD(options.format), NamesOfEnum<LightFormat>()),
     option({.name = "up", .help = "up axis of the world that is written", .default_text = "z for blender, y for others"}, FIELD(options.up_axis), up_axis),
     option({.name = "output", .help = "file", .default_text = "standard output", .letter = 'o'}, FIELD(output), Texts("FILE")),
     option({.name = "residual", .help = "write the rest of the map; for pbrt as an octahedral square"}, FIELD(options.residual), Texts("FILE")),

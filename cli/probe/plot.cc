@@ -1,4 +1,4 @@
-// skywave probe plot: pictures of a map, its lights, cells and strata.
+// Implements skywave probe plot: pictures of a map, its lights, cells and strata.
 #include <fmt/format.h>
 
 #include "base/files.h"

@@ -1,4 +1,4 @@
-// skywave probe presample: a sample set with cells and energies.
+// Implements skywave probe presample: a sample set with cells and energies.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

@@ -19,7 +19,7 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   // clang-format off
   const OptionOf<MapFlags> options[] = {
     option({.name = "map", .help = "illumination map (EXR, Radiance HDR, PFM)", .positional = true, .required = true}, FIELD(path), Texts("MAP")),
-    option({.name = "projection", .help = "projection of the map", .default_text = "by its shape", .metavar = "NAME"}, FIELD(projection), Choices(ProjectionNames(), ParseProjection, [](Projection p) { return ToString(p); })),
+    option({.name = "projection", .help = "projection of the map", .default_text = "by its shape", .metavar = "NAME"}, FIELD(projection), NamesOfEnum<Projection>()),
     option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR"}, FIELD(limits.trust_input), Switches()),
   };
   // clang-format on
@@ -72,13 +72,13 @@ void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& requ
   const LightOptions& defaults = request->lights;
   // clang-format off
   const OptionOf<LightRequest> options[] = {
-    option({.name = "method", .help = "algorithm that places the lights", .default_text = ToString(defaults.source)}, FIELD(lights.source), Choices("median-cut|variance-cut|penrose", ParseLightSource, [](LightSource s) { return ToString(s); })),
+    option({.name = "method", .help = "algorithm that places the lights", .default_text = ToString(defaults.source)}, FIELD(lights.source), NamesOfEnum<LightSource>()),
     option({.name = "lights", .help = "number of lights, before clustering", .letter = 'n'}, FIELD(lights.lights), Numbers(1, 1 << 20)),
-    option({.name = "position", .help = "place of a light in its cell: the sampler's point, the middle of its area or of its energy", .default_text = defaults.position == LightPosition::kSample ? "sample" : "centroid"}, FIELD(lights.position), Choices("sample|center|centroid", ParseLightPosition, unprinted)),
+    option({.name = "position", .help = "place of a light in its cell: the sampler's point, the middle of its area or of its energy", .default_text = ToString(defaults.position)}, FIELD(lights.position), NamesOfEnum<LightPosition>()),
     option({.name = "lloyd", .help = "steps that move lights to their centroids"}, FIELD(lights.lloyd_steps), Numbers(0, 1000)),
     option({.name = "seed", .help = "seed of the Penrose tiling"}, FIELD(lights.penrose.seed), Numbers(0u, 0xFFFFFFFFu)),
-    option({.name = "strata", .help = "only the bright part A: p of the energy (0.54), where the luminance varies most (variation), or room for LIGHTS:DEGREES (64:10)", .metavar = "P|variation|LIGHTS:DEGREES"}, FIELD(strata), Choices("P|variation|LIGHTS:DEGREES", ParseStrata, unprinted)),
-    option({.name = "cluster", .group = kMerge, .help = "merge lights pairwise, weighted by one, energy or mean luminance, until --clusters or --separation is reached"}, FIELD(lights.cluster), Choices("F1|F2|F3", ParseClusterFrequency, unprinted)),
+    option({.name = "strata", .help = "only the bright part A: p of the energy (0.54), where the luminance varies most (variation), or room for LIGHTS:DEGREES (64:10)", .metavar = "P|variation|LIGHTS:DEGREES"}, FIELD(strata), Codec<StrataRequest>{.values = "P|variation|LIGHTS:DEGREES", .parse = ParseStrata, .print = unprinted}),
+    option({.name = "cluster", .group = kMerge, .help = "merge lights pairwise, weighted by one, energy or mean luminance, until --clusters or --separation is reached"}, FIELD(lights.cluster), NamesOfEnum<ClusterFrequency>()),
     cluster_too(option({.name = "clusters", .group = kMerge, .help = "merge until so many are left (by F2 without --cluster)"}, FIELD(lights.stop.clusters), counts)),
     cluster_too(option({.name = "separation", .group = kMerge, .help = "merge until all are so far apart (by F2 without --cluster)", .metavar = "DEGREES"}, FIELD(lights.stop.separation), degrees)),
   };

@@ -1,4 +1,4 @@
-// What the stages hand to the kernels.
+// Tests the data that the stages pass to the kernels.
 #include "wavefront/stages/stages.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace skywave {
 namespace {
 
 // Every eight rows of any wave are one sample of a block of 4 x 2 pixels of the whole film, and the
-// waves together have every sample of every block once.
+// waves together hold every sample of every block once.
 TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
   Scene scene;
   AddLambert(scene, "matt", glm::vec3(0.5f));
@@ -71,8 +71,8 @@ TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
   }
 }
 
-// A BSDF that chooses between lobes gets uniforms of its own at every bounce, not those that
-// another queue or bounce left behind.
+// A BSDF that chooses between lobes gets fresh uniforms at every bounce, not leftovers of another
+// queue or bounce.
 TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
   Scene scene;
   AddLambert(scene, "matt", glm::vec3(0.5f));
