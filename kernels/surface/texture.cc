@@ -75,13 +75,13 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 namespace {
 
-// std::floor without a call, for values below 2^63.
+// Returns std::floor without a call, for values below 2^63.
 float Floor(float x) {
   const float whole = float(std::int64_t(x));
   return whole > x ? whole - 1 : whole;
 }
 
-// Neighbours of texture-inl.h, with the wrapping before it.
+// This is Neighbours of texture-inl.h, preceded by the wrapping.
 struct ScalarNeighbours {
   ScalarNeighbours(float at, std::uint32_t count, TextureWrap wrap) {
     const float half = at * 0.5f;
