@@ -50,9 +50,9 @@ void ChoosePixels(const CameraView& camera, const FilterView& filter,
                   const UniformColumns& uniforms, std::uint32_t n, const LightColumns& lights,
                   const CameraColumns& connections);
 
-// Writes what connections [0, n) bring to their pixels if nothing is in between to r, g, b of
-// `lights`: throughput * value * importance * weight. Closes those that bring nothing. `values` are
-// of flux (kernels/light_paths/flux.h).
+// Writes the contribution of connections [0, n) to their pixels if nothing is in between,
+// throughput * value * importance * weight, to r, g, b of `lights`. Closes those without any.
+// `values` are of flux (kernels/light_paths/flux.h).
 void WeighConnections(const SurfaceColumns& surfaces, const BsdfValueColumns& values,
                       const CameraColumns& connections, std::uint32_t n,
                       const LightColumns& lights);

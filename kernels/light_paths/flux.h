@@ -1,5 +1,5 @@
 // At their vertices light paths need the part of the arriving flux that goes on in a given
-// direction. BSDF kernels evaluate radiance; these make flux of their values (Transport::kFlux in
+// direction. BSDF kernels evaluate radiance; these turn their values into flux (Transport::kFlux in
 // bsdf.h).
 #pragma once
 

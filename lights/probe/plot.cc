@@ -135,8 +135,8 @@ class Painter {
   double brightest_ = 0, exposure_ = 1;
 };
 
-// Draws a line where `id(texel)` changes from a point to its right or lower neighbour, `width`
-// pixels apart.
+// Draws a line where `id(texel)` changes from a point to its right or lower neighbour, one pixel
+// apart.
 template <class Id>
 void DrawBorders(const Canvas& canvas, const Id& id, const Color& color, double alpha,
                  std::vector<Color>& picture) {

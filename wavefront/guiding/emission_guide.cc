@@ -71,8 +71,8 @@ void Cut(GuideSampleSpan samples, const Part& part, std::uint32_t node, float* c
   if (node >= kGuideLeaves) return;
   const std::uint32_t axis = std::uint32_t(std::bit_width(node) - 1) & 1;
   const float low = part.low[axis], high = part.high[axis];
-  // Without enough samples a part and all its parts are cut in the middle; so are small ones, which
-  // could not be cut otherwise for long.
+  // Parts without enough samples, and parts too small to be cut much further, are cut in the
+  // middle, as are all of their parts.
   constexpr float kLeastSide = 0x1p-13f;
   if (std::ssize(samples) < kLeastGuideSamples || high - low < kLeastSide) samples = {};
   float cut = 0.5f * (low + high);

@@ -29,8 +29,8 @@ struct PilotQuestion {
   // others.
   std::span<const double> radiance;
   // The least number of surfaces with a density between the environment and the eye. Light through
-  // mirrors and glass to one of them, a caustic, is always needed; without any, light paths bring
-  // nothing.
+  // mirrors and glass to one of them, a caustic, is always needed; without any, light paths
+  // contribute nothing.
   std::uint32_t least_surfaces = 1;
 };
 
