@@ -24,6 +24,16 @@ struct IndexColumns {
   }
 };
 
+// One row = one light sample, or one ray that met light.
+struct ArrivalColumns {
+  float* pdf;  // see kernels/light_paths/arrival.h [1/length^2]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.pdf);
+  }
+};
+
 // Both directions of a surface and another point, as its BSDF sees them.
 struct BothDirections {
   explicit BothDirections(std::uint32_t wave) : forward(wave), backward(wave) {}
@@ -62,10 +72,10 @@ struct BidirectionalTables {
   soa::Table<RayColumns> eye_rays;        // while light sub-paths are traced
   soa::Table<SubpathColumns> eye, light;  // on their way, one row a path
   soa::Table<SubpathColumns> at;          // of the eye's surfaces at hand
-  soa::Table<UniformColumns> arrival;     // u: see kernels/light_paths/arrival.h
+  soa::Table<ArrivalColumns> arrival;     // of the light's own sub-paths
   soa::Table<LightColumns> to_eye;        // from light vertices
   soa::Table<IndexColumns> partner;       // of the eye's surfaces
-  soa::Table<TurnedColumns> turned;       // room
+  soa::Table<TurnedColumns> turned;       // while surfaces are evaluated backwards
   BothDirections seen, seen_by_light;     // ends of connections
 };
 
@@ -76,7 +86,7 @@ struct MergeTables {
   soa::Table<LightColumns> lights{kRows};      // what arrives there
   soa::Table<SurfaceColumns> surfaces{kRows};  // copies of the eye's
   soa::Table<SubpathColumns> at{kRows};        // and of its sub-paths
-  soa::Table<TurnedColumns> turned{kRows};     // room
+  soa::Table<TurnedColumns> turned{kRows};     // while they are evaluated backwards
   BothDirections seen{kRows};
 };
 

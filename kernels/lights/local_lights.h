@@ -68,9 +68,9 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
 // Ends the shadow rays [0, n) that are open after `reach`.
 void LimitShadows(const float* reach, std::uint32_t n, const LightColumns& lights);
 
-// Appends to `met` (from its row 0) those of rays [0, n) that hit the shining side of a triangle,
-// in order, with its radiance and the density of SampleLocalLights there; returns their number.
-// There is a triangle that shines. `arrival`, where it is not null: see
+// Appends to `emitter_hits` (from its row 0) those of rays [0, n) that hit the shining side of a
+// triangle, in order, with its radiance and the density of SampleLocalLights there; returns their
+// number. There is a triangle that shines. `arrival`, where it is not null: see
 // kernels/light_paths/arrival.h.
 std::uint32_t IntersectEmitters(const LocalLightView& view, const LightChoice& choice,
                                 const RayColumns& rays, const HitColumns& hits, std::uint32_t n,

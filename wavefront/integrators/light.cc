@@ -27,7 +27,7 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
 
   // What camera rays see of lights themselves.
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
   CountRays(w.stats, 0, range.count, w.paths.rows());
   if (film.has_aovs()) {
