@@ -162,6 +162,7 @@ void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageCl
   const std::uint32_t n = w.ranges.light_sampled();
   const std::uint32_t open = CountOpen(w.lights, n);
   w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  CheckShadowRays(w.lights, n);
   clock.Lap(Stage::kEvaluate);
   TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys->key);
   clock.Lap(Stage::kShadow, RayKind::kShadow);
