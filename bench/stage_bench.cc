@@ -43,23 +43,29 @@ void Run(benchmark::State& state, std::uint32_t items, Body body) {
 void GenerateStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, w.uniforms, w.lobe, w.paths, w.rays[1]); });
+  const FilmUniforms film(w.scratch);
+  const LensUniforms lens(w.scratch);
+  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, film, lens, w.paths, w.rays[1]); });
 }
 void DrawUniformsKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
-  Run(state, f.n, [&] { DrawUniforms(f.worker.paths, nullptr, f.n, 3, {}, f.worker.uniforms); });
+  const LightUniforms uniforms(f.worker.scratch);
+  Run(state, f.n, [&] { DrawUniforms(f.worker.paths, nullptr, f.n, 3, {}, uniforms); });
 }
 void DrawUniformsOfRowsKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   const std::uint32_t n = f.ranges.total();
-  Run(state, n,
-      [&] { DrawUniforms(f.worker.paths, f.worker.surfaces->path, n, 3, {}, f.worker.uniforms); });
+  const LightUniforms uniforms(f.worker.scratch);
+  Run(state, n, [&] { DrawUniforms(f.worker.paths, f.worker.surfaces->path, n, 3, {}, uniforms); });
 }
 void GenerateCameraRaysKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  Run(state, f.n,
-      [&] { GenerateCameraRays(f.frame.camera, w.paths, w.uniforms, w.lobe, f.n, w.rays[1]); });
+  const FilmUniforms film(w.scratch);
+  const LensUniforms lens(w.scratch);
+  DrawUniforms(w.paths, nullptr, f.n, kFilmPair, {}, film);
+  DrawUniforms(w.paths, nullptr, f.n, kLensPair, {}, lens);
+  Run(state, f.n, [&] { GenerateCameraRays(f.frame.camera, w.paths, film, lens, f.n, w.rays[1]); });
 }
 void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
@@ -73,22 +79,24 @@ void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
 void SortHitsStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
   Worker& w = f.worker;
+  const RayQueues queues(w.scratch);
   Run(state, f.n, [&] {
     SurfaceRanges ranges;
     benchmark::DoNotOptimize(
-        SortHits(*f.frame.geometry, w.rays[0], w.hits, f.n, false, w.queue->queue, ranges));
+        SortHits(*f.frame.geometry, w.rays[0], w.hits, f.n, false, queues, ranges));
   });
 }
 void MoveEscapedKernel(benchmark::State& state) {
   WaveFixture& f = BounceWave();
   Worker& w = f.worker;
-  Run(state, f.n, [&] { MoveEscaped(w.rays[0], w.queue->queue, f.n, w.escaped); });
+  const RayQueues queues = f.Sort();
+  Run(state, f.n, [&] { MoveEscaped(w.rays[0], queues->queue, f.n, w.escaped); });
 }
 void MoveSurfacesStage(benchmark::State& state) {
   WaveFixture& f = BounceWave();
   Worker& w = f.worker;
-  Run(state, f.n,
-      [&] { MoveSurfaces(w.rays[0], w.hits, w.queue->queue, f.n, f.ranges, w.surfaces); });
+  const RayQueues queues = f.Sort();
+  Run(state, f.n, [&] { MoveSurfaces(w.rays[0], w.hits, queues, f.n, f.ranges, w.surfaces); });
 }
 void AddEscapedStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
@@ -116,26 +124,24 @@ void SampleLightsStage(benchmark::State& state, const std::string& strategy, boo
   const LightShares shares = f.shares();
   const LightPlan& plan = shares.plan;
   if ((fixed ? plan.fixed : plan.drawn) == 0) return state.SkipWithError("not in its plan");
+  const LightUniforms uniforms(w.scratch);
+  const LightPlaces places(w.hits);
   Run(state, f.ranges.light_sampled(), [&] {
-    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lobe,
-                 w.lights, w.hits);
+    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, uniforms, w.scratch,
+                 w.lights, places);
   });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
-  Worker& w = f.worker;
-  const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
+  const LightReach reach = f.SampleAndEvaluate(0);
   Run(state, f.ranges.light_sampled(),
-      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights); });
+      [&] { EvaluateLights(f.frame, f.worker.surfaces, f.ranges, reach, f.worker.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
+  f.SampleAndEvaluate(0);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
   tracer.occlusion = backend;
@@ -148,18 +154,17 @@ void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
+  f.SampleAndEvaluate(0);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
 }
 void ScatterStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
+  const DirectionUniforms direction(w.scratch);
+  const LobeUniforms lobe(w.scratch);
   Run(state, f.ranges.total(), [&] {
-    Scatter(f.frame, kCameraEnd, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lobe,
-            w.rays[1]);
+    Scatter(f.frame, kCameraEnd, w.paths, w.surfaces, f.ranges, 0, 0, direction, lobe, w.rays[1]);
   });
 }
 void FilmStage(benchmark::State& state) {
@@ -212,8 +217,9 @@ void BsdfEvaluate(benchmark::State& state, std::uint32_t kind) {
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
   PaintWave(f, kind);
-  DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, w.uniforms);
-  f.frame.strategy->Sample(f.Points(), w.uniforms, n, {}, w.lights);
+  const LightUniforms uniforms(w.scratch);
+  DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, uniforms);
+  f.frame.strategy->Sample(f.Points(), uniforms, n, {}, w.lights);
   Run(state, n, [&] {
     Bsdfs()[kind].evaluate_lights(w.surfaces, MaterialsOfAll().materials(), n, f.frame.mis(),
                                   w.lights);
@@ -224,11 +230,13 @@ void BsdfScatter(benchmark::State& state, std::uint32_t kind) {
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
   PaintWave(f, kind);
-  DrawUniforms(w.paths, w.surfaces->path, n, 2, {}, w.uniforms);
-  DrawUniforms(w.paths, w.surfaces->path, n, 3, {}, w.lobe);
+  const DirectionUniforms direction(w.scratch);
+  const LobeUniforms lobe(w.scratch);
+  DrawUniforms(w.paths, w.surfaces->path, n, 2, {}, direction);
+  DrawUniforms(w.paths, w.surfaces->path, n, 3, {}, lobe);
   Run(state, n, [&] {
     Bsdfs()[kind].scatter(w.surfaces, MaterialsOfAll().materials(),
-                          {.direction = w.uniforms, .lobe = w.lobe}, n, {}, w.rays[1], 0);
+                          {.direction = direction, .lobe = lobe}, n, {}, w.rays[1], 0);
   });
 }
 

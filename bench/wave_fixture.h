@@ -35,16 +35,23 @@ struct WaveFixture {
     Camera();
   }
 
+  // Sorts the hits of rays[0] into queues, and sets `ranges` and `escaped`.
+  RayQueues Sort() {
+    RayQueues queues(worker.scratch);
+    ranges = {};
+    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, queues, ranges);
+    return queues;
+  }
+
   // Traces, partitions and prepares camera rays: worker.surfaces is then ready to shade.
   void Camera() {
-    GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
+    GenerateRays(frame, range, FilmUniforms(worker.scratch), LensUniforms(worker.scratch),
+                 worker.paths, worker.rays[0]);
     n = range.count;
     TraceClosest(frame.tracer, RayKind::kCamera, worker.rays[0], n, worker.hits);
-    ranges = {};
-    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
-                       ranges);
-    MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
-    MoveSurfaces(worker.rays[0], worker.hits, worker.queue->queue, n, ranges, worker.surfaces);
+    const RayQueues queues = Sort();
+    MoveEscaped(worker.rays[0], queues->queue, n, worker.escaped);
+    MoveSurfaces(worker.rays[0], worker.hits, queues, n, ranges, worker.surfaces);
     PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
                     ranges.total(), worker.surfaces);
     TextureSurfaces(frame, kCameraEnd, ranges, worker.surfaces);
@@ -52,13 +59,10 @@ struct WaveFixture {
 
   // Advances by one bounce: rays[0] are then scattered and traced rays.
   void Bounce() {
-    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms,
-                worker.lobe, worker.rays[0]);
+    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
+                DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
     TraceClosest(frame.tracer, RayKind::kBounce, worker.rays[0], n, worker.hits);
-    ranges = {};
-    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
-                       ranges);
-    MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
+    MoveEscaped(worker.rays[0], Sort()->queue, n, worker.escaped);
   }
 
   ShadePoints Points() const {
@@ -81,6 +85,15 @@ struct WaveFixture {
   }
 
   LightShares shares() const { return frame.light_shares(); }
+
+  // Draws and evaluates light sample `index` of the plan; returns how far the lights are.
+  LightReach SampleAndEvaluate(std::uint32_t index) {
+    LightReach reach =
+        SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),
+                     worker.scratch, worker.lights, LightPlaces(worker.hits));
+    EvaluateLights(frame, worker.surfaces, ranges, reach, worker.lights);
+    return reach;
+  }
 
   FlushDenormals flush;
   RenderJob job;

@@ -25,6 +25,16 @@ struct IndexColumns {
   }
 };
 
+// One row = one light sample, or one ray that hit light.
+struct ArrivalColumns {
+  float* pdf;  // see kernels/light_paths/arrival.h [1/length^2]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.pdf);
+  }
+};
+
 // A BSDF is evaluated in both directions between its surface and another point.
 struct BothDirections {
   explicit BothDirections(std::uint32_t wave) : forward(wave), backward(wave) {}
@@ -63,10 +73,10 @@ struct BidirectionalTables {
   soa::Table<RayColumns> eye_rays;        // while light sub-paths are traced
   soa::Table<SubpathColumns> eye, light;  // between vertices, one row per path
   soa::Table<SubpathColumns> at;          // at the eye's current surfaces
-  soa::Table<UniformColumns> arrival;     // u: see kernels/light_paths/arrival.h
+  soa::Table<ArrivalColumns> arrival;     // at light samples, and at light that the eye hits
   soa::Table<LightColumns> to_eye;        // from light vertices
   soa::Table<IndexColumns> partner;       // light vertex of each surface of the eye
-  soa::Table<TurnedColumns> turned;       // scratch
+  soa::Table<TurnedColumns> turned;       // while surfaces are evaluated backwards
   BothDirections seen, seen_by_light;     // ends of connections
 };
 
@@ -78,7 +88,7 @@ struct MergeTables {
   soa::Table<LightColumns> lights{kRows};      // light that arrives there
   soa::Table<SurfaceColumns> surfaces{kRows};  // copies of the eye's surfaces
   soa::Table<SubpathColumns> at{kRows};        // copies of its sub-paths
-  soa::Table<TurnedColumns> turned{kRows};     // scratch
+  soa::Table<TurnedColumns> turned{kRows};     // while they are evaluated backwards
   BothDirections seen{kRows};
 };
 

@@ -40,7 +40,8 @@ TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
         const std::uint32_t total = tile.width * tile.height * kSamples;
         for (std::uint32_t first = 0; first < total; first += wave) {
           const std::uint32_t n = std::min(wave, total - first);
-          GenerateRays(frame, {tile, first, n}, w.uniforms, w.lobe, w.paths, w.rays[0]);
+          GenerateRays(frame, {tile, first, n}, FilmUniforms(w.scratch), LensUniforms(w.scratch),
+                       w.paths, w.rays[0]);
           for (std::uint32_t row = 0; row < n; ++row) {
             const std::uint32_t ray = row % kBeamRays, beam = row - ray;
             const auto column = [&](std::uint32_t i) {
@@ -89,6 +90,8 @@ TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
     SCOPED_TRACE(Bsdfs()[std::size_t(kind)].name);
     EXPECT_TRUE(Bsdfs()[std::size_t(kind)].lobed);
     Worker worker(kRows);
+    const DirectionUniforms direction(worker.scratch);
+    const LobeUniforms lobe(worker.scratch);
     SurfaceRanges ranges;
     for (auto k = std::uint32_t(kind); k < kBsdfKinds; ++k) ranges.begin[k + 1] = kRows;
     for (std::uint32_t i = 0; i < kRows; ++i) {
@@ -96,11 +99,11 @@ TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
       worker.surfaces->path[i] = i;
       worker.surfaces->material[i] = std::uint32_t(kind);
       worker.surfaces->ns_y[i] = worker.surfaces->ng_y[i] = worker.surfaces->wo_y[i] = 1;
-      worker.lobe->u[i] = worker.lobe->v[i] = kPoison;
+      lobe->u[i] = lobe->v[i] = kPoison;
     }
     Scatter(job.frame(), kCameraEnd, worker.paths, worker.surfaces, ranges, 0, /*bounce=*/0,
-            worker.uniforms, worker.lobe, worker.rays[0]);
-    for (std::uint32_t i = 0; i < kRows; ++i) EXPECT_LT(worker.lobe->u[i], 1.0f) << i;
+            direction, lobe, worker.rays[0]);
+    for (std::uint32_t i = 0; i < kRows; ++i) EXPECT_LT(lobe->u[i], 1.0f) << i;
   }
 }
 

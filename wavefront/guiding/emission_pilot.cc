@@ -143,24 +143,23 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
   GuideSampleList list(pilot, question, samples);
   const float light_samples = pilot.light_shares().strategy_samples(1);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(pilot, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(pilot, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   std::uint32_t n = range.count;
   for (std::uint32_t bounce = 0; n > 0; ++bounce) {
-    SurfaceRanges ranges;
-    const std::uint32_t escaped =
-        TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
-    MoveEscaped(*rays, w.queue->queue, n, w.escaped);
-    if (bounce > 0 && escaped > 0) {
+    SortedHits sorted =
+        TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    MoveEscaped(*rays, sorted.queues->queue, n, w.escaped);
+    if (const std::uint32_t escaped = sorted.escaped; bounce > 0 && escaped > 0) {
       pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, light_samples, w.escaped);
       list.AddEscapes(w, escaped);
     }
     if (bounce == pilot.options.max_depth) break;
-    PrepareHits(pilot, kCameraEnd, *rays, n, escaped, ranges, w, clock);
+    PrepareHits(pilot, kCameraEnd, *rays, n, std::move(sorted), w, clock);
     LightSurfaces(pilot, bounce, w, clock);
     list.Meet(w, w.ranges.light_sampled());
     list.AddLightSamples(w, w.ranges.light_sampled());
-    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce, w.uniforms, w.lobe,
-                *next);
+    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce,
+                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
     std::swap(rays, next);
   }
 }

@@ -13,7 +13,7 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   StartLightPaths(frame.options, first, count, w.paths);
-  std::fill_n(w.photon->history->queue, count, 0u);
+  std::fill_n(w.photon->history->met, count, 0u);
   EmitRays(frame, count, *rays, w, clock);
 
   // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
@@ -34,7 +34,7 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
 void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count, bounce = 0;
