@@ -12,6 +12,7 @@
 #include "kernels/camera.h"
 #include "kernels/lights/environment.h"
 #include "kernels/sampler.h"
+#include "kernels/surface/surface.h"
 #include "scene/builtin/builtin.h"
 #include "scene/geometry.h"
 #include "scene/shapes/shapes.h"
@@ -23,10 +24,11 @@ WaveFixture& CameraWave() {
   static WaveFixture wave;
   return wave;
 }
+struct BouncedFixture : WaveFixture {
+  BouncedFixture() { Bounce(); }
+};
 WaveFixture& BounceWave() {
-  static WaveFixture wave;
-  static const bool bounced = (wave.Bounce(), true);
-  static_cast<void>(bounced);
+  static BouncedFixture wave;
   return wave;
 }
 
@@ -67,13 +69,20 @@ void GenerateCameraRaysKernel(benchmark::State& state) {
   DrawUniforms(w.paths, nullptr, f.n, kLensPair, {}, lens);
   Run(state, f.n, [&] { GenerateCameraRays(f.frame.camera, w.paths, film, lens, f.n, w.rays[1]); });
 }
-void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
+// Camera rays are traced as beams, whatever the backend; without beams by the backend, as others.
+void TraceClosestStage(benchmark::State& state, bool bounce, bool beams, Backend backend) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
+  const RayColumns& rays = f.worker.rays[0];
   Tracer tracer = f.frame.tracer;
+  tracer.beams = beams;
   tracer.closest = backend;
+  const RayKeys keys =
+      MakeRayKeys(f.frame, f.worker.paths, rays.path, f.n,
+                  SamplePair(bounce ? 1 : 0, SampleUse::kScatter), f.worker.scratch);
   Run(state, f.n, [&] {
-    std::fill_n(f.worker.rays[0]->t_far, f.n, std::numeric_limits<float>::infinity());
-    TraceClosest(tracer, RayKind::kCamera, f.worker.rays[0], f.n, f.worker.hits);
+    std::fill_n(rays.t_far, f.n, std::numeric_limits<float>::infinity());
+    TraceClosest(tracer, bounce ? RayKind::kBounce : RayKind::kCamera, rays, f.n, f.worker.hits,
+                 keys->key);
   });
 }
 void SortHitsStage(benchmark::State& state, bool bounce) {
@@ -93,7 +102,7 @@ void MoveEscapedKernel(benchmark::State& state) {
   Run(state, f.n, [&] { MoveEscaped(w.rays[0], queues->queue, f.n, w.escaped); });
 }
 void MoveSurfacesStage(benchmark::State& state) {
-  WaveFixture& f = BounceWave();
+  static BouncedFixture f;  // its own: the surfaces that the rays have left are overwritten
   Worker& w = f.worker;
   const RayQueues queues = f.Sort();
   Run(state, f.n, [&] { MoveSurfaces(w.rays[0], w.hits, queues, f.n, f.ranges, w.surfaces); });
@@ -248,10 +257,11 @@ void Register() {
   add("kernel/draw_uniforms", DrawUniformsKernel);
   add("kernel/draw_uniforms_of_rows", DrawUniformsOfRowsKernel);
   add("kernel/camera_rays", GenerateCameraRaysKernel);
+  add("stage/intersect/camera/beams", TraceClosestStage, false, true, Backend::kBest);
   for (const Backend backend : kBackends) {
     const std::string name(ToString(backend));
-    add("stage/intersect/camera/" + name, TraceClosestStage, false, backend);
-    add("stage/intersect/bounce/" + name, TraceClosestStage, true, backend);
+    add("stage/intersect/camera/" + name, TraceClosestStage, false, false, backend);
+    add("stage/intersect/bounce/" + name, TraceClosestStage, true, true, backend);
     add("stage/shadow/" + name, TraceShadowsStage, backend);
   }
   add("stage/sort_hits/camera", SortHitsStage, false);

@@ -8,9 +8,9 @@
 
 #include "job/job.h"
 #include "kernels/partition.h"
-#include "kernels/surface/surface.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrators/integrator.h"
+#include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
 
 namespace skywave {
@@ -35,7 +35,34 @@ struct WaveFixture {
     Camera();
   }
 
-  // Sorts the hits of rays[0] into queues, and sets `ranges` and `escaped`.
+  // Traces, sorts and prepares camera rays: worker.surfaces is then ready to shade.
+  void Camera() {
+    GenerateRays(frame, range, FilmUniforms(worker.scratch), LensUniforms(worker.scratch),
+                 worker.paths, worker.rays[0]);
+    n = range.count;
+    StageClock clock(worker.stats);
+    PrepareHits(frame, kCameraEnd, worker.rays[0], n, Trace(0), worker, clock);
+  }
+
+  // Advances by one bounce: rays[0] are then scattered and traced rays. The surfaces are still
+  // those that the rays have left; `ranges` says where the ones that they hit will be.
+  void Bounce() {
+    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
+                DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
+    Trace(1);
+  }
+
+  // Traces rays[0], which arrive at `bounce`, and moves those that escape.
+  SortedHits Trace(std::uint32_t bounce) {
+    StageClock clock(worker.stats);
+    SortedHits sorted = TraceAndSort(frame, kCameraEnd, worker.rays[0], n, bounce,
+                                     /*only_delta=*/false, worker, clock);
+    MoveEscaped(worker.rays[0], sorted.queues->queue, n, worker.escaped);
+    ranges = sorted.ranges, escaped = sorted.escaped;
+    return sorted;
+  }
+
+  // Sorts the hits of the last Trace again.
   RayQueues Sort() {
     RayQueues queues(worker.scratch);
     ranges = {};
@@ -43,34 +70,8 @@ struct WaveFixture {
     return queues;
   }
 
-  // Traces, partitions and prepares camera rays: worker.surfaces is then ready to shade.
-  void Camera() {
-    GenerateRays(frame, range, FilmUniforms(worker.scratch), LensUniforms(worker.scratch),
-                 worker.paths, worker.rays[0]);
-    n = range.count;
-    TraceClosest(frame.tracer, RayKind::kCamera, worker.rays[0], n, worker.hits);
-    const RayQueues queues = Sort();
-    MoveEscaped(worker.rays[0], queues->queue, n, worker.escaped);
-    MoveSurfaces(worker.rays[0], worker.hits, queues, n, ranges, worker.surfaces);
-    PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
-                    ranges.total(), worker.surfaces);
-    TextureSurfaces(frame, kCameraEnd, ranges, worker.surfaces);
-  }
-
-  // Advances by one bounce: rays[0] are then scattered and traced rays.
-  void Bounce() {
-    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
-                DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
-    TraceClosest(frame.tracer, RayKind::kBounce, worker.rays[0], n, worker.hits);
-    MoveEscaped(worker.rays[0], Sort()->queue, n, worker.escaped);
-  }
-
-  ShadePoints Points() const {
-    return {.surfaces = worker.surfaces,
-            .ranges = ranges,
-            .materials = materials,
-            .paths = worker.paths};
-  }
+  // The surfaces of the worker, as strategies see them.
+  ShadePoints Points() const { return skywave::Points(frame, worker); }
 
   static JobRequest Request(const std::string& strategy) {
     JobRequest request;
@@ -98,7 +99,6 @@ struct WaveFixture {
   FlushDenormals flush;
   RenderJob job;
   FrameView frame;
-  MaterialView materials = frame.geometry->materials();
   Film film;
   Worker worker;
   WaveRange range;

@@ -50,6 +50,13 @@ void ExpectWholeInABrowser(const std::string& folder, const std::string& name) {
 
 using Bench = Program;
 
+TEST_F(Bench, HelpNamesTheSceneFilesThatItTakes) {
+  const std::string help = Run("bench --help").out;
+  for (const char* const format : {"pbrt", "OBJ", "glTF", "PLY"}) {
+    EXPECT_TRUE(Contains(help, format)) << format;
+  }
+}
+
 TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
   const Result result = Run("bench --repetitions 1 --threads 2 --json a.json");
   ASSERT_EQ(result.exit_code, 0) << result.err;
