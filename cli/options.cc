@@ -60,6 +60,7 @@ std::string Json(const std::vector<NamedCommand>& commands) {
                                       {"values", info.values},
                                       {"default", DefaultText(info)},
                                       {"scope", ToString(info.scope)},
+                                      {"example", info.example},
                                       {"positional", info.positional},
                                       {"required", info.required},
                                       {"switch", info.is_switch},
