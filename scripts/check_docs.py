@@ -297,8 +297,10 @@ def run_command(program, words, folder):
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120)
     if done.returncode == 0:
         return None
-    last = (done.stderr.strip() or done.stdout.strip() or "no message").split("\n")[-1]
-    return f"exit code {done.returncode}: {shlex.join(words[1:])}: {last}"
+    told = [line for line in (done.stderr + done.stdout).split("\n")
+            if line.strip() and not line.startswith("Run with --help")]
+    return (f"exit code {done.returncode}: {shlex.join(words[1:])}: " +
+            (told[-1] if told else "no message"))
 
 
 def main():
