@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "kernels/bsdf/conductor_tables.h"
 #include "kernels/surface/surface.h"
@@ -309,7 +309,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                      .first = first_with_alpha_};
   }
 
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const std::string config =
       fmt::format("threads={},set_affinity=0,{}", threads,
                   embree_config.empty() ? DefaultEmbreeConfig() : embree_config);
@@ -345,7 +345,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     throw InputError(InputPosition::File(path),
                      fmt::format("Embree cannot build the scene (error {})", int(error)));
   }
-  build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  build_seconds_ = SecondsSince(start);
 }
 
 // Gives triangle `i` the BSDF of its material, or two more records where that is a mixture.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what building and testing need, from Debian 12. Does nothing where it is there already.
+# Installs the packages for building and testing on Debian 12. Does nothing if they are installed.
 set -euo pipefail
 packages=(
   cmake ninja-build g++ git pkg-config

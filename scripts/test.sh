@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and runs all tests; with "asan" also under the address and undefined-behaviour
-# sanitizers, with the invariants of every wave checked.
+# Sets up, builds and runs all tests; "asan" also runs them under the address and
+# undefined-behaviour sanitizers, with the invariants of every wave checked.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 for preset in release "$@"; do

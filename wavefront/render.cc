@@ -5,10 +5,10 @@
 #include <time.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <new>
 
+#include "base/clock.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/guiding/emission_guide.h"
 #include "wavefront/integrators/integrator.h"
@@ -31,10 +31,6 @@ void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& 
         .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
     RenderWave(frame, range, worker, film);
   }
-}
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 // Of the process, all threads together.
@@ -158,7 +154,7 @@ void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& w
   const MergePlan plan = merges ? PlanMerging(frame, workers, recorders) : MergePlan{};
   float caustic_radius = 0, indirect_radius = 0;  // of the first pass
   for (const PhotonPass& pass : PhotonPasses(frame.options)) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     FrameView view = frame;
     if (merges) view.eta_vcm = plan.MergedArea(pass);
     PhotonMaps maps = TracePass(view, plan, pass, workers, recorders);
@@ -189,7 +185,7 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
 
   FrameResult result;
   const double processor_start = ProcessorSeconds();
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   arena.execute([&] {
     EmissionGuide guide;
     if (options.guide && HasLightPaths(options.integrator) && frame.has_environment()) {

@@ -1,4 +1,4 @@
-// The photons of a frame, for tests that render its waves themselves.
+// Makes the photon maps of a frame for tests that render its waves themselves.
 #pragma once
 
 #include <tbb/task_arena.h>
@@ -12,7 +12,7 @@
 
 namespace skywave {
 
-// Those of the first pass.
+// Returns the photon maps of the first pass.
 inline PhotonMaps MapsOf(const FrameView& frame) {
   PhotonMaps maps;
   tbb::task_arena arena(2);
@@ -23,7 +23,7 @@ inline PhotonMaps MapsOf(const FrameView& frame) {
   return maps;
 }
 
-// Calls `render` with the frame, or where light paths are stored, with each of its passes.
+// Calls `render` with the frame or, if light paths are stored, with each of its passes.
 inline void EachPassOf(const FrameView& frame,
                        const std::function<void(const FrameView&)>& render) {
   tbb::task_arena arena(2);
