@@ -16,6 +16,7 @@ and the tables that bench/reproduce writes excepted). Exit code 1: something fai
 Python 3 and nothing else; about a minute.
 """
 import argparse
+import json
 import pathlib
 import re
 import shlex
@@ -25,7 +26,6 @@ import subprocess
 import sys
 import tempfile
 import time
-import json
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 COLUMNS = 100
@@ -297,8 +297,10 @@ def run_command(program, words, folder):
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, timeout=120)
     if done.returncode == 0:
         return None
-    last = (done.stderr.strip() or done.stdout.strip() or "no message").split("\n")[-1]
-    return f"exit code {done.returncode}: {shlex.join(words[1:])}: {last}"
+    messages = [line for line in (done.stderr + done.stdout).split("\n")
+                if line.strip() and not line.startswith("Run with --help")]
+    return (f"exit code {done.returncode}: {shlex.join(words[1:])}: " +
+            (messages[-1] if messages else "no message"))
 
 
 def main():

@@ -1,15 +1,19 @@
 #!/usr/bin/env bash
 # Renders the picture at the top of README.md:
 #   scripts/readme_picture.sh [PROGRAM]       default: build/release/skywave
-# The gallery through a lens, with photon maps, which find the caustics of the sun; some two minutes
-# on two threads. It is rendered three times as wide and high as it is shown, and blocks of 3 x 3
-# pixels are averaged as they are displayed, so that a single bright sample cannot make a bright
-# dot. Needs cjpeg (apt-get install libjpeg-turbo-progs) and Python 3.
+# It shows the gallery through a lens and takes about two minutes on two threads. Photon maps find
+# the caustics of the sun, which path tracing meets by chance, as bright dots. The picture is
+# rendered three times as wide and high as it is shown, and blocks of 3 x 3 pixels are averaged as
+# they are displayed, so a single bright sample cannot make a bright dot either. The script needs
+# cjpeg (apt-get install libjpeg-turbo-progs) and Python 3.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=${1:-build/release/skywave}
 out=docs/images/gallery.jpg
-command -v cjpeg >/dev/null || { echo "there is no cjpeg: apt-get install libjpeg-turbo-progs" >&2; exit 1; }
+if ! command -v cjpeg >/dev/null; then
+  echo "there is no cjpeg: apt-get install libjpeg-turbo-progs" >&2
+  exit 1
+fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
