@@ -42,8 +42,15 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
                 ->expected(1, info.most_values);
     if (info.delimiter != 0) added->delimiter(info.delimiter);
   } else {
-    added = app.add_option_function<std::string>(
-        flags, [take](const std::string& text) { take({text}); }, Explanation(info));
+    // Of an option that is given several times the last one counts, but all have to be right.
+    added = app.add_option_function<std::vector<std::string>>(
+                   flags,
+                   [take](const std::vector<std::string>& texts) {
+                     for (const std::string& text : texts) take({text});
+                   },
+                   Explanation(info))
+                ->expected(1)
+                ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   added->type_name(info.positional ? "" : info.value_name)->group(group)->required(info.required);
 }

@@ -13,7 +13,7 @@ percents=("${@:2}")
 [[ ${#percents[@]} -gt 0 ]] || percents=(0 100 10 2)
 folder() { echo "build/slowdown-$1"; }
 build() {
-  cmake --preset release -B "$(folder "$1")" -DSKYWAVE_SLOWDOWN="${1/#0/}" -DBUILD_TESTING=OFF >/dev/null
+  cmake --preset program -B "$(folder "$1")" -DSKYWAVE_SLOWDOWN="${1/#0/}" >/dev/null
   cmake --build "$(folder "$1")" -j"${JOBS:-2}" --target skywave -- --quiet >&2
 }
 verdict() {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up, builds and renders the built-in gallery to renders/gallery.exr and .png; with
+# Builds the program and renders the built-in gallery to renders/gallery.exr and .png; with
 # arguments, it runs `skywave render` with them.
 set -euo pipefail
 cd "$(dirname "$0")/.."

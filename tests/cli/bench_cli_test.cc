@@ -32,7 +32,7 @@ std::size_t Count(const std::string& text, const std::string& part) {
 // If a browser is installed, the page must be complete in it without any network access.
 void ExpectWholeInABrowser(const std::string& folder, const std::string& name) {
   if (std::system("command -v chromium >/dev/null") != 0) {
-    std::puts("there is no chromium");
+    std::puts("skipped: there is no chromium");
     return;
   }
   const std::string browser =

@@ -338,7 +338,7 @@ TEST_F(Cli, ACameraExposesThePng) {
   ASSERT_EQ(Run(picture + " --exposure=-4.263034 -o less.exr").exit_code, 0);
   EXPECT_EQ(Bytes("sum.png"), Bytes("less.png"));
   EXPECT_NE(Bytes("sum.png"), Bytes("stops.png"));
-  EXPECT_EQ(Bytes("sum.exr"), Bytes("stops.exr"));
+  EXPECT_EQ(ReadImage(Path("sum.exr")).rgb, ReadImage(Path("stops.exr")).rgb);
 }
 
 // A message tells when a flag can have no effect, and only then.

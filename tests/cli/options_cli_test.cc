@@ -83,7 +83,7 @@ TEST_F(OptionsCli, TheRecordedCommandRepeatsThePictureOfEveryOption) {
     ASSERT_NE(example, "") << name << ": an option that decides pictures needs an example";
     std::string command = "render " + (option.at("positional") ? example : "good.ply");
     for (const std::string given : {"--env map.exr", "--ground", "--size 12x9", "--spp 2"}) {
-      if (!Contains(example, given.substr(0, given.find(' ')))) command += " " + given;
+      if (!Contains(example, given.substr(0, given.find(' ') + 1))) command += " " + given;
     }
     if (!option.at("positional")) command += " " + example;
     SCOPED_TRACE(command);
