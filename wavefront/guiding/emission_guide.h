@@ -19,7 +19,7 @@
 #include "wavefront/frame.h"
 #include "wavefront/guiding/guide_counts.h"
 #include "wavefront/guiding/guide_sample.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -51,10 +51,9 @@ EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double
                         const SceneSphere& sphere);
 
 // Traces the pilot of a frame whose light paths start with frame.emitter, and makes its guide; an
-// empty one where no camera path finds the sky. The caller is in the arena whose threads the
-// workers belong to. Depends on neither threads nor wave, nor on which part of the film or which
-// samples the frame has. Statistics of the workers stay as they are.
-EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                            GuideCounts& counts);
+// empty one where no camera path finds the sky. Depends on neither threads nor wave, nor on which
+// part of the film or which samples the frame has. Statistics of the workers stay as they are, and
+// no rays are recorded.
+EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCounts& counts);
 
 }  // namespace skywave

@@ -2,14 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "wavefront/frame.h"
 #include "wavefront/photons/photon_map.h"
 #include "wavefront/photons/photon_pass.h"
-#include "wavefront/rays/ray_recorder.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -26,15 +23,12 @@ struct MergePlan {
 // As many light paths as the shortest pass has paths, but no more than store
 // options.photons.indirect vertices on average; a pass that has so many before ends there. The
 // radius is options.photons.distance, or, if that is 0, half of the distance within which a vertex
-// has options.photons.neighbors others. Both by light paths that are not used otherwise. The caller
-// is in the arena whose threads the workers belong to; `recorders` as in RenderFrame.
-MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                      std::vector<RayRecorder>* recorders);
+// has options.photons.neighbors others. Both by light paths that are not used otherwise.
+MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool);
 
 // The vertices of the light paths of `pass`; none where nothing is merged. `frame` has the area
 // merged of this pass. Bits depend on neither threads nor wave.
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders);
+                        WorkerPool& pool);
 
 }  // namespace skywave

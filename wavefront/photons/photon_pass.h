@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "wavefront/frame.h"
 #include "wavefront/photons/photon_map.h"
-#include "wavefront/rays/ray_recorder.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -22,6 +20,17 @@ struct PhotonPass {
   float shrink;  // its radius over that of the first pass
 };
 
+// What the passes of light paths of a frame have made.
+struct PhotonCounts {
+  std::uint64_t caustic = 0, indirect = 0;  // stored
+  std::uint64_t light_paths = 0;            // that the fuller map needed
+  std::size_t bytes = 0;                    // of the maps of a pass, the most
+  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
+  double seconds = 0;                       // wall clock
+
+  void Add(const PhotonMaps& maps, double pass_seconds);
+};
+
 // The passes of a frame: options.photons.passes of them; 0: one, of `vcm` one for each sample,
 // whose radii go by the number of the sample. Radii shrink as Knaus and Zwicker 2011 (eq. 15) have
 // it: r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the mean of all passes then
@@ -29,14 +38,10 @@ struct PhotonPass {
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
 // Traces light paths of `pass`, in progressive frames numbered from 2^32 first_sample on, and
-// builds the maps: the
-// photons of the first so many light paths that a map has as many as options.photons asks for.
-// After kMostPathsAPhoton light paths for each photon asked for, maps stay as they are. The caller
-// is in the arena whose threads the workers belong to; `recorders` as in RenderFrame. Bits depend
-// on neither threads nor wave. Radii are those of a first pass.
+// builds the maps: the photons of the first so many light paths that a map has as many as
+// options.photons asks for. After kMostPathsAPhoton light paths for each photon asked for, maps
+// stay as they are. Bits depend on neither threads nor wave. Radii are those of a first pass.
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
-PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders);
+PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
 
 }  // namespace skywave
