@@ -1,7 +1,6 @@
 // Measures photon maps: photons traced, trees built and queries answered per second
 // (photon_scaling_bench.cc compares one thread with several).
 #include <benchmark/benchmark.h>
-#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <map>
@@ -101,12 +100,11 @@ void TracePass(benchmark::State& state, const char* scene) {
   const RenderJob job(BuiltinScene(scene), request);
   const FrameView frame = job.frame();
   const PhotonPass pass = PhotonPasses(frame.options).front();
-  tbb::task_arena arena(request.options.threads);
   std::int64_t photons = 0, light_paths = 0;
   for (auto _ : state) {
-    arena.execute([&] {
-      std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-      const PhotonMaps maps = TracePhotons(frame, pass, workers, nullptr);
+    WorkerPool pool(frame.options);
+    pool.Run([&] {
+      const PhotonMaps maps = TracePhotons(frame, pass, pool);
       photons += maps.caustic.size() + maps.indirect.size();
       light_paths +=
           std::int64_t(std::max(maps.caustic.light_paths(), maps.indirect.light_paths()));

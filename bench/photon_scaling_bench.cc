@@ -43,10 +43,14 @@ Work TracePass(const char* scene) {
   return {fmt::format("pass, {} [photons]", scene), [job](int threads) {
             FrameView frame = job->frame();
             frame.options.threads = threads;
-            std::vector<std::unique_ptr<Worker>> workers{std::size_t(threads)};
-            const PhotonMaps maps =
-                TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
-            return std::uint64_t(maps.caustic.size()) + maps.indirect.size();
+            WorkerPool pool(frame.options);
+            std::uint64_t photons = 0;
+            pool.Run([&] {
+              const PhotonMaps maps =
+                  TracePhotons(frame, PhotonPasses(frame.options).front(), pool);
+              photons = std::uint64_t(maps.caustic.size()) + maps.indirect.size();
+            });
+            return photons;
           }};
 }
 

@@ -1,11 +1,6 @@
 // Makes the guide of a frame's light paths for tests that render its waves themselves.
 #pragma once
 
-#include <tbb/task_arena.h>
-
-#include <memory>
-#include <vector>
-
 #include "wavefront/guiding/emission_guide.h"
 
 namespace skywave {
@@ -16,12 +11,11 @@ inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   const RenderOptions& options = frame.options;
   if (!options.guide || !HasLightPaths(options.integrator) || !frame.has_environment())
     return guide;
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-    GuideCounts counts;
-    guide = LearnEmission(frame, workers, counts);
-  });
+  RenderOptions on_threads = options;
+  on_threads.threads = threads;
+  WorkerPool pool(on_threads);
+  GuideCounts counts;
+  pool.Run([&] { guide = LearnEmission(frame, pool, counts); });
   return guide;
 }
 

@@ -11,9 +11,7 @@
 #include "base/clock.h"
 #include "lights/maps/sphere_map.h"
 #include "lights/strategies/importance.h"
-#include "wavefront/flush_denormals.h"
 #include "wavefront/guiding/emission_pilot.h"
-#include "wavefront/render.h"
 
 namespace skywave {
 namespace {
@@ -310,8 +308,7 @@ EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double
   return guide;
 }
 
-EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                            GuideCounts& counts) {
+EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCounts& counts) {
   const auto start = Clock::now();
   const EnvStrategy& strategy = *frame.emitter;
   const int factor = (kLeastColumns + frame.map->latlong.width - 1) / frame.map->latlong.width;
@@ -332,9 +329,7 @@ EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<
       .radiance = radiance,
       .least_surfaces = frame.options.integrator == Integrator::kLight ? 1u : 2u};
   std::vector<std::vector<GuideSample>> waves((total + wave - 1) / wave);
-  tbb::parallel_for(std::size_t{0}, waves.size(), [&](std::size_t i) {
-    const FlushDenormals flush;
-    Worker& worker = *workers[OwnWorker(frame.options, workers)];
+  pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
     const RenderStats stats = worker.stats;
     const WaveRange range = {
         .tile = tile,

@@ -20,7 +20,7 @@
 #include "wavefront/frame.h"
 #include "wavefront/guiding/guide_counts.h"
 #include "wavefront/guiding/guide_sample.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -54,10 +54,9 @@ EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double
                         const SceneSphere& sphere);
 
 // Traces the pilot of a frame whose light paths start with frame.emitter, and makes its guide; it
-// is empty if no camera path finds the environment. The caller is in the arena whose threads the
-// workers belong to. The guide depends on neither threads nor wave, nor on which part of the film
-// or which samples the frame has. Statistics of the workers stay as they are.
-EmissionGuide LearnEmission(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                            GuideCounts& counts);
+// is empty if no camera path finds the environment. The guide depends on neither threads nor wave,
+// nor on which part of the film or which samples the frame has. Statistics of the workers stay as
+// they are, and no rays are recorded.
+EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCounts& counts);
 
 }  // namespace skywave

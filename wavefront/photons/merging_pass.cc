@@ -22,21 +22,20 @@ constexpr float kMergedDistance = 0.5f;
 
 // Surfaces near each other are merged with the same light paths, so the noise of merges does not
 // average out over pixels as that of other techniques does, and weights by densities alone overrate
-// them (Grittmann, Yazici, Georgiev and Slusallek 2021). They count as this share of their number.
+// them (Grittmann, Georgiev and Slusallek 2021). They count as this share of their number.
 constexpr float kMergeWorth = 0.3f;
 
 // Returns the vertices of light paths [first, first + count) of the frame, or of the first of them
 // that have `most` together.
 PhotonMap MapOfVertices(const FrameView& frame, std::uint64_t first, std::uint64_t count,
-                        std::uint64_t most, std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders) {
+                        std::uint64_t most, WorkerPool& pool) {
   const std::uint32_t max_depth = frame.options.max_depth;
   PhotonCollector caustic, vertices(std::min(most, count * max_depth), max_depth, true);
   const auto trace = [](const FrameView& view, std::uint64_t number, std::uint32_t paths,
                         Worker& worker, PhotonLists& lists) {
     TraceVertexWave(view, number, paths, worker, lists.indirect);
   };
-  CollectPhotons(frame, first, count, trace, caustic, vertices, workers, recorders);
+  CollectPhotons(frame, first, count, trace, caustic, vertices, pool);
   return PhotonMap(vertices.photons(), vertices.light_paths(), vertices.subpaths());
 }
 
@@ -47,17 +46,15 @@ float MergePlan::MergedArea(const PhotonPass& pass) const {
   return kMergeWorth * std::numbers::pi_v<float> * r * r * float(light_paths);
 }
 
-MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                      std::vector<RayRecorder>* recorders) {
+MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
   const RenderOptions& options = frame.options;
   const PhotonOptions& wanted = options.photons;
   if (options.max_depth == 0) return {.light_paths = 0, .radius = 0};
   const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
   const std::uint64_t most = frame.light_paths() * samples;
   const std::uint64_t traced = std::min(most, kPlanningPaths);
-  const PhotonMap map =
-      MapOfVertices(frame, kFirstPlanningPath, traced, std::numeric_limits<std::uint64_t>::max(),
-                    workers, recorders);
+  const PhotonMap map = MapOfVertices(frame, kFirstPlanningPath, traced,
+                                      std::numeric_limits<std::uint64_t>::max(), pool);
   const double vertices = double(map.size()) / double(traced);  // per light path
   MergePlan plan = {.light_paths = most, .radius = wanted.distance};
   if (vertices * double(most) > wanted.indirect) {
@@ -71,11 +68,10 @@ MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker
 }
 
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders) {
+                        WorkerPool& pool) {
   const std::uint64_t first = std::uint64_t(pass.first_sample) << 32;
   PhotonMap map = MapOfVertices(frame, first, frame.eta_vcm > 0 ? plan.light_paths : 0,
-                                frame.options.photons.indirect, workers, recorders);
+                                frame.options.photons.indirect, pool);
   map.radius = plan.radius * pass.shrink;
   return map;
 }

@@ -2,14 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 #include "wavefront/frame.h"
 #include "wavefront/photons/photon_map.h"
 #include "wavefront/photons/photon_pass.h"
-#include "wavefront/rays/ray_recorder.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -27,15 +24,11 @@ struct MergePlan {
 // options.photons.indirect vertices on average; a pass that has so many before ends there. The
 // radius is options.photons.distance, or, if that is 0, half of the distance within which a vertex
 // has options.photons.neighbors others. Both are found by light paths that are not used otherwise.
-// The caller is in the arena whose threads the workers belong to; `recorders` are as in
-// RenderFrame.
-MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                      std::vector<RayRecorder>* recorders);
+MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool);
 
 // Traces the vertices of the light paths of `pass`; there are none if nothing is merged. `frame`
 // has the eta_vcm of this pass. Bits depend on neither threads nor wave.
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders);
+                        WorkerPool& pool);
 
 }  // namespace skywave

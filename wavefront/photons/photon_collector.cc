@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "wavefront/flush_denormals.h"
-#include "wavefront/render.h"
-
 namespace skywave {
 namespace {
 
@@ -78,28 +75,19 @@ void PhotonCollector::Take(std::span<PhotonLists> waves, PhotonList PhotonLists:
 
 void CollectPhotons(const FrameView& frame, std::uint64_t first, std::uint64_t most,
                     const TraceLightPaths& trace, PhotonCollector& caustic,
-                    PhotonCollector& indirect, std::vector<std::unique_ptr<Worker>>& workers,
-                    std::vector<RayRecorder>* recorders) {
+                    PhotonCollector& indirect, WorkerPool& pool) {
   const std::uint32_t wave = frame.options.wave;
   for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
     const std::uint64_t round =
         std::min(PathsOfRound(caustic, indirect, traced, frame.options.max_depth), most - traced);
     std::vector<PhotonLists> waves((round + wave - 1) / wave);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, waves.size(), 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          const FlushDenormals flush;
-          const std::size_t slot = OwnWorker(frame.options, workers);
-          FrameView view = frame;
-          view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
-          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const std::uint64_t before = i * wave;
-            trace(view, first + traced + before,
-                  std::uint32_t(std::min<std::uint64_t>(wave, round - before)), *workers[slot],
-                  waves[i]);
-          }
-        },
-        tbb::simple_partitioner());
+    pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
+      FrameView view = frame;
+      view.tracer.recorder = recorder;
+      const std::uint64_t before = i * wave;
+      const auto count = std::uint32_t(std::min<std::uint64_t>(wave, round - before));
+      trace(view, first + traced + before, count, worker, waves[i]);
+    });
     caustic.Take(waves, &PhotonLists::caustic, traced, traced + round, wave);
     indirect.Take(waves, &PhotonLists::indirect, traced, traced + round, wave);
     traced += round;

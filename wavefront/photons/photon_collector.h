@@ -10,9 +10,8 @@
 
 #include "wavefront/frame.h"
 #include "wavefront/photons/photon_map.h"
-#include "wavefront/rays/ray_recorder.h"
 #include "wavefront/stages/photon_stages.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -55,11 +54,9 @@ using TraceLightPaths =
                        Worker& worker, PhotonLists& lists)>;
 
 // Traces light paths [first, first + most) of the frame until both collectors are full. In addition
-// to theirs at most 2^20 photons are held, at depths beyond 64 those of 2^14 light paths. The
-// caller is in the arena whose threads the workers belong to; `recorders` are as in RenderFrame.
+// to theirs at most 2^20 photons are held, at depths beyond 64 those of 2^14 light paths.
 void CollectPhotons(const FrameView& frame, std::uint64_t first, std::uint64_t most,
                     const TraceLightPaths& trace, PhotonCollector& caustic,
-                    PhotonCollector& indirect, std::vector<std::unique_ptr<Worker>>& workers,
-                    std::vector<RayRecorder>* recorders);
+                    PhotonCollector& indirect, WorkerPool& pool);
 
 }  // namespace skywave

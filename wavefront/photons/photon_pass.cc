@@ -31,6 +31,14 @@ float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
 
 bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
 
+void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
+  caustic += maps.caustic.size(), indirect += maps.indirect.size();
+  light_paths += std::max(maps.caustic.light_paths(), maps.indirect.light_paths());
+  bytes = std::max(bytes, maps.caustic.bytes() + maps.indirect.bytes());
+  radius = maps.indirect.radius, caustic_radius = maps.caustic.radius;
+  seconds += pass_seconds;
+}
+
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;
   const bool each_sample = options.integrator == Integrator::kVcm && wanted == 0;
@@ -57,9 +65,7 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   return list;
 }
 
-PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders) {
+PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool) {
   const PhotonOptions& photons = frame.options.photons;
   const std::uint32_t max_depth = frame.options.max_depth;
   // There is one set of photons for all samples, whichever of them are rendered, or one for each
@@ -78,7 +84,7 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
   };
   CollectPhotons(LightPathView(frame), first,
                  kMostPathsAPhoton * std::max(caustic.wanted(), indirect.wanted()), trace, caustic,
-                 indirect, workers, recorders);
+                 indirect, pool);
   PhotonMaps maps;
   const auto build = [&photons](PhotonCollector& collected, PhotonMap& map) {
     map = PhotonMap(collected.photons(), collected.light_paths());

@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "wavefront/frame.h"
 #include "wavefront/photons/photon_map.h"
-#include "wavefront/rays/ray_recorder.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
@@ -22,6 +20,17 @@ struct PhotonPass {
   float shrink;  // its radius over that of the first pass
 };
 
+// Counts what the passes of light paths of a frame have made.
+struct PhotonCounts {
+  std::uint64_t caustic = 0, indirect = 0;  // stored
+  std::uint64_t light_paths = 0;            // that the fuller map needed
+  std::size_t bytes = 0;                    // of the maps of a pass, the most
+  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
+  double seconds = 0;                       // wall clock
+
+  void Add(const PhotonMaps& maps, double pass_seconds);
+};
+
 // Returns the passes of a frame: options.photons.passes of them. 0 means one, or, for `vcm`, one
 // for each sample, with radii that go by the number of the sample. Radii shrink as in Knaus and
 // Zwicker 2011 (eq. 15): r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the mean of
@@ -31,11 +40,8 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 // Traces light paths of `pass`, in progressive frames numbered from 2^32 first_sample on, and
 // builds the maps: the photons of the first light paths that together have as many as
 // options.photons requests. After kMostPathsAPhoton light paths for each requested photon, maps
-// stay as they are. The caller is in the arena whose threads the workers belong to; `recorders` are
-// as in RenderFrame. Bits depend on neither threads nor wave. Radii are those of a first pass.
+// stay as they are. Bits depend on neither threads nor wave. Radii are those of a first pass.
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
-PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders);
+PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
 
 }  // namespace skywave
