@@ -19,7 +19,8 @@ void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
                      const SurfaceColumns& surfaces);
 
 // Multiplies throughput of rows [0, n) that are seen from inside by what their ray has lost there,
-// exp(-k t) (Beer and Lambert): rows of dielectrics, whose MaterialRecord::k is an absorption.
+// exp(-k t) (Beer and Lambert): rows of BSDFs with an inside, which have
+// MaterialField::kAbsorption.
 void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const SurfaceColumns& surfaces);
 
 // A unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014): x in the low half.
