@@ -37,7 +37,7 @@ std::string Table(const RenderReport& report) {
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
   }
   if (const GuideCounts& guide = report.frame.guide; guide.paths > 0) {
-    line("  guide: {} lines of light needed by {} paths, in {:.3f} s, {:.1f} MiB", guide.needs,
+    line("  guide: {} lines of light needed by {} paths, in {:.3f} s, {:.1f} MiB", guide.samples,
          guide.paths, guide.seconds, double(guide.bytes) / (1 << 20));
   }
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
@@ -108,7 +108,7 @@ nlohmann::ordered_json Json(const RenderReport& report) {
   }
   if (const GuideCounts& guide = report.frame.guide; guide.paths > 0) {
     json["guide"] = {{"paths", guide.paths},
-                     {"needs", guide.needs},
+                     {"samples", guide.samples},
                      {"table_bytes", guide.bytes},
                      {"seconds", guide.seconds}};
   }

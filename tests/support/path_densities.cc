@@ -60,7 +60,7 @@ double WayDensity(const BidirectionalPath& path, std::size_t lights) {
 
 double MergeDensity(const BidirectionalPath& path, std::size_t surface) {
   if (path.surfaces[surface].delta) return 0;
-  return path.merged * EyeDensity(path, surface + 1) * LightDensity(path, surface);
+  return path.eta_vcm * EyeDensity(path, surface + 1) * LightDensity(path, surface);
 }
 
 WayWeights::WayWeights(const BidirectionalPath& path) {

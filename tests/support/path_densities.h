@@ -39,7 +39,7 @@ struct BidirectionalPath {
   double emission_pdf;
   // Light sub-paths that a surface of the eye is merged with, times the area that they are merged
   // in; 0: there are no such ways.
-  double merged = 0;
+  double eta_vcm = 0;
 
   bool distant() const {
     return light == PathLight::kEnvironment || light == PathLight::kDirection;

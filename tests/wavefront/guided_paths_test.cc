@@ -87,7 +87,7 @@ TEST(LearnEmission, LeavesStatisticsToTheFrame) {
     const FrameResult result = RenderFrame(frame, film);
     camera_rays[guided] = result.stats.rays[0];
     EXPECT_EQ(result.guide.paths > 0, guided);
-    EXPECT_EQ(result.guide.needs > 0, guided);
+    EXPECT_EQ(result.guide.samples > 0, guided);
     EXPECT_EQ(result.stats.samples, 32u * 24 * 2);
   }
   EXPECT_EQ(camera_rays[0], camera_rays[1]);

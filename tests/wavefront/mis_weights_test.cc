@@ -316,7 +316,7 @@ void ExpectWeights(std::size_t surfaces, double delta_share, double eta_vcm) {
       SCOPED_TRACE(testing::Message() << "merged at surface " << surface);
       const std::vector<double> weights = subpaths.MergeWeights(surface);
       for (std::uint32_t i = 0; i < kPaths; ++i) {
-        compare(i, weights[i], MergeDensity(paths[i], surface), expected[i].eta_vcm[surface]);
+        compare(i, weights[i], MergeDensity(paths[i], surface), expected[i].merged[surface]);
       }
     }
     for (std::uint32_t i = 0; i < kPaths; ++i) {

@@ -138,7 +138,7 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
                     Worker& w, std::vector<GuideSample>& samples) {
   StageClock clock(w.stats);
   GuideSampleList list(pilot, question, samples);
-  const float samples = pilot.light_shares().strategy_samples(1);
+  const float light_samples = pilot.light_shares().strategy_samples(1);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   GenerateRays(pilot, range, w.uniforms, w.lobe, w.paths, *rays);
   std::uint32_t n = range.count;
@@ -148,7 +148,7 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
         TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
     MoveEscaped(*rays, w.queue->queue, n, w.escaped);
     if (bounce > 0 && escaped > 0) {
-      pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, samples, w.escaped);
+      pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, light_samples, w.escaped);
       list.AddEscapes(w, escaped);
     }
     if (bounce == pilot.options.max_depth) break;

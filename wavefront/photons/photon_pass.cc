@@ -60,29 +60,29 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
                         std::vector<std::unique_ptr<Worker>>& workers,
                         std::vector<RayRecorder>* recorders) {
-  const PhotonOptions& wanted = frame.options.photons;
+  const PhotonOptions& photons = frame.options.photons;
   const std::uint32_t max_depth = frame.options.max_depth;
   // One set of photons for all samples, whichever of them are rendered, or one for each pass.
-  const std::uint64_t first = wanted.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
+  const std::uint64_t first = photons.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
   // A photon that is no direct light at the surface that is seen has met one before.
   const bool any = max_depth >= 2;
-  PhotonCollector caustic(any && HasCaustics(*frame.geometry) ? wanted.caustic : 0, max_depth,
+  PhotonCollector caustic(any && HasCaustics(*frame.geometry) ? photons.caustic : 0, max_depth,
                           false);
-  PhotonCollector indirect(any ? wanted.indirect : 0, max_depth, false);
+  PhotonCollector indirect(any ? photons.indirect : 0, max_depth, false);
   const auto trace = [&](const FrameView& view, std::uint64_t number, std::uint32_t count,
                          Worker& worker, PhotonLists& lists) {
     const WantedPhotons wanted = {
-        .caustic = !caustic.full(), .indirect = !indirect.full(), .all_light = wanted.gather > 0};
+        .caustic = !caustic.full(), .indirect = !indirect.full(), .all_light = photons.gather > 0};
     TracePhotonWave(view, number, count, wanted, worker, lists);
   };
   CollectPhotons(LightPathView(frame), first,
                  kMostPathsAPhoton * std::max(caustic.wanted(), indirect.wanted()), trace, caustic,
                  indirect, workers, recorders);
   PhotonMaps maps;
-  const auto build = [&wanted](PhotonCollector& harvest, PhotonMap& map) {
-    map = PhotonMap(harvest.photons(), harvest.light_paths());
-    map.radius = ChooseRadius(map, wanted);
-    harvest = {};
+  const auto build = [&photons](PhotonCollector& collected, PhotonMap& map) {
+    map = PhotonMap(collected.photons(), collected.light_paths());
+    map.radius = ChooseRadius(map, photons);
+    collected = {};
   };
   tbb::parallel_invoke([&] { build(caustic, maps.caustic); },
                        [&] { build(indirect, maps.indirect); });
