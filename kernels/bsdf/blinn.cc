@@ -17,9 +17,9 @@ struct Blinn {
   HWY_INLINE Blinn(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
-        exponent(PowerOfWidth(Field(m, fields, 3))),
-        eta(Field3(m, fields, 4)),
-        k(Field3(m, fields, 8)) {}
+        exponent(PowerOfWidth(Field(m, fields, kAlpha))),
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)) {}
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const VF one = Set(1.0f);

@@ -77,7 +77,8 @@ struct LightCell {
   float reach;   // sine of the largest angle between its texels and dir; 1 from a right angle on
   float unused[2];
 };
-static_assert(sizeof(LightCell) == 8 * sizeof(float));
+inline constexpr int kLogCellWords = 3;
+static_assert(sizeof(LightCell) == sizeof(float) << kLogCellWords);
 
 // What surface preparation writes to SurfaceColumns::varying_0 and varying_1 for a BSDF.
 enum class Varying {

@@ -1,5 +1,5 @@
-// A conductor under a clear coat (coat-inl.h) of its own index and width. What refraction into the
-// coat changes at the metal, and light that goes to and fro between the two, is left out.
+// A conductor under a clear coat (coat-inl.h) of its own index and width. The BSDF leaves out how
+// refraction into the coat changes the metal, and light that goes to and fro between the two.
 #include "kernels/bsdf/bsdf.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -14,9 +14,11 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct ConductorCoat {
+  static constexpr MaterialField kAlpha = kRoughnessTexture;
+
   HWY_INLINE ConductorCoat(const MaterialView& m, VU fields)
-      : strength(Set(1.0f)), alpha(Clamp(Field(m, fields, 15), 1e-3f, 1.0f)) {
-    const VF ior = Field(m, fields, 7), one = Set(1.0f);
+      : strength(Set(1.0f)), alpha(Clamp(Field(m, fields, kAlpha), 1e-3f, 1.0f)) {
+    const VF ior = Field(m, fields, kIor), one = Set(1.0f);
     const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
     f0 = hn::Mul(amplitude, amplitude);
   }

@@ -21,10 +21,10 @@ struct Conductor {
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
         tables(*m.conductor),
-        ggx(Field(m, fields, 3)),
-        eta(Field3(m, fields, 4)),
-        k(Field3(m, fields, 8)),
-        multiscatter(Field3(m, fields, 12)) {}
+        ggx(Field(m, fields, kAlpha)),
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)),
+        multiscatter(Field3(m, fields, kMultiscatter)) {}
 
   HWY_INLINE VF Albedo(VF cosine) const { return ggx.Table(tables.albedo, cosine); }
 

@@ -40,8 +40,9 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
     const VF cosine = Dot(normal, wo);
     const V3 wi = Sub(Scale(normal, hn::Mul(Set(2.0f), cosine)), wo);
     const VU fields = MaterialFields(s, i, n);
-    V3 weight = Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, 4),
-                                                    Field3(m, fields, 8)));
+    V3 weight =
+        Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, kEta),
+                                            Field3(m, fields, kK)));
     if (policy.transport == Transport::kFlux) {
       weight = Scale(weight, ShadingNormalFactor(normal, lanes.ng, wo, wi));
     }
@@ -64,7 +65,7 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const V3 wo = WorldWo(s, i);
     const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
     const VU fields = MaterialFields(s, i, n);
-    const VF ratio = thin ? hn::Div(one, Field(m, fields, 7)) : IndexRatio(s, m, fields, i);
+    const VF ratio = thin ? hn::Div(one, Field(m, fields, kIor)) : IndexRatio(s, m, fields, i);
     const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
     const VF ratio2 = hn::Mul(ratio, ratio);
     const Refraction refraction = FresnelDielectric(cos_o, ratio);

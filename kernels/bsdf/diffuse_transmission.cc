@@ -15,10 +15,11 @@ namespace HWY_NAMESPACE {
 
 struct DiffuseTransmission {
   static constexpr bool kTransmits = true;
+  static constexpr MaterialField kTransmitted = kEta;
 
   HWY_INLINE DiffuseTransmission(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                  std::uint32_t n)
-      : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), 4)) {
+      : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), kTransmitted)) {
     const VF back = MaxComponent(reflected), through = MaxComponent(transmitted);
     reflects = hn::Div(back, hn::Max(hn::Add(back, through), Set(1e-30f)));
   }

@@ -15,15 +15,18 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct Measured {
+  static constexpr MaterialField kSpecularShare = kIor;       // probability of the GGX lobe
+  static constexpr MaterialField kTable = kRoughnessTexture;  // index of its first float
+
   HWY_INLINE Measured(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                       std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
         table(m.measured),
         // Rows behind the end have material 0, which may be another BSDF's.
-        first(hn::IfThenElseZero(RowsBelow(i, n), AsBits(Field(m, fields, 15)))),
-        ggx(Field(m, fields, 3)),
-        share(Field(m, fields, 7)) {}
+        first(hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kTable))),
+        ggx(Field(m, fields, kAlpha)),
+        share(Field(m, fields, kSpecularShare)) {}
 
   // The bin of a value in [0, 1].
   static HWY_INLINE VU Bin(VF value, std::uint32_t bins) {

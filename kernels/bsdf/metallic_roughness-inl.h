@@ -32,7 +32,7 @@ struct MetallicRoughness {
         tables(*m.conductor),
         metallic(Clamp(Load(s.varying_1 + i), 0.0f, 1.0f)) {
     const VF one = Set(1.0f);
-    const VF ior = Field(m, MaterialFields(s, i, n), 7);
+    const VF ior = Field(m, MaterialFields(s, i, n), kIor);
     const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
     coat = hn::Mul(amplitude, amplitude);
     const VF body = hn::Sub(one, metallic);

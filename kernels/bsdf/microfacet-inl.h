@@ -130,9 +130,9 @@ struct MicrofacetConductor {
                                  std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
-        facets{Field(m, fields, 3), Field(m, fields, 7)},
-        eta(Field3(m, fields, 4)),
-        k(Field3(m, fields, 8)),
+        facets{Field(m, fields, kAlpha), Field(m, fields, kAlphaAcross)},
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)),
         turn(s, i) {}
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {

@@ -15,9 +15,11 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct OrenNayar {
+  static constexpr MaterialField kRoughness = kAlpha;
+
   HWY_INLINE OrenNayar(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                        std::uint32_t n)
-      : color(ColorOf(s, i)), roughness(Field(m, MaterialFields(s, i, n), 3)) {
+      : color(ColorOf(s, i)), roughness(Field(m, MaterialFields(s, i, n), kRoughness)) {
     constexpr float kA = 0.5f - 2 / (3 * kPi), kB = 2.0f / 3 - 28 / (15 * kPi);
     const VF one = Set(1.0f);
     a = hn::Div(one, hn::Add(one, hn::Mul(Set(kA), roughness)));

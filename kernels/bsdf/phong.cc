@@ -14,11 +14,13 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct Phong {
+  static constexpr MaterialField kGloss = kEta;
+
   HWY_INLINE Phong(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         diffuse(ColorOf(s, i)),
-        gloss(Field3(m, fields, 4)),
-        exponent(PowerOfWidth(Field(m, fields, 3))) {
+        gloss(Field3(m, fields, kGloss)),
+        exponent(PowerOfWidth(Field(m, fields, kAlpha))) {
     const VF sum = hn::Add(MaxComponent(diffuse), MaxComponent(gloss));
     share = hn::Div(MaxComponent(gloss), hn::Max(sum, Set(1e-30f)));
   }

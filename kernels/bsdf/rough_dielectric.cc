@@ -20,7 +20,7 @@ struct RoughDielectric {
 
   HWY_INLINE RoughDielectric(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                              std::uint32_t n)
-      : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)), ggx(Field(m, fields, 3)) {
+      : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)), ggx(Field(m, fields, kAlpha)) {
     ratio = IndexRatio(s, m, fields, i);
   }
 

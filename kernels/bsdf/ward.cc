@@ -17,8 +17,8 @@ struct Ward {
   HWY_INLINE Ward(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
-        x(Field(m, fields, 3)),
-        y(Field(m, fields, 7)),
+        x(Field(m, fields, kAlpha)),
+        y(Field(m, fields, kAlphaAcross)),
         turn(s, i) {}
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {

@@ -16,14 +16,16 @@ struct NormalMapRecord {
   std::uint32_t per_texel;
   std::uint32_t unused;
 };
-static_assert(sizeof(NormalMapRecord) == 4 * sizeof(float));
+inline constexpr int kLogNormalMapWords = 2;
+static_assert(sizeof(NormalMapRecord) == sizeof(std::uint32_t) << kLogNormalMapWords);
 
 // These are the axes of a map at the corners of a triangle.
 struct TriangleTangents {
   std::uint32_t tangent[3];  // direction of the map's x in the world (EncodeNormal)
   float side;                // its y points along side * (outer normal x tangent); 0: no map here
 };
-static_assert(sizeof(TriangleTangents) == 4 * sizeof(float));
+inline constexpr int kLogTangentWords = 2;
+static_assert(sizeof(TriangleTangents) == sizeof(std::uint32_t) << kLogTangentWords);
 
 // Both pointers are null in scenes without normal maps.
 struct NormalMapView {

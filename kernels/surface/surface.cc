@@ -50,7 +50,8 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
     const V3 lifted = Add(hit, Scale(ng, lift));
 
     const VU material = hn::And(tag, SetU(kMaterialMask));
-    const Words4 color = GatherWords4(material_words, hn::ShiftLeft<4>(material));
+    static_assert(SKYWAVE_WORD(MaterialRecord, color) == 0);
+    const Words4 color = GatherWords4(material_words, hn::ShiftLeft<kLogMaterialWords>(material));
     Store3({AsFloat(color.w0), AsFloat(color.w1), AsFloat(color.w2)}, s.color_r + i, s.color_g + i,
            s.color_b + i);
     Store3(ng, s.ng_x + i, s.ng_y + i, s.ng_z + i);
@@ -82,10 +83,11 @@ void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const Surfac
     const VU material = hn::IfThenElseZero(RowsBelow(i, n), Load(s.material + i));
     const MF back = hn::RebindMask(F(), hn::TestBit(material, SetU(kBackFace)));
     if (hn::AllFalse(F(), back)) continue;
-    const VU field = hn::ShiftLeft<4>(hn::And(material, SetU(kMaterialMask)));
+    const VU field = hn::ShiftLeft<kLogMaterialWords>(hn::And(material, SetU(kMaterialMask)));
     const VF distance = hn::IfThenElseZero(back, Load(s.t + i));
     const auto passes = [&](std::uint32_t channel) HWY_ATTR {
-      return Exp(hn::Neg(hn::Mul(Gather(fields, hn::Add(field, SetU(8 + channel))), distance)));
+      const VU word = hn::Add(field, SetU(std::uint32_t(MaterialField::kAbsorption) + channel));
+      return Exp(hn::Neg(hn::Mul(Gather(fields, word), distance)));
     };
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     Store3(IfThen(back, Mul(throughput, {passes(0), passes(1), passes(2)}), throughput),

@@ -20,8 +20,8 @@ void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
                      const SurfaceColumns& surfaces);
 
 // Multiplies throughput of those rows [0, n) that are seen from inside by the transmittance of
-// their ray, exp(-k t) (Beer and Lambert). The rows are of dielectrics, whose MaterialRecord::k is
-// an absorption.
+// their ray, exp(-k t) (Beer and Lambert). The rows are of BSDFs with an inside, which have
+// MaterialField::kAbsorption.
 void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const SurfaceColumns& surfaces);
 
 // Encodes a unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014), x in the low

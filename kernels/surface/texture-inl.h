@@ -49,7 +49,7 @@ HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return Add(a, Scale(Sub(
 struct TextureLanes {
   HWY_INLINE TextureLanes(const TextureView& view, VU texture)
       : words(reinterpret_cast<const std::uint32_t*>(view.records)),
-        at(hn::ShiftLeft<4>(texture)) {}
+        at(hn::ShiftLeft<kLogTextureWords>(texture)) {}
   HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
   HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
 
@@ -63,7 +63,7 @@ template <class Unpack>
 HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level,
                           VU triangle, VF b1, VF b2, const Unpack& unpack) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at = hn::ShiftLeft<3>(triangle);
+  const VU at = hn::ShiftLeft<kLogUvWords>(triangle);
   const auto corner = [&](std::uint32_t f)
                           HWY_ATTR { return Gather(corners, hn::Add(at, SetU(f))); };
   const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
@@ -72,16 +72,22 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
                    hn::Mul(corner(f + 4), b2));
   };
   const VF u = interpolate(0), v = interpolate(1);
-  const VF tu = hn::Add(hn::Add(hn::Mul(record.Number(4), u), hn::Mul(record.Number(5), v)),
-                        record.Number(6));
-  const VF tv = hn::Add(hn::Add(hn::Mul(record.Number(7), u), hn::Mul(record.Number(8), v)),
-                        record.Number(9));
+  constexpr std::uint32_t kTransform = SKYWAVE_WORD(TextureRecord, transform);
+  const auto transformed = [&](std::uint32_t row) HWY_ATTR {
+    const VF along_u = hn::Mul(record.Number(row), u), along_v = hn::Mul(record.Number(row + 1), v);
+    return hn::Add(hn::Add(along_u, along_v), record.Number(row + 2));
+  };
+  const VF tu = transformed(kTransform), tv = transformed(kTransform + 3);
 
   const auto* levels = reinterpret_cast<const std::uint32_t*>(view.levels);
-  const VU entry = hn::ShiftLeft<2>(level);
-  const VU first = Gather(levels, entry), columns = Gather(levels, hn::Add(entry, SetU(1))),
-           rows = Gather(levels, hn::Add(entry, SetU(2)));
-  const VU wrap_u = record.Word(2), wrap_v = record.Word(3);
+  const VU entry = hn::ShiftLeft<kLogLevelWords>(level);
+  const auto of_level = [&](std::uint32_t f)
+                            HWY_ATTR { return Gather(levels, hn::Add(entry, SetU(f))); };
+  const VU first = of_level(SKYWAVE_WORD(TextureLevel, first_texel)),
+           columns = of_level(SKYWAVE_WORD(TextureLevel, width)),
+           rows = of_level(SKYWAVE_WORD(TextureLevel, height));
+  const VU wrap_u = record.Word(SKYWAVE_WORD(TextureRecord, wrap_u)),
+           wrap_v = record.Word(SKYWAVE_WORD(TextureRecord, wrap_v));
   const Neighbours x(WrapCoordinate(tu, wrap_u), columns, wrap_u);
   const Neighbours y(WrapCoordinate(tv, wrap_v), rows, wrap_v);
   const auto texel = [&](VU column, VU row) HWY_ATTR {
@@ -95,8 +101,10 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
 // Returns the number of texels of level 0 per unit of length in the world.
 HWY_INLINE VF TexelsALength(const TextureView& view, VU texture, VU triangle) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  return hn::Mul(Gather(corners, hn::Add(hn::ShiftLeft<3>(triangle), SetU(6))),
-                 TextureLanes(view, texture).Number(10));
+  const VU density =
+      hn::Add(hn::ShiftLeft<kLogUvWords>(triangle), SetU(SKYWAVE_WORD(TriangleUvs, density)));
+  return hn::Mul(Gather(corners, density),
+                 TextureLanes(view, texture).Number(SKYWAVE_WORD(TextureRecord, texels)));
 }
 
 // Finds the lanes of rows below n whose material has a texture in word `field` of its record of
@@ -134,7 +142,9 @@ HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pi
   const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
   const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
   const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
-  const VU level = hn::Add(record.Word(0), hn::Min(wanted, hn::Sub(record.Word(1), SetU(1))));
+  const VU last = hn::Sub(record.Word(SKYWAVE_WORD(TextureRecord, levels)), SetU(1));
+  const VU level =
+      hn::Add(record.Word(SKYWAVE_WORD(TextureRecord, first_level)), hn::Min(wanted, last));
   // Padding rows may hold anything, which would be no place on an image.
   const VF b1 = hn::IfThenElseZero(textured.lanes, Load(s.u + i));
   const VF b2 = hn::IfThenElseZero(textured.lanes, Load(s.v + i));

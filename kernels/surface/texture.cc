@@ -14,12 +14,11 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-inline constexpr std::uint32_t kColorField = 11, kRoughnessField = 15;
-
 void TextureColors(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& s) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const TexturedLanes<4> textured(materials, kColorField, s, i, n);
+    const TexturedLanes<kLogMaterialWords> textured(
+        materials, SKYWAVE_WORD(MaterialRecord, color_texture), s, i, n);
     if (!textured.any) continue;
     const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
@@ -50,11 +49,14 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU material =
         hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
-    const VU field = hn::ShiftLeft<4>(material);
-    VF alpha = Gather(fields, hn::Add(field, SetU(3)));
-    VF metallic = Gather(fields, hn::Add(field, SetU(4)));
+    const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
+    const auto field = [&](MaterialField f) HWY_ATTR {
+      return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
+    };
+    VF alpha = field(MaterialField::kAlpha), metallic = field(MaterialField::kMetallic);
     if (view.records != nullptr) {
-      const TexturedLanes<4> textured(materials, kRoughnessField, s, i, n);
+      const TexturedLanes<kLogMaterialWords> textured(
+          materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
       if (textured.any) {
         const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
         const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
