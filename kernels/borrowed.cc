@@ -12,14 +12,14 @@
 namespace skywave {
 namespace {
 
-// A column that a view holds.
+// A view holds this column.
 struct HeldColumn {
   const std::byte* begin;
   const std::byte* end;
   const char* name;
 };
 
-// The columns that views of a thread hold. An array, because rendering allocates nothing.
+// The views of a thread hold these columns. They are an array, because rendering allocates nothing.
 struct HeldColumns {
   std::array<HeldColumn, 128> columns;
   std::size_t count = 0;

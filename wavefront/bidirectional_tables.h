@@ -25,7 +25,7 @@ struct IndexColumns {
   }
 };
 
-// One row = one light sample, or one ray that hit light.
+// One row is one light sample, or one ray that hit light.
 struct ArrivalColumns {
   float* pdf;  // see kernels/light_paths/arrival.h [1/length^2]
 

@@ -12,7 +12,7 @@
 namespace skywave {
 namespace {
 
-// A lat-long map between the centres of its pixels, across its seam; rows end at the poles.
+// Reads a lat-long map between the centres of its pixels, across its seam; rows end at the poles.
 std::array<double, 3> Interpolate(const Image& map, const ImagePoint& at) {
   const double x = at.u * map.width - 0.5, y = at.v * map.height - 0.5;
   const int column = int(std::floor(x)), row = int(std::floor(y));
@@ -50,7 +50,7 @@ Vector3 Turn(const Matrix3& m, const Vector3& d) {
           m[0][2] * d.x + m[1][2] * d.y + m[2][2] * d.z};
 }
 
-// `map` on the grid and in the frame of `grid`.
+// Returns `map` on the grid and in the frame of `grid`.
 Image OnGridOf(const OrientedMap& grid, const OrientedMap& map) {
   Image image(grid.latlong.width, grid.latlong.height);
   const Matrix3 rotation = Rotation(map, grid);

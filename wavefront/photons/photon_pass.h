@@ -22,9 +22,9 @@ struct PhotonPass {
 
 // Counts what the passes of light paths of a frame have made.
 struct PhotonCounts {
-  std::uint64_t caustic = 0, indirect = 0;  // stored
-  std::uint64_t light_paths = 0;            // that the fuller map needed
-  std::size_t bytes = 0;                    // of the maps of a pass, the most
+  std::uint64_t caustic = 0, indirect = 0;  // photons that are stored
+  std::uint64_t light_paths = 0;            // paths that the fuller map needed
+  std::size_t bytes = 0;                    // largest size of the maps of a pass
   float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
   double seconds = 0;                       // wall clock
 
