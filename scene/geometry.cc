@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/pack.h"
 #include "kernels/surface/surface.h"
 
 namespace skywave {
@@ -120,71 +121,6 @@ std::vector<std::uint32_t> OpaqueFirst(const Scene& scene) {
   return meshes;
 }
 
-void Copy(const glm::vec3& from, float* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
-
-float Width(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
-
-MaterialRecord PackMaterial(const Material& material, const Scene& scene) {
-  MaterialRecord record = {};
-  Copy(material.reflectance, record.color);
-  record.alpha = Width(material.alpha);
-  Copy(material.eta, record.eta);
-  Copy(material.k, record.k);
-  record.ior = material.ior;
-  if (material.color_texture) record.color_texture = *material.color_texture + 1;
-  if (material.roughness_texture) record.roughness_texture = *material.roughness_texture + 1;
-  switch (material.bsdf) {
-    case BsdfKind::kCoatedConductor:
-      record.roughness_texture = std::bit_cast<std::uint32_t>(Width(material.coat_alpha));
-      [[fallthrough]];
-    case BsdfKind::kConductor:
-      for (int c = 0; c < 3; ++c) {
-        record.multiscatter[c] =
-            ConductorMultiscatter(GgxTables(), record.alpha, material.eta[c], material.k[c]);
-      }
-      break;
-    case BsdfKind::kCoatedMetallicRoughness:
-      Copy({material.coat, Width(material.coat_alpha), Width(material.sheen_alpha)}, record.k);
-      Copy(material.sheen, record.multiscatter);
-      [[fallthrough]];
-    case BsdfKind::kMetallicRoughness:
-      record.eta[0] = material.metallic;
-      break;
-    case BsdfKind::kDiffuseTransmission:
-    case BsdfKind::kPhong:
-      Copy(material.second_color, record.eta);
-      break;
-    case BsdfKind::kAnisotropicConductor:
-    case BsdfKind::kBeckmannConductor:
-    case BsdfKind::kWard:
-      record.ior = Width(material.alpha_across.value_or(material.alpha));
-      break;
-    case BsdfKind::kOrenNayar:
-      record.alpha = std::clamp(material.alpha, 0.0f, 1.0f);
-      break;
-    case BsdfKind::kDielectric:
-    case BsdfKind::kRoughDielectric:
-      Copy(glm::max(material.absorption, glm::vec3(0)), record.k);
-      break;
-    case BsdfKind::kMeasured: {
-      const MeasuredBrdf& brdf = scene.measured[material.measured];
-      record.alpha = Width(brdf.alpha);
-      record.ior = brdf.specular_share;
-      record.roughness_texture = material.measured * kMeasuredFloats;
-      break;
-    }
-    default:
-      break;
-  }
-  return record;
-}
-
-// Which tables the kernels of a BSDF read beside the records.
-bool ReadsGgxTables(BsdfKind bsdf) {
-  return bsdf == BsdfKind::kConductor || bsdf == BsdfKind::kMetallicRoughness ||
-         bsdf == BsdfKind::kCoatedConductor || bsdf == BsdfKind::kCoatedMetallicRoughness;
-}
-
 void CheckMaterial(const Scene& scene, std::size_t index, const std::string& path) {
   const Material& material = scene.materials[index];
   const auto fail = [&](const std::string& reason) {
@@ -201,7 +137,7 @@ void CheckMaterial(const Scene& scene, std::size_t index, const std::string& pat
   }
   if (const auto& mixture = material.mixture) {
     if (mixture->first >= index || mixture->second >= index) fail("it is mixed of later materials");
-  } else if (material.bsdf == BsdfKind::kMeasured &&
+  } else if (Bsdfs()[std::size_t(material.bsdf)].tables.measured &&
              (material.measured >= scene.measured.size() ||
               scene.measured[material.measured].rgb.size() != kMeasuredFloats)) {
     fail("its measured BRDF does not exist");
@@ -292,11 +228,12 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
   if (!normal_maps_.empty()) MakeMapAxes(scene);
   vertices_.push_back(0);  // Embree reads vertices four floats at a time
   for (const Material& material : scene.materials) {
-    materials_.push_back(PackMaterial(material, scene));
+    materials_.push_back(PackMaterial(material, scene.measured));
     absorbs_ = absorbs_ || material.absorption != glm::vec3(0);
     // Tens of milliseconds, so only for those who need them.
-    if (ReadsGgxTables(material.bsdf)) conductor_tables_ = &GgxTables();
-    if (material.bsdf == BsdfKind::kCoatedMetallicRoughness) sheen_tables_ = &GetSheenTables();
+    const BsdfTables& tables = Bsdfs()[std::size_t(material.bsdf)].tables;
+    if (tables.ggx) conductor_tables_ = &GgxTables();
+    if (tables.sheen) sheen_tables_ = &GetSheenTables();
   }
   for (const MeasuredBrdf& brdf : scene.measured) {
     measured_.insert(measured_.end(), brdf.rgb.begin(), brdf.rgb.end());
