@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "job/environment.h"
 #include "scene/reader.h"
+#include "scene/scene_hash.h"
 #include "scene/shapes/ground.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/photons/photon_pass.h"

@@ -1,7 +1,6 @@
 #include "scene/geometry.h"
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <bit>
@@ -371,65 +370,6 @@ std::size_t Geometry::bytes() const {
              sizeof(float) +
          textures_.bytes() + normal_maps_.size() * sizeof(NormalMapRecord) +
          map_axes_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
-}
-
-std::uint64_t SceneHash(const Scene& scene) {
-  XXH64_state_t* state = XXH64_createState();
-  XXH64_reset(state, 0);
-  const auto add = [&](const auto& value) { XXH64_update(state, &value, sizeof value); };
-  const auto add_all = [&](const auto& values) {
-    add(std::uint64_t{values.size()});
-    XXH64_update(state, values.data(), values.size() * sizeof values[0]);
-  };
-  for (const Mesh& mesh : scene.meshes) {
-    add_all(mesh.positions), add_all(mesh.normals), add_all(mesh.uvs), add_all(mesh.triangles);
-    add(mesh.material);
-    if (!mesh.tangents.empty()) add_all(mesh.tangents);
-    if (!mesh.colors.empty()) add_all(mesh.colors);
-  }
-  for (const Material& m : scene.materials) {
-    add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k),
-        add(m.alpha), add(m.ior);
-    add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
-    add(m.alpha_across.value_or(-1)), add(m.second_color), add(m.coat), add(m.coat_alpha);
-    add(m.sheen), add(m.sheen_alpha), add(m.measured);
-    if (m.mixture) add(m.mixture->first), add(m.mixture->second), add(m.mixture->share);
-    if (!m.opaque()) {
-      add(m.opacity), add(m.opacity_cutoff.value_or(-1)), add(m.opacity_texture.value_or(~0u));
-    }
-    if (m.normal_texture) {
-      add(*m.normal_texture), add(m.normal_scale), add(m.height_in_texels);
-    }
-    if (m.absorption != glm::vec3(0)) add(m.absorption);
-    if (m.emission != glm::vec3(0)) {
-      add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
-    }
-  }
-  for (const MeasuredBrdf& brdf : scene.measured) add_all(brdf.rgb);
-  for (const Texture& t : scene.textures) {
-    add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
-    if (t.use != TextureUse::kColor) add(t.use);
-  }
-  for (const Image& image : scene.images) {
-    add(image.width), add(image.height), add_all(image.rgb);
-  }
-  if (scene.camera) {
-    const Camera& camera = *scene.camera;
-    add(camera.kind), add(camera.world_from_camera), add(camera.fov_degrees);
-    if (camera.window) add(*camera.window);
-    add(camera.lens_radius), add(camera.focal_distance);
-  }
-  for (const EnvironmentLight& light : scene.environments) {
-    if (light.map) add(light.map->width), add(light.map->height), add_all(light.map->rgb);
-    add(light.scale), add(light.world_from_map);
-  }
-  for (const PunctualLight& l : scene.lights) {
-    add(l.kind), add(l.emission), add(l.position), add(l.direction), add(l.cos_full);
-    add(l.cos_dark);
-  }
-  const std::uint64_t hash = XXH64_digest(state);
-  XXH64_freeState(state);
-  return hash;
 }
 
 }  // namespace skywave

@@ -114,8 +114,4 @@ class Geometry {
 // AVX-512 machines nothing is lost (measured: docs/benchmarks.md).
 std::string DefaultEmbreeConfig();
 
-// Hash of everything that decides what a scene looks like: meshes, materials, camera and
-// environment. Two scenes with the same hash give the same picture for the same settings.
-std::uint64_t SceneHash(const Scene& scene);
-
 }  // namespace skywave
