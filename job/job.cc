@@ -14,6 +14,7 @@
 #include "job/environment.h"
 #include "job/options.h"
 #include "scene/reader.h"
+#include "scene/scene_hash.h"
 #include "scene/shapes/ground.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"

@@ -60,7 +60,7 @@ HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint
   return hn::ShiftLeft<kLogMaterialWords>(hn::IfThenElseZero(RowsBelow(i, n), material));
 }
 using enum MaterialField;
-// These gather a field of each row's material: `fields` as MaterialFields returns it.
+// These gather a field of each row's material; MaterialFields returns `fields`.
 HWY_INLINE VF Field(const MaterialView& m, VU fields, MaterialField field) {
   return Gather(reinterpret_cast<const float*>(m.records),
                 hn::Add(fields, SetU(std::uint32_t(field))));
@@ -84,7 +84,7 @@ inline constexpr bool kRefracts = requires {
   Bsdf::kRefracts;
 };
 
-// Lanes seen from the side that the normals of the mesh point away from.
+// Returns the lanes seen from the side that the normals of the mesh point away from.
 HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
   return hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
 }
@@ -410,38 +410,30 @@ HWY_AFTER_NAMESPACE();
     return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
   }
 
-#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                 \
-  HWY_EXPORT(Evaluate##Bsdf);                                                                    \
-  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                            \
-  HWY_EXPORT(WeighCells##Bsdf);                                                                  \
-  HWY_EXPORT(WeighCell##Bsdf);                                                                   \
-  HWY_EXPORT(Scatter##Bsdf);                                                                     \
-  BsdfKernels Bsdf##Kernels() {                                                                  \
-    return {                                                                                     \
-        .name = Bsdf##Traits.name,                                                               \
-        .delta = false,                                                                          \
-        .lobed = Bsdf##Traits.lobed,                                                             \
-        .varying = Bsdf##Traits.varying,                                                         \
-        .transmits = Bsdf##Traits.transmits,                                                     \
-        .refracts = Bsdf##Traits.refracts,                                                       \
-        .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
-        .evaluate_lights =                                                                       \
-            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
-               const MisPolicy& mis, const LightColumns& lights) {                               \
-              HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                \
-            },                                                                                   \
-        .weigh_cells =                                                                           \
-            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
-               const LightCell* cells, std::uint32_t count, float* sums, std::uint32_t stride) { \
-              HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)                                             \
-              (s, m, n, cells, count, sums, stride);                                             \
-            },                                                                                   \
-        .weigh_cell =                                                                            \
-            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
-               const LightCell* cells, const std::uint32_t* cell, float* weight) {               \
-              HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);               \
-            },                                                                                   \
-        .scatter = SKYWAVE_SCATTER(Scatter##Bsdf)};                                              \
+#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                  \
+  HWY_EXPORT(Evaluate##Bsdf);                                                                     \
+  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                             \
+  HWY_EXPORT(WeighCells##Bsdf);                                                                   \
+  HWY_EXPORT(WeighCell##Bsdf);                                                                    \
+  HWY_EXPORT(Scatter##Bsdf);                                                                      \
+  BsdfKernels Bsdf##Kernels() {                                                                   \
+    BsdfKernels kernels{Bsdf##Traits};                                                            \
+    kernels.evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf);                                          \
+    kernels.evaluate_lights = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n, \
+                                 const MisPolicy& mis, const LightColumns& lights) {              \
+      HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                         \
+    };                                                                                            \
+    kernels.weigh_cells = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,     \
+                             const LightCell* cells, std::uint32_t count, float* sums,            \
+                             std::uint32_t stride) {                                              \
+      HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)(s, m, n, cells, count, sums, stride);                \
+    };                                                                                            \
+    kernels.weigh_cell = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,      \
+                            const LightCell* cells, const std::uint32_t* cell, float* weight) {   \
+      HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);                        \
+    };                                                                                            \
+    kernels.scatter = SKYWAVE_SCATTER(Scatter##Bsdf);                                             \
+    return kernels;                                                                               \
   }
 
 #define SKYWAVE_EVALUATE(function)                                                                \

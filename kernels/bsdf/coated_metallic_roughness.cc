@@ -1,6 +1,7 @@
-// The material of glTF's KHR_materials_clearcoat and KHR_materials_sheen: metallic-roughness under
-// sheen under a clear coat of index 1.5.
+// This is the material of glTF's KHR_materials_clearcoat and KHR_materials_sheen:
+// metallic-roughness under sheen under a clear coat of index 1.5.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/coated_metallic_roughness.cc"
@@ -47,7 +48,20 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 inline constexpr BsdfTraits CoatedMetallicRoughnessTraits = {
-    .name = "coated-metallic-roughness", .lobed = true, .varying = Varying::kRoughness};
+    .name = "coated-metallic-roughness",
+    .lobed = true,
+    .varying = Varying::kRoughness,
+    .tables = {.ggx = true, .sheen = true},
+    .parameters =
+        {{"alpha"}, {"metallic"}, {"ior"}, {"coat"}, {"coat_alpha"}, {"sheen"}, {"sheen_alpha"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      using HWY_NAMESPACE::ClearCoat, HWY_NAMESPACE::ClothSheen;
+      PackMetallicRoughness(m, r);
+      PutField(r, ClearCoat::kStrength, m.coat);
+      PutField(r, ClearCoat::kAlpha, MicrofacetWidth(m.coat_alpha));
+      PutField(r, ClothSheen::kColor, m.sheen);
+      PutField(r, ClothSheen::kAlpha, MicrofacetWidth(m.sheen_alpha));
+    }};
 SKYWAVE_BSDF_TABLE(CoatedMetallicRoughness)
 
 }  // namespace skywave

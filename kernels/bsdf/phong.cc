@@ -1,7 +1,9 @@
-// Modified Phong (Lafortune and Willems 1994): color / pi plus the material's second colour (eta)
-// times (n + 2) / (2 pi) cos^n of the angle to the mirror direction; reciprocal, and at most 1 in
-// sum where both colours are. Drawn by the shares of the two.
+// Modified Phong (Lafortune and Willems 1994) is color / pi plus the material's second colour, the
+// gloss, times (n + 2) / (2 pi) cos^n of the angle to the mirror direction. It is reciprocal, and
+// its albedo is at most 1 where the sum of both colours is. A lobe is drawn by its share of that
+// sum.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/phong.cc"
@@ -58,7 +60,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits PhongTraits = {.name = "phong", .lobed = true};
+inline constexpr BsdfTraits PhongTraits = {
+    .name = "phong",
+    .lobed = true,
+    .parameters = {{"alpha"}, {"second_color", "gloss"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PutField(r, MaterialField::kAlpha, MicrofacetWidth(m.alpha));
+      PutField(r, HWY_NAMESPACE::Phong::kGloss, m.second_color);
+    }};
 SKYWAVE_BSDF_TABLE(Phong)
 
 }  // namespace skywave

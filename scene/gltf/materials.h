@@ -4,7 +4,8 @@
 //   KHR_materials_ior                its index
 //   KHR_materials_transmission       a factor of at least 1/2 makes a pane of the base colour
 //   KHR_materials_volume             (with transmission, thickness above 0) a dielectric, smooth or
-//                                    rough, that absorbs
+//                                    rough, that absorbs by attenuationColor and
+//                                    attenuationDistance
 //   KHR_materials_clearcoat, _sheen  layers (kernels/bsdf/coat-inl.h), by their factors
 //   KHR_materials_specular           a lower index that reflects less
 //   KHR_materials_unlit              Lambert, with a warning
@@ -12,8 +13,10 @@
 //   alphaMode MASK, BLEND            alpha: a cutoff, or the fraction of rays that is stopped
 //   normalTexture                    with its scale, along TANGENT or else the axes of the uvs
 //   emissiveFactor, emissiveTexture, KHR_materials_emissive_strength
-//                                    radiance in nits, on both sides of doubleSided materials,
-//                                    looked up at every hit; parts cut out by alpha do not emit
+//                                    radiance in nits, on both sides of doubleSided materials. The
+//                                    texture is looked up at every hit; its mean over a triangle
+//                                    decides only how often that is sampled. Parts cut out by alpha
+//                                    do not emit
 //
 // Both sides of every surface are rendered, doubleSided or not: a side that cannot be seen would
 // still have to cast shadows, and path tracers show it (Cycles does).
@@ -37,7 +40,7 @@ struct GltfMaterials {
   // Holds the uv set of each material's textures, by index in the file; the material of primitives
   // without one comes last.
   std::vector<int> uv_set;
-  std::vector<bool> uses_tangents;  // likewise: whether it has a normal map
+  std::vector<bool> uses_tangents;  // likewise, whether a material has a normal map
 };
 
 // Appends the materials of the file and then the default one to scene.materials, in order, with

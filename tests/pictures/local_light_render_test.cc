@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "lights/strategies/strategy.h"
+#include "scene/scene_hash.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"

@@ -29,11 +29,6 @@ float PixelAngle(const CameraView& camera) {
   return length(camera.right) / length(camera.forward);
 }
 
-// Returns whether light goes through the material itself, and may be lost on its way.
-bool HasInside(BsdfKind kind) {
-  return kind == BsdfKind::kDielectric || kind == BsdfKind::kRoughDielectric;
-}
-
 // Starts paths beam by beam: the samples of a block of pixels, then those of the next block of the
 // tile. Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
 void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
@@ -151,7 +146,7 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
     const std::uint32_t n = ranges.count(kind);
     if (n == 0) continue;
     const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
-    if (frame.geometry->absorbs() && HasInside(BsdfKind(kind))) AbsorbInside(materials, n, rows);
+    if (frame.geometry->absorbs() && Bsdfs()[kind].inside) AbsorbInside(materials, n, rows);
     switch (Bsdfs()[kind].varying) {
       case Varying::kNothing:
         break;
