@@ -1,5 +1,5 @@
-// One wave of a built-in scene, stopped between the stages, so that each can be run on its own on
-// what it really meets. Environment variables choose another scene and map:
+// One wave of a built-in scene, stopped between the stages, so that each can run separately on
+// realistic data. Environment variables choose another scene and map:
 // SKYWAVE_BENCH_SCENE, SKYWAVE_BENCH_ENV, SKYWAVE_BENCH_STRATEGY, SKYWAVE_BENCH_WAVE.
 #pragma once
 
@@ -10,6 +10,7 @@
 #include "kernels/partition.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrators/integrator.h"
+#include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
 
 namespace skywave {
@@ -34,30 +35,39 @@ struct WaveFixture {
     Camera();
   }
 
-  // Camera rays traced, partitioned and prepared: worker.surfaces is ready to shade.
+  // Traces, sorts and prepares camera rays: worker.surfaces is then ready to shade.
   void Camera() {
-    GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
+    GenerateRays(frame, range, FilmUniforms(worker.scratch), LensUniforms(worker.scratch),
+                 worker.paths, worker.rays[0]);
     n = range.count;
-    Trace(0);
     StageClock clock(worker.stats);
-    PrepareHits(frame, kCameraEnd, worker.rays[0], n, escaped, ranges, worker, clock);
+    PrepareHits(frame, kCameraEnd, worker.rays[0], n, Trace(0), worker, clock);
   }
 
-  // One bounce further: rays[0] are scattered rays, traced. The surfaces are still those that the
-  // rays have left; `ranges` says where the ones that they hit will be.
+  // Advances by one bounce: rays[0] are then scattered and traced rays. The surfaces are still
+  // those that the rays have left; `ranges` says where the ones that they hit will be.
   void Bounce() {
-    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms,
-                worker.lobe, worker.rays[0]);
+    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
+                DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
     Trace(1);
   }
 
   // Traces rays[0], which arrive at `bounce`, and moves those that escape.
-  void Trace(std::uint32_t bounce) {
+  SortedHits Trace(std::uint32_t bounce) {
     StageClock clock(worker.stats);
+    SortedHits sorted = TraceAndSort(frame, kCameraEnd, worker.rays[0], n, bounce,
+                                     /*only_delta=*/false, worker, clock);
+    MoveEscaped(worker.rays[0], sorted.queues->queue, n, worker.escaped);
+    ranges = sorted.ranges, escaped = sorted.escaped;
+    return sorted;
+  }
+
+  // Sorts the hits of the last Trace again.
+  RayQueues Sort() {
+    RayQueues queues(worker.scratch);
     ranges = {};
-    escaped = TraceAndSort(frame, kCameraEnd, worker.rays[0], n, bounce, /*only_delta=*/false,
-                           worker, ranges, clock);
-    MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
+    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, queues, ranges);
+    return queues;
   }
 
   // The surfaces of the worker, as strategies see them.
@@ -76,6 +86,15 @@ struct WaveFixture {
   }
 
   LightShares shares() const { return frame.light_shares(); }
+
+  // Draws and evaluates light sample `index` of the plan; returns how far the lights are.
+  LightReach SampleAndEvaluate(std::uint32_t index) {
+    LightReach reach =
+        SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),
+                     worker.scratch, worker.lights, LightPlaces(worker.hits));
+    EvaluateLights(frame, worker.surfaces, ranges, reach, worker.lights);
+    return reach;
+  }
 
   FlushDenormals flush;
   RenderJob job;

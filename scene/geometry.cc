@@ -1,232 +1,26 @@
 #include "scene/geometry.h"
 
+<<<<<<< HEAD
 #include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "kernels/bsdf/conductor_tables.h"
 #include "kernels/surface/surface.h"
 
+=======
+>>>>>>> materials
 namespace skywave {
-namespace {
-
-constexpr std::size_t kMaxRecords = std::size_t{1} << 29;  // kernels index them by 31 bits of words
-constexpr std::size_t kMaxVariants = 128;                  // records a triangle, in the mean
-
-bool Finite(const glm::vec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-// Embree does not look at its input; whoever reads a file must have, and this is the last gate.
-void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path) {
-  const auto fail = [&](const std::string& reason) {
-    throw InputError(InputPosition::File(path), fmt::format("mesh '{}': {}", mesh.name, reason));
-  };
-  if (mesh.material >= materials) fail("its material does not exist");
-  if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
-    fail(fmt::format("{} normals for {} positions", mesh.normals.size(), mesh.positions.size()));
-  }
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    const glm::vec3& p = mesh.positions[i];
-    // Embree's limit; beyond it the arithmetic of boxes overflows.
-    if (!Finite(p) || glm::length(p) > 1e18f) {
-      fail(fmt::format("vertex {} is at ({}, {}, {}); the world ends at 1e18", i, p.x, p.y, p.z));
-    }
-  }
-  if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) {
-    fail(fmt::format("{} uvs for {} positions", mesh.uvs.size(), mesh.positions.size()));
-  }
-  if (!mesh.colors.empty() && mesh.colors.size() != mesh.positions.size()) {
-    fail(fmt::format("{} colours for {} positions", mesh.colors.size(), mesh.positions.size()));
-  }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (int corner = 0; corner < 3; ++corner) {
-      if (mesh.triangles[i][corner] >= mesh.positions.size()) {
-        fail(fmt::format("triangle {} names vertex {} of {}", i, mesh.triangles[i][corner],
-                         mesh.positions.size()));
-      }
-    }
-  }
-}
-
-std::uint32_t PackNormal(const glm::vec3& n) { return EncodeNormal(n.x, n.y, n.z); }
-
-// Appends one triangle: positions already in the vertex table from `first_vertex` on. Returns its
-// corners in the order of the record.
-glm::uvec3 AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
-                          std::vector<std::uint32_t>& indices,
-                          std::vector<TriangleRecord>& records) {
-  const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
-                  &c = mesh.positions[corners.z];
-  const glm::vec3 face = glm::cross(b - a, c - a);
-  TriangleRecord record = {.normal = {}, .tag = mesh.material};
-  bool smooth = !mesh.normals.empty();
-  if (smooth) {
-    glm::vec3 normals[3], sum(0);
-    for (int i = 0; i < 3; ++i) {
-      normals[i] = mesh.normals[corners[i]];
-      const float length = glm::length(normals[i]);
-      smooth = smooth && std::isfinite(length) && length > 0;
-      sum += normals[i];
-    }
-    if (smooth && glm::dot(sum, face) < 0) {
-      std::swap(corners.y, corners.z);
-      std::swap(normals[1], normals[2]);
-    }
-    for (int i = 0; smooth && i < 3; ++i) record.normal[i] = PackNormal(normals[i]);
-  }
-  if (!smooth) record.tag |= kFlatTriangle;
-  for (int i = 0; i < 3; ++i) indices.push_back(first_vertex + corners[i]);
-  records.push_back(record);
-  return corners;
-}
-
-constexpr float kSteepest = 1e6f;  // what is more is a wall all the same
-
-// Nothing where no material has a normal map.
-std::vector<NormalMapRecord> PackNormalMaps(const Scene& scene, const TextureTables& textures) {
-  std::vector<NormalMapRecord> records;
-  bool any = false;
-  for (const Material& material : scene.materials) {
-    NormalMapRecord record = {};
-    if (material.normal_texture) {
-      any = true;
-      const bool heights = scene.textures[*material.normal_texture].use == TextureUse::kHeights;
-      record.texture = *material.normal_texture + 1;
-      const float scale = material.normal_scale * textures.slopes[*material.normal_texture];
-      record.scale = std::isnan(scale) ? 0 : std::clamp(scale, -kSteepest, kSteepest);
-      record.per_texel = heights && !material.height_in_texels;
-    }
-    records.push_back(record);
-  }
-  if (!any) records.clear();
-  return records;
-}
-
-// Indices of meshes in their order, those whose material is opaque first.
-std::vector<std::uint32_t> OpaqueFirst(const Scene& scene) {
-  std::vector<std::uint32_t> meshes(scene.meshes.size());
-  std::iota(meshes.begin(), meshes.end(), 0u);
-  std::stable_partition(meshes.begin(), meshes.end(), [&](std::uint32_t mesh) {
-    return scene.materials[scene.meshes[mesh].material].opaque();
-  });
-  return meshes;
-}
-
-void Copy(const glm::vec3& from, float* to) { to[0] = from.x, to[1] = from.y, to[2] = from.z; }
-
-float Width(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
-
-MaterialRecord PackMaterial(const Material& material, const Scene& scene) {
-  MaterialRecord record = {};
-  Copy(material.reflectance, record.color);
-  record.alpha = Width(material.alpha);
-  Copy(material.eta, record.eta);
-  Copy(material.k, record.k);
-  record.ior = material.ior;
-  if (material.color_texture) record.color_texture = *material.color_texture + 1;
-  if (material.roughness_texture) record.roughness_texture = *material.roughness_texture + 1;
-  switch (material.bsdf) {
-    case BsdfKind::kCoatedConductor:
-      record.roughness_texture = std::bit_cast<std::uint32_t>(Width(material.coat_alpha));
-      [[fallthrough]];
-    case BsdfKind::kConductor:
-      for (int c = 0; c < 3; ++c) {
-        record.multiscatter[c] =
-            ConductorMultiscatter(GgxTables(), record.alpha, material.eta[c], material.k[c]);
-      }
-      break;
-    case BsdfKind::kCoatedMetallicRoughness:
-      Copy({material.coat, Width(material.coat_alpha), Width(material.sheen_alpha)}, record.k);
-      Copy(material.sheen, record.multiscatter);
-      [[fallthrough]];
-    case BsdfKind::kMetallicRoughness:
-      record.eta[0] = material.metallic;
-      break;
-    case BsdfKind::kDiffuseTransmission:
-    case BsdfKind::kPhong:
-      Copy(material.second_color, record.eta);
-      break;
-    case BsdfKind::kAnisotropicConductor:
-    case BsdfKind::kBeckmannConductor:
-    case BsdfKind::kWard:
-      record.ior = Width(material.alpha_across.value_or(material.alpha));
-      break;
-    case BsdfKind::kOrenNayar:
-      record.alpha = std::clamp(material.alpha, 0.0f, 1.0f);
-      break;
-    case BsdfKind::kDielectric:
-    case BsdfKind::kRoughDielectric:
-      Copy(glm::max(material.absorption, glm::vec3(0)), record.k);
-      break;
-    case BsdfKind::kMeasured: {
-      const MeasuredBrdf& brdf = scene.measured[material.measured];
-      record.alpha = Width(brdf.alpha);
-      record.ior = brdf.specular_share;
-      record.roughness_texture = material.measured * kMeasuredFloats;
-      break;
-    }
-    default:
-      break;
-  }
-  return record;
-}
-
-// Which tables the kernels of a BSDF read beside the records.
-bool ReadsGgxTables(BsdfKind bsdf) {
-  return bsdf == BsdfKind::kConductor || bsdf == BsdfKind::kMetallicRoughness ||
-         bsdf == BsdfKind::kCoatedConductor || bsdf == BsdfKind::kCoatedMetallicRoughness;
-}
-
-void CheckMaterial(const Scene& scene, std::size_t index, const std::string& path) {
-  const Material& material = scene.materials[index];
-  const auto fail = [&](const std::string& reason) {
-    throw InputError(InputPosition::File(path),
-                     fmt::format("material '{}': {}", material.name, reason));
-  };
-  for (const auto& texture :
-       {material.color_texture, material.roughness_texture, material.opacity_texture,
-        material.normal_texture, material.emission_texture}) {
-    if (texture && (*texture >= scene.textures.size() ||
-                    scene.textures[*texture].image >= scene.images.size())) {
-      fail("its texture does not exist");
-    }
-  }
-  if (const auto& mixture = material.mixture) {
-    if (mixture->first >= index || mixture->second >= index) fail("it is mixed of later materials");
-  } else if (material.bsdf == BsdfKind::kMeasured &&
-             (material.measured >= scene.measured.size() ||
-              scene.measured[material.measured].rgb.size() != kMeasuredFloats)) {
-    fail("its measured BRDF does not exist");
-  }
-}
-
-// The direction in which u grows over a triangle; the world's +y where it has no uvs.
-std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
-  glm::dvec3 tangent(0, 1, 0);
-  if (!mesh.uvs.empty()) {
-    const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]),
-        c(mesh.positions[corners.z]);
-    const glm::dvec2 s(mesh.uvs[corners.x]), t(mesh.uvs[corners.y]), w(mesh.uvs[corners.z]);
-    const glm::dvec2 along = t - s, across = w - s;
-    const double area = along.x * across.y - along.y * across.x;
-    const glm::dvec3 u = (across.y * (b - a) - along.y * (c - a)) * (area < 0 ? -1.0 : 1.0);
-    const double length = glm::length(u);
-    if (std::isfinite(length) && length > 0) tangent = u / length;
-  }
-  return EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
-}
-
-}  // namespace
 
 Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
+<<<<<<< HEAD
                    const std::string& embree_config, bool keep_uvs) {
   std::size_t vertex_count = 0, triangle_count = 0;
   for (const Mesh& mesh : scene.meshes) {
@@ -309,7 +103,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
                      .first = first_with_alpha_};
   }
 
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   const std::string config =
       fmt::format("threads={},set_affinity=0,{}", threads,
                   embree_config.empty() ? DefaultEmbreeConfig() : embree_config);
@@ -345,7 +139,7 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     throw InputError(InputPosition::File(path),
                      fmt::format("Embree cannot build the scene (error {})", int(error)));
   }
-  build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  build_seconds_ = SecondsSince(start);
 }
 
 // Gives triangle `i` the BSDF of its material, or two more records where that is a mixture.
@@ -395,104 +189,35 @@ void Geometry::MakeMapAxes(const Scene& scene) {
 std::string DefaultEmbreeConfig() {
   return __builtin_cpu_supports("avx2") ? "isa=avx2" : "verbose=0";
 }
+=======
+                   const std::string& embree_config, bool keep_uvs)
+    : tables_(MakeGeometryTables(scene, path, keep_uvs)),
+      opacity_(tables_.opacity_view()),
+      embree_({.vertices = tables_.vertices.data(),
+               .vertex_count = tables_.vertex_count(),
+               .indices = tables_.indices.data(),
+               .triangle_count = std::uint32_t(tables_.triangle_count()),
+               .first_with_alpha = tables_.first_with_alpha,
+               .opacity = opacity_},
+              path, threads, embree_config) {}
+>>>>>>> materials
 
 MaterialView Geometry::materials() const {
-  return {.records = materials_.data(),
-          .conductor = conductor_tables_,
-          .sheen = sheen_tables_,
-          .measured = measured_.data()};
+  return {.records = tables_.materials.data(),
+          .conductor = tables_.ggx,
+          .sheen = tables_.sheen,
+          .measured = tables_.measured.data()};
+}
+
+NormalMapView Geometry::normal_maps() const {
+  if (tables_.normal_maps.empty()) return {};
+  return {.records = tables_.normal_maps.data(), .tangents = tables_.map_axes.data()};
 }
 
 glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {
-  const float* p = &vertices_[3 * std::size_t{indices_[3 * triangle + std::size_t(corner)]}];
+  const std::uint32_t vertex = tables_.indices[3 * triangle + std::size_t(corner)];
+  const float* const p = &tables_.vertices[3 * std::size_t{vertex}];
   return {p[0], p[1], p[2]};
-}
-
-TextureView Geometry::textures() const { return textures_.view(); }
-
-NormalMapView Geometry::normal_maps() const {
-  if (normal_maps_.empty()) return {};
-  return {.records = normal_maps_.data(), .tangents = map_axes_.data()};
-}
-
-std::uint32_t Geometry::TriangleOf(std::uint32_t record) const {
-  while (record >= triangle_count()) record = mixed_[record - triangle_count()];
-  return record;
-}
-
-const MeshPlace& Geometry::PlaceOf(std::uint32_t triangle) const {
-  const auto next = std::upper_bound(
-      meshes_.begin(), meshes_.end(), triangle,
-      [](std::uint32_t t, const MeshPlace& place) { return t < place.first_triangle; });
-  return *std::prev(next);
-}
-
-std::size_t Geometry::bytes() const {
-  return vertices_.size() * sizeof(float) + indices_.size() * sizeof(std::uint32_t) +
-         triangles_.size() * sizeof(TriangleRecord) + materials_.size() * sizeof(MaterialRecord) +
-         (tangents_.size() + vertex_colors_.size() + mixed_.size() + measured_.size()) *
-             sizeof(float) +
-         textures_.bytes() + normal_maps_.size() * sizeof(NormalMapRecord) +
-         map_axes_.size() * sizeof(TriangleTangents) + opacity_.size() * sizeof(OpacityRecord);
-}
-
-std::uint64_t SceneHash(const Scene& scene) {
-  XXH64_state_t* state = XXH64_createState();
-  XXH64_reset(state, 0);
-  const auto add = [&](const auto& value) { XXH64_update(state, &value, sizeof value); };
-  const auto add_all = [&](const auto& values) {
-    add(std::uint64_t{values.size()});
-    XXH64_update(state, values.data(), values.size() * sizeof values[0]);
-  };
-  for (const Mesh& mesh : scene.meshes) {
-    add_all(mesh.positions), add_all(mesh.normals), add_all(mesh.uvs), add_all(mesh.triangles);
-    add(mesh.material);
-    if (!mesh.tangents.empty()) add_all(mesh.tangents);
-    if (!mesh.colors.empty()) add_all(mesh.colors);
-  }
-  for (const Material& m : scene.materials) {
-    add_all(Bsdfs()[std::size_t(m.bsdf)].name), add(m.reflectance), add(m.eta), add(m.k),
-        add(m.alpha), add(m.ior);
-    add(m.metallic), add(m.color_texture.value_or(~0u)), add(m.roughness_texture.value_or(~0u));
-    add(m.alpha_across.value_or(-1)), add(m.second_color), add(m.coat), add(m.coat_alpha);
-    add(m.sheen), add(m.sheen_alpha), add(m.measured);
-    if (m.mixture) add(m.mixture->first), add(m.mixture->second), add(m.mixture->share);
-    if (!m.opaque()) {
-      add(m.opacity), add(m.opacity_cutoff.value_or(-1)), add(m.opacity_texture.value_or(~0u));
-    }
-    if (m.normal_texture) {
-      add(*m.normal_texture), add(m.normal_scale), add(m.height_in_texels);
-    }
-    if (m.absorption != glm::vec3(0)) add(m.absorption);
-    if (m.emission != glm::vec3(0)) {
-      add(m.emission), add(m.emits_on_both_sides), add(m.emission_texture.value_or(~0u));
-    }
-  }
-  for (const MeasuredBrdf& brdf : scene.measured) add_all(brdf.rgb);
-  for (const Texture& t : scene.textures) {
-    add(t.image), add(t.wrap_u), add(t.wrap_v), add(t.transform);
-    if (t.use != TextureUse::kColor) add(t.use);
-  }
-  for (const Image& image : scene.images) {
-    add(image.width), add(image.height), add_all(image.rgb);
-  }
-  if (scene.camera) {
-    const Camera& camera = *scene.camera;
-    add(camera.kind), add(camera.world_from_camera), add(camera.fov_degrees);
-    if (camera.window) add(*camera.window);
-    add(camera.lens_radius), add(camera.focal_distance);
-  }
-  for (const EnvironmentLight& light : scene.environments) {
-    if (light.map) add(light.map->width), add(light.map->height), add_all(light.map->rgb);
-    add(light.scale), add(light.world_from_map);
-  }
-  for (const PunctualLight& l : scene.lights) {
-    add(l.kind), add(l.emission), add(l.position), add(l.direction), add(l.cos_full);
-    add(l.cos_dark);
-  }
-  const std::uint64_t hash = XXH64_digest(state);
-  XXH64_freeState(state);
-  return hash;
 }
 
 }  // namespace skywave

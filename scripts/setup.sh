@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs from Debian 12 what building the program needs; does nothing where it is there already:
+# Installs the packages for building from Debian 12. Does nothing if they are installed.
 #   scripts/setup.sh         the program
 #   scripts/setup.sh test    also tests, benchmarks and the checks of .ci/run
 set -euo pipefail

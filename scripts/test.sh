@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Builds the preset release and runs all of its tests, then those of other presets:
 #   scripts/test.sh [PRESET...] [-DNAME=VALUE...]
-# asan: again under the address and undefined-behaviour sanitizers, with the invariants of every wave
-# checked. Options of CMake are those of all presets.
+# The preset asan runs them under the address and undefined-behaviour sanitizers, with the
+# invariants of every wave checked. Options of CMake hold for all presets.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 presets=(release)
