@@ -1,7 +1,6 @@
-// Photon maps: photons traced a second, trees built, queries answered a second
-// (photon_scaling_bench.cc: on one thread and on several).
+// Measures photon maps: photons traced, trees built and queries answered per second
+// (photon_scaling_bench.cc compares one thread with several).
 #include <benchmark/benchmark.h>
-#include <tbb/task_arena.h>
 
 #include <cmath>
 #include <map>
@@ -23,7 +22,8 @@ const PointTree& KeptTree(std::size_t count, bool caustic) {
   return at->second;
 }
 
-// Where six sides with even photons have so many within it.
+// Returns the radius of a disk that holds `neighbors` of `count` photons spread evenly over six
+// sides.
 float EvenRadius(std::size_t count, std::uint32_t neighbors) {
   return std::sqrt(6 * float(neighbors) / (3.14159265f * float(count)));
 }
@@ -91,7 +91,7 @@ BENCHMARK(Range)
     ->ArgNames({"photons", "neighbors"})
     ->ArgsProduct({{100000, 1000000, 10000000}, {50}});
 
-// The first pass of a frame, trees included; an item is a stored photon.
+// Runs the first pass of a frame, trees included; an item is a stored photon.
 void TracePass(benchmark::State& state, const char* scene) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
@@ -100,12 +100,11 @@ void TracePass(benchmark::State& state, const char* scene) {
   const RenderJob job(BuiltinScene(scene), request);
   const FrameView frame = job.frame();
   const PhotonPass pass = PhotonPasses(frame.options).front();
-  tbb::task_arena arena(request.options.threads);
   std::int64_t photons = 0, light_paths = 0;
   for (auto _ : state) {
-    arena.execute([&] {
-      std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-      const PhotonMaps maps = TracePhotons(frame, pass, workers, nullptr);
+    WorkerPool pool(frame.options);
+    pool.Run([&] {
+      const PhotonMaps maps = TracePhotons(frame, pass, pool);
       photons += maps.caustic.size() + maps.indirect.size();
       light_paths +=
           std::int64_t(std::max(maps.caustic.light_paths(), maps.indirect.light_paths()));

@@ -1,33 +1,34 @@
-// skywave info: what is in a scene.
+// Implements skywave info: the contents of a scene.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <array>
-#include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/clock.h"
 #include "base/files.h"
 #include "cli/commands.h"
-#include "cli/job_flags.h"
-#include "job/job.h"
+#include "job/options.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
 #include "scene/geometry.h"
 #include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
 
 struct InfoFlags {
-  std::string scene, json;
-  ReadOptions read;
+  JobRequest request;  // the scene and how it is read
+  std::string json;
 };
 
 struct SceneFile {
@@ -35,15 +36,14 @@ struct SceneFile {
   SceneSummary summary;
   std::array<LocalLightTotal, kLocalLightKinds> local_lights = {};  // by kind
   double load_seconds = 0, build_seconds = 0;
-  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // what rendering keeps
+  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // memory during rendering
 };
 
 SceneFile Load(const std::string& path, const ReadOptions& options) {
   SceneFile file;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   file.scene = ReadScene(path, options);
-  file.load_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  file.load_seconds = SecondsSince(start);
   file.summary = Summarize(file.scene);
   if (file.summary.triangles > 0) {
     const Geometry geometry(file.scene, path);
@@ -76,8 +76,8 @@ nlohmann::ordered_json Value(const std::optional<T>& field) {
   return field ? Value(*field) : nullptr;
 }
 
-// The parameters that a material's BSDF reads besides the reflectance, in the order in which they
-// are printed.
+// A parameter that a material's BSDF reads besides the reflectance; lists have the order of
+// printing.
 struct Parameter {
   std::string name;
   nlohmann::ordered_json value;
@@ -170,7 +170,7 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   return json;
 }
 
-// Describes the parts that any material may have, but for its emission.
+// Describes the parts that any material may have, except for its emission.
 std::string SurfaceMaps(const Material& material) {
   std::string text;
   if (!material.opaque()) {
@@ -272,23 +272,30 @@ void Print(const std::string& path, const SceneFile& file) {
 
 int InfoMain(const InfoFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
-  const SceneFile file = Load(flags.scene, flags.read);
-  Print(flags.scene, file);
+  const SceneFile file = Load(flags.request.scene, flags.request.read);
+  Print(flags.request.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");
   return 0;
 }
 
 }  // namespace
 
-void AddInfoCommand(CLI::App& program, Run& run) {
-  CLI::App* command = program.add_subcommand("info", "What is in a scene");
+Command InfoCommand() {
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("scene", flags->scene, "pbrt, OBJ, glTF or PLY file, or a built-in scene")
-      ->required();
-  AddReadFlags(*command, flags->read);
-  command->add_option("--json", flags->json, "write the same as JSON");
-  command->footer("Example:\n  skywave info model.obj --json model.json");
-  command->callback([flags, &run] { run = [flags] { return InfoMain(*flags); }; });
+  Command command = {.name = "info",
+                     .summary = "What is in a scene",
+                     .footer = "Example:\n  skywave info model.obj --json model.json",
+                     .run = [flags](const GivenOptions&) { return InfoMain(*flags); }};
+  const std::shared_ptr<JobRequest> request(flags, &flags->request);
+  for (const JobOption& option : JobOptions()) {
+    if (option.name == "scene" || IsReadOption(option)) {
+      AddOptions(command, std::span(&option, 1), request);
+    }
+  }
+  const auto json = MakeOption<InfoFlags>({.name = "json", .help = "write the same as JSON"},
+                                          SKYWAVE_FIELD(json), Texts("JSON"));
+  AddOptions(command, std::span(&json, 1), flags);
+  return command;
 }
 
 }  // namespace skywave

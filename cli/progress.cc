@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <string>
 
+#include "base/clock.h"
+
 namespace skywave {
 namespace {
 
@@ -34,13 +36,12 @@ ProgressDisplay::~ProgressDisplay() {
 void ProgressDisplay::Show() {
   using namespace std::chrono_literals;
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   std::unique_lock lock(mutex_);
-  // Elsewhere than on a terminal nobody watches: a line every ten seconds.
+  // If standard error is not a terminal, a line every ten seconds suffices.
   while (!wake_.wait_for(lock, terminal ? 200ms : 10000ms, [this] { return stop_; })) {
     const double share = double(done_.load()) / double(total_);
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double elapsed = SecondsSince(start);
     const std::string left =
         share > 0.01 ? Duration(elapsed / share * (1 - share)) + " left" : "estimating";
     if (terminal) {

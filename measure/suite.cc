@@ -5,19 +5,19 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
+#include "base/clock.h"
 #include "image/image.h"
 #include "measure/statistics.h"
 
 namespace skywave {
 namespace {
 
-// A film that differs is named with the values that would stand here. They change with whatever
-// decides the bits of a picture, and a change of them has to be explained.
+// When a film differs, the error message prints the values that belong here. They change with
+// anything that affects the bits of a picture, and every change of them needs an explanation.
 constexpr SuiteScene kQuick[] = {
     {"gallery",
      320,
@@ -71,18 +71,13 @@ constexpr SuiteScene kFull[] = {
        0.28385216f, 0.217432365f, 0.198110759f, 0.214790165f}}},
 };
 
-using Clock = std::chrono::steady_clock;
-double SecondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 double PeakMemoryBytes() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   return double(usage.ru_maxrss) * 1024;
 }
 
-// Writes the picture as a render would, to a file that is gone afterwards.
+// Writes the picture to a temporary file exactly as a render would.
 double TimeWrite(const Film& film, std::uint64_t samples) {
   const auto path = std::filesystem::temp_directory_path() /
                     ("skywave-bench-" + std::to_string(::getpid()) + ".exr");
@@ -105,7 +100,7 @@ std::vector<StrategyTable> MeasureTables(const RenderJob& job) {
   return tables;
 }
 
-// Of what was measured for every scene; 0 where it was not.
+// Returns the mean over all scenes, or 0 if any scene was not measured.
 template <class Value>
 double GeometricMean(std::span<const SuiteResult> results, Value value) {
   double sum = 0;
@@ -145,18 +140,6 @@ JobRequest SuiteRequest(const SuiteScene& scene, JobRequest base) {
   base.width = scene.width, base.height = scene.height;
   base.samples_per_pixel = scene.samples_per_pixel;
   return base;
-}
-
-std::string_view ToString(PictureCheck check) {
-  switch (check) {
-    case PictureCheck::kSameBits:
-      return "same bits";
-    case PictureCheck::kWithinBounds:
-      return "within bounds";
-    case PictureCheck::kWrong:
-      return "wrong";
-  }
-  return "";
 }
 
 double BlockDifference(const Fingerprint& a, const Fingerprint& b) {

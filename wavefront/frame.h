@@ -17,7 +17,6 @@
 #include "scene/scene.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/film/film_area.h"
-#include "wavefront/film/light_groups.h"
 #include "wavefront/rays/trace.h"
 
 namespace skywave {
@@ -49,6 +48,7 @@ struct SubpathLengths {
 };
 
 struct EmissionGuide;
+struct LightGroups;
 struct PhotonMaps;
 
 // Photon mapping. Counts are of photons that are stored, as pbrt's are. Vertex connection and

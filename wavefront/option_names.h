@@ -1,20 +1,42 @@
-// Names of options, as flags, files and reports have them.
+// Names of the values of options that kernels and scenes declare.
 #pragma once
 
-#include <optional>
-#include <string_view>
-
+#include "base/names.h"
+#include "kernels/camera.h"
+#include "kernels/light_paths/photons.h"
+#include "scene/scene.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
 
-std::optional<CameraKind> ParseCameraKind(std::string_view name);
-std::string_view ToString(CameraKind kind);
-std::optional<Integrator> ParseIntegrator(std::string_view name);
-std::string_view ToString(Integrator integrator);
-std::optional<PhotonKernel> ParsePhotonKernel(std::string_view name);
-std::string_view ToString(PhotonKernel kernel);
-std::optional<PixelFilter> ParsePixelFilter(std::string_view name);
-std::string_view ToString(PixelFilter filter);
+template <>
+inline constexpr auto kEnumNames<CameraKind> =
+    std::to_array<Named<CameraKind>>({{CameraKind::kPerspective, "perspective"},
+                                      {CameraKind::kOrthographic, "orthographic"},
+                                      {CameraKind::kLatLong, "latlong"},
+                                      {CameraKind::kEqualArea, "equal-area"},
+                                      {CameraKind::kFisheye, "fisheye"}});
+
+template <>
+inline constexpr auto kEnumNames<PhotonKernel> =
+    std::to_array<Named<PhotonKernel>>({{PhotonKernel::kConstant, "constant"},
+                                        {PhotonKernel::kCone, "cone"},
+                                        {PhotonKernel::kEpanechnikov, "epanechnikov"}});
+
+template <>
+inline constexpr auto kEnumNames<PixelFilter> =
+    std::to_array<Named<PixelFilter>>({{PixelFilter::kBox, "box"},
+                                       {PixelFilter::kTriangle, "triangle"},
+                                       {PixelFilter::kGaussian, "gaussian"},
+                                       {PixelFilter::kBlackmanHarris, "blackman-harris"}});
+
+template <>
+inline constexpr auto kEnumNames<Integrator> =
+    std::to_array<Named<Integrator>>({{Integrator::kDirect, "direct"},
+                                      {Integrator::kPath, "path"},
+                                      {Integrator::kLight, "light"},
+                                      {Integrator::kBdpt, "bdpt"},
+                                      {Integrator::kPhoton, "photon"},
+                                      {Integrator::kVcm, "vcm"}});
 
 }  // namespace skywave

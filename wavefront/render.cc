@@ -1,27 +1,23 @@
 #include "wavefront/render.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <time.h>
 
 #include <algorithm>
-#include <chrono>
-#include <memory>
 #include <new>
 
-#include "wavefront/flush_denormals.h"
+#include "base/clock.h"
 #include "wavefront/guiding/emission_guide.h"
 #include "wavefront/integrators/integrator.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/photons/merging_pass.h"
 #include "wavefront/photons/photon_pass.h"
-#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 namespace {
 
 void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& film) {
-  const FlushDenormals flush;
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * frame.options.samples_per_pixel;
   for (std::uint64_t first = 0; first < total; first += frame.options.wave) {
@@ -31,10 +27,6 @@ void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& 
         .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
     RenderWave(frame, range, worker, film);
   }
-}
-
-double SecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 // Of the process, all threads together.
@@ -60,37 +52,21 @@ std::uint64_t CountSamples(const FrameView& frame, const Tile& tile) {
          options.samples_per_pixel;
 }
 
-// Renders all tiles, in the arena of the caller.
-void RenderTiles(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers, Film& film,
-                 Progress* progress, std::vector<RayRecorder>* recorders) {
+void RenderTiles(const FrameView& frame, WorkerPool& pool, Film& film, Progress* progress) {
   const RenderOptions& options = frame.options;
   const std::vector<Tile> tiles =
       CutTiles(frame.camera.width, frame.camera.height, options.samples_per_pixel, options.wave);
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, tiles.size(), 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        const std::size_t slot = OwnWorker(options, workers);
-        FrameView view = frame;
-        view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          RenderTile(view, tiles[i], *workers[slot], film);
-          const std::uint64_t samples = CountSamples(view, tiles[i]);
-          workers[slot]->stats.samples += samples;
-          if (progress != nullptr) *progress += samples;
-        }
-      },
-      tbb::simple_partitioner());
+  pool.ForEach(tiles.size(), [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
+    FrameView view = frame;
+    view.tracer.recorder = recorder;
+    RenderTile(view, tiles[i], worker, film);
+    const std::uint64_t samples = CountSamples(view, tiles[i]);
+    worker.stats.samples += samples;
+    if (progress != nullptr) *progress += samples;
+  });
 }
 
 }  // namespace
-
-void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
-  caustic += maps.caustic.size(), indirect += maps.indirect.size();
-  light_paths += std::max(maps.caustic.light_paths(), maps.indirect.light_paths());
-  bytes = std::max(bytes, maps.caustic.bytes() + maps.indirect.bytes());
-  radius = maps.indirect.radius, caustic_radius = maps.caustic.radius;
-  seconds += pass_seconds;
-}
 
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
   switch (frame.options.integrator) {
@@ -124,24 +100,17 @@ std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
   return tiles;
 }
 
-std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<Worker>>& workers) {
-  const auto slot = std::size_t(tbb::this_task_arena::current_thread_index());
-  if (!workers[slot]) workers[slot] = MakeWorker(options);
-  return slot;
-}
-
 namespace {
 
 // What a pass stores of light paths.
 PhotonMaps TracePass(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
-                     std::vector<std::unique_ptr<Worker>>& workers,
-                     std::vector<RayRecorder>* recorders) {
+                     WorkerPool& pool) {
   try {
     if (frame.options.integrator != Integrator::kVcm) {
-      return TracePhotons(frame, pass, workers, recorders);
+      return TracePhotons(frame, pass, pool);
     }
     PhotonMaps maps;
-    maps.indirect = TraceVertices(frame, plan, pass, workers, recorders);
+    maps.indirect = TraceVertices(frame, plan, pass, pool);
     return maps;
   } catch (const std::bad_alloc&) {
     RefusePhotons(frame.options, "there is no memory left for so many");
@@ -150,18 +119,17 @@ PhotonMaps TracePass(const FrameView& frame, const MergePlan& plan, const Photon
 
 }  // namespace
 
-void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
+void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const std::function<void(const FrameView&)>& render) {
   if (!HasPhotons(frame.options.integrator)) return render(frame);
   const bool merges = frame.options.integrator == Integrator::kVcm;
-  const MergePlan plan = merges ? PlanMerging(frame, workers, recorders) : MergePlan{};
+  const MergePlan plan = merges ? PlanMerging(frame, pool) : MergePlan{};
   float caustic_radius = 0, indirect_radius = 0;  // of the first pass
   for (const PhotonPass& pass : PhotonPasses(frame.options)) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     FrameView view = frame;
     if (merges) view.eta_vcm = plan.MergedArea(pass);
-    PhotonMaps maps = TracePass(view, plan, pass, workers, recorders);
+    PhotonMaps maps = TracePass(view, plan, pass, pool);
     if (!merges) {
       if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
       if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
@@ -181,31 +149,24 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
   FrameView frame = wanted;
   frame.options.wave = WholeBeams(wanted.options.wave);
   const RenderOptions& options = frame.options;
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  arena.initialize();
-  // Slots are filled by the threads that use them, so that they touch their own memory first.
-  std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-  if (recorders != nullptr) recorders->resize(workers.size());
+  WorkerPool pool(options, recorders);
 
   FrameResult result;
   const double processor_start = ProcessorSeconds();
-  const auto start = std::chrono::steady_clock::now();
-  arena.execute([&] {
+  const auto start = Clock::now();
+  pool.Run([&] {
     EmissionGuide guide;
     if (options.guide && HasLightPaths(options.integrator) && frame.has_environment()) {
-      guide = LearnEmission(frame, workers, result.guide);
+      guide = LearnEmission(frame, pool, result.guide);
       if (!guide.empty()) frame.guide = &guide;
     }
-    ForEachPass(frame, workers, recorders, result.photons, [&](const FrameView& view) {
-      RenderTiles(view, workers, film, progress, recorders);
-    });
+    ForEachPass(frame, pool, result.photons,
+                [&](const FrameView& view) { RenderTiles(view, pool, film, progress); });
   });
   result.seconds = SecondsSince(start);
   result.processor_seconds = ProcessorSeconds() - processor_start;
-  result.threads = arena.max_concurrency();
-  for (const auto& worker : workers) {
-    if (worker) result.stats += worker->stats;
-  }
+  result.threads = pool.threads();
+  result.stats = pool.stats();
   return result;
 }
 

@@ -4,34 +4,21 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
 #include "wavefront/guiding/guide_counts.h"
-#include "wavefront/photons/photon_map.h"
+#include "wavefront/photons/photon_pass.h"
 #include "wavefront/rays/ray_recorder.h"
 #include "wavefront/stages/stages.h"
 #include "wavefront/stats.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 
-struct Worker;
-
 // Counts finished samples while a frame renders; read by whoever shows progress.
 using Progress = std::atomic<std::uint64_t>;
-
-// What the first passes of `photon` or `vcm` have made.
-struct PhotonCounts {
-  std::uint64_t caustic = 0, indirect = 0;  // stored
-  std::uint64_t light_paths = 0;            // that the fuller wish needed
-  std::size_t bytes = 0;                    // of the maps of a pass, the most
-  float radius = 0, caustic_radius = 0;     // largest distances of lookups in the last pass
-  double seconds = 0;                       // wall clock
-
-  void Add(const PhotonMaps& maps, double pass_seconds);
-};
 
 struct FrameResult {
   RenderStats stats;
@@ -49,14 +36,9 @@ FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress =
                         std::vector<RayRecorder>* recorders = nullptr);
 
 // Calls `render` for each pass of a frame, whose photons it traces before, with the frame as the
-// samples of the pass see it; once with the frame itself where there are none (HasPhotons). The
-// caller is in the arena whose threads the workers belong to.
-void ForEachPass(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                 std::vector<RayRecorder>* recorders, PhotonCounts& counts,
+// samples of the pass see it; once with the frame itself where there are none (HasPhotons).
+void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const std::function<void(const FrameView&)>& render);
-
-// The index of the calling thread's worker, which is made at its first call.
-std::size_t OwnWorker(const RenderOptions& options, std::vector<std::unique_ptr<Worker>>& workers);
 
 // Threads that `threads` = 0 stands for: those the process may run on.
 int AvailableThreads();

@@ -41,7 +41,7 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
     const MF of_lengths = hn::RebindMask(F(), hn::Ne(per_texel, hn::Zero(U())));
     scale = Clamp(IfThen(of_lengths, hn::Mul(scale, texels), scale), -1e6f, 1e6f);
 
-    // The frame of the map on the outer side, about the shading normal.
+    // The frame of the map lies on the outer side, about the shading normal.
     const VU at = hn::ShiftLeft<kLogTangentWords>(textured.triangle);
     const VF b1 = Load(s.u + i), b2 = Load(s.v + i);
     const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);

@@ -77,13 +77,13 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 namespace {
 
-// This is std::floor without a call, for values below 2^63.
+// Returns std::floor without a call, for values below 2^63.
 float Floor(float x) {
   const float whole = float(std::int64_t(x));
   return whole > x ? whole - 1 : whole;
 }
 
-// The scalar twin of Neighbours in texture-inl.h, with the wrapping before it.
+// This is Neighbours of texture-inl.h, preceded by the wrapping.
 struct ScalarNeighbours {
   ScalarNeighbours(float at, std::uint32_t count, TextureWrap wrap) {
     const float half = at * 0.5f;
@@ -147,7 +147,8 @@ std::uint32_t PackTexel(const float* rgb) {
   for (int c = 0; c < 3; ++c) channel[c] = rgb[c] > 0 ? std::min(rgb[c], float(kMantissa)) : 0.0f;
   const float brightest = std::max({channel[0], channel[1], channel[2]});
   if (!(brightest > 0)) return 0;
-  // The brightest mantissa is at least 2^8, unless rounding lifts it to 2^9.
+  // The brightest mantissa is at least 2^8; rounding may lift it to 2^9, which takes the next
+  // exponent.
   int exponent = std::ilogb(brightest) - int(kMantissaBits - 1) + int(kMaxExponent);
   exponent = std::clamp(exponent, 0, int(kMaxExponent));
   if (std::lround(std::ldexp(brightest, int(kMaxExponent) - exponent)) > long{kMantissa}) {

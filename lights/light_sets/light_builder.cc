@@ -12,10 +12,6 @@
 namespace skywave {
 namespace {
 
-constexpr std::string_view kSources[] = {"penrose", "median-cut", "variance-cut"};
-constexpr std::string_view kPositions[] = {"sample", "center", "centroid"};
-constexpr std::string_view kFrequencies[] = {"F1", "F2", "F3"};
-
 constexpr StrategyParameter kLightParameters[] = {
     {"lights", "64", "number of lights before clustering"},
     {"position", "centroid", "of a light in its cell: centroid, center or sample"},
@@ -48,25 +44,7 @@ std::vector<Vector3> Cluster(const SphereMap& map, const std::vector<Vector3>& s
   return ClusterPairwise(samples, Frequencies(sums, *options.cluster), options.stop).directions;
 }
 
-template <class Enum, std::size_t kCount>
-std::optional<Enum> Parse(const std::string_view (&names)[kCount], std::string_view name) {
-  const auto found = std::find(std::begin(names), std::end(names), name);
-  if (found == std::end(names)) return std::nullopt;
-  return Enum(found - std::begin(names));
-}
-
 }  // namespace
-
-std::string_view ToString(LightSource source) { return kSources[std::size_t(source)]; }
-std::optional<LightSource> ParseLightSource(std::string_view name) {
-  return Parse<LightSource>(kSources, name);
-}
-std::optional<LightPosition> ParseLightPosition(std::string_view name) {
-  return Parse<LightPosition>(kPositions, name);
-}
-std::optional<ClusterFrequency> ParseClusterFrequency(std::string_view name) {
-  return Parse<ClusterFrequency>(kFrequencies, name);
-}
 
 LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
   if (map.energy <= 0) return {{}, CellMap(map.texels(), kNoCell)};
@@ -81,16 +59,18 @@ LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
 std::span<const StrategyParameter> LightParameters() { return kLightParameters; }
 
 LightSource ReadLightSource(const StrategyValues& values) {
-  return LightSource(ChoiceValue(values, kFromParameter.key, kSources));
+  return kEnumNames<LightSource>[ChoiceValue(values, kFromParameter.key, NamesOf<LightSource>())]
+      .value;
 }
 
 LightOptions ReadLightOptions(const StrategyValues& values) {
   LightOptions options;
   options.lights = IntValue(values, "lights", 1, 30000);
-  options.position = LightPosition(ChoiceValue(values, "position", kPositions));
+  options.position =
+      kEnumNames<LightPosition>[ChoiceValue(values, "position", NamesOf<LightPosition>())].value;
   options.lloyd_steps = IntValue(values, "lloyd", 0, 1000);
   constexpr std::string_view kClusters[] = {"none", "F1", "F2", "F3"};
-  options.cluster = ParseClusterFrequency(kClusters[ChoiceValue(values, "cluster", kClusters)]);
+  options.cluster = Parse<ClusterFrequency>(kClusters[ChoiceValue(values, "cluster", kClusters)]);
   options.stop.clusters = IntValue(values, "clusters", 0, 30000);
   options.stop.separation = NumberValue(values, "separation", 0, 180) * std::numbers::pi / 180;
   return options;

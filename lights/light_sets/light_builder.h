@@ -1,10 +1,11 @@
-// From a map, or a stratum of it, to the directional lights that stand for it: the parameters that
-// several strategies share, in one place.
+// Directional lights are built that stand for a map, or a stratum of it. The parameters that
+// several strategies share are in one place here.
 #pragma once
 
 #include <optional>
 #include <span>
 
+#include "base/names.h"
 #include "lights/light_sets/clustering.h"
 #include "lights/light_sets/penrose.h"
 #include "lights/strategies/strategy.h"
@@ -20,23 +21,33 @@ struct LightOptions {
   LightPosition position = LightPosition::kCentroid;
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
-  ClusterStop stop;  // used where cluster is set
+  ClusterStop stop;  // used if cluster is set
   PenroseParameters penrose;
 };
 
-// "penrose", "median-cut", "variance-cut"; "sample", "center", "centroid"; "F1", "F2", "F3".
-std::string_view ToString(LightSource source);
-std::optional<LightSource> ParseLightSource(std::string_view name);
-std::optional<LightPosition> ParseLightPosition(std::string_view name);
-std::optional<ClusterFrequency> ParseClusterFrequency(std::string_view name);
+template <>
+inline constexpr auto kEnumNames<LightSource> =
+    std::to_array<Named<LightSource>>({{LightSource::kPenrose, "penrose"},
+                                       {LightSource::kMedianCut, "median-cut"},
+                                       {LightSource::kVarianceCut, "variance-cut"}});
+template <>
+inline constexpr auto kEnumNames<LightPosition> =
+    std::to_array<Named<LightPosition>>({{LightPosition::kSample, "sample"},
+                                         {LightPosition::kCentre, "center"},
+                                         {LightPosition::kCentroid, "centroid"}});
+template <>
+inline constexpr auto kEnumNames<ClusterFrequency> =
+    std::to_array<Named<ClusterFrequency>>({{ClusterFrequency::kOne, "F1"},
+                                            {ClusterFrequency::kEnergy, "F2"},
+                                            {ClusterFrequency::kMeanLuminance, "F3"}});
 
 // Places lights, clusters and relaxes them as the options say, and gives each the light of its
-// cell. The energy of the lights is the energy of the map. Fewer lights than asked for where texels
-// with energy or clustering allow no more; none for a black map.
+// cell. The energy of the lights is the energy of the map. There are fewer lights than requested if
+// texels with energy or clustering allow no more, and none for a black map.
 LightSet BuildLights(const SphereMap& map, const LightOptions& options);
 
-// The parameters behind LightOptions, for the table of strategies; `kFromParameter` besides for
-// strategies that take lights from any source.
+// Returns the parameters behind LightOptions, for the table of strategies. Strategies that take
+// lights from any source have `kFromParameter` too.
 std::span<const StrategyParameter> LightParameters();
 inline constexpr StrategyParameter kFromParameter = {
     "from", "penrose", "who places the lights: penrose, median-cut or variance-cut"};

@@ -29,7 +29,7 @@ Projection DetectProjection(const Image& image, const std::string& path) {
       InputPosition::File(path),
       fmt::format("{} x {} pixels are neither a lat-long map (2:1) nor an angular map (square) nor "
                   "a cube cross (4:3, 3:4); say which with --env-projection {}",
-                  width, height, ProjectionNames()));
+                  width, height, Choices<Projection>()));
 }
 
 Image ToLatLong(Image image, Projection projection) {
@@ -53,7 +53,7 @@ void AngularPosition(const double direction[3], double& x, double& y) {
 
 double RowSolidAngle(int width, int height, int row) {
   const double top = kPi * row / height, bottom = kPi * (row + 1) / height;
-  // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2), which does not cancel.
+  // The identity cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2) does not cancel.
   return 2 * kPi / width * 2 * std::sin((top + bottom) / 2) * std::sin((bottom - top) / 2);
 }
 

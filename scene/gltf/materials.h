@@ -1,28 +1,25 @@
-// The materials of glTF as Skywave renders them.
+// Converts glTF's materials to Skywave's.
 //
-//   pbrMetallicRoughness           metallic-roughness: factors and both textures
-//   KHR_materials_ior              its index
-//   KHR_materials_transmission     from a factor of 1/2: a pane of the base colour
-//   KHR_materials_volume           with a thickness above 0: a dielectric, smooth or rough, which
-//                                  absorbs by attenuationColor and attenuationDistance
-//   KHR_materials_clearcoat        a layer (kernels/bsdf/coat-inl.h), by its factors
-//   KHR_materials_sheen            likewise
-//   KHR_materials_specular         the index that reflects so much
-//   KHR_materials_unlit            Lambert, with a warning
-//   KHR_texture_transform          offset, rotation and scale
-//   alphaMode MASK, BLEND          holes by alphaCutoff, or in the share of rays that alpha leaves
-//   normalTexture                  with its scale, along TANGENT or else the axes of the uvs
+//   pbrMetallicRoughness             metallic-roughness: factors and both textures
+//   KHR_materials_ior                its index
+//   KHR_materials_transmission       a factor of at least 1/2 makes a pane of the base colour
+//   KHR_materials_volume             (with transmission, thickness above 0) a dielectric, smooth or
+//                                    rough, that absorbs
+//   KHR_materials_clearcoat, _sheen  layers (kernels/bsdf/coat-inl.h), by their factors
+//   KHR_materials_specular           a lower index that reflects less
+//   KHR_materials_unlit              Lambert, with a warning
+//   KHR_texture_transform            offset, rotation and scale
+//   alphaMode MASK, BLEND            alpha: a cutoff, or the fraction of rays that is stopped
+//   normalTexture                    with its scale, along TANGENT or else the axes of the uvs
 //   emissiveFactor, emissiveTexture, KHR_materials_emissive_strength
-//                                  radiance in nits, on both sides of doubleSided materials. Rays
-//                                  and light samples look the texture up where they meet it; its
-//                                  mean over a triangle decides only how often that is sampled.
-//                                  Holes do not emit.
+//                                    radiance in nits, on both sides of doubleSided materials,
+//                                    looked up at every hit; parts cut out by alpha do not emit
 //
 // Both sides of every surface are rendered, doubleSided or not: a side that cannot be seen would
 // still have to cast shadows, and path tracers show it (Cycles does).
 //
-// The reader leaves out occlusion without a remark, because rendering computes it. It ignores the
-// filters of samplers: lookups have the renderer's own.
+// Occlusion textures are ignored without a warning because rendering computes occlusion. Texture
+// filtering is Skywave's own, whatever a sampler asks for.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -37,13 +34,13 @@
 namespace skywave {
 
 struct GltfMaterials {
-  // The set of texture coordinates that the textures of a material use, by material of the file;
-  // the last one is that of primitives that have none.
+  // Holds the uv set of each material's textures, by index in the file; the material of primitives
+  // without one comes last.
   std::vector<int> uv_set;
-  std::vector<bool> uses_tangents;  // likewise, whether a material has a normal map
+  std::vector<bool> uses_tangents;  // likewise: whether it has a normal map
 };
 
-// Appends the materials of the file and the default one to scene.materials, in their order, with
+// Appends the materials of the file and then the default one to scene.materials, in order, with
 // their textures and images. Throws InputError(path).
 GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& path, Scene& scene,
                                Warnings& warnings);

@@ -1,27 +1,21 @@
-// The guide of a frame's light paths, for tests that render its waves themselves.
+// Makes the guide of a frame's light paths for tests that render its waves themselves.
 #pragma once
-
-#include <tbb/task_arena.h>
-
-#include <memory>
-#include <vector>
 
 #include "wavefront/guiding/emission_guide.h"
 
 namespace skywave {
 
-// As RenderFrame makes it; empty where it makes none.
+// Returns the same guide as RenderFrame would make, or an empty one if it would make none.
 inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   EmissionGuide guide;
   const RenderOptions& options = frame.options;
   if (!options.guide || !HasLightPaths(options.integrator) || !frame.has_environment())
     return guide;
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-    GuideCounts counts;
-    guide = LearnEmission(frame, workers, counts);
-  });
+  RenderOptions on_threads = options;
+  on_threads.threads = threads;
+  WorkerPool pool(on_threads);
+  GuideCounts counts;
+  pool.Run([&] { guide = LearnEmission(frame, pool, counts); });
   return guide;
 }
 

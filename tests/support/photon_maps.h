@@ -1,37 +1,34 @@
-// The photons of a frame, for tests that render its waves themselves.
+// Makes the photon maps of a frame for tests that render its waves themselves.
 #pragma once
 
-#include <tbb/task_arena.h>
-
 #include <functional>
-#include <memory>
-#include <vector>
 
 #include "wavefront/photons/photon_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {
 
-// Those of the first pass.
+// Returns a pool of two workers for the frame.
+inline WorkerPool TwoThreads(const FrameView& frame) {
+  RenderOptions options = frame.options;
+  options.threads = 2;
+  return WorkerPool(options);
+}
+
+// Returns the photon maps of the first pass.
 inline PhotonMaps MapsOf(const FrameView& frame) {
+  WorkerPool pool = TwoThreads(frame);
   PhotonMaps maps;
-  tbb::task_arena arena(2);
-  arena.execute([&] {
-    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-    maps = TracePhotons(frame, PhotonPasses(frame.options).front(), workers, nullptr);
-  });
+  pool.Run([&] { maps = TracePhotons(frame, PhotonPasses(frame.options).front(), pool); });
   return maps;
 }
 
-// Calls `render` with the frame, or where light paths are stored, with each of its passes.
+// Calls `render` with the frame or, if light paths are stored, with each of its passes.
 inline void EachPassOf(const FrameView& frame,
                        const std::function<void(const FrameView&)>& render) {
-  tbb::task_arena arena(2);
-  arena.execute([&] {
-    std::vector<std::unique_ptr<Worker>> workers(std::size_t(arena.max_concurrency()));
-    PhotonCounts counts;
-    ForEachPass(frame, workers, nullptr, counts, render);
-  });
+  WorkerPool pool = TwoThreads(frame);
+  PhotonCounts counts;
+  pool.Run([&] { ForEachPass(frame, pool, counts, render); });
 }
 
 }  // namespace skywave

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "wavefront/frame.h"
-
 namespace skywave {
 namespace {
 
@@ -36,10 +34,10 @@ void ReadPosition(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
-// Along the axis for cameras with a plane film, else along the ray, as Blender has it.
+// Depth is along the axis for cameras with a plane film, else along the ray, as in Blender.
 void ReadDepth(const FirstSurfaces& first, const AovColumns& out) {
   const SurfaceColumns& s = first.surfaces;
-  const CameraView& camera = first.frame.camera;
+  const CameraView& camera = first.camera;
   if (!HasPlaneFilm(camera.kind)) {
     std::copy_n(s.t, first.count, out[0]);
     return;
@@ -57,7 +55,7 @@ void ReadDepth(const FirstSurfaces& first, const AovColumns& out) {
 void ReadUv(const FirstSurfaces& first, const AovColumns& out) {
   const SurfaceColumns& s = first.surfaces;
   for (std::uint32_t i = 0; i < first.count; ++i) {
-    const TriangleUvs& triangle = first.frame.geometry->uvs()[s.triangle[i]];
+    const TriangleUvs& triangle = first.geometry.uvs()[s.triangle[i]];
     const float u = s.u[i], v = s.v[i], w = 1 - u - v;
     for (int axis = 0; axis < 2; ++axis) {
       out[axis][i] = w * triangle.uv[0][axis] + u * triangle.uv[1][axis] + v * triangle.uv[2][axis];
@@ -68,7 +66,7 @@ void ReadUv(const FirstSurfaces& first, const AovColumns& out) {
 
 void ReadObjectId(const FirstSurfaces& first, const AovColumns& out) {
   for (std::uint32_t i = 0; i < first.count; ++i) {
-    out[0][i] = float(first.frame.geometry->MeshOf(first.surfaces.triangle[i]) + 1);
+    out[0][i] = float(first.geometry.MeshOf(first.surfaces.triangle[i]) + 1);
   }
 }
 
@@ -78,7 +76,7 @@ void ReadMaterialId(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
-constexpr float kFarAway = 1e10f;  // as Blender has it
+constexpr float kFarAway = 1e10f;  // as in Blender
 
 constexpr Aov kAovs[] = {
     {"albedo", "RGB", AovSum::kMeanOfHits, "reflectance, textures included", ReadAlbedo,

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -10,15 +9,13 @@ namespace skywave {
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   StartGroups(frame, range.count, film, w);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
       IntersectLights(frame, *rays, n, bounce, w, clock);
       break;

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 
@@ -27,9 +26,8 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
 
   // What camera rays see of lights themselves.
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
-  CountRays(w.stats, 0, range.count, w.paths.rows());
   if (film.has_aovs()) {
     IntersectSurfaces(frame, *rays, range.count, 0, /*only_delta=*/false, w, clock);
     KeepAovs(frame, 0, range.count, w, film, clock);
@@ -43,8 +41,6 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   EmitRays(frame, range.count, *rays, w, clock);
   std::uint32_t n = range.count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     ConnectSurfaces(frame, bounce, w, clock);
     SplatConnections(frame, bounce, w, film, clock);

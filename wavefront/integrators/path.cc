@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -14,8 +13,6 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
   const Departure* from = &first;
   const std::uint32_t paths = n;
   for (; n > 0; ++bounce, from = &own) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
       IntersectLights(frame, *rays, n, bounce, *from, w, clock);
       break;
@@ -33,7 +30,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
 
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, w.rays[0]);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, w.rays[0]);
   StartGroups(frame, range.count, film, w);
   clock.Lap(Stage::kGenerate);
   const std::uint32_t end =

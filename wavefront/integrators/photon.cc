@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "wavefront/integrators/integrator.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
@@ -14,15 +13,13 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   StartLightPaths(frame.options, first, count, w.paths);
-  std::fill_n(w.photon->history->queue, count, 0u);
+  std::fill_n(w.photon->history->met, count, 0u);
   EmitRays(frame, count, *rays, w, clock);
 
   // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
   const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     StorePhotons(wanted, bounce, w, lists, clock);
     if (bounce == frame.options.max_depth) break;
@@ -37,14 +34,12 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
 void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
 
   std::uint32_t n = range.count, bounce = 0;
   bool delta_rays = true;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth || !delta_rays) {
       IntersectLights(frame, *rays, n, bounce, w, clock);
       break;

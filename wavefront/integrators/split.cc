@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "wavefront/integrators/integrator.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -58,8 +57,9 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
   from.paths.r = c.direct->r, from.paths.g = c.direct->g, from.paths.b = c.direct->b;
   for (std::uint32_t index = 0; index < frame.options.split; ++index) {
     NumberContinuations(w.paths, paths, frame.options.split, index, c.wave.paths);
-    const std::uint32_t n = Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind,
-                                    bounce, c.wave.uniforms, c.wave.lobe, c.wave.rays[0]);
+    const std::uint32_t n =
+        Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind, bounce,
+                DirectionUniforms(c.wave.scratch), LobeUniforms(c.wave.scratch), c.wave.rays[0]);
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
     FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
@@ -73,15 +73,13 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   StageClock clock(w.stats);
   Continuations& c = *w.continuations;
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   StartContinuations(w.paths, range.count, c);
   clock.Lap(Stage::kGenerate);
 
   const FrameView of_continuations = frame.of_continuations();
   std::uint32_t n = range.count, bounce = 0;
   for (; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     if (bounce == frame.options.max_depth) {
       IntersectLights(frame, *rays, n, bounce, w, clock);
       break;

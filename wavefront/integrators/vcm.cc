@@ -2,7 +2,6 @@
 
 #include "wavefront/integrators/integrator.h"
 #include "wavefront/stages/bidirectional.h"
-#include "wavefront/stages/checks.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/merging.h"
 #include "wavefront/stages/path_stages.h"
@@ -19,8 +18,6 @@ void TraceVertexWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   LeaveLights(w.light->emission, count, b.light);
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    CheckRays(*rays, n);
-    CountRays(w.stats, bounce, n, w.paths.rows());
     IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
     ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, b.at);
     StoreVertices(bounce, w, list, clock);

@@ -11,32 +11,31 @@
 namespace skywave {
 namespace {
 
-// Light paths that say what others will store, and their first number: that of no pass, as samples
-// of a pixel end before.
+// These light paths tell what others will store. Their first number is that of no pass, because
+// samples of a pixel end before.
 constexpr std::uint64_t kPlanningPaths = 1 << 14,
                         kFirstPlanningPath = std::uint64_t{0xFFFFFFFF} << 32;
 
-// Merges blur light at edges, and connections find most of it without: half of the distance that
-// photons would be looked up within.
+// Merges blur light at edges, and connections find most of it without them: half of the distance
+// that photons would be looked up within is enough.
 constexpr float kMergedDistance = 0.5f;
 
 // Surfaces near each other are merged with the same light paths, so the noise of merges does not
-// average out over pixels as that of other ways does, and weights by densities alone think too much
-// of them (Grittmann, Yazici, Georgiev and Slusallek 2021). They count as so many of them.
+// average out over pixels as that of other techniques does, and weights by densities alone overrate
+// them (Grittmann, Georgiev and Slusallek 2021). They count as this share of their number.
 constexpr float kMergeWorth = 0.3f;
 
-// The vertices of light paths [first, first + count) of the frame, or of the first of them that
-// have `most` together.
+// Returns the vertices of light paths [first, first + count) of the frame, or of the first of them
+// that have `most` together.
 PhotonMap MapOfVertices(const FrameView& frame, std::uint64_t first, std::uint64_t count,
-                        std::uint64_t most, std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders) {
+                        std::uint64_t most, WorkerPool& pool) {
   const std::uint32_t max_depth = frame.options.max_depth;
   PhotonCollector caustic, vertices(std::min(most, count * max_depth), max_depth, true);
   const auto trace = [](const FrameView& view, std::uint64_t number, std::uint32_t paths,
                         Worker& worker, PhotonLists& lists) {
     TraceVertexWave(view, number, paths, worker, lists.indirect);
   };
-  CollectPhotons(frame, first, count, trace, caustic, vertices, workers, recorders);
+  CollectPhotons(frame, first, count, trace, caustic, vertices, pool);
   return PhotonMap(vertices.photons(), vertices.light_paths(), vertices.subpaths());
 }
 
@@ -47,18 +46,16 @@ float MergePlan::MergedArea(const PhotonPass& pass) const {
   return kMergeWorth * std::numbers::pi_v<float> * r * r * float(light_paths);
 }
 
-MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker>>& workers,
-                      std::vector<RayRecorder>* recorders) {
+MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
   const RenderOptions& options = frame.options;
   const PhotonOptions& wanted = options.photons;
   if (options.max_depth == 0) return {.light_paths = 0, .radius = 0};
   const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
   const std::uint64_t most = frame.light_paths() * samples;
   const std::uint64_t traced = std::min(most, kPlanningPaths);
-  const PhotonMap map =
-      MapOfVertices(frame, kFirstPlanningPath, traced, std::numeric_limits<std::uint64_t>::max(),
-                    workers, recorders);
-  const double vertices = double(map.size()) / double(traced);  // of a light path
+  const PhotonMap map = MapOfVertices(frame, kFirstPlanningPath, traced,
+                                      std::numeric_limits<std::uint64_t>::max(), pool);
+  const double vertices = double(map.size()) / double(traced);  // per light path
   MergePlan plan = {.light_paths = most, .radius = wanted.distance};
   if (vertices * double(most) > wanted.indirect) {
     plan.light_paths = std::uint64_t(std::ceil(wanted.indirect / vertices));
@@ -71,11 +68,10 @@ MergePlan PlanMerging(const FrameView& frame, std::vector<std::unique_ptr<Worker
 }
 
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders) {
+                        WorkerPool& pool) {
   const std::uint64_t first = std::uint64_t(pass.first_sample) << 32;
   PhotonMap map = MapOfVertices(frame, first, frame.eta_vcm > 0 ? plan.light_paths : 0,
-                                frame.options.photons.indirect, workers, recorders);
+                                frame.options.photons.indirect, pool);
   map.radius = plan.radius * pass.shrink;
   return map;
 }

@@ -5,25 +5,24 @@
 #include <algorithm>
 #include <cmath>
 
-#include "wavefront/flush_denormals.h"
-#include "wavefront/render.h"
-
 namespace skywave {
 namespace {
 
-// Light paths that are traced before anybody looks how full the maps are, and photons that they may
-// have stored by then.
+// So many light paths are traced before it is checked how full the maps are, and so many photons
+// may have been stored by then.
 constexpr std::uint64_t kLeastRound = 1 << 14, kMostHeld = 1 << 20;
 
-// Light paths that will most likely fill a harvest, by what `traced` ones have brought.
+// Returns the number of light paths that will most likely fill a collector, by the yield of
+// `traced` ones.
 double PathsToFill(const PhotonCollector& harvest, std::uint64_t traced) {
   const double missing = double(harvest.wanted() - harvest.size());
-  // A second round costs more than a few paths too many.
+  // A second round costs more than a few extra paths.
   return (missing + 2 * std::sqrt(missing)) * double(traced) / double(harvest.size() + 1);
 }
 
-// Light paths of the next round: until the first of those that are not full will be, since paths
-// are spared what nobody wants any more. Not more of the first ones than show what they bring.
+// Returns the number of light paths of the next round: until the first collector that is not full
+// will be, since paths are spared that nothing needs any more. The first round is short and shows
+// how much they yield.
 std::uint64_t PathsOfRound(const PhotonCollector& caustic, const PhotonCollector& indirect,
                            std::uint64_t traced, std::uint32_t max_depth) {
   const std::uint64_t most =
@@ -76,28 +75,19 @@ void PhotonCollector::Take(std::span<PhotonLists> waves, PhotonList PhotonLists:
 
 void CollectPhotons(const FrameView& frame, std::uint64_t first, std::uint64_t most,
                     const TraceLightPaths& trace, PhotonCollector& caustic,
-                    PhotonCollector& indirect, std::vector<std::unique_ptr<Worker>>& workers,
-                    std::vector<RayRecorder>* recorders) {
+                    PhotonCollector& indirect, WorkerPool& pool) {
   const std::uint32_t wave = frame.options.wave;
   for (std::uint64_t traced = 0; traced < most && !(caustic.full() && indirect.full());) {
     const std::uint64_t round =
         std::min(PathsOfRound(caustic, indirect, traced, frame.options.max_depth), most - traced);
     std::vector<PhotonLists> waves((round + wave - 1) / wave);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, waves.size(), 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          const FlushDenormals flush;
-          const std::size_t slot = OwnWorker(frame.options, workers);
-          FrameView view = frame;
-          view.tracer.recorder = recorders != nullptr ? &(*recorders)[slot] : nullptr;
-          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const std::uint64_t before = i * wave;
-            trace(view, first + traced + before,
-                  std::uint32_t(std::min<std::uint64_t>(wave, round - before)), *workers[slot],
-                  waves[i]);
-          }
-        },
-        tbb::simple_partitioner());
+    pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
+      FrameView view = frame;
+      view.tracer.recorder = recorder;
+      const std::uint64_t before = i * wave;
+      const auto count = std::uint32_t(std::min<std::uint64_t>(wave, round - before));
+      trace(view, first + traced + before, count, worker, waves[i]);
+    });
     caustic.Take(waves, &PhotonLists::caustic, traced, traced + round, wave);
     indirect.Take(waves, &PhotonLists::indirect, traced, traced + round, wave);
     traced += round;

@@ -11,7 +11,7 @@
 namespace skywave {
 namespace {
 
-// The strategy of camera paths may want many light samples or surfaces to draw them for.
+// The strategy of camera paths may need many light samples or surfaces to draw them for.
 FrameView LightPathView(const FrameView& frame) {
   FrameView view = frame;
   view.strategy = frame.emitter;
@@ -19,8 +19,8 @@ FrameView LightPathView(const FrameView& frame) {
   return view;
 }
 
-// The largest distance of a lookup where the user gives none. A search for the nearest ends by
-// itself where there are photons, so it is for the places where there are few.
+// Returns the largest distance of a lookup: the user's, or one by the map. A search for the nearest
+// ends by itself where there are photons, so this is for the places where there are few.
 float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
   constexpr float kSearch = 3;
   if (options.distance > 0) return options.distance;
@@ -30,6 +30,14 @@ float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
 }  // namespace
 
 bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
+
+void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
+  caustic += maps.caustic.size(), indirect += maps.indirect.size();
+  light_paths += std::max(maps.caustic.light_paths(), maps.indirect.light_paths());
+  bytes = std::max(bytes, maps.caustic.bytes() + maps.indirect.bytes());
+  radius = maps.indirect.radius, caustic_radius = maps.caustic.radius;
+  seconds += pass_seconds;
+}
 
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;
@@ -43,7 +51,7 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   const auto shrink = [&](std::uint32_t pass) {
     shrink2 *= (pass + 1 + double(options.photons.alpha)) / (pass + 2);
   };
-  // Where a pass is a sample, the passes of a range of samples are those of the whole.
+  // If a pass is a sample, the passes of a range of samples are those of the whole frame.
   if (each_sample) {
     for (std::uint32_t i = 0; i < options.first_sample; ++i) shrink(i);
   }
@@ -57,14 +65,13 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   return list;
 }
 
-PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
-                        std::vector<std::unique_ptr<Worker>>& workers,
-                        std::vector<RayRecorder>* recorders) {
+PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool) {
   const PhotonOptions& photons = frame.options.photons;
   const std::uint32_t max_depth = frame.options.max_depth;
-  // One set of photons for all samples, whichever of them are rendered, or one for each pass.
+  // There is one set of photons for all samples, whichever of them are rendered, or one for each
+  // pass.
   const std::uint64_t first = photons.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
-  // A photon that is no direct light at the surface that is seen has met one before.
+  // A photon that is not direct light at the visible surface has hit another one before.
   const bool any = max_depth >= 2;
   PhotonCollector caustic(any && HasCaustics(*frame.geometry) ? photons.caustic : 0, max_depth,
                           false);
@@ -77,7 +84,7 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass,
   };
   CollectPhotons(LightPathView(frame), first,
                  kMostPathsAPhoton * std::max(caustic.wanted(), indirect.wanted()), trace, caustic,
-                 indirect, workers, recorders);
+                 indirect, pool);
   PhotonMaps maps;
   const auto build = [&photons](PhotonCollector& collected, PhotonMap& map) {
     map = PhotonMap(collected.photons(), collected.light_paths());

@@ -4,9 +4,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 
+#include "base/clock.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/soa.h"
 
@@ -18,7 +18,7 @@ struct Batch {
   RayBatch batch;
 };
 
-// What a thread traces in, and what it finds.
+// A thread traces in these tables and counts what it finds.
 struct Scratch {
   explicit Scratch(std::uint32_t rows) : rays(rows), hits(rows) {}
   soa::Table<RayColumns> rays;
@@ -58,12 +58,12 @@ std::vector<Batch> BatchesOf(RayKind kind, bool occlusion,
   return batches;
 }
 
-// Seconds in Embree, the mean over the threads; adds the rays that hit something to `hits`. Only
-// the calls are timed: a render's rays come from the stage before and lie in the cache, so fetching
-// recorded ones from main memory is no part of the ceiling, and neither is counting hits.
+// Returns the seconds in Embree, the mean over the threads; adds the rays that hit something to
+// `hits`. Only the calls are timed: a render's rays come from the stage before and lie in the
+// cache, so fetching recorded ones from main memory is not part of the ceiling, and neither is
+// counting hits.
 double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
                      tbb::task_arena& arena, std::uint64_t& hits) {
-  using Clock = std::chrono::steady_clock;
   std::uint32_t rows = 1;
   for (const Batch& b : batches) rows = std::max(rows, b.batch.count);
   std::vector<std::unique_ptr<Scratch>> scratch(std::size_t(arena.max_concurrency()));
@@ -82,7 +82,7 @@ double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bo
       } else {
         TraceClosest(tracer, batches[i].batch.kind, mine.rays, n, mine.hits, keys);
       }
-      mine.seconds += std::chrono::duration<double>(Clock::now() - start).count();
+      mine.seconds += SecondsSince(start);
       mine.hit += occlusion ? CountOccluded(mine.rays, n) : CountHits(mine.hits, n);
     });
   });

@@ -1,0 +1,46 @@
+// The threads of a frame, and what each of them owns.
+#pragma once
+
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "wavefront/frame.h"
+#include "wavefront/rays/ray_recorder.h"
+#include "wavefront/stats.h"
+#include "wavefront/worker.h"
+
+namespace skywave {
+
+// An arena of threads, a worker for each thread that has had something to do, and, where rays are
+// kept for a replay, a recorder for each. A thread makes its worker itself, so that it is the first
+// one to touch the memory of the tables.
+class WorkerPool {
+ public:
+  // As many threads as `options` says, and workers with the tables of its integrator. `recorders`,
+  // if not null, gets one for each thread.
+  explicit WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders = nullptr);
+
+  // Runs `work` with the threads of the pool: whatever it does in parallel uses no others.
+  void Run(const std::function<void()>& work) { arena_.execute(work); }
+
+  // Calls work(i, worker, recorder) for every i of [0, count) in any order, with the worker of the
+  // thread and its recorder or null, denormals flushed to zero.
+  using Work = std::function<void(std::size_t i, Worker& worker, RayRecorder* recorder)>;
+  void ForEach(std::size_t count, const Work& work);
+
+  int threads() const { return arena_.max_concurrency(); }
+  // What all workers have counted.
+  RenderStats stats() const;
+
+ private:
+  RenderOptions options_;
+  tbb::task_arena arena_;
+  std::vector<std::unique_ptr<Worker>> workers_;  // by thread; null: it has had nothing to do
+  std::vector<RayRecorder>* recorders_;
+};
+
+}  // namespace skywave
