@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "job/resolve.h"
 #include "lights/maps/projections.h"
+#include "scene/reader.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_names.h"
 #include "wavefront/photons/photon_map.h"
@@ -150,13 +151,18 @@ bool TakesLightSamples(Integrator integrator) {
   return integrator == Integrator::kDirect || IsPhoton(integrator) || IsPath(integrator);
 }
 
+std::string_view SceneHelp() {
+  static const std::string help = "file that ends in " + SceneEndings() + ", or a built-in scene";
+  return help;
+}
+
 #define FIELD SKYWAVE_FIELD
 
 // One line an option. Help texts are half sentences; defaults are added to them.
 std::vector<JobOption> MakeJobOptions() {
   // clang-format off
   return {
-    Plain({.name = "scene", .help = "pbrt, OBJ, glTF or PLY file, or a built-in scene", .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
+    Plain({.name = "scene", .help = SceneHelp(), .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
           FIELD(scene), Texts("SCENE")),
     Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM)", .scope = kInput, .example = "--env map.exr"},
           FIELD(environment.path), Texts("MAP")),

@@ -4,6 +4,8 @@
 
 #include <cctype>
 #include <filesystem>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -23,27 +25,45 @@ std::string LowerCaseEnding(std::filesystem::path path) {
   return ending;
 }
 
-Scene SceneOfOneMesh(Mesh mesh, const std::string& path) {
-  Scene scene;
+Scene ReadPlyScene(const std::string& path, const ReadOptions&) {
+  Mesh mesh = ReadPly(path);
   mesh.name = path;
+  Scene scene;
   scene.materials.push_back({.name = "default"});
   scene.meshes.push_back(std::move(mesh));
   return scene;
 }
 
+struct SceneFormat {
+  std::string_view ending;  // in lower case; files may also be compressed, ENDING.gz
+  Scene (*read)(const std::string& path, const ReadOptions& options);
+};
+
+constexpr SceneFormat kFormats[] = {
+    {".pbrt", ReadPbrt}, {".obj", ReadObj},      {".gltf", ReadGltf},
+    {".glb", ReadGltf},  {".ply", ReadPlyScene},
+};
+
 }  // namespace
+
+std::string SceneEndings() {
+  std::string text;
+  for (const SceneFormat& format : kFormats) {
+    text += (text.empty() ? "" : &format == std::end(kFormats) - 1 ? " or " : ", ");
+    text += format.ending;
+  }
+  return text;
+}
 
 Scene ReadScene(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return BuiltinScene(path);
   const std::string ending = LowerCaseEnding(path);
-  if (ending == ".pbrt") return ReadPbrt(path, options);
-  if (ending == ".ply") return SceneOfOneMesh(ReadPly(path), path);
-  if (ending == ".obj") return ReadObj(path, options);
-  if (ending == ".gltf" || ending == ".glb") return ReadGltf(path, options);
-  throw InputError(
-      InputPosition::File(path),
-      fmt::format("scenes end in .pbrt, .obj, .gltf, .glb or .ply, not in '{}'", ending));
+  for (const SceneFormat& format : kFormats) {
+    if (format.ending == ending) return format.read(path, options);
+  }
+  throw InputError(InputPosition::File(path),
+                   fmt::format("scenes end in {}, not in '{}'", SceneEndings(), ending));
 }
 
 }  // namespace skywave

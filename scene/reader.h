@@ -15,4 +15,7 @@ namespace skywave {
 // file nor scene.
 Scene ReadScene(const std::string& path, const ReadOptions& options = {});
 
+// Returns the endings of the files that ReadScene reads, ".pbrt, .obj, ... or .ply".
+std::string SceneEndings();
+
 }  // namespace skywave

@@ -1,16 +1,17 @@
-// Columns that stages need for a moment, as views by name of what lies idle in the tables of a
-// wave.
+// Stages borrow the columns that they need for a moment: named views of columns that lie idle in
+// the tables of a wave.
 //
-// A view holds its columns for a scope; afterwards nothing is left of what they held
-// (kernels/borrowed.h). Views that are needed at the same time lie in different columns:
+// A view holds its columns for a scope; their values are lost afterwards (kernels/borrowed.h). Views that are needed at the same time lie in different columns:
 //
-//   lent by           views
-//   Scratch::first    FilmUniforms, MixtureUniforms, LightUniforms, DirectionUniforms,
-//   PixelUniforms Scratch::second   LensUniforms, LobeUniforms, AimUniforms; SplitRemainder (u),
-//   LightReach (v) Scratch::words    RayQueues, RayKeys Worker::hits      LightPlaces
-//   Worker::escaped   EmitterHits, EnvironmentDensities
-//   Worker::lights    ScatteredDirections
-//   Worker::surfaces  CameraRayPoints
+//   - Scratch::first lends FilmUniforms, MixtureUniforms, LightUniforms, DirectionUniforms and
+//     PixelUniforms;
+//   - Scratch::second lends LensUniforms, LobeUniforms and AimUniforms, or SplitRemainder (u) and
+//     LightReach (v);
+//   - Scratch::words lends RayQueues and RayKeys;
+//   - Worker::hits lends LightPlaces;
+//   - Worker::escaped lends EmitterHits and EnvironmentDensities;
+//   - Worker::lights lends ScatteredDirections;
+//   - Worker::surfaces lends CameraRayPoints.
 #pragma once
 
 #include <cstddef>

@@ -200,7 +200,7 @@ Command BenchCommand() {
   AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), {"aovs"});
   OptionInfo& scene = OptionCalled(command, "scene");
   scene.required = false;
-  scene.help = "pbrt, OBJ, glTF or PLY file, or a built-in scene (default: the suite)";
+  scene.printed_default = "the suite";
   OptionCalled(command, "spp").printed_default = "8";
   const auto options = Options();
   AddOptions(command, options, flags);

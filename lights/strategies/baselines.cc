@@ -34,4 +34,31 @@ void BsdfStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float,
   skywave::EvaluateEscaped(texels_.view(), {}, n, 0, rows);
 }
 
+StrategyFactory UniformFactory() {
+  return {"uniform",
+          "uniform over the sphere (baseline)",
+          {},
+          [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
+            return std::make_unique<UniformStrategy>(map);
+          }};
+}
+
+StrategyFactory CosineFactory() {
+  return {"cosine",
+          "cosine about the shading normal (baseline)",
+          {},
+          [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
+            return std::make_unique<CosineStrategy>(map);
+          }};
+}
+
+StrategyFactory BsdfFactory() {
+  return {"bsdf",
+          "BSDF sampling alone (baseline)",
+          {},
+          [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
+            return std::make_unique<BsdfStrategy>(map);
+          }};
+}
+
 }  // namespace skywave

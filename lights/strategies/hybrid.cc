@@ -194,4 +194,12 @@ HybridOptions ReadHybridOptions(const StrategyValues& values) {
   return options;
 }
 
+StrategyFactory HybridFactory() {
+  return {
+      "hybrid", "the bright part as lights, the rest at random (T 7.4)", HybridParameters(),
+      [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
+        return std::make_unique<HybridStrategy>(map, ReadHybridOptions(values));
+      }};
+}
+
 }  // namespace skywave

@@ -62,4 +62,15 @@ void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, fl
   skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, samples, rows);
 }
 
+StrategyFactory ImportanceFactory() {
+  static constexpr StrategyParameter kParameters[] = {
+      {"compensate", "0",
+       "share of the mean that the density leaves to BSDF sampling, 0 to 1: 1 / light samples"}};
+  return {
+      "importance", "2D inversion: density proportional to the map's luminance", kParameters,
+      [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
+        return std::make_unique<ImportanceStrategy>(map, NumberValue(values, "compensate", 0, 1));
+      }};
+}
+
 }  // namespace skywave

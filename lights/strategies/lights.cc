@@ -1,6 +1,7 @@
 #include "lights/strategies/lights.h"
 
 #include "kernels/lights/environment.h"
+#include "lights/light_sets/light_builder.h"
 
 namespace skywave {
 
@@ -38,6 +39,41 @@ void LightsStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
 void LightsStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float,
                                      const EscapeColumns& rows) const {
   skywave::EvaluateEscaped(texels_.view(), {}, n, 0, rows);
+}
+
+namespace {
+
+template <LightSource kSource>
+std::unique_ptr<EnvStrategy> MakeLights(const EnvironmentMap& map, const StrategyValues& values) {
+  LightOptions options = ReadLightOptions(values);
+  options.source = kSource;
+  return std::make_unique<LightsStrategy>(ToString(kSource), map, options, ReadPickAll(values));
+}
+
+std::span<const StrategyParameter> Parameters() {
+  static const std::vector<StrategyParameter> parameters = [] {
+    std::vector<StrategyParameter> all = {kPickParameter};
+    all.insert(all.end(), LightParameters().begin(), LightParameters().end());
+    return all;
+  }();
+  return parameters;
+}
+
+}  // namespace
+
+StrategyFactory MedianCutFactory() {
+  return {"median-cut", "directional lights of regions of equal energy (Debevec 2005)",
+          Parameters(), MakeLights<LightSource::kMedianCut>};
+}
+
+StrategyFactory VarianceCutFactory() {
+  return {"variance-cut", "directional lights of regions of least variance", Parameters(),
+          MakeLights<LightSource::kVarianceCut>};
+}
+
+StrategyFactory PenroseFactory() {
+  return {"penrose", "directional lights by the Penrose tiling (Ostromoukhov et al. 2004)",
+          Parameters(), MakeLights<LightSource::kPenrose>};
 }
 
 }  // namespace skywave

@@ -133,4 +133,16 @@ void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n
       });
 }
 
+StrategyFactory ProductFactory() {
+  static constexpr StrategyParameter kParameters[] = {
+      {"cells", "96", "number of cells that the map is cut into, up to 256"}};
+  return {
+      "product", "cells of the map picked by light times BSDF (Conty Estevez and Lecocq 2018)",
+      kParameters,
+      [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
+        return std::make_unique<ProductStrategy>(
+            map, IntValue(values, "cells", 1, int(kMaxProductCells)));
+      }};
+}
+
 }  // namespace skywave

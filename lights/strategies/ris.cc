@@ -113,4 +113,17 @@ void RisStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, fl
   }
 }
 
+StrategyFactory RisFactory() {
+  static constexpr StrategyParameter kParameters[] = {
+      {"map", "4", "candidates from the map, 1 to 256"},
+      {"bsdf", "1", "candidates from the BSDF, 0 to 256"}};
+  return {
+      "ris", "the best of several candidates from map and BSDF (Talbot et al. 2005)", kParameters,
+      [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
+        return std::make_unique<RisStrategy>(
+            map, CandidateCounts{.map = std::uint32_t(IntValue(values, "map", 1, 256)),
+                                 .bsdf = std::uint32_t(IntValue(values, "bsdf", 0, 256))});
+      }};
+}
+
 }  // namespace skywave

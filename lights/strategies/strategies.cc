@@ -4,142 +4,32 @@
 #include <charconv>
 
 #include "base/error.h"
-#include "lights/light_sets/light_builder.h"
-#include "lights/strategies/baselines.h"
-#include "lights/strategies/hybrid.h"
-#include "lights/strategies/importance.h"
-#include "lights/strategies/lights.h"
-#include "lights/strategies/product.h"
-#include "lights/strategies/ris.h"
 #include "lights/strategies/strategy.h"
-#include "lights/strategies/texels.h"
 
 namespace skywave {
+
+// The strategies, one line each, in the order in which they are listed. A file of this folder
+// defines NameFactory() and whatever it makes.
+#define SKYWAVE_STRATEGIES(STRATEGY) \
+  STRATEGY(Importance)               \
+  STRATEGY(Warp)                     \
+  STRATEGY(Alias)                    \
+  STRATEGY(Uniform)                  \
+  STRATEGY(Cosine)                   \
+  STRATEGY(Bsdf)                     \
+  STRATEGY(MedianCut)                \
+  STRATEGY(VarianceCut)              \
+  STRATEGY(Penrose)                  \
+  STRATEGY(Presampled)               \
+  STRATEGY(Product)                  \
+  STRATEGY(Ris)                      \
+  STRATEGY(Hybrid)
+
+#define SKYWAVE_DECLARE(name) StrategyFactory name##Factory();
+SKYWAVE_STRATEGIES(SKYWAVE_DECLARE)
+#undef SKYWAVE_DECLARE
+
 namespace {
-
-using Made = std::unique_ptr<EnvStrategy>;
-
-constexpr StrategyParameter kImportanceParameters[] = {
-    {"compensate", "0",
-     "share of the mean that the density leaves to BSDF sampling, 0 to 1: 1 / light samples"}};
-
-constexpr StrategyParameter kProductParameters[] = {
-    {"cells", "96", "number of cells that the map is cut into, up to 256"}};
-
-constexpr StrategyParameter kRisParameters[] = {
-    {"map", "4", "candidates from the map, 1 to 256"},
-    {"bsdf", "1", "candidates from the BSDF, 0 to 256"}};
-
-std::vector<StrategyParameter> WithLights(std::vector<StrategyParameter> parameters) {
-  parameters.insert(parameters.end(), LightParameters().begin(), LightParameters().end());
-  return parameters;
-}
-
-std::span<const StrategyParameter> LightsParameters() {
-  static const std::vector<StrategyParameter> parameters = WithLights({kPickParameter});
-  return parameters;
-}
-std::span<const StrategyParameter> PresampledParameters() {
-  static const std::vector<StrategyParameter> parameters = [] {
-    std::vector<StrategyParameter> all = WithLights(
-        {{"mode", "jittered", "fixed: the cell's light; jittered: a texel of it by importance"},
-         kFromParameter});
-    for (StrategyParameter& parameter : all) {
-      if (parameter.key == "lights") parameter = {"lights", "360", "number of cells"};
-    }
-    return all;
-  }();
-  return parameters;
-}
-
-template <LightSource kSource>
-Made MakeLightsStrategy(const EnvironmentMap& map, const StrategyValues& values) {
-  constexpr std::string_view kNames[] = {"penrose", "median-cut", "variance-cut"};
-  LightOptions options = ReadLightOptions(values);
-  options.source = kSource;
-  return std::make_unique<LightsStrategy>(kNames[int(kSource)], map, options, ReadPickAll(values));
-}
-
-Made MakeAlias(const EnvironmentMap& map, const StrategyValues&) {
-  return std::make_unique<CellStrategy>("alias", map, CellMap(map.latlong.rgb.size() / 3, 0), 1);
-}
-
-Made MakePresampled(const EnvironmentMap& map, const StrategyValues& values) {
-  constexpr std::string_view kModes[] = {"fixed", "jittered"};
-  LightOptions options = ReadLightOptions(values);
-  options.source = ReadLightSource(values);
-  if (ChoiceValue(values, "mode", kModes) == 0) {
-    return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
-  }
-  // The light that samples will find is cut into cells, so that every texel with light has one.
-  const Image held = Texels(map).Held();
-  const LightSet cells = BuildLights(MakeSphereMap(held), options);
-  // A black map has no cells: one that is all of it is sampled uniformly.
-  if (cells.lights.empty()) return MakeAlias(map, values);
-  return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,
-                                        std::uint32_t(cells.lights.size()));
-}
-
-const std::vector<StrategyFactory>& Table() {
-  static const std::vector<StrategyFactory> table = {
-      {"importance", "2D inversion: density proportional to the map's luminance",
-       kImportanceParameters,
-       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
-         return std::make_unique<ImportanceStrategy>(map, NumberValue(values, "compensate", 0, 1));
-       }},
-      {"warp",
-       "hierarchical warp down a pyramid of luminance",
-       {},
-       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
-         return std::make_unique<WarpStrategy>(map);
-       }},
-      {"alias", "one alias table over all texels (loses stratification)", {}, MakeAlias},
-      {"uniform",
-       "uniform over the sphere (baseline)",
-       {},
-       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
-         return std::make_unique<UniformStrategy>(map);
-       }},
-      {"cosine",
-       "cosine about the shading normal (baseline)",
-       {},
-       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
-         return std::make_unique<CosineStrategy>(map);
-       }},
-      {"bsdf",
-       "BSDF sampling alone (baseline)",
-       {},
-       [](const EnvironmentMap& map, const StrategyValues&) -> Made {
-         return std::make_unique<BsdfStrategy>(map);
-       }},
-      {"median-cut", "directional lights of regions of equal energy (Debevec 2005)",
-       LightsParameters(), MakeLightsStrategy<LightSource::kMedianCut>},
-      {"variance-cut", "directional lights of regions of least variance", LightsParameters(),
-       MakeLightsStrategy<LightSource::kVarianceCut>},
-      {"penrose", "directional lights by the Penrose tiling (Ostromoukhov et al. 2004)",
-       LightsParameters(), MakeLightsStrategy<LightSource::kPenrose>},
-      {"presampled", "cells of the map, picked by energy (T 7.3)", PresampledParameters(),
-       MakePresampled},
-      {"product", "cells of the map picked by light times BSDF (Conty Estevez and Lecocq 2018)",
-       kProductParameters,
-       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
-         return std::make_unique<ProductStrategy>(
-             map, IntValue(values, "cells", 1, int(kMaxProductCells)));
-       }},
-      {"ris", "the best of several candidates from map and BSDF (Talbot et al. 2005)",
-       kRisParameters,
-       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
-         return std::make_unique<RisStrategy>(
-             map, CandidateCounts{.map = std::uint32_t(IntValue(values, "map", 1, 256)),
-                                  .bsdf = std::uint32_t(IntValue(values, "bsdf", 0, 256))});
-       }},
-      {"hybrid", "the bright part as lights, the rest at random (T 7.4)", HybridParameters(),
-       [](const EnvironmentMap& map, const StrategyValues& values) -> Made {
-         return std::make_unique<HybridStrategy>(map, ReadHybridOptions(values));
-       }},
-  };
-  return table;
-}
 
 [[noreturn]] void ThrowUsage(const std::string& reason) {
   throw InputError(InputPosition::File("--strategy"), reason, kExitUsage);
@@ -172,7 +62,12 @@ StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text
 
 }  // namespace
 
-std::span<const StrategyFactory> Strategies() { return Table(); }
+std::span<const StrategyFactory> Strategies() {
+#define SKYWAVE_MAKE(name) name##Factory(),
+  static const StrategyFactory strategies[] = {SKYWAVE_STRATEGIES(SKYWAVE_MAKE)};
+#undef SKYWAVE_MAKE
+  return strategies;
+}
 
 bool CanEmit(const EnvStrategy& strategy) {
   const LightPlan plan = strategy.Plan(1);

@@ -5,7 +5,9 @@
 #include <cassert>
 #include <cmath>
 
+#include "lights/light_sets/light_builder.h"
 #include "lights/strategies/importance.h"
+#include "lights/strategies/lights.h"
 
 namespace skywave {
 namespace {
@@ -134,6 +136,63 @@ void CellStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, st
 void CellStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, float samples,
                                    const EscapeColumns& rows) const {
   skywave::EvaluateEscaped(texels_.view(), {.table = sampler_.density().data()}, n, samples, rows);
+}
+
+StrategyFactory WarpFactory() {
+  return {"warp",
+          "hierarchical warp down a pyramid of luminance",
+          {},
+          [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
+            return std::make_unique<WarpStrategy>(map);
+          }};
+}
+
+namespace {
+
+std::unique_ptr<EnvStrategy> MakeAlias(const EnvironmentMap& map, const StrategyValues&) {
+  return std::make_unique<CellStrategy>("alias", map, CellMap(map.latlong.rgb.size() / 3, 0), 1);
+}
+
+std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
+                                            const StrategyValues& values) {
+  constexpr std::string_view kModes[] = {"fixed", "jittered"};
+  LightOptions options = ReadLightOptions(values);
+  options.source = ReadLightSource(values);
+  if (ChoiceValue(values, "mode", kModes) == 0) {
+    return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
+  }
+  // The light that samples will find is cut into cells, so that every texel with light has one.
+  const Image held = Texels(map).Held();
+  const LightSet cells = BuildLights(MakeSphereMap(held), options);
+  // A black map has no cells: one that is all of it is sampled uniformly.
+  if (cells.lights.empty()) return MakeAlias(map, values);
+  return std::make_unique<CellStrategy>("presampled", map, cells.cell_of_texel,
+                                        std::uint32_t(cells.lights.size()));
+}
+
+std::span<const StrategyParameter> PresampledParameters() {
+  static const std::vector<StrategyParameter> parameters = [] {
+    std::vector<StrategyParameter> all = {
+        {"mode", "jittered", "fixed: the cell's light; jittered: a texel of it by importance"},
+        kFromParameter};
+    all.insert(all.end(), LightParameters().begin(), LightParameters().end());
+    for (StrategyParameter& parameter : all) {
+      if (parameter.key == "lights") parameter = {"lights", "360", "number of cells"};
+    }
+    return all;
+  }();
+  return parameters;
+}
+
+}  // namespace
+
+StrategyFactory AliasFactory() {
+  return {"alias", "one alias table over all texels (loses stratification)", {}, MakeAlias};
+}
+
+StrategyFactory PresampledFactory() {
+  return {"presampled", "cells of the map, picked by energy (T 7.3)", PresampledParameters(),
+          MakePresampled};
 }
 
 }  // namespace skywave
