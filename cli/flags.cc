@@ -31,4 +31,27 @@ std::string Quoted(const std::string& text) {
   return quoted + "'";
 }
 
+std::string SpellFlags(std::string_view text) {
+  std::string spelled;
+  bool mention = false;
+  for (const char c : text) {
+    if (c != '`') {
+      spelled += c;
+    } else if (mention = !mention; mention) {
+      spelled += "--";
+    }
+  }
+  return spelled;
+}
+
+std::string Message(const OptionError& error) {
+  std::string flags;
+  for (const OptionValue& option : error.options()) {
+    if (!flags.empty()) flags += ' ';
+    flags += "--" + option.name;
+    if (!option.value.empty()) flags += ' ' + option.value;
+  }
+  return flags + ": " + SpellFlags(error.why());
+}
+
 }  // namespace skywave

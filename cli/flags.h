@@ -3,6 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <string_view>
+
+#include "base/error.h"
 
 namespace skywave {
 
@@ -11,6 +14,12 @@ CLI::Validator FiniteNumber(double low, double high);
 
 // `text` as one word of a shell command.
 std::string Quoted(const std::string& text);
+
+// `text` with its mentions of options (OptionError) spelled as flags.
+std::string SpellFlags(std::string_view text);
+
+// "--photons 0 --caustic-photons 0: why"
+std::string Message(const OptionError& error);
 
 // A flag whose text is turned into a value by a parser that returns an optional.
 template <class Value, class Parse>

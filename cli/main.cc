@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "cli/commands.h"
+#include "cli/flags.h"
 
 int main(int argc, char** argv) {
   CLI::App program{
@@ -29,6 +30,9 @@ int main(int argc, char** argv) {
   }
   try {
     return run();
+  } catch (const skywave::OptionError& error) {
+    fmt::print(stderr, "skywave: {}\n", skywave::Message(error));
+    return error.exit_code();
   } catch (const skywave::InputError& error) {
     fmt::print(stderr, "skywave: {}\n", error.what());
     return error.exit_code();

@@ -142,7 +142,7 @@ const std::vector<StrategyFactory>& Table() {
 }
 
 [[noreturn]] void ThrowUsage(const std::string& reason) {
-  throw InputError(InputPosition::File("--strategy"), reason, kExitUsage);
+  throw OptionError("strategy", "", reason);
 }
 
 // Splits "key=value,key=value" and completes it by defaults.
