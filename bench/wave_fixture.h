@@ -10,7 +10,7 @@
 #include "kernels/partition.h"
 #include "kernels/surface/surface.h"
 #include "wavefront/flush_denormals.h"
-#include "wavefront/integrators/integrator.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/stages/stages.h"
 
 namespace skywave {

@@ -130,13 +130,15 @@ void AddPhotonFlags(CLI::App& command, PhotonOptions& p) {
 
 std::string PhotonFlags(const RenderOptions& options) {
   const PhotonOptions& p = options.photons;
-  const bool merges = options.integrator == Integrator::kVcm;
+  const IntegratorDescriptor& integrator = Describe(options.integrator);
   std::string text = fmt::format(" --photons {}", p.indirect);
-  if (!merges) text += fmt::format(" --caustic-photons {} --gather {}", p.caustic, p.gather);
+  if (integrator.stores == StoredLight::kPhotons) {
+    text += fmt::format(" --caustic-photons {} --gather {}", p.caustic, p.gather);
+  }
   text += fmt::format(" --photon-neighbors {} --photon-distance {} --photon-kernel {}", p.neighbors,
                       p.distance, ToString(p.kernel));
   if (p.passes > 0) text += fmt::format(" --progressive {}", p.passes);
-  if (p.progressive() || (merges && p.passes == 0)) {
+  if (p.progressive() || (integrator.pass_each_sample && p.passes == 0)) {
     text += fmt::format(" --progressive-alpha {}", p.alpha);
   }
   return text;
@@ -204,7 +206,7 @@ void AddJobFlags(CLI::App& command, JobRequest& r) {
   command.add_option("--spp", r.samples_per_pixel, "samples a pixel (default: the scene's, or 64)")
       ->check(CLI::Range(1, 1 << 24));
   AddParsed(command, "--integrator", "what is computed (default: the scene's, or path)",
-            "direct|path|light|bdpt|photon|vcm", r.integrator, Parse<Integrator>);
+            Choices<Integrator>(), r.integrator, Parse<Integrator>);
   AddParsed(command, "--paths",
             "bdpt: only paths of S vertices from the light and T from the eye; with --no-mis their "
             "weight is 1",
@@ -266,10 +268,11 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   if (cropped) {
     text += fmt::format(" --crop {}x{}+{}+{}", o.width, o.height, o.crop_x, o.crop_y);
   }
-  if (o.integrator == Integrator::kDirect || o.integrator == Integrator::kPhoton || o.split > 0) {
+  const IntegratorDescriptor& integrator = Describe(o.integrator);
+  if (integrator.light_samples == LightSamples::kRequested || o.split > 0) {
     text += fmt::format(" --light-samples {}", o.light_samples);
   }
-  if (HasPhotons(o.integrator)) text += PhotonFlags(o);
+  if (integrator.has_photons()) text += PhotonFlags(o);
   if (o.split > 0) text += fmt::format(" --split {}", o.split);
   if (!r.continuation_strategy.empty()) {
     text += " --continuation-strategy " + Quoted(r.continuation_strategy);
@@ -279,7 +282,7 @@ std::string SceneFlags(const JobRequest& r, const RenderOptions& o) {
   if (o.subpath_lengths)
     text += fmt::format(" --paths {},{}", o.subpath_lengths->light, o.subpath_lengths->eye);
   if (!o.mis) text += " --no-mis";
-  if (o.guide && HasLightPaths(o.integrator)) text += " --guide";
+  if (o.guide && integrator.has_light_paths()) text += " --guide";
   if (!r.embree_config.empty()) text += " --embree-config " + Quoted(r.embree_config);
   return text;
 }

@@ -14,7 +14,6 @@
 #include "scene/reader.h"
 #include "scene/shapes/ground.h"
 #include "wavefront/option_checks.h"
-#include "wavefront/photons/photon_pass.h"
 
 namespace skywave {
 namespace {
@@ -54,7 +53,8 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
     throw InputError(InputPosition::File("--strategy " + specification),
                      "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
   }
-  if (HasSplats(options.integrator) && environment && !CanEmit(*strategy)) {
+  if (Describe(options.integrator).light_paths == LightPaths::kStrategy && environment &&
+      !CanEmit(*strategy)) {
     throw InputError(InputPosition::File("--strategy " + specification),
                      fmt::format("no light path can start with its samples, as --integrator {} "
                                  "needs it: use importance, alias, warp, uniform, presampled, or "
@@ -195,7 +195,8 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   }
   options_.integrator = request.integrator.value_or(
       Parse<Integrator>(said.integrator.value_or("")).value_or(options_.integrator));
-  if (said.photons_each_sample && options_.integrator == Integrator::kPhoton) {
+  const IntegratorDescriptor& integrator = Describe(options_.integrator);
+  if (said.photons_each_sample && integrator.has_photons() && !integrator.pass_each_sample) {
     PhotonOptions& photons = options_.photons;
     if (photons.passes == 0) photons.passes = options_.samples_per_pixel;
     if (photons.distance <= 0) photons.distance = said.photon_distance.value_or(0);
@@ -284,11 +285,11 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
     continuation_strategy_ =
         MakeUsableStrategy(request.continuation_strategy, map_, has_environment(), options_);
   }
-  if (options_.integrator == Integrator::kPhoton && has_environment() && !CanEmit(*strategy_)) {
+  if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(*strategy_)) {
     emitter_ = MakeStrategy("importance", map_);
   }
   times_.tables = SecondsSince(tables_start);
-  if (options_.guide && HasLightPaths(options_.integrator) && !has_environment()) {
+  if (options_.guide && integrator.has_light_paths() && !has_environment()) {
     notes_.push_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
@@ -300,7 +301,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
 
 // Throws InputError where no light path can start or is merged with everything.
 void RenderJob::CheckLightPaths(Integrator integrator) const {
-  if (!HasLightPaths(integrator)) return;
+  if (!Describe(integrator).has_light_paths()) return;
   if (!(brightest_ > 0)) {
     throw InputError(InputPosition::File(scene_name_),
                      "nothing shines: the map is black and there are no lights, so no light path "
@@ -312,22 +313,7 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
         fmt::format("its bounds, of radius {}, are no place for light paths; use --integrator path",
                     sphere_.radius));
   }
-  const PhotonOptions& photons = options_.photons;
-  if (integrator == Integrator::kPhoton && photons.indirect == 0 && !HasCaustics(*geometry_)) {
-    throw InputError(
-        InputPosition::File("--photons 0"),
-        "without mirrors and glass there are no caustics, so --integrator photon would "
-        "store nothing; for direct light alone use --integrator direct",
-        kExitUsage);
-  }
-  if (integrator == Integrator::kVcm && photons.distance > sphere_.radius) {
-    throw InputError(
-        InputPosition::File(fmt::format("--photon-distance {}", photons.distance)),
-        fmt::format("--integrator vcm would merge what is farther apart than half of the scene, "
-                    "whose radius is {}",
-                    sphere_.radius),
-        kExitUsage);
-  }
+  if (const auto check = Describe(integrator).check_scene) check(options_, *geometry_, sphere_);
 }
 
 FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
@@ -336,7 +322,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
   const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
                                      : emitter_        ? emitter_.get()
                                                        : strategy_.get();
-  assert(!HasLightPaths(integrator) || !has_environment() || CanEmit(*emitter));
+  assert(!Describe(integrator).has_light_paths() || !has_environment() || CanEmit(*emitter));
   return {.options = options,
           .geometry = geometry_.get(),
           .strategy = &strategy,
@@ -381,7 +367,7 @@ Film RenderJob::MakeFilm(Integrator integrator) const {
       int(camera_.height),
       {options_.crop_x - int(camera_.first_column), options_.crop_y - int(camera_.first_row),
        options_.width, options_.height}};
-  return Film(area, brightest_, options_.aovs, world_extent_, HasSplats(integrator),
+  return Film(area, brightest_, options_.aovs, world_extent_, Describe(integrator).has_splats,
               light_groups_.names);
 }
 

@@ -322,11 +322,11 @@ EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCount
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * pilot.options.samples_per_pixel;
   const std::uint64_t wave = pilot.options.wave;
-  // Light that a surface gets at once and shows to the eye is what light samples find; only `light`
-  // has none.
-  const PilotQuestion question = {
-      .radiance = radiance,
-      .least_surfaces = frame.options.integrator == Integrator::kLight ? 1u : 2u};
+  // Light that a surface gets at once and shows to the eye is what light samples find, where
+  // there are any.
+  const LightSamples samples_taken = Describe(frame.options.integrator).light_samples;
+  const PilotQuestion question = {.radiance = radiance,
+                                  .least_surfaces = samples_taken == LightSamples::kNone ? 1u : 2u};
   std::vector<std::vector<GuideSample>> waves((total + wave - 1) / wave);
   pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
     const RenderStats stats = worker.stats;
