@@ -1,8 +1,8 @@
-// The one way in which bad input is reported: a file, flag or map of the user that cannot be used.
+// The only mechanism for reporting bad input: a file, flag or map of the user that cannot be used.
 //
-// Readers and table builders throw InputError; the command line catches it, prints
-// "path:line: reason" and ends with kExitBadInput. Broken invariants of the program itself are
-// asserts, never InputErrors. Nothing in kernels/ and wavefront/ throws.
+// Readers and table builders throw InputError; the command line catches it, prints "path:line:
+// reason" and exits with kExitBadInput. Broken invariants of the program itself are asserts, never
+// InputErrors. Nothing in kernels/ and wavefront/ throws.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ inline constexpr int kExitUsage = 64;     // a flag or argument that makes no se
 inline constexpr int kExitBadInput = 65;  // a file that cannot be used (EX_DATAERR)
 inline constexpr int kExitIo = 74;        // a file that cannot be read or written (EX_IOERR)
 
-// Where in the input the trouble is. Text formats give a line, binary formats a byte offset.
+// The position of an error in the input. Text formats give a line, binary formats a byte offset.
 struct InputPosition {
   std::string path;
   std::size_t line = 0;    // 1-based; 0: unknown
@@ -32,12 +32,12 @@ struct InputPosition {
   }
 };
 
-// "scene.pbrt:12", "map.hdr (byte 345)" or the plain path.
+// Returns "scene.pbrt:12", "map.hdr (byte 345)" or the plain path.
 std::string ToString(const InputPosition& position);
 
 class InputError : public std::runtime_error {
  public:
-  // `reason` says what is wrong and, where it is not obvious, what to do.
+  // `reason` names the error and, where it is not obvious, the remedy.
   InputError(const InputPosition& position, const std::string& reason,
              int exit_code = kExitBadInput);
   int exit_code() const { return exit_code_; }

@@ -24,7 +24,7 @@ using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
   throw InputError(InputPosition::File(path), reason, kExitIo);
 }
 
-// Something that is written into, not replaced: a terminal, a pipe, /dev/null.
+// Returns true for files that are written into rather than replaced: a terminal, a pipe, /dev/null.
 bool IsSpecial(const std::string& path) {
   std::error_code ignored;
   return std::filesystem::exists(path, ignored) &&
@@ -32,7 +32,7 @@ bool IsSpecial(const std::string& path) {
          !std::filesystem::is_directory(path, ignored);
 }
 
-// The file that a link stands for, so that the link survives.
+// Returns the file that a link points to, so that the link survives.
 std::string Target(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_symlink(path, error)) return path;
@@ -61,7 +61,7 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes) {
   const FileHandle file(std::fopen(path.c_str(), "rb"));
   if (!file) ThrowIo(path, std::string("cannot be opened: ") + std::strerror(errno));
   std::string bytes;
-  // At once, where the size is known: growing would hold large files twice.
+  // The buffer is reserved at once if the size is known; growing it would hold large files twice.
   const auto size = std::filesystem::file_size(path, ignored);
   if (!ignored && size <= max_bytes) bytes.reserve(size);
   char chunk[1 << 16];

@@ -13,7 +13,7 @@ namespace {
 
 struct Inflation {
   z_stream stream = {};
-  Inflation() { inflateInit2(&stream, 16 + MAX_WBITS); }  // 16: gzip, not zlib
+  Inflation() { inflateInit2(&stream, 16 + MAX_WBITS); }  // 16 selects gzip instead of zlib
   ~Inflation() { inflateEnd(&stream); }
 };
 

@@ -1,4 +1,4 @@
-// Files that may be gzip-compressed (RFC 1952): pbrt scenes and PLY meshes are often kept so.
+// Unpacks gzip-compressed files (RFC 1952), a common form of pbrt scenes and PLY meshes.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 
 namespace skywave {
 
-// The bytes themselves, unpacked if they begin as gzip does; members that follow each other are
-// joined. Throws InputError with the byte offset if they are cut or corrupt, or unpack to more than
-// `max_bytes`. `path` is for messages.
+// Returns the bytes, unpacked if they begin with the gzip signature; consecutive members are
+// concatenated. Throws InputError with the byte offset if they are truncated or corrupt, or unpack
+// to more than `max_bytes`. `path` appears in messages.
 std::string Gunzip(std::string bytes, const std::string& path,
                    std::size_t max_bytes = std::size_t{8} << 30);
 

@@ -1,7 +1,7 @@
-// The engine against the tests' oracle, a plain depth-first path tracer (tests/support/oracle.h),
-// on built-in scenes and equal threads: how much the wavefront is worth. Each iteration renders
-// once with each, so that a slow minute slows both; counters are medians over the iterations, the
-// ratio is that of pairs. SKYWAVE_BENCH_THREADS chooses the threads (default: all).
+// Compares the engine with the tests' oracle, a plain depth-first path tracer
+// (tests/support/oracle.h), on built-in scenes with equal threads: the ratio shows the benefit of
+// the wavefront. Each iteration renders once with each, so that a slow minute affects both;
+// counters are medians over the iterations, and the ratio is taken per pair.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

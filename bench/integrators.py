@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Which integrator wins where: `skywave converge` on built-in scenes, one table of Markdown.
+"""Shows which integrator is best where: `skywave converge` on built-in scenes, as a Markdown table.
 
     bench/integrators.py [--program build/release/skywave] [-o FOLDER] [--time SECONDS] ...
 
-Every scene stands for a kind of light transport. All integrators get the same time; the table has
-error and time of `path` and, for the others, error times time of `path` over their own: how many
-times less work the same error takes, where all of the error is noise. Where a bias is found, that
-is the share of the squared error that more samples do not remove. References are of the unbiased
-integrator that has less noise there. --sheet also renders what each had at the end, a row a scene, a
-column an integrator, as sheet.png. Standard library only.
+Every scene represents a kind of light transport. All integrators get the same time. The table gives
+error and time of `path` and, for the others, error times time of `path` over their own: the factor
+by which less work gives the same error, provided that all of the error is noise. If a bias is
+found, its share of the squared error, which more samples do not remove, is given. References come
+from the unbiased integrator with less noise in that scene. --sheet also renders the final picture
+of each as sheet.png, with one row per scene and one column per integrator. Needs the standard
+library only.
 """
 
 import argparse
@@ -28,13 +29,13 @@ SCENES = {
     "lamps": "small lamps in a room",
     "many-materials": "every BSDF, open",
 }
-# What their references are made by.
+# These integrators compute the references.
 REFERENCE = {"room": "bdpt", "three-spheres": "bdpt", "lamps": "bdpt"}
 INTEGRATORS = ["path", "light", "bdpt", "photon", "vcm"]
 
 
 def call(arguments, command, scene, *flags):
-    """The program on one of the scenes."""
+    """Calls the program for one of the scenes."""
     common = ["-q", "--size", arguments.size, "--max-depth", str(arguments.depth)]
     if arguments.guide:
         common.append("--guide")
@@ -51,7 +52,7 @@ def converge(arguments, scene, file):
 
 
 def picture(arguments, scene, contestant):
-    """What a contestant had at the end of its time."""
+    """Renders the final picture of a contestant."""
     name = contestant["integrator"]
     file = arguments.output / f"{scene}-{name}.exr"
     call(arguments, "render", scene, "--integrator", name,
@@ -60,7 +61,7 @@ def picture(arguments, scene, contestant):
 
 
 def cell(first, other):
-    """Of two lists of budgets, by their last ones."""
+    """Returns a cell from two lists of budgets, using their last ones."""
     path, last = first["budgets"][-1], other["budgets"][-1]
     text = f"{path['error'] * path['seconds'] / (last['error'] * last['seconds']):.2g}"
     if last["biased"]:

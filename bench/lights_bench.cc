@@ -1,4 +1,4 @@
-// Times to build the tables of the light strategies, on a map with a sun.
+// Times the building of the light strategies' tables on a map with a sun.
 
 #include <benchmark/benchmark.h>
 
@@ -17,7 +17,7 @@
 namespace skywave {
 namespace {
 
-// Smooth sky and ground, texture over two orders of magnitude, a sun of 3 x 3 texels.
+// Returns a smooth sky and ground, texture over two orders of magnitude, and a sun of 3 x 3 texels.
 const Image& TestMap(int width) {
   static Image image;
   if (image.width == width) return image;
@@ -149,7 +149,7 @@ BENCHMARK(BM_Clustering)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-// All tables of a strategy with its defaults, the packed map among them.
+// Builds all tables of a strategy with its defaults, including the packed map.
 void BM_Strategy(benchmark::State& state, const std::string& name) {
   const EnvironmentMap map = {TestMap(int(state.range(0))), {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   for (auto _ : state) benchmark::DoNotOptimize(MakeStrategy(name, map));

@@ -1,5 +1,5 @@
-// Photon maps: photons traced a second, trees built, queries answered a second
-// (photon_scaling_bench.cc: on one thread and on several).
+// Measures photon maps: photons traced, trees built and queries answered per second
+// (photon_scaling_bench.cc compares one thread with several).
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -22,7 +22,8 @@ const PointTree& KeptTree(std::size_t count, bool caustic) {
   return at->second;
 }
 
-// Where six sides with even photons have so many within it.
+// Returns the radius of a disk that holds `neighbors` of `count` photons spread evenly over six
+// sides.
 float EvenRadius(std::size_t count, std::uint32_t neighbors) {
   return std::sqrt(6 * float(neighbors) / (3.14159265f * float(count)));
 }
@@ -90,7 +91,7 @@ BENCHMARK(Range)
     ->ArgNames({"photons", "neighbors"})
     ->ArgsProduct({{100000, 1000000, 10000000}, {50}});
 
-// The first pass of a frame, trees included; an item is a stored photon.
+// Runs the first pass of a frame, trees included; an item is a stored photon.
 void TracePass(benchmark::State& state, const char* scene) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;

@@ -18,8 +18,8 @@ struct Points {
   std::vector<float> axes[3];
 };
 
-// On the six sides of a cube of side 1; with `caustic`, every other one in a disk of 1/5000 of that
-// area.
+// Returns points on the six sides of a cube of side 1; with `caustic`, every other point lies in a
+// disk of 1/5000 of that area.
 inline Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -39,7 +39,7 @@ inline Points MakePoints(std::size_t count, bool caustic, unsigned seed) {
   return points;
 }
 
-// The tree of points, each with its place as its number.
+// Builds the tree of points, with the index of each as its number.
 inline PointTree TreeOf(const Points& points) {
   const std::size_t count = points.axes[0].size();
   const auto of = std::make_unique_for_overwrite<TreePoint[]>(count);

@@ -1,9 +1,9 @@
-// Photon maps on one thread and on several: what both do a second, and the ratio.
+// Measures photon maps on one thread and on several: rates of both, and the ratio.
 //
 //   photon_scaling_bench [repetitions = 5] [threads = all]
 //
 // A repetition measures every work on one thread, on all, on all and on one, so that a machine that
-// becomes slower meanwhile is unfair to neither; rates are of the median time. Exit code 64: usage.
+// becomes slower meanwhile is fair to both; rates use the median time. Exit code 64: usage.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -28,13 +28,13 @@ namespace {
 
 constexpr std::uint32_t kPoints = 1000000, kQueries = 1 << 19, kNeighbors = 50, kBlock = 16;
 
-// Done by the threads of the arena that it is called in; returns the number of items.
+// Work done by the threads of the calling arena; `run` returns the number of items.
 struct Work {
   std::string name;
   std::function<std::uint64_t(int threads)> run;
 };
 
-// Light paths traced, photons sorted, trees built.
+// Traces light paths, sorts photons and builds trees.
 Work TracePass(const char* scene) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
@@ -61,7 +61,7 @@ Work BuildTree(const Points& points) {
 
 Work FindNeighbors(const PointTree& tree, const Points& queries) {
   return {"50 nearest of 1e6 [queries]", [&tree, &queries](int) {
-            const float distance = 0.02f;  // three times what 50 photons take
+            const float distance = 0.02f;  // three times the radius that holds 50 photons
             tbb::parallel_for(
                 tbb::blocked_range<std::uint32_t>(0, kQueries, 1 << 12),
                 [&](const auto& range) {
@@ -78,7 +78,7 @@ Work FindNeighbors(const PointTree& tree, const Points& queries) {
           }};
 }
 
-// Both passes of a frame.
+// Renders both passes of a frame: photons and camera.
 Work RenderPass(const char* scene, std::uint32_t gather) {
   JobRequest request;
   request.integrator = Integrator::kPhoton;
@@ -120,7 +120,7 @@ int Main(int repetitions, int threads) {
   for (const Work& work : works) {
     std::vector<double> of_one, of_all;
     std::uint64_t items = 0;
-    Seconds(work, threads, items);  // touches memory
+    Seconds(work, threads, items);  // touches the memory before anything is timed
     for (int i = 0; i < repetitions; ++i) {
       of_one.push_back(Seconds(work, 1, items));
       of_all.push_back(Seconds(work, threads, items));

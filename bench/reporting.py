@@ -1,10 +1,10 @@
-"""What the reports of bench/reproduce and bench/peers share."""
+"""Shared by the reports of bench/reproduce and bench/peers."""
 
 from pathlib import Path
 
 
 def number(value, digits=3):
-    """Text of a figure; nothing for None, no exponents where there is a number to write."""
+    """Formats a figure; nothing for None, and no exponent if the number can be written out."""
     if value is None:
         return ""
     text = f"{value:.{digits}g}"
@@ -12,7 +12,7 @@ def number(value, digits=3):
 
 
 def lines_of_table(header, rows, right_from):
-    """Markdown; columns from `right_from` on stand to the right."""
+    """Formats a Markdown table; columns from `right_from` on are right-aligned."""
     marks = ["---" if i < right_from else "---:" for i in range(len(header))]
     return ["| " + " | ".join(cells) + " |" for cells in [header, marks, *rows]]
 

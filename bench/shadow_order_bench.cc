@@ -1,6 +1,7 @@
-// Shadow rays of directional lights in two orders: all surfaces of a wave towards one light, then
-// the next light (as the integrators walk them), or all lights of a surface, then the next surface.
-// The same rays, in streams of the same length. SKYWAVE_BENCH_* choose scene and map.
+// Traces shadow rays of directional lights in two orders: all surfaces of a wave towards one light,
+// then the next light (the order of the integrators), or all lights of a surface, then the next
+// surface. The rays are the same, in streams of the same length. SKYWAVE_BENCH_* choose scene and
+// map.
 #include <benchmark/benchmark.h>
 
 #include <limits>
@@ -23,9 +24,7 @@ struct ShadowRays {
     std::vector<std::vector<Vector>> directions(plan.fixed, std::vector<Vector>(n));
     std::vector<std::vector<bool>> open(plan.fixed, std::vector<bool>(n));
     for (std::uint32_t light = 0; light < plan.fixed; ++light) {
-      const float* reach = SampleLights(wave.frame, wave.Points(), shares, 0, light, w.uniforms,
-                                        w.lobe, w.lights, w.hits);
-      EvaluateLights(wave.frame, w.surfaces, wave.ranges, reach, w.lights);
+      wave.SampleAndEvaluate(light);
       for (std::uint32_t i = 0; i < n; ++i) {
         directions[light][i] = {w.lights->dir_x[i], w.lights->dir_y[i], w.lights->dir_z[i]};
         open[light][i] = w.lights->t_far[i] >= 0;

@@ -1,4 +1,5 @@
-// Every stage and the kernels inside it, on one wave of a real scene: ns an item (a row in).
+// Measures every stage and the kernels inside it on one wave of a real scene: ns per item (input
+// row).
 #include <benchmark/benchmark.h>
 #include <hwy/targets.h>
 
@@ -11,6 +12,7 @@
 #include "kernels/camera.h"
 #include "kernels/lights/environment.h"
 #include "kernels/sampler.h"
+#include "kernels/surface/surface.h"
 #include "scene/builtin/builtin.h"
 #include "scene/geometry.h"
 #include "scene/shapes/shapes.h"
@@ -22,14 +24,15 @@ WaveFixture& CameraWave() {
   static WaveFixture wave;
   return wave;
 }
+struct BouncedFixture : WaveFixture {
+  BouncedFixture() { Bounce(); }
+};
 WaveFixture& BounceWave() {
-  static WaveFixture wave;
-  static const bool bounced = (wave.Bounce(), true);
-  static_cast<void>(bounced);
+  static BouncedFixture wave;
   return wave;
 }
 
-// Runs `body` and reports the time of one of `items`.
+// Runs `body` and reports the time per item.
 template <class Body>
 void Run(benchmark::State& state, std::uint32_t items, Body body) {
   const auto start = std::chrono::steady_clock::now();
@@ -42,52 +45,67 @@ void Run(benchmark::State& state, std::uint32_t items, Body body) {
 void GenerateStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, w.uniforms, w.lobe, w.paths, w.rays[1]); });
+  const FilmUniforms film(w.scratch);
+  const LensUniforms lens(w.scratch);
+  Run(state, f.n, [&] { GenerateRays(f.frame, f.range, film, lens, w.paths, w.rays[1]); });
 }
 void DrawUniformsKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
-  Run(state, f.n, [&] { DrawUniforms(f.worker.paths, nullptr, f.n, 3, {}, f.worker.uniforms); });
+  const LightUniforms uniforms(f.worker.scratch);
+  Run(state, f.n, [&] { DrawUniforms(f.worker.paths, nullptr, f.n, 3, {}, uniforms); });
 }
 void DrawUniformsOfRowsKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   const std::uint32_t n = f.ranges.total();
-  Run(state, n,
-      [&] { DrawUniforms(f.worker.paths, f.worker.surfaces->path, n, 3, {}, f.worker.uniforms); });
+  const LightUniforms uniforms(f.worker.scratch);
+  Run(state, n, [&] { DrawUniforms(f.worker.paths, f.worker.surfaces->path, n, 3, {}, uniforms); });
 }
 void GenerateCameraRaysKernel(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
-  Run(state, f.n,
-      [&] { GenerateCameraRays(f.frame.camera, w.paths, w.uniforms, w.lobe, f.n, w.rays[1]); });
+  const FilmUniforms film(w.scratch);
+  const LensUniforms lens(w.scratch);
+  DrawUniforms(w.paths, nullptr, f.n, kFilmPair, {}, film);
+  DrawUniforms(w.paths, nullptr, f.n, kLensPair, {}, lens);
+  Run(state, f.n, [&] { GenerateCameraRays(f.frame.camera, w.paths, film, lens, f.n, w.rays[1]); });
 }
-void TraceClosestStage(benchmark::State& state, bool bounce, Backend backend) {
+// Camera rays are traced as beams, whatever the backend; without beams by the backend, as others.
+void TraceClosestStage(benchmark::State& state, bool bounce, bool beams, Backend backend) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
+  const RayColumns& rays = f.worker.rays[0];
   Tracer tracer = f.frame.tracer;
+  tracer.beams = beams;
   tracer.closest = backend;
+  const RayKeys keys =
+      MakeRayKeys(f.frame, f.worker.paths, rays.path, f.n,
+                  SamplePair(bounce ? 1 : 0, SampleUse::kScatter), f.worker.scratch);
   Run(state, f.n, [&] {
-    std::fill_n(f.worker.rays[0]->t_far, f.n, std::numeric_limits<float>::infinity());
-    TraceClosest(tracer, RayKind::kCamera, f.worker.rays[0], f.n, f.worker.hits);
+    std::fill_n(rays.t_far, f.n, std::numeric_limits<float>::infinity());
+    TraceClosest(tracer, bounce ? RayKind::kBounce : RayKind::kCamera, rays, f.n, f.worker.hits,
+                 keys->key);
   });
 }
 void SortHitsStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
   Worker& w = f.worker;
+  const RayQueues queues(w.scratch);
   Run(state, f.n, [&] {
     SurfaceRanges ranges;
     benchmark::DoNotOptimize(
-        SortHits(*f.frame.geometry, w.rays[0], w.hits, f.n, false, w.queue->queue, ranges));
+        SortHits(*f.frame.geometry, w.rays[0], w.hits, f.n, false, queues, ranges));
   });
 }
 void MoveEscapedKernel(benchmark::State& state) {
   WaveFixture& f = BounceWave();
   Worker& w = f.worker;
-  Run(state, f.n, [&] { MoveEscaped(w.rays[0], w.queue->queue, f.n, w.escaped); });
+  const RayQueues queues = f.Sort();
+  Run(state, f.n, [&] { MoveEscaped(w.rays[0], queues->queue, f.n, w.escaped); });
 }
 void MoveSurfacesStage(benchmark::State& state) {
-  WaveFixture& f = BounceWave();
+  static BouncedFixture f;  // its own: the surfaces that the rays have left are overwritten
   Worker& w = f.worker;
-  Run(state, f.n,
-      [&] { MoveSurfaces(w.rays[0], w.hits, w.queue->queue, f.n, f.ranges, w.surfaces); });
+  const RayQueues queues = f.Sort();
+  Run(state, f.n, [&] { MoveSurfaces(w.rays[0], w.hits, queues, f.n, f.ranges, w.surfaces); });
 }
 void AddEscapedStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
@@ -96,45 +114,43 @@ void AddEscapedStage(benchmark::State& state, bool bounce) {
       [&] { AddEscaped(f.frame, f.Points(), f.worker.escaped, f.escaped, f.worker.paths); });
 }
 void PrepareSurfacesKernel(benchmark::State& state) {
-  static WaveFixture f;  // its own: the kernel works in place
+  static WaveFixture f;  // a separate fixture because the kernel works in place
   Run(state, f.ranges.total(), [&] {
     PrepareSurfaces(f.frame.geometry->triangles(), f.frame.geometry->materials().records,
                     f.ranges.total(), f.worker.surfaces);
   });
 }
-// Nothing to do where the scene has neither textures nor metallic-roughness.
+// There is nothing to do if the scene has neither textures nor metallic-roughness.
 void TextureSurfacesStage(benchmark::State& state) {
   static WaveFixture f;
   Run(state, f.ranges.total(),
       [&] { TextureSurfaces(f.frame, kCameraEnd, f.ranges, f.worker.surfaces); });
 }
-// A fixed sample of the plan (one light, one cell), or a drawn one.
+// Measures a fixed sample of the plan (one light, one cell), or a drawn one.
 void SampleLightsStage(benchmark::State& state, const std::string& strategy, bool fixed) {
   WaveFixture f(strategy);
   Worker& w = f.worker;
   const LightShares shares = f.shares();
   const LightPlan& plan = shares.plan;
   if ((fixed ? plan.fixed : plan.drawn) == 0) return state.SkipWithError("not in its plan");
+  const LightUniforms uniforms(w.scratch);
+  const LightPlaces places(w.hits);
   Run(state, f.ranges.light_sampled(), [&] {
-    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, w.uniforms, w.lobe,
-                 w.lights, w.hits);
+    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, uniforms, w.scratch,
+                 w.lights, places);
   });
 }
 void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
-  Worker& w = f.worker;
-  const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
+  const LightReach reach = f.SampleAndEvaluate(0);
   Run(state, f.ranges.light_sampled(),
-      [&] { EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights); });
+      [&] { EvaluateLights(f.frame, f.worker.surfaces, f.ranges, reach, f.worker.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
+  f.SampleAndEvaluate(0);
   const std::vector<float> t_far(w.lights->t_far, w.lights->t_far + n);
   Tracer tracer = f.frame.tracer;
   tracer.occlusion = backend;
@@ -147,18 +163,17 @@ void AddUnoccludedKernel(benchmark::State& state) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.light_sampled();
-  const float* reach =
-      SampleLights(f.frame, f.Points(), f.shares(), 0, 0, w.uniforms, w.lobe, w.lights, w.hits);
-  EvaluateLights(f.frame, w.surfaces, f.ranges, reach, w.lights);
+  f.SampleAndEvaluate(0);
   TraceShadows(f.frame.tracer, w.surfaces, n, w.lights);
   Run(state, n, [&] { AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths); });
 }
 void ScatterStage(benchmark::State& state) {
   WaveFixture& f = CameraWave();
   Worker& w = f.worker;
+  const DirectionUniforms direction(w.scratch);
+  const LobeUniforms lobe(w.scratch);
   Run(state, f.ranges.total(), [&] {
-    Scatter(f.frame, kCameraEnd, w.paths, w.surfaces, f.ranges, 0, 0, w.uniforms, w.lobe,
-            w.rays[1]);
+    Scatter(f.frame, kCameraEnd, w.paths, w.surfaces, f.ranges, 0, 0, direction, lobe, w.rays[1]);
   });
 }
 void FilmStage(benchmark::State& state) {
@@ -170,7 +185,8 @@ void PathWave(benchmark::State& state) {
   Run(state, f.range.count, [&] { RenderPathWave(f.frame, f.range, f.worker, f.film); });
 }
 
-// A material of every BSDF: those of the scene "materials" and a measured one, all of one value.
+// Returns one material for each BSDF: those of the scene "materials" and a measured one with a
+// single value.
 const Geometry& MaterialsOfAll() {
   static const Geometry geometry = [] {
     Scene scene = BuiltinScene("materials");
@@ -203,14 +219,16 @@ void PaintWave(WaveFixture& f, std::uint32_t kind) {
   }
 }
 
-// Every surface of the camera wave shaded as BSDF `kind`, light samples and scattering apart.
+// Shades every surface of the camera wave with BSDF `kind`; light samples and scattering are
+// measured separately.
 void BsdfEvaluate(benchmark::State& state, std::uint32_t kind) {
   static WaveFixture f;
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
   PaintWave(f, kind);
-  DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, w.uniforms);
-  f.frame.strategy->Sample(f.Points(), w.uniforms, n, {}, w.lights);
+  const LightUniforms uniforms(w.scratch);
+  DrawUniforms(w.paths, w.surfaces->path, n, 1, {}, uniforms);
+  f.frame.strategy->Sample(f.Points(), uniforms, n, {}, w.lights);
   Run(state, n, [&] {
     Bsdfs()[kind].evaluate_lights(w.surfaces, MaterialsOfAll().materials(), n, f.frame.mis(),
                                   w.lights);
@@ -221,11 +239,13 @@ void BsdfScatter(benchmark::State& state, std::uint32_t kind) {
   Worker& w = f.worker;
   const std::uint32_t n = f.ranges.total();
   PaintWave(f, kind);
-  DrawUniforms(w.paths, w.surfaces->path, n, 2, {}, w.uniforms);
-  DrawUniforms(w.paths, w.surfaces->path, n, 3, {}, w.lobe);
+  const DirectionUniforms direction(w.scratch);
+  const LobeUniforms lobe(w.scratch);
+  DrawUniforms(w.paths, w.surfaces->path, n, 2, {}, direction);
+  DrawUniforms(w.paths, w.surfaces->path, n, 3, {}, lobe);
   Run(state, n, [&] {
     Bsdfs()[kind].scatter(w.surfaces, MaterialsOfAll().materials(),
-                          {.direction = w.uniforms, .lobe = w.lobe}, n, {}, w.rays[1], 0);
+                          {.direction = direction, .lobe = lobe}, n, {}, w.rays[1], 0);
   });
 }
 
@@ -237,10 +257,11 @@ void Register() {
   add("kernel/draw_uniforms", DrawUniformsKernel);
   add("kernel/draw_uniforms_of_rows", DrawUniformsOfRowsKernel);
   add("kernel/camera_rays", GenerateCameraRaysKernel);
+  add("stage/intersect/camera/beams", TraceClosestStage, false, true, Backend::kBest);
   for (const Backend backend : kBackends) {
     const std::string name(ToString(backend));
-    add("stage/intersect/camera/" + name, TraceClosestStage, false, backend);
-    add("stage/intersect/bounce/" + name, TraceClosestStage, true, backend);
+    add("stage/intersect/camera/" + name, TraceClosestStage, false, false, backend);
+    add("stage/intersect/bounce/" + name, TraceClosestStage, true, true, backend);
     add("stage/shadow/" + name, TraceShadowsStage, backend);
   }
   add("stage/sort_hits/camera", SortHitsStage, false);
@@ -268,7 +289,7 @@ void Register() {
   add("wave/path", PathWave);
 }
 
-// Confines the kernels to one instruction set, by Highway's name of it; empty: the best there is.
+// Restricts the kernels to one instruction set by its name in Highway; empty: the best available.
 bool ChooseTarget(const std::string& name) {
   if (name.empty()) return true;
   const std::int64_t supported = hwy::SupportedTargets();

@@ -1,5 +1,5 @@
-// One wave of a built-in scene, stopped between the stages, so that each can be run on its own on
-// what it really meets. Environment variables choose another scene and map:
+// One wave of a built-in scene, stopped between the stages, so that each can run separately on
+// realistic data. Environment variables choose another scene and map:
 // SKYWAVE_BENCH_SCENE, SKYWAVE_BENCH_ENV, SKYWAVE_BENCH_STRATEGY, SKYWAVE_BENCH_WAVE.
 #pragma once
 
@@ -8,9 +8,9 @@
 
 #include "job/job.h"
 #include "kernels/partition.h"
-#include "kernels/surface/surface.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/integrators/path.h"
+#include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
 
 namespace skywave {
@@ -35,38 +35,43 @@ struct WaveFixture {
     Camera();
   }
 
-  // Camera rays traced, partitioned and prepared: worker.surfaces is ready to shade.
+  // Traces, sorts and prepares camera rays: worker.surfaces is then ready to shade.
   void Camera() {
-    GenerateRays(frame, range, worker.uniforms, worker.lobe, worker.paths, worker.rays[0]);
+    GenerateRays(frame, range, FilmUniforms(worker.scratch), LensUniforms(worker.scratch),
+                 worker.paths, worker.rays[0]);
     n = range.count;
-    TraceClosest(frame.tracer, RayKind::kCamera, worker.rays[0], n, worker.hits);
-    ranges = {};
-    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
-                       ranges);
-    MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
-    MoveSurfaces(worker.rays[0], worker.hits, worker.queue->queue, n, ranges, worker.surfaces);
-    PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
-                    ranges.total(), worker.surfaces);
-    TextureSurfaces(frame, kCameraEnd, ranges, worker.surfaces);
+    StageClock clock(worker.stats);
+    PrepareHits(frame, kCameraEnd, worker.rays[0], n, Trace(0), worker, clock);
   }
 
-  // One bounce further: rays[0] are scattered rays, traced.
+  // Advances by one bounce: rays[0] are then scattered and traced rays. The surfaces are still
+  // those that the rays have left; `ranges` says where the ones that they hit will be.
   void Bounce() {
-    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0, worker.uniforms,
-                worker.lobe, worker.rays[0]);
-    TraceClosest(frame.tracer, RayKind::kBounce, worker.rays[0], n, worker.hits);
-    ranges = {};
-    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, worker.queue->queue,
-                       ranges);
-    MoveEscaped(worker.rays[0], worker.queue->queue, n, worker.escaped);
+    n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
+                DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
+    Trace(1);
   }
 
-  ShadePoints Points() const {
-    return {.surfaces = worker.surfaces,
-            .ranges = ranges,
-            .materials = materials,
-            .paths = worker.paths};
+  // Traces rays[0], which arrive at `bounce`, and moves those that escape.
+  SortedHits Trace(std::uint32_t bounce) {
+    StageClock clock(worker.stats);
+    SortedHits sorted = TraceAndSort(frame, kCameraEnd, worker.rays[0], n, bounce,
+                                     /*only_delta=*/false, worker, clock);
+    MoveEscaped(worker.rays[0], sorted.queues->queue, n, worker.escaped);
+    ranges = sorted.ranges, escaped = sorted.escaped;
+    return sorted;
   }
+
+  // Sorts the hits of the last Trace again.
+  RayQueues Sort() {
+    RayQueues queues(worker.scratch);
+    ranges = {};
+    escaped = SortHits(*frame.geometry, worker.rays[0], worker.hits, n, false, queues, ranges);
+    return queues;
+  }
+
+  // The surfaces of the worker, as strategies see them.
+  ShadePoints Points() const { return skywave::Points(frame, worker); }
 
   static JobRequest Request(const std::string& strategy) {
     JobRequest request;
@@ -82,10 +87,18 @@ struct WaveFixture {
 
   LightShares shares() const { return frame.light_shares(); }
 
+  // Draws and evaluates light sample `index` of the plan; returns how far the lights are.
+  LightReach SampleAndEvaluate(std::uint32_t index) {
+    LightReach reach =
+        SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),
+                     worker.scratch, worker.lights, LightPlaces(worker.hits));
+    EvaluateLights(frame, worker.surfaces, ranges, reach, worker.lights);
+    return reach;
+  }
+
   FlushDenormals flush;
   RenderJob job;
   FrameView frame;
-  MaterialView materials = frame.geometry->materials();
   Film film;
   Worker worker;
   WaveRange range;

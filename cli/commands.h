@@ -1,21 +1,23 @@
-// The subcommands of `skywave`, one file each. Each adds its flags to the program and sets `run` if
-// it was the one that was called; main() runs it.
+// The subcommands of `skywave`, one file each.
 #pragma once
 
-#include <CLI/CLI.hpp>
-#include <functional>
+#include <vector>
+
+#include "cli/command.h"
 
 namespace skywave {
 
-using Run = std::function<int()>;
+Command RenderCommand();
+Command InfoCommand();
+Command PathsCommand();
+Command CompareCommand();
+Command StrategiesCommand();
+Command ConvergeCommand();
+Command BenchCommand();
+Command ProbeCommand();
+Command OptionsCommand();
 
-void AddRenderCommand(CLI::App& program, Run& run);
-void AddInfoCommand(CLI::App& program, Run& run);
-void AddPathsCommand(CLI::App& program, Run& run);
-void AddCompareCommand(CLI::App& program, Run& run);
-void AddStrategiesCommand(CLI::App& program, Run& run);
-void AddConvergeCommand(CLI::App& program, Run& run);
-void AddBenchCommand(CLI::App& program, Run& run);
-void AddProbeCommand(CLI::App& program, Run& run);
+// All of them, in the order of the help text.
+std::vector<Command> AllCommands();
 
 }  // namespace skywave

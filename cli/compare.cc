@@ -1,4 +1,4 @@
-// skywave compare: how far two pictures are apart.
+// Implements skywave compare: the difference between two pictures.
 #include <fmt/format.h>
 
 #include <memory>
@@ -52,20 +52,34 @@ int CompareMain(const CompareFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<CompareFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<CompareFlags>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "image", .help = "EXR, HDR or PFM", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
+    option({.name = "reference", .help = "picture of the same size", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
+    option({.name = "map", .help = "write the relative error as a false-colour PNG"}, FIELD(map), Texts("PNG")),
+    option({.name = "full-scale", .help = "relative error that is shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
+    option({.name = "json", .help = "write the measures as JSON"}, FIELD(json), Texts("JSON")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddCompareCommand(CLI::App& program, Run& run) {
-  CLI::App* command = program.add_subcommand("compare", "Error measures between two pictures");
+Command CompareCommand() {
   const auto flags = std::make_shared<CompareFlags>();
-  command->add_option("image", flags->image, "EXR, HDR or PFM")->required();
-  command->add_option("reference", flags->reference, "of the same size")->required();
-  command->add_option("--map", flags->map, "write the relative error as a false-colour PNG");
-  command->add_option("--full-scale", flags->full_scale, "relative error shown brightest")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--json", flags->json, "write the measures as JSON");
-  command->footer("Example:\n  skywave compare a.exr reference.exr --map error.png");
-  command->callback([flags, &run] { run = [flags] { return CompareMain(*flags); }; });
+  Command command = {.name = "compare",
+                     .summary = "Error measures between two pictures",
+                     .footer = "Example:\n  skywave compare a.exr reference.exr --map error.png",
+                     .run = [flags](const GivenOptions&) { return CompareMain(*flags); }};
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

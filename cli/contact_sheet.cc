@@ -8,13 +8,13 @@ namespace skywave {
 namespace {
 
 constexpr int kGap = 2;                      // between pictures [pixels]
-constexpr int kGlyphRows = 7, kAdvance = 6;  // of a letter, five columns wide
-constexpr int kCaption = kGlyphRows + 4;     // height of its strip
+constexpr int kGlyphRows = 7, kAdvance = 6;  // size of a letter, which is five columns wide
+constexpr int kCaption = kGlyphRows + 4;     // height of a caption's strip
 constexpr std::uint8_t kPaper = 72, kInk = 235;
 
 struct Glyph {
   char letter;
-  std::array<std::uint8_t, kGlyphRows> rows;  // five bits each, the left column in the highest
+  std::array<std::uint8_t, kGlyphRows> rows;  // five bits each, with the left column in the highest
 };
 constexpr Glyph kGlyphs[] = {
     {'0', {0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110}},
@@ -44,7 +44,7 @@ std::uint8_t* PixelOf(ContactSheet& sheet, int x, int y) {
   return sheet.rgb.data() + 3 * (std::size_t(y) * std::size_t(sheet.width) + std::size_t(x));
 }
 
-// From (x, y) on, no farther than `end`.
+// Writes from (x, y) on, no farther than `end`.
 void Write(ContactSheet& sheet, const std::string& text, int x, int y, int end) {
   for (const char letter : text) {
     const Glyph* const glyph =

@@ -1,4 +1,4 @@
-// Many small pictures on one sheet, each under its caption.
+// Arranges many small pictures on one sheet, each with a caption above it.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace skywave {
 
-// A place in the sheet's grid, counted from its top left corner.
+// A picture and its position in the sheet's grid, counted from the top left corner.
 struct SheetPicture {
   int row = 0, column = 0;
-  std::string caption;  // digits and the letters that names of layers have; cut at the right border
-  const Image* picture = nullptr;  // all of one size
+  std::string caption;             // digits and the letters of layer names; cut at the right border
+  const Image* picture = nullptr;  // all have the same size
 };
 
 // 8-bit sRGB, rows from the top.
@@ -22,7 +22,7 @@ struct ContactSheet {
   std::vector<std::uint8_t> rgb;
 };
 
-// Places without a picture stay grey, so that they are not taken for dark ones.
+// Positions without a picture stay grey, so that they do not look like dark ones.
 ContactSheet MakeContactSheet(const std::vector<SheetPicture>& pictures, const ToneMapping& tone);
 
 }  // namespace skywave

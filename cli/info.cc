@@ -1,27 +1,34 @@
-// skywave info: what is in a scene.
+// Implements skywave info: the contents of a scene.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <array>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/clock.h"
 #include "base/files.h"
 #include "cli/commands.h"
-#include "cli/job_flags.h"
-#include "job/job.h"
+#include "job/options.h"
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/material.h"
 #include "scene/geometry.h"
 #include "scene/local_lights.h"
 #include "scene/reader.h"
 #include "scene/scene_summary.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
 
 struct InfoFlags {
-  std::string scene, json;
-  ReadOptions read;
+  JobRequest request;  // the scene and how it is read
+  std::string json;
 };
 
 struct SceneFile {
@@ -29,7 +36,7 @@ struct SceneFile {
   SceneSummary summary;
   std::array<LocalLightTotal, kLocalLightKinds> local_lights = {};  // by kind
   double load_seconds = 0, build_seconds = 0;
-  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // what rendering keeps
+  std::size_t geometry_bytes = 0, bvh_bytes = 0;  // memory during rendering
 };
 
 SceneFile Load(const std::string& path, const ReadOptions& options) {
@@ -56,59 +63,36 @@ std::string_view KindOf(const Material& material) {
   return material.mixture ? "mixture" : ToString(material.bsdf);
 }
 
-// What a BSDF reads beside the reflectance, in the order in which it is printed.
+// Returns the value of a field of a material, null if it is unset.
+template <class T>
+nlohmann::ordered_json Value(const T& field) {
+  return field;
+}
+nlohmann::ordered_json Value(const glm::vec3& field) { return List(field); }
+nlohmann::ordered_json Value(BsdfKind field) { return ToString(field); }
+nlohmann::ordered_json Value(const Mixture& field) { return {field.first, field.second}; }
+template <class T>
+nlohmann::ordered_json Value(const std::optional<T>& field) {
+  return field ? Value(*field) : nullptr;
+}
+
+// A parameter of a BSDF in addition to the reflectance, in the order of printing.
 struct Parameter {
-  const char* name;
-  std::vector<float> values;
+  std::string name;
+  nlohmann::ordered_json value;
 };
-std::vector<Parameter> ParametersOf(const Material& m) {
-  const Parameter alpha = {"alpha", {m.alpha}}, ior = {"ior", {m.ior}};
-  const Parameter eta = {"eta", List(m.eta)}, k = {"k", List(m.k)};
-  const Parameter across = {"alpha_across", {m.alpha_across.value_or(m.alpha)}};
-  const Parameter metallic = {"metallic", {m.metallic}};
-  const Parameter coat = {"coat", {m.coat}}, coat_alpha = {"coat_alpha", {m.coat_alpha}};
-  if (m.mixture) {
-    return {{"mixture", {float(m.mixture->first), float(m.mixture->second)}},
-            {"share", {m.mixture->share}}};
+std::vector<Parameter> ListParameters(Material material) {
+  if (material.mixture) {
+    return {{"mixture", Value(*material.mixture)}, {"share", material.mixture->share}};
   }
-  switch (m.bsdf) {
-    case BsdfKind::kLambert:
-    case BsdfKind::kMirror:
-    case BsdfKind::kMeasured:
-      return {};
-    case BsdfKind::kConductor:
-    case BsdfKind::kBlinn:
-      return {alpha, eta, k};
-    case BsdfKind::kAnisotropicConductor:
-    case BsdfKind::kBeckmannConductor:
-      return {alpha, across, eta, k};
-    case BsdfKind::kCoatedConductor:
-      return {alpha, eta, k, coat_alpha, ior};
-    case BsdfKind::kMetallicRoughness:
-      return {alpha, metallic, ior};
-    case BsdfKind::kCoatedMetallicRoughness:
-      return {alpha,
-              metallic,
-              ior,
-              coat,
-              coat_alpha,
-              {"sheen", List(m.sheen)},
-              {"sheen_alpha", {m.sheen_alpha}}};
-    case BsdfKind::kOrenNayar:
-      return {alpha};
-    case BsdfKind::kDiffuseTransmission:
-      return {{"transmittance", List(m.second_color)}};
-    case BsdfKind::kPhong:
-      return {alpha, {"gloss", List(m.second_color)}};
-    case BsdfKind::kWard:
-      return {alpha, across};
-    case BsdfKind::kRoughDielectric:
-      return {alpha, ior};
-    case BsdfKind::kDielectric:
-    case BsdfKind::kThinDielectric:
-      return {ior};
+  if (!material.alpha_across) material.alpha_across = material.alpha;
+  std::vector<Parameter> list;
+  for (const MaterialParameter& parameter : ParametersOf(Bsdfs()[std::size_t(material.bsdf)])) {
+    Material::ForEachField(material, [&](std::string_view name, MaterialPart, const auto& field) {
+      if (name == parameter.field) list.push_back({std::string(parameter.name), Value(field)});
+    });
   }
-  return {};
+  return list;
 }
 
 nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
@@ -116,22 +100,14 @@ nlohmann::ordered_json Json(const Material& material, std::size_t triangles) {
                                  {"bsdf", KindOf(material)},
                                  {"triangles", triangles},
                                  {"reflectance", List(material.reflectance)}};
-  for (const Parameter& parameter : ParametersOf(material)) {
-    if (parameter.values.size() == 1) {
-      json[parameter.name] = parameter.values[0];
-    } else {
-      json[parameter.name] = parameter.values;
-    }
-  }
-  if (material.color_texture) json["color_texture"] = *material.color_texture;
-  if (material.roughness_texture) json["roughness_texture"] = *material.roughness_texture;
-  if (!material.opaque()) {
-    json["opacity"] = material.opacity;
-    if (material.opacity_cutoff) json["opacity_cutoff"] = *material.opacity_cutoff;
-    if (material.opacity_texture) json["opacity_texture"] = *material.opacity_texture;
-  }
-  if (material.normal_texture) json["normal_texture"] = *material.normal_texture;
-  if (material.emission != glm::vec3(0)) json["emission"] = List(material.emission);
+  for (const Parameter& parameter : ListParameters(material))
+    json[parameter.name] = parameter.value;
+  Material::ForEachField(
+      material, [&](std::string_view name, MaterialPart part, const auto& field) {
+        const bool printed = part == MaterialPart::kBsdf || part == MaterialPart::kMixture;
+        const nlohmann::ordered_json value = Value(field);
+        if (!printed && material.has(part) && !value.is_null()) json[std::string(name)] = value;
+      });
   return json;
 }
 
@@ -193,7 +169,7 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   return json;
 }
 
-// What any material may have besides.
+// Describes the parts that any material may have, except for its emission.
 std::string SurfaceMaps(const Material& material) {
   std::string text;
   if (!material.opaque()) {
@@ -201,22 +177,29 @@ std::string SurfaceMaps(const Material& material) {
                         material.opacity, material.opacity_texture ? " * texture" : "");
   }
   if (material.normal_texture) text += ", normal map";
+  if (Bsdfs()[std::size_t(material.bsdf)].inside && material.has(MaterialPart::kAbsorption)) {
+    text += ", absorption " + Text(material.absorption);
+  }
   return text;
+}
+
+std::vector<double> Numbers(const nlohmann::ordered_json& value) {
+  return value.is_array() ? value.get<std::vector<double>>()
+                          : std::vector<double>{value.get<double>()};
 }
 
 std::string Parameters(const Material& material) {
   std::string text = "reflectance " + Text(material.reflectance);
   if (material.color_texture) text += " * texture";
-  for (const Parameter& parameter : ParametersOf(material)) {
-    text += fmt::format(", {} {:.4g}", parameter.name, fmt::join(parameter.values, " "));
-    const bool textured = std::string_view(parameter.name) == "alpha" && material.roughness_texture;
-    if (textured) text += " * texture";
+  for (const Parameter& parameter : ListParameters(material)) {
+    text += fmt::format(", {} {:.4g}", parameter.name, fmt::join(Numbers(parameter.value), " "));
+    if (parameter.name == "alpha" && material.roughness_texture) text += " * texture";
   }
   return text;
 }
 
 std::string Emission(const Material& material) {
-  if (material.emission == glm::vec3(0)) return "";
+  if (!material.has(MaterialPart::kEmission)) return "";
   return fmt::format(", shines with {}{}", Text(material.emission),
                      material.emission_texture ? " * texture" : "");
 }
@@ -288,23 +271,30 @@ void Print(const std::string& path, const SceneFile& file) {
 
 int InfoMain(const InfoFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
-  const SceneFile file = Load(flags.scene, flags.read);
-  Print(flags.scene, file);
+  const SceneFile file = Load(flags.request.scene, flags.request.read);
+  Print(flags.request.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");
   return 0;
 }
 
 }  // namespace
 
-void AddInfoCommand(CLI::App& program, Run& run) {
-  CLI::App* command = program.add_subcommand("info", "What is in a scene");
+Command InfoCommand() {
   const auto flags = std::make_shared<InfoFlags>();
-  command->add_option("scene", flags->scene, "pbrt, OBJ, glTF or PLY file, or a built-in scene")
-      ->required();
-  AddReadFlags(*command, flags->read);
-  command->add_option("--json", flags->json, "write the same as JSON");
-  command->footer("Example:\n  skywave info model.obj --json model.json");
-  command->callback([flags, &run] { run = [flags] { return InfoMain(*flags); }; });
+  Command command = {.name = "info",
+                     .summary = "What is in a scene",
+                     .footer = "Example:\n  skywave info model.obj --json model.json",
+                     .run = [flags](const GivenOptions&) { return InfoMain(*flags); }};
+  const std::shared_ptr<JobRequest> request(flags, &flags->request);
+  for (const JobOption& option : JobOptions()) {
+    if (option.name == "scene" || IsReadOption(option)) {
+      AddOptions(command, std::span(&option, 1), request);
+    }
+  }
+  const auto json = MakeOption<InfoFlags>({.name = "json", .help = "write the same as JSON"},
+                                          SKYWAVE_FIELD(json), Texts("JSON"));
+  AddOptions(command, std::span(&json, 1), flags);
+  return command;
 }
 
 }  // namespace skywave

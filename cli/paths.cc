@@ -1,5 +1,5 @@
-// skywave paths: what every way to join sub-paths of bdpt brings to a picture, as layers of an EXR
-// and on one sheet.
+// Implements skywave paths: the contribution of every technique of bdpt to a picture, as layers of
+// an EXR and on one sheet.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,16 +12,19 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/contact_sheet.h"
-#include "cli/flags.h"
-#include "cli/job_flags.h"
 #include "cli/progress.h"
+#include "job/job.h"
+#include "job/options.h"
 #include "wavefront/render.h"
 
 namespace skywave {
 namespace {
 
-// Two pictures a way: 2 (1 + 3 + 4 + ... ) of them.
+// There are two pictures per technique: 2 (1 + 3 + 4 + ... ) of them.
 constexpr std::uint32_t kDeepest = 8;
+
+// The layers are those of the ways to connect sub-paths.
+constexpr std::string_view kNotOfPaths[] = {"aovs"};
 
 struct PathsFlags {
   JobRequest request;
@@ -36,7 +39,7 @@ struct WayPicture {
   Image picture;
 
   std::uint32_t surfaces() const { return lengths.light + lengths.eye - 2; }
-  // Of its layer.
+  // Returns the name of its layer.
   std::string name() const {
     return fmt::format("{}_s{}t{}", weighted ? "weighted" : "unweighted", lengths.light,
                        lengths.eye);
@@ -58,15 +61,15 @@ std::vector<WayPicture> WaysTo(std::uint32_t max_depth) {
   for (std::uint32_t surfaces = 0; surfaces <= max_depth; ++surfaces) {
     for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
       const SubpathLengths lengths = {.light = light, .eye = surfaces + 2 - light};
-      if (light == 1 && lengths.eye == 1) continue;  // what shines is seen by chance alone
+      if (light == 1 && lengths.eye == 1) continue;  // camera rays see lights anyway
       for (const bool weighted : {true, false}) techniques.push_back({lengths, weighted, {}});
     }
   }
   return techniques;
 }
 
-// A row for each number of surfaces, a column for each number of vertices from the light; weighted
-// pictures above, unweighted ones below.
+// There is one row for each number of surfaces and one column for each number of vertices on the
+// light sub-path; weighted pictures are above, unweighted ones below.
 ContactSheet Sheet(const std::vector<WayPicture>& pictures, std::uint32_t depth,
                    const ToneMapping& tone) {
   std::vector<SheetPicture> places;
@@ -103,9 +106,9 @@ int PathsMain(PathsFlags& flags) {
     CheckNotInput(path, flags.request.environment.path);
     CheckWritable(path);
   }
-  const JobRequest& wish = flags.request;
-  if (wish.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
-      wish.options.subpath_lengths || !wish.options.mis) {
+  const JobRequest& request = flags.request;
+  if (request.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
+      request.options.subpath_lengths || !request.options.mis) {
     throw InputError(InputPosition::File("--integrator, --paths, --no-mis"),
                      "skywave paths shows every way of bdpt, weighted and unweighted; skywave "
                      "render takes these flags",
@@ -137,9 +140,7 @@ int PathsMain(PathsFlags& flags) {
   for (const WayPicture& p : pictures) AddLayer(p.picture, p.name(), layers);
   const ContactSheet sheet = Sheet(pictures, options.max_depth, flags.tone);
   const Metadata metadata = {
-      {"command",
-       fmt::format("skywave paths {} --strategy {} --spp {}", SceneFlags(flags.request, options),
-                   Quoted(flags.request.strategy), options.samples_per_pixel)},
+      {"command", "skywave paths" + PictureOptions(job.request(), kNotOfPaths)},
       {"software", "skywave " SKYWAVE_VERSION}};
   WriteExr(flags.output, whole, metadata, layers);
   WritePng(png, sheet.width, sheet.height, sheet.rgb);
@@ -150,29 +151,41 @@ int PathsMain(PathsFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<PathsFlags>> Options() {
+  // clang-format off
+  return {
+    MakeOption<PathsFlags>({.name = "output", .help = "EXR file with two layers for each pair S, T, weighted_sStT and unweighted_sStT, of S vertices from the light and T from the eye; the sheet goes to a PNG of the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
+    MakeOption<PathsFlags>({.name = "exposure", .help = "exposure of the sheet [stops]"}, FIELD(tone.exposure_stops), Floats(-100, 100)),
+    MakeOption<PathsFlags>({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddPathsCommand(CLI::App& program, Run& run) {
-  CLI::App* command = program.add_subcommand(
-      "paths", "Show what every way to join sub-paths brings to a picture of bdpt");
+Command PathsCommand() {
   const auto flags = std::make_shared<PathsFlags>();
-  AddJobFlags(*command, flags->request);
-  command->add_option(
-      "-o,--output", flags->output,
-      "EXR file with two layers a way, weighted_sStT and unweighted_sStT, S "
-      "vertices from the light and T from the eye; the sheet goes beside it as PNG");
-  command->add_option("--exposure", flags->tone.exposure_stops, "of the sheet [stops]")
-      ->check(FiniteNumber(-100, 100));
-  command->add_flag("-q,--quiet", flags->quiet, "print errors only");
-  command->footer(
-      "The sheet: a row for each number of surfaces, from 0; a column for each number of vertices\n"
-      "from the light, from 0; each picture under the name of its layer, weighted ones above.\n"
-      "Weighted pictures add up to the picture, unweighted ones of a row each show all that they "
-      "can\n"
-      "find. The layer without a name is the picture.\n\n"
-      "Example:\n"
-      "  skywave paths lamps --size 160x120 --spp 64 --max-depth 4 --exposure 1");
-  command->callback([flags, &run] { run = [flags] { return PathsMain(*flags); }; });
+  Command command = {
+      .name = "paths",
+      .summary = "Show what every way to connect sub-paths brings to a picture of bdpt",
+      .footer =
+          "The sheet: a row for each number of surfaces, from 0; a column for each number of "
+          "vertices\n"
+          "from the light, from 0; each picture under the name of its layer, weighted ones above.\n"
+          "Weighted pictures add up to the picture, unweighted ones of a row each show all that "
+          "they "
+          "can\n"
+          "find. The layer without a name is the picture.\n\n"
+          "Example:\n"
+          "  skywave paths lamps --size 160x120 --spp 64 --max-depth 4 --exposure 1",
+      .run = [flags](const GivenOptions&) { return PathsMain(*flags); }};
+  AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request),
+             {std::begin(kNotOfPaths), std::end(kNotOfPaths)});
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

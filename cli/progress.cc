@@ -38,7 +38,7 @@ void ProgressDisplay::Show() {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const auto start = Clock::now();
   std::unique_lock lock(mutex_);
-  // Elsewhere than on a terminal nobody watches: a line every ten seconds.
+  // If standard error is not a terminal, a line every ten seconds suffices.
   while (!wake_.wait_for(lock, terminal ? 200ms : 10000ms, [this] { return stop_; })) {
     const double share = double(done_.load()) / double(total_);
     const double elapsed = SecondsSince(start);

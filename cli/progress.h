@@ -1,5 +1,5 @@
-// Shows how far a render is: a bar with the time left on a terminal, a plain line now and then
-// elsewhere.
+// Shows the progress of a render: a bar with the remaining time on a terminal, an occasional plain
+// line elsewhere.
 #pragma once
 
 #include <atomic>
@@ -12,7 +12,7 @@
 
 namespace skywave {
 
-// Prints to standard error from a thread of its own until it is destroyed.
+// Prints to standard error from a separate thread until it is destroyed.
 class ProgressDisplay {
  public:
   ProgressDisplay(const Progress& done, std::uint64_t total);

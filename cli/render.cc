@@ -11,10 +11,14 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
-#include "cli/flags.h"
-#include "cli/job_flags.h"
+#include "cli/parse.h"
 #include "cli/progress.h"
 #include "cli/report.h"
+#include "job/job.h"
+#include "job/options.h"
+#include "wavefront/film/aovs.h"
+#include "wavefront/option_names.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 namespace {
@@ -32,10 +36,63 @@ std::string PngPath(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }
 
-// What repeats the picture, and nothing that changes from run to run.
+// 1/125 or 0.008
+std::optional<float> ParseShutter(const std::string& text) {
+  const std::size_t slash = text.find('/');
+  float value = 0, divisor = 1;
+  const auto number = [](std::string_view part, float& to) {
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), to);
+    return error == std::errc() && stop == part.data() + part.size() && to > 0;
+  };
+  const std::string_view whole = text;
+  if (!number(whole.substr(0, slash), value)) return std::nullopt;
+  if (slash != std::string::npos && !number(whole.substr(slash + 1), divisor)) return std::nullopt;
+  const float seconds = value / divisor;
+  return seconds >= 1e-9f && seconds <= 1e9f ? std::optional(seconds) : std::nullopt;
+}
+
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<RenderFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<RenderFlags>(info, field, codec);
+  };
+  constexpr OptionScope kPixels = OptionScope::kPixels;
+  constexpr std::string_view kExposure = "Exposure of the PNG", kOutput = "Output";
+  const Codec<float> seconds = {
+      .values = "seconds or 1/SECONDS, for example 1/125",
+      .metavar = "SECONDS|1/N",
+      .parse = ParseShutter,
+      .print = [](const float& s) { return s > 0 ? fmt::format("{}", s) : std::string(); }};
+  // clang-format off
+  return {
+    option({.name = "output", .help = "EXR file; the PNG has the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "exposure", .group = kExposure, .help = "[stops], added to the camera's", .scope = kPixels, .example = "--exposure 1.5"}, FIELD(tone.exposure_stops), Floats(-100, 100)),
+    option({.name = "shutter", .group = kExposure, .help = "exposure time of a camera for which radiance is luminance in cd/m^2", .scope = kPixels, .example = "--shutter 1/60 --f-number 8", .needs = "f-number"}, FIELD(photo.shutter_seconds), seconds),
+    option({.name = "f-number", .group = kExposure, .help = "f-number of its lens", .scope = kPixels, .example = "--shutter 1/60 --f-number 8", .needs = "shutter"}, FIELD(photo.f_number), Unless(0.0f, Floats(0.1, 1000))),
+    option({.name = "iso", .group = kExposure, .help = "speed of its sensor", .scope = kPixels, .example = "--shutter 1/60 --f-number 8 --iso 200", .needs = "shutter"}, FIELD(photo.iso), Floats(0.1, 1e8)),
+    option({.name = "tone", .group = kExposure, .help = "tone curve of the PNG", .scope = kPixels, .example = "--tone filmic"}, FIELD(tone.curve), NamesOfEnum<ToneCurve>()),
+    option({.name = "stats", .group = kOutput, .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
+// What repeats both files, and nothing that changes from run to run.
+std::string RepeatCommand(const RenderFlags& flags, const JobRequest& resolved) {
+  static const RenderFlags defaults;
+  std::string text = "skywave render" + PictureOptions(resolved);
+  for (const OptionOf<RenderFlags>& option : Options()) {
+    if (option.scope == OptionScope::kPixels && option.get(flags) != option.get(defaults)) {
+      text += CommandWords(option, flags);
+    }
+  }
+  return text;
+}
+
 Metadata Provenance(const RenderFlags& flags, const RenderJob& job) {
   const RenderOptions& options = job.options();
-  return {{"command", RepeatCommand(flags.request, options)},
+  return {{"command", RepeatCommand(flags, job.request())},
           {"software", "skywave " SKYWAVE_VERSION},
           {"samples", fmt::format("{}", options.samples_per_pixel)},
           {"seed", fmt::format("{}", options.seed)},
@@ -104,46 +161,11 @@ int RenderMain(RenderFlags& flags) {
   return 0;
 }
 
-// 1/125 or 0.008
-std::optional<float> ParseShutter(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  float value = 0, divisor = 1;
-  const auto number = [](std::string_view part, float& to) {
-    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), to);
-    return error == std::errc() && stop == part.data() + part.size() && to > 0;
-  };
-  const std::string_view whole = text;
-  if (!number(whole.substr(0, slash), value)) return std::nullopt;
-  if (slash != std::string::npos && !number(whole.substr(slash + 1), divisor)) return std::nullopt;
-  const float seconds = value / divisor;
-  return seconds >= 1e-9f && seconds <= 1e9f ? std::optional(seconds) : std::nullopt;
-}
-
-void AddExposureFlags(CLI::App& command, RenderFlags& flags) {
-  const auto group = "Exposure of the PNG";
-  command.add_option("--exposure", flags.tone.exposure_stops, "[stops], added to the camera's")
-      ->check(FiniteNumber(-100, 100))
-      ->group(group);
-  AddParsed(command, "--shutter", "of a camera for which radiance is luminance in cd/m^2 [s]",
-            "seconds or 1/SECONDS, for example 1/125", flags.photo.shutter_seconds, ParseShutter);
-  CLI::Option* const shutter = command.get_option("--shutter")->group(group);
-  CLI::Option* const stop = command.add_option("--f-number", flags.photo.f_number, "of its lens")
-                                ->check(FiniteNumber(0.1, 1000))
-                                ->needs(shutter)
-                                ->group(group);
-  shutter->needs(stop);
-  command.add_option("--iso", flags.photo.iso, "of its sensor")
-      ->check(FiniteNumber(0.1, 1e8))
-      ->needs(shutter)
-      ->capture_default_str()
-      ->group(group);
-}
-
 std::string IntegratorHelp() {
   std::string text = "Integrators (--integrator):\n";
   for (const Integrator integrator : ValuesOf<Integrator>()) {
-    text +=
-        fmt::format("  {:<7} {}\n", ToString(integrator), SpellFlags(Describe(integrator).help));
+    const std::string help = SpellFlags(Describe(integrator).help);
+    text += fmt::format("  {:<7} {}\n", ToString(integrator), help);
   }
   return text + "\n";
 }
@@ -158,38 +180,26 @@ std::string AovHelp() {
 
 }  // namespace
 
-void AddRenderCommand(CLI::App& program, Run& run) {
-  CLI::App* command = program.add_subcommand("render", "Render a scene to EXR and PNG");
+Command RenderCommand() {
   const auto flags = std::make_shared<RenderFlags>();
-  AddJobFlags(*command, flags->request);
-  command->add_option("-o,--output", flags->output,
-                      "EXR file; the PNG goes beside it (default: name of the scene)");
-  AddParsed(*command, "--aovs", "layers of the EXR beside the picture (see below)",
-            "all, nor names divided by commas out of " + ToString(AllAovs()),
-            flags->request.options.aovs, ParseAovs);
-  command->get_option("--aovs")->type_name("all|NAME,NAME...");
-  AddExposureFlags(*command, *flags);
-  command
-      ->add_option_function<std::string>(
-          "--tone",
-          [flags](const std::string& text) {
-            flags->tone.curve = text == "filmic" ? ToneCurve::kFilmic : ToneCurve::kClip;
-          },
-          "curve of the PNG (default: clip)")
-      ->check(CLI::IsMember({"clip", "filmic"}));
-  command->add_option("--stats", flags->stats, "write the statistics as JSON to this file");
-  command->add_flag("-q,--quiet", flags->quiet, "print errors only");
-  command->footer(
-      IntegratorHelp() + AovHelp() +
-      "Examples:\n"
-      "  skywave render gallery -o gallery.exr\n"
-      "  skywave render killeroo.pbrt --env grace.exr --env-up z --size 640x480 --spp 64\n"
-      "  skywave render model.obj --env sky.hdr --ground\n"
-      "  skywave render bunny.ply --env sky.hdr --integrator direct --light-samples 16\n"
-      "  skywave render three-spheres --integrator vcm --spp 256\n"
-      "  skywave render room --integrator bdpt --guide\n"
-      "  skywave render gallery --aovs albedo,normal,depth -o gallery.exr");
-  command->callback([flags, &run] { run = [flags] { return RenderMain(*flags); }; });
+  Command command = {
+      .name = "render",
+      .summary = "Render a scene to EXR and PNG",
+      .footer =
+          IntegratorHelp() + AovHelp() +
+          "Examples:\n"
+          "  skywave render gallery -o gallery.exr\n"
+          "  skywave render killeroo.pbrt --env grace.exr --env-up z --size 640x480 --spp 64\n"
+          "  skywave render model.obj --env sky.hdr --ground\n"
+          "  skywave render bunny.ply --env sky.hdr --integrator direct --light-samples 16\n"
+          "  skywave render three-spheres --integrator vcm --spp 256\n"
+          "  skywave render room --integrator bdpt --guide\n"
+          "  skywave render gallery --aovs albedo,normal,depth -o gallery.exr",
+      .run = [flags](const GivenOptions&) { return RenderMain(*flags); }};
+  AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request));
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

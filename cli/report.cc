@@ -1,4 +1,5 @@
 #include "cli/report.h"
+#include "wavefront/option_names.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

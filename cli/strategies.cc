@@ -20,11 +20,11 @@ int StrategiesMain() {
 
 }  // namespace
 
-void AddStrategiesCommand(CLI::App& program, Run& run) {
-  CLI::App* command =
-      program.add_subcommand("strategies", "List the light strategies and their parameters");
-  command->footer("Example:\n  skywave render gallery --strategy importance:compensate=1");
-  command->callback([&run] { run = StrategiesMain; });
+Command StrategiesCommand() {
+  return {.name = "strategies",
+          .summary = "List the light strategies and their parameters",
+          .footer = "Example:\n  skywave render gallery --strategy importance:compensate=1",
+          .run = [](const GivenOptions&) { return StrategiesMain(); }};
 }
 
 }  // namespace skywave

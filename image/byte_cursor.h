@@ -1,5 +1,5 @@
-// A read position in the bytes of a binary file that cannot leave them: every overrun is an
-// InputError with the byte offset. All the readers of this folder go through it.
+// A read position in a binary file that cannot leave its bytes: every overrun is an InputError with
+// the byte offset. All readers in this folder use it.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +19,19 @@ class ByteCursor {
 
   std::size_t offset() const { return offset_; }  // [bytes] from the start of the file
   std::size_t left() const { return bytes_.size() - offset_; }
-  // Throws an InputError at the present offset.
+  // Throws an InputError at the current offset.
   [[noreturn]] void Fail(const std::string& reason) const {
     throw InputError(InputPosition::Byte(path_, offset_), reason);
   }
 
-  // The next `count` bytes. `what` names them in the error.
+  // Returns the next `count` bytes. `what` names them in the error.
   std::string_view Take(std::size_t count, const char* what) {
     if (count > left()) Fail(std::string("the file ends within ") + what);
     const std::string_view taken = bytes_.substr(offset_, count);
     offset_ += count;
     return taken;
   }
-  // The bytes before the next `end`, at most `max_length`; `end` itself is passed over.
+  // Returns the bytes before the next `end`, at most `max_length`; `end` itself is skipped.
   std::string_view TakeUntil(char end, std::size_t max_length, const char* what) {
     const std::string_view window = bytes_.substr(offset_, max_length + 1);
     const std::size_t length = window.find(end);
@@ -42,7 +42,7 @@ class ByteCursor {
     offset_ += length + 1;
     return window.substr(0, length);
   }
-  // Little-endian numbers.
+  // Read little-endian numbers.
   std::uint8_t U8(const char* what) { return std::uint8_t(Take(1, what)[0]); }
   std::uint32_t U32(const char* what) { return std::uint32_t(LittleEndian(4, what)); }
   std::int32_t I32(const char* what) { return std::int32_t(U32(what)); }

@@ -20,13 +20,13 @@ void RequireSameSize(const Image& image, const Image& reference) {
                    "the pictures have different sizes, " + size(image) + " and " + size(reference));
 }
 
-// Equal bits are no difference, even those of NaN and infinity.
+// Values with equal bits do not differ, not even NaN and infinity.
 double Difference(float a, float b) {
   return std::memcmp(&a, &b, sizeof a) == 0 ? 0 : double(a) - double(b);
 }
 
-// Dark violet to bright yellow by way of red; every step is brighter than the one before, so that
-// the map also reads in grey.
+// The ramp goes from dark violet through red to bright yellow; every step is brighter than the
+// previous one, so that the map also reads in grey.
 constexpr double kRamp[][3] = {{0.00, 0.00, 0.02}, {0.15, 0.04, 0.36}, {0.42, 0.08, 0.43},
                                {0.70, 0.16, 0.34}, {0.90, 0.34, 0.18}, {0.98, 0.64, 0.10},
                                {0.99, 0.99, 0.65}};

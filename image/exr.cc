@@ -1,5 +1,5 @@
-// OpenEXR pictures. The only file that knows the OpenEXR library: a header is first checked by
-// exr_header.h, then the library decodes the very same bytes, from memory.
+// Reads and writes OpenEXR pictures. Only this file uses the OpenEXR library: exr_header.h first
+// checks a header, then the library decodes the very same bytes from memory.
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -24,7 +24,7 @@
 namespace skywave {
 namespace {
 
-// All threads of the program belong to the renderer.
+// The renderer manages all threads of the program.
 constexpr int kNoThreads = 0;
 
 class MemoryInput : public Imf::IStream {
@@ -48,7 +48,7 @@ class MemoryInput : public Imf::IStream {
   std::uint64_t position_ = 0;
 };
 
-// Everything goes to memory first, because Imf::OutputFile writes its chunk table in the
+// Everything is written to memory first, because Imf::OutputFile writes its chunk table in the
 // destructor, where it cannot report a full disk.
 class MemoryOutput : public Imf::OStream {
  public:
@@ -69,7 +69,7 @@ class MemoryOutput : public Imf::OStream {
   std::uint64_t position_ = 0;
 };
 
-// Which channel of the file each of red, green and blue comes from: R, G, B, or Y for all three.
+// Chooses the channel of the file for each of red, green and blue: R, G, B, or Y for all three.
 // Channels of layers ("diffuse.R") and all others are left out.
 std::vector<std::string> ChooseChannels(const std::string& path, const ExrHeader& header) {
   const InputPosition position = InputPosition::File(path);
@@ -140,7 +140,7 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
     Imf::FrameBuffer frame;
     const auto add = [&](const std::string& name, const float* values, std::size_t stride) {
       header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      // The library only reads through the slices of an output file.
+      // The library only reads through the slices of an output file, so the cast is safe.
       frame.insert(name, Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(values),
                                           header.dataWindow(), stride * sizeof(float)));
     };

@@ -7,9 +7,9 @@
 namespace skywave {
 namespace {
 
-// The library allocates a whole decoded chunk at once.
+// The library allocates a whole decoded chunk at once, so its size is limited.
 constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 28;
-// More than any of the lossless codings can shrink (deflate: 1032, PIZ: about 400).
+// No lossless compression shrinks more than this (deflate: 1032, PIZ: about 400).
 constexpr std::int64_t kMaxShrinking = 2048;
 
 std::int64_t RowsPerChunk(ExrCompression compression) {
@@ -34,7 +34,7 @@ std::int64_t RowsPerChunk(ExrCompression compression) {
 
 std::int64_t DivideUp(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
-// The sizes of `size` at all its levels of detail, halved down to 1.
+// Returns `size` at all its levels of detail, halved down to 1.
 std::vector<std::int64_t> LevelSizes(std::int64_t size, std::int64_t longest, bool round_up) {
   std::vector<std::int64_t> sizes;
   for (int level = 0;; ++level) {
@@ -47,7 +47,7 @@ std::vector<std::int64_t> LevelSizes(std::int64_t size, std::int64_t longest, bo
   }
 }
 
-// Walks through the table behind the header, one call of CheckNext per chunk in the table's order.
+// Walks through the table after the header, with one call of CheckNext per chunk in table order.
 class ChunkChecker {
  public:
   ChunkChecker(const std::string& path, std::string_view bytes, const ExrHeader& header)
@@ -60,7 +60,7 @@ class ChunkChecker {
       table_.Fail("the file ends within the chunk table");
     }
   }
-  // `place`: the numbers the chunk starts with; `decoded_bytes`: the size of its pixels.
+  // `place` holds the numbers at the start of the chunk, `decoded_bytes` the size of its pixels.
   void CheckNext(std::initializer_list<std::int64_t> place, std::int64_t decoded_bytes) {
     const std::uint64_t offset = table_.U64("the chunk table");
     if (offset == 0) table_.Fail("a chunk was never written: the EXR is incomplete");
@@ -78,7 +78,7 @@ class ChunkChecker {
                  std::to_string(decoded_bytes) + " bytes of pixels");
     }
     const std::string_view pixels = chunk.Take(std::size_t(stored), "a chunk");
-    // What compression would not make smaller is stored as it is.
+    // Chunks that compression would not shrink are stored uncompressed.
     if (stored < decoded_bytes &&
         DecodedSize(header_.compression, pixels, decoded_bytes) != decoded_bytes) {
       chunk.Fail("the chunk that ends here does not decode to " + std::to_string(decoded_bytes) +
@@ -107,7 +107,8 @@ void CheckScanLines(ChunkChecker& checker, const ExrHeader& header) {
 void CheckTiles(ChunkChecker& checker, const ExrHeader& header) {
   const ExrTiles& tiles = header.tiles;
   const std::int64_t width = header.data_window.width(), height = header.data_window.height();
-  // Both sides of a mipmap shrink until the longer one is 1, those of a ripmap each on its own.
+  // Both sides of a mipmap are halved until the longer one is 1; the sides of a ripmap are halved
+  // independently.
   const bool ripmap = tiles.levels == ExrLevels::kRipmap;
   const std::int64_t longest = std::max(width, height);
   std::vector<std::int64_t> widths = LevelSizes(width, ripmap ? width : longest, tiles.round_up);

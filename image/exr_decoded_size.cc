@@ -8,7 +8,7 @@
 namespace skywave {
 namespace {
 
-// A count n >= 0 repeats the next byte n + 1 times, n < 0 is followed by -n bytes as they are.
+// A count n >= 0 repeats the next byte n + 1 times; n < 0 is followed by -n literal bytes.
 std::int64_t RunLengthDecodedSize(std::string_view stored, std::int64_t most) {
   std::int64_t decoded = 0;
   for (std::size_t i = 0; i < stored.size();) {

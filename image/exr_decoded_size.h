@@ -1,7 +1,7 @@
-// How many bytes a compressed chunk of an EXR file holds.
+// Computes the decoded size of a compressed chunk of an EXR file.
 //
-// OpenEXR 3.1.5 does not ask: from a chunk that decodes to less than its pixels need, it hands out
-// what the memory held before. For image/ only.
+// OpenEXR 3.1.5 does not check it: if a chunk decodes to fewer bytes than its pixels need, the rest
+// is uninitialised memory. For image/ only.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,9 @@
 
 namespace skywave {
 
-// [bytes] that `stored` decodes to, or -1 when it cannot be decoded or holds more than `most`
-// bytes. Knows RLE, ZIPS and ZIP; for the others, where the library checks by itself, it is `most`.
+// Returns the decoded size of `stored` [bytes], or -1 if it cannot be decoded or holds more than
+// `most` bytes. RLE, ZIPS and ZIP are decoded here; for the others, which the library checks
+// itself, the result is `most`.
 std::int64_t DecodedSize(ExrCompression compression, std::string_view stored, std::int64_t most);
 
 }  // namespace skywave

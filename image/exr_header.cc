@@ -25,17 +25,18 @@ constexpr std::size_t kMaxLongName = 255;
 constexpr std::size_t kMaxHeaderBytes = std::size_t{16} << 20;
 constexpr int kMaxAttributes = 1024;
 constexpr std::size_t kMaxChannels = 1024;
-// Windows farther out only come from damage, and their arithmetic would overflow in the library.
+// Windows farther out occur only in damaged files, and their arithmetic would overflow in the
+// library.
 constexpr std::int32_t kMaxCoordinate = 1 << 28;
 
 struct Attribute {
   std::string name;
   std::string_view type;
-  std::size_t offset = 0;  // [bytes] of the value in the file
-  std::size_t size = 0;    // [bytes] of the value
+  std::size_t offset = 0;  // [bytes] position of the value in the file
+  std::size_t size = 0;    // [bytes] size of the value
 };
 
-// What a header must have, and of which type.
+// Returns the attributes that a header must have, and their types.
 const std::map<std::string, std::string_view, std::less<>>& RequiredAttributes() {
   static const std::map<std::string, std::string_view, std::less<>> kRequired = {
       {"channels", "chlist"},        {"compression", "compression"}, {"dataWindow", "box2i"},
@@ -44,7 +45,8 @@ const std::map<std::string, std::string_view, std::less<>>& RequiredAttributes()
   return kRequired;
 }
 
-// [bytes] of the types of fixed size, which the library reads without asking how many there are.
+// Returns the sizes [bytes] of the types of fixed size, which the library reads without checking
+// them.
 const std::map<std::string_view, std::size_t>& FixedSizes() {
   static const std::map<std::string_view, std::size_t> kSizes = {{"box2f", 16},
                                                                  {"box2i", 16},
@@ -79,7 +81,7 @@ const char* Name(ExrCompression compression) {
   return kNames[int(compression)];
 }
 
-// Reads one header; the members are what every step of it needs.
+// Reads one header; the members are shared by all steps.
 class HeaderParser {
  public:
   HeaderParser(const std::string& path, std::string_view bytes, const ReadLimits& limits)

@@ -1,9 +1,8 @@
-// A strict reading of OpenEXR headers and chunk tables, done before the OpenEXR library sees a
-// file.
+// Parses OpenEXR headers and chunk tables strictly, before the OpenEXR library sees a file.
 //
-// The library in use (Debian's 3.1.5) trusts headers more than it should. Here every size is
-// checked against the file and the limits first, so that it only ever gets files whose header,
-// chunk table and chunk sizes agree. See "OpenEXR File Layout" of the OpenEXR documentation.
+// The library in use (Debian's 3.1.5) trusts headers more than it should. Here every size is first
+// checked against the file and the limits, so that it only ever gets files whose header, chunk
+// table and chunk sizes agree. See "OpenEXR File Layout" in the OpenEXR documentation.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@
 
 namespace skywave {
 
-// Numbered as in the file.
+// The values are those in the file.
 enum class ExrCompression : std::uint8_t {
   kNone,
   kRle,
@@ -35,7 +34,7 @@ struct ExrChannel {
   bool sub_sampled = false;
 };
 
-// Inclusive, [pixels], y down.
+// Inclusive bounds [pixels], y down.
 struct ExrBox {
   std::int32_t x_min = 0, y_min = 0, x_max = -1, y_max = -1;
   std::int64_t width() const { return std::int64_t(x_max) - x_min + 1; }
@@ -44,7 +43,7 @@ struct ExrBox {
 
 enum class ExrLevels : std::uint8_t { kOne, kMipmap, kRipmap };
 struct ExrTiles {
-  std::int64_t width = 0, height = 0;  // [pixels] of a full tile
+  std::int64_t width = 0, height = 0;  // [pixels] size of a full tile
   ExrLevels levels = ExrLevels::kOne;
   bool round_up = false;
 };
@@ -58,17 +57,17 @@ struct ExrHeader {
   ExrTiles tiles;
   std::vector<ExrChannel> channels;
   Metadata strings;     // attributes of type string
-  std::size_t end = 0;  // [bytes] offset behind the header: where the chunk table is
+  std::size_t end = 0;  // [bytes] offset after the header, where the chunk table begins
 
-  std::int64_t pixel_bytes() const;  // of all channels together
+  std::int64_t pixel_bytes() const;  // sum over all channels
 };
 
-// The header of an EXR file (of a multi-part file: the first one), sizes and compression checked
-// against `limits`. Throws InputError with the byte offset.
+// Returns the header of an EXR file (for a multi-part file, its first header), with sizes and
+// compression checked against `limits`. Throws InputError with the byte offset.
 ExrHeader ParseExrHeader(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 
-// Throws InputError unless all chunks of a flat, single-part file are there, each with the place
-// and the size it should have.
+// Throws InputError unless a flat, single-part file contains all chunks, each at its proper
+// position and with its proper size.
 void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header);
 
 }  // namespace skywave

@@ -1,8 +1,9 @@
-// The decoders behind ReadImage, one per file format, and what they share. For image/ only.
-//
-// Each takes the bytes of the whole file; `path` is only for errors. Each throws InputError with
-// the byte offset, checks the size with CheckSize before it allocates, and returns complete images
+// Declares the decoders behind ReadImage, one per file format, and their shared helpers. For image/
 // only.
+//
+// Each decoder takes the bytes of the whole file; `path` appears only in errors. Each throws
+// InputError with the byte offset, checks the size with CheckSize before it allocates, and returns
+// complete images only.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +18,17 @@ namespace skywave {
 Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits);
-// 8-bit formats: linear light, or numbers in [0, 1] as they are.
+// 8-bit formats give linear light, or unconverted numbers in [0, 1].
 Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits);
 Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
                  const ReadLimits& limits);
 
-// `bytes`: three a pixel, rows from the top.
+// `bytes` holds three bytes per pixel, rows from the top.
 Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding);
 
-// The number that the decimal digits `text` say, of at most nine digits; -1 when it is no such
-// number. Signs, blanks and empty text are no numbers.
+// Returns the value of the decimal digits `text`, at most nine digits, or -1 for anything else,
+// including signs, blanks and empty text.
 std::int64_t ParseSize(std::string_view text);
 
 // Throws InputError unless 1 <= width, height and all of `limits` hold.

@@ -25,8 +25,8 @@ std::string LowerCaseEnding(const std::string& path) {
   return ending;
 }
 
-// K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015: a rational fit, with x in scene-linear
-// units. It tends to 2.51 / 2.43 > 1, so the result is clipped by the caller.
+// K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015: a rational fit with x in scene-linear
+// units. It tends to 2.51 / 2.43 > 1, so the caller clips the result.
 double FilmicCurve(double x) {
   x = std::min(x, 1e6);  // keeps infinity from becoming inf / inf
   return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
@@ -146,7 +146,7 @@ std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping
   std::vector<std::uint8_t> mapped(image.rgb.size());
   for (std::size_t i = 0; i < mapped.size(); ++i) {
     double value = scale * image.rgb[i];
-    if (!(value > 0)) continue;  // black, and so are negative values and NaN
+    if (!(value > 0)) continue;  // black; negative values and NaN become black too
     if (mapping.curve == ToneCurve::kFilmic) value = FilmicCurve(value);
     mapped[i] = std::uint8_t(SrgbFromLinear(value) * 255 + 0.5);
   }

@@ -1,5 +1,5 @@
 #include <cstdio>
-// jpeglib.h needs FILE.
+// jpeglib.h needs FILE from this header.
 #include <jpeglib.h>
 
 #include <csetjmp>
@@ -12,7 +12,7 @@ namespace {
 
 // libjpeg ends the program on errors unless its handler is replaced by one that does not return.
 struct Errors {
-  jpeg_error_mgr base;  // first: libjpeg hands this back
+  jpeg_error_mgr base;  // comes first because libjpeg passes back a pointer to it
   std::jmp_buf jump;
   char message[JMSG_LENGTH_MAX];
 };
@@ -23,12 +23,12 @@ void Jump(j_common_ptr info) {
   std::longjmp(errors->jump, 1);
 }
 
-// Warnings are of data that is cut short or damaged: libjpeg would go on with grey.
+// Warnings report truncated or damaged data, after which libjpeg would continue with grey.
 void EmitMessage(j_common_ptr info, int level) {
   if (level < 0) Jump(info);
 }
 
-// A progressive file of few bytes may ask for as many passes over all pixels as it likes.
+// Without this limit, a small progressive file could demand any number of passes over all pixels.
 constexpr int kMaxScans = 200;
 void CheckScans(j_common_ptr info) {
   auto* decoder = reinterpret_cast<j_decompress_ptr>(info);
@@ -38,8 +38,8 @@ void CheckScans(j_common_ptr info) {
   std::longjmp(errors->jump, 1);
 }
 
-// No object with a destructor may be made between setjmp and longjmp: the two halves of decoding
-// are plain functions, which return false on errors.
+// No object with a destructor may be created between setjmp and longjmp, so the two halves of
+// decoding are plain functions that return false on errors.
 bool ReadHeader(jpeg_decompress_struct& decoder, Errors& errors, std::string_view bytes) {
   if (setjmp(errors.jump)) return false;
   jpeg_create_decompress(&decoder);

@@ -1,8 +1,8 @@
-// Portable float maps: "PF" (colour) or "Pf" (grey), width, height and scale as text, one white
-// space, then raw floats, rows from the bottom.
+// Reads and writes portable float maps: "PF" (colour) or "Pf" (grey), width, height and scale as
+// text, one white space, then raw floats, rows from the bottom.
 //
-// The sign of the scale is the byte order (negative: little-endian). Its magnitude, a unit nobody
-// agrees on, is ignored: values are as stored.
+// The sign of the scale gives the byte order (negative: little-endian). Its magnitude, a unit
+// without an agreed meaning, is ignored: values are unchanged.
 
 #include <bit>
 #include <cassert>
@@ -23,7 +23,8 @@ constexpr std::size_t kMaxHeaderBytes = 256;
 
 bool IsSpace(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
-// The next word of the header and exactly one white space behind it: more would eat pixels.
+// Returns the next word of the header and skips exactly one white space after it: more would
+// consume pixels.
 std::string_view TakeWord(ByteCursor& cursor, std::string_view bytes) {
   const std::size_t start = cursor.offset();
   std::size_t end = start;

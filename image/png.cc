@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// libpng's simplified interface: it reports errors by return value instead of longjmp, marks the
+// libpng's simplified interface reports errors by return value instead of longjmp, marks the
 // picture as sRGB and writes no time stamp.
 std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rgb) {
   assert(rgb.size() == std::size_t(width) * height * 3);
@@ -37,8 +37,8 @@ void WritePng(const std::string& path, int width, int height,
   WriteFileAtomically(path, EncodePng(width, height, rgb));
 }
 
-// The simplified interface again. It removes alpha by blending, so alpha is read and left out, or
-// is all that is kept.
+// The simplified interface removes alpha by blending, so alpha is read and then dropped, or is the
+// only channel that is kept.
 Image DecodePng(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits) {
   png_image png = {};

@@ -1,10 +1,10 @@
-// Radiance RGBE pictures (Greg Ward's .hdr): a text header, a resolution line and scan lines of
-// pixels with a common exponent.
+// Reads and writes Radiance RGBE pictures (Greg Ward's .hdr): a text header, a resolution line and
+// scan lines of pixels with a common exponent.
 //
-// A pixel is mantissa * 2^(exponent - 136), exactly; exponent 0 is black. EXPOSURE, COLORCORR,
-// PRIMARIES and GAMMA lines are not applied: values are as stored. Radiance's own programs add half
-// a mantissa step when decoding; most others, and this one, do not.
-// Bytes behind the last scan line are ignored.
+// A pixel is exactly mantissa * 2^(exponent - 136); exponent 0 is black. EXPOSURE, COLORCORR,
+// PRIMARIES and GAMMA lines are not applied: values are unchanged. Radiance's own programs add half
+// a mantissa step when decoding; most others, and this one, do not. Bytes after the last scan line
+// are ignored.
 
 #include <array>
 #include <cassert>
@@ -20,17 +20,17 @@ namespace {
 using Rgbe = std::array<std::uint8_t, 4>;
 
 constexpr std::size_t kMaxHeaderBytes = 1 << 16;
-// The run-length coding by channels only exists for scan lines of these lengths.
+// Run-length coding by channel exists only for scan lines of these lengths.
 constexpr int kMinRunLengthWidth = 8;
 constexpr int kMaxRunLengthWidth = 0x7fff;
 
-// In which order the scan lines of a file run through the picture.
+// The order in which the scan lines of a file run through the picture.
 struct Layout {
   int lines = 0;         // scan lines in the file
   int line_length = 0;   // pixels per scan line
   bool by_rows = true;   // a scan line is a row (else a column)
-  bool x_falls = false;  // from the right to the left
-  bool y_rises = false;  // from the bottom to the top
+  bool x_falls = false;  // from right to left
+  bool y_rises = false;  // from bottom to top
 
   int width() const { return by_rows ? line_length : lines; }
   int height() const { return by_rows ? lines : line_length; }
@@ -61,7 +61,7 @@ void ReadHeader(ByteCursor& cursor) {
   if (!has_format) cursor.Fail("the Radiance header has no line FORMAT=32-bit_rle_rgbe");
 }
 
-// "-Y 512 +X 1024": the slow axis first. -Y runs down, +X to the right.
+// Parses "-Y 512 +X 1024", with the slow axis first. -Y runs down, +X to the right.
 Layout ReadResolution(ByteCursor& cursor, const std::string& path, const ReadLimits& limits) {
   const InputPosition position = InputPosition::Byte(path, cursor.offset());
   const std::string_view line = TakeLine(cursor, "the Radiance resolution line");
@@ -92,8 +92,8 @@ Layout ReadResolution(ByteCursor& cursor, const std::string& path, const ReadLim
           .y_rises = (by_rows ? slow_sign : fast_sign) == '+'};
 }
 
-// One channel after the other; a code above 128 repeats one byte (code - 128) times, any other code
-// is a count of bytes to copy.
+// Reads one channel after another. A code above 128 repeats one byte (code - 128) times; any other
+// code is a count of bytes to copy.
 void ReadChannelRuns(ByteCursor& cursor, std::vector<Rgbe>& line) {
   for (int channel = 0; channel < 4; ++channel) {
     for (std::size_t x = 0; x < line.size();) {
@@ -110,8 +110,8 @@ void ReadChannelRuns(ByteCursor& cursor, std::vector<Rgbe>& line) {
   }
 }
 
-// Plain pixels; one with mantissas 1, 1, 1 repeats the pixel before as often as its last byte says.
-// Such pixels in a row are the bytes of one count, the lowest first.
+// Reads plain pixels. A pixel with mantissas 1, 1, 1 repeats the previous pixel; its last byte is
+// the count. Consecutive pixels of this kind hold the bytes of one count, the lowest first.
 void ReadPixelRuns(ByteCursor& cursor, std::vector<Rgbe>& line) {
   int shift = 0;
   for (std::size_t x = 0; x < line.size();) {
@@ -149,13 +149,13 @@ void ReadScanLine(ByteCursor& cursor, std::string_view bytes, std::vector<Rgbe>&
 }
 
 std::array<float, 256> MantissaUnits() {
-  std::array<float, 256> units{};  // [0] stays 0: exponent 0 is black
+  std::array<float, 256> units{};  // units[0] stays 0: exponent 0 is black
   for (int e = 1; e < 256; ++e) units[e] = std::ldexp(1.0f, e - 136);
   return units;
 }
 
-// The nearest RGBE colour. What the format cannot hold is clamped: negative values, NaN and what is
-// below 2^-128 to 0, the rest to 255 * 2^119.
+// Returns the nearest RGBE colour. Values outside the format's range are clamped: negative values,
+// NaN and values below 2^-128 to 0, large ones to 255 * 2^119.
 Rgbe Encode(const float* rgb) {
   constexpr double kLargest = 0x1.FEp126;  // 255 * 2^119
   double value[3], largest = 0;
@@ -165,7 +165,7 @@ Rgbe Encode(const float* rgb) {
   }
   int exponent = 0;
   std::frexp(largest, &exponent);
-  // Mantissas are in [128, 256) for the largest channel, unless rounding makes 256 of it.
+  // The mantissa of the largest channel is in [128, 256) unless rounding gives 256.
   if (std::nearbyint(std::ldexp(largest, 8 - exponent)) == 256) ++exponent;
   if (largest == 0 || exponent + 128 < 1) return {};
   Rgbe encoded;
@@ -178,7 +178,7 @@ Rgbe Encode(const float* rgb) {
 
 void AppendChannelRuns(const std::vector<Rgbe>& line, std::string& bytes) {
   constexpr std::size_t kMaxRepeat = 127, kMaxCopy = 128;
-  constexpr std::size_t kWorthwhileRepeat = 4;  // shorter ones cost more than copying on
+  constexpr std::size_t kWorthwhileRepeat = 4;  // shorter runs cost more than copying
   bytes += {2, 2, char(line.size() >> 8), char(line.size() & 255)};
   for (int channel = 0; channel < 4; ++channel) {
     const auto run_length = [&](std::size_t x) {
@@ -209,8 +209,8 @@ Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimi
   ReadHeader(cursor);
   const Layout layout = ReadResolution(cursor, path, limits);
 
-  // The picture is allocated once all lines are there, so that memory follows what the file holds
-  // and not what its header says.
+  // The picture is allocated after all lines have been read, so that memory follows the contents of
+  // the file, not the claims of its header.
   std::vector<Rgbe> pixels;
   std::vector<Rgbe> line(layout.line_length);
   for (int i = 0; i < layout.lines; ++i) {

@@ -1,17 +1,18 @@
-// The light from beyond the scene: one map, whatever the user or the file asks for.
+// The light from infinitely far away that a request and its scene give.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "job/job.h"
+#include "job/request.h"
+#include "scene/scene.h"
 
 namespace skywave {
 
-// The map of the request, or else the scene's infinite lights, loaded, repaired and scaled; black
-// where only local lights are. Several lights are summed on the grid of the finest: constants
-// exactly, other maps interpolated there, their light kept. `notes` gets a line for whatever was
-// assumed or repaired. Throws InputError for maps that cannot be read and scenes without any light.
+// The map of the request, or else the sum of the scene's infinite lights: a lat-long map in memory
+// that is in the world's units; black where local lights are all that the scene has. Appends to
+// `notes` how files were understood and repaired. Throws InputError where there is no light at all
+// or a file cannot be used.
 EnvironmentLight LoadEnvironment(const Scene& scene, const JobRequest& request,
                                  std::vector<std::string>& notes);
 

@@ -14,7 +14,7 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 // Adds the first `rows` lanes to the rows path[0..] of the radiance columns. A path has at most one
-// row in a table, so the additions cannot meet.
+// row in a table, so no two additions go to the same row.
 HWY_INLINE void AddToPaths(const V3& gain, const std::uint32_t* path, std::uint32_t rows,
                            const PathColumns& paths) {
   alignas(kColumnAlignment) float r[kPadRows], g[kPadRows], b[kPadRows];
@@ -51,7 +51,7 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
   const VF zero = hn::Zero(F());
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   for (std::uint32_t i = 0; i < n; i += lanes) {
-    // Occlusion is as good as random: adding a zero is cheaper than a branch on it.
+    // Occlusion is as good as random, so adding a zero is cheaper than branching on it.
     const MF seen = hn::Ge(Load(lights.t_far + i), zero);
     if (hn::AllFalse(F(), seen)) continue;
     const V3 gain =
@@ -60,7 +60,8 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
   }
 }
 
-// Radiance in units as integers: adding 2^52 leaves the rounded value in the mantissa of a double.
+// Converts radiance to integer units: adding 2^52 leaves the rounded value in the mantissa of a
+// double.
 HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
   const hn::CappedTag<double, kPadRows / 2> d;
   const hn::RebindToUnsigned<decltype(d)> bits;
@@ -75,12 +76,12 @@ HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
   }
 }
 
-// What the film adds of some rows, [channel][row].
+// The units that the film adds for some rows are stored by [channel][row].
 constexpr std::uint32_t kUnitRows = 4 * kPadRows;
 struct RowUnits {
   alignas(kColumnAlignment) std::uint64_t rgb[3][kUnitRows];
 };
-// Of one vector, in rows `at` and on.
+// Writes the units of one vector to rows `at` and on.
 HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units,
                         std::uint32_t at = 0) {
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
@@ -93,12 +94,13 @@ HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units,
   ToUnits(keep(rgb.z), scale.units, units.rgb[2] + at);
 }
 
-// Counts what of the rows `inside` a film cannot hold as it is.
+// Counts those of the rows `inside` that a film cannot hold unchanged.
 HWY_INLINE void CountMisfits(const V3& rgb, MF inside, const FilmScale& scale, FilmCounts& counts) {
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
   const MF valid = hn::And(hn::And(hn::Ge(rgb.x, zero), hn::Ge(rgb.y, zero)), hn::Ge(rgb.z, zero));
   counts.invalid += hn::CountTrue(F(), hn::AndNot(valid, inside));
-  // Channel by channel: the maximum of a NaN and a number is another one on another target.
+  // Channels are compared one by one, because the maximum of a NaN and a number depends on the
+  // target.
   const MF bright =
       hn::Or(hn::Or(hn::Gt(rgb.x, limit), hn::Gt(rgb.y, limit)), hn::Gt(rgb.z, limit));
   counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
@@ -118,8 +120,8 @@ FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale&
       CountMisfits(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
       ToUnits(rgb, scale, units, at);
     }
-    // The beams of a block follow each other: sum what a pixel has of them before the memory is
-    // touched.
+    // The beams of a block follow each other, so the samples of a pixel are summed before the
+    // memory is touched.
     const std::uint32_t* const pixels = paths.pixel + begin;
     for (std::uint32_t ray = 0; ray < kBeamRays; ++ray) {
       for (std::uint32_t row = ray; row < rows;) {

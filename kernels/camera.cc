@@ -21,12 +21,12 @@ HWY_INLINE VF FilterOffset(const float* table, VF uniform) {
   return hn::Add(low, hn::Mul(hn::Sub(position, ToFloat(cell)), hn::Sub(high, low)));
 }
 
-// Origin and direction (any length) of a camera ray.
+// The direction of a camera ray may have any length here.
 struct OriginAndDirection {
   V3 origin, dir;
 };
 
-// Moves the origin over the lens, so that the point at the focal distance stays where it is.
+// Moves the origin over the lens so that the point at the focal distance stays where it is.
 HWY_INLINE void RefractByLens(const CameraView& camera, const UniformColumns& lens,
                               std::uint32_t row, OriginAndDirection& ray) {
   VF x, y;
@@ -52,7 +52,7 @@ struct Orthographic {
   }
 };
 
-// x right * R + y down * D + z * F of the axes of the view.
+// Returns the sum of the camera's axes, weighted by `right`, `down` and `forward`.
 HWY_INLINE V3 FromAxes(const CameraView& camera, VF right, VF down, VF forward) {
   return Add(Add(Scale(Set3(camera.right), right), Scale(Set3(camera.down), down)),
              Scale(Set3(camera.forward), forward));
@@ -61,21 +61,21 @@ HWY_INLINE V3 FromAxes(const CameraView& camera, VF right, VF down, VF forward) 
 HWY_INLINE VF Fraction(VF x) { return hn::Sub(x, hn::Floor(x)); }
 
 struct LatLong {
-  // The filter reaches over the rim of the film: past the left side comes the right one, past a
-  // pole the meridian opposite, which is what a negative sine of the polar angle does.
+  // The filter reaches beyond the edge of the film: past the left side follows the right one, and
+  // past a pole the opposite meridian, which a negative sine of the polar angle yields.
   static HWY_INLINE OriginAndDirection Ray(const CameraView& camera, VF x, VF y) {
     VF sin_phi, cos_phi, sin_theta, cos_theta;
     SinCosTurn(Fraction(hn::Div(x, Set(float(camera.whole_width)))), sin_phi, cos_phi);
     SinCosTurn(Fraction(hn::Mul(hn::Div(y, Set(float(camera.whole_height))), Set(0.5f))), sin_theta,
                cos_theta);
-    // The middle column (half a turn) looks forward, what is right of it to the right.
+    // The middle column (half a turn) looks forward, the columns to its right look to the right.
     const VF minus_sin_theta = hn::Neg(sin_theta);
     return {Set3(camera.origin), FromAxes(camera, hn::Mul(minus_sin_theta, sin_phi),
                                           hn::Neg(cos_theta), hn::Mul(minus_sin_theta, cos_phi))};
   }
 };
 
-// Past a side of the square comes the same side, run through backwards.
+// Past a side of the square follows the same side in reverse.
 HWY_INLINE void WrapSquare(VF& a, VF& b) {
   const VF one = Set(1.0f), two = Set(2.0f), zero = hn::Zero(F());
   const MF below = hn::Lt(a, zero), above = hn::Gt(a, one);
@@ -134,7 +134,8 @@ HWY_INLINE void GenerateRaysOf(const CameraView& camera, const PathColumns& path
                                std::uint32_t n, const RayColumns& rays) {
   const VF one = Set(1.0f), zero = hn::Zero(F());
   const VF infinity = Set(std::numeric_limits<float>::infinity());
-  // x = pixel - y * width, with y from a float division that may be one too large or too small.
+  // The column is pixel - row * width; the row comes from a float multiplication and may be one too
+  // large or too small.
   const VF inverse_width = Set(1.0f / float(camera.width));
   const VU width = SetU(camera.width);
   const VU first_column = SetU(camera.first_column), first_row = SetU(camera.first_row);

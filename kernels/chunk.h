@@ -1,4 +1,5 @@
-// Columns for a few rows on the stack: what a stage needs between two kernels.
+// A chunk holds a few rows of a record on the stack, for stages that pass them from one kernel to
+// the next.
 #pragma once
 
 #include <type_traits>
@@ -7,7 +8,7 @@
 
 namespace skywave {
 
-// Room for kRows rows and their padding behind the columns of a record. Nothing is initialised.
+// Every column of the record has room for kRows rows and their padding. Nothing is initialised.
 template <class Columns, std::uint32_t kRows>
 class Chunk {
  public:

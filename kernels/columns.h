@@ -1,10 +1,10 @@
-// The records that flow between stages, each declared once: a struct of column pointers, one
-// comment a column (meaning, unit or space, writer), one visitor. wavefront/soa.h owns the memory;
-// kernels and stages take these structs as they are.
+// This file declares the records that flow between stages, each of them once: as a struct of column
+// pointers with one comment per column (meaning, unit or space, writer) and one visitor.
+// wavefront/soa.h owns the memory; kernels and stages take these structs as they are.
 //
 // Every column is aligned to kColumnAlignment and has room for PaddedRows(rows) values: kernels run
-// over whole vectors and may write anything into the padding behind the last row, and whatever they
-// read there is never looked at.
+// over whole vectors and may write anything into the padding behind the last row, and nobody looks
+// at what they compute from it.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,14 @@ namespace skywave {
 inline constexpr std::size_t kColumnAlignment = 64;  // [bytes], one cache line
 inline constexpr std::uint32_t kPadRows = 16;        // widest vector of 32-bit lanes
 
-// Room for `rows` rows and a store of a whole vector that begins at any of them.
+// Returns the room for `rows` rows and for a store of a whole vector that begins at any of them.
 constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   return (rows + kPadRows - 1) / kPadRows * kPadRows + kPadRows;
 }
 
-// The BSDFs, one line each: a file kernels/bsdf_*.cc defines NameKernels(), everything else
-// follows. Each has a queue, in this order. The first list takes light samples; the second one are
-// delta distributions, which no light sample can meet.
+// The BSDFs, one line each. A file of kernels/bsdf defines NameKernels(), and everything else
+// follows from it. Each BSDF has a queue, in this order. Those of the first list take light
+// samples; those of the second list are delta distributions, which no light sample can meet.
 #define SKYWAVE_DENSE_BSDFS(BSDF) \
   BSDF(Lambert)                   \
   BSDF(Conductor)                 \
@@ -55,7 +55,7 @@ inline constexpr std::uint32_t kBsdfKinds = kFirstDeltaBsdf SKYWAVE_DELTA_BSDFS(
 
 inline constexpr std::uint32_t kNoHit = 0xFFFFFFFFu;  // HitColumns::geom of a ray that hit nothing
 
-// One row = one path of the wave. Written by generate; radiance grows until the film takes it.
+// One row is one path of the wave. Generate writes it; its radiance grows until the film takes it.
 struct PathColumns {
   std::uint32_t* seed;    // hash of pixel and frame seed: decorrelates pixels
   std::uint32_t* sample;  // index of the sample in its pixel
@@ -69,13 +69,13 @@ struct PathColumns {
   }
 };
 
-// One row = one active ray. Written by generate and scatter, t_far also by intersect.
+// One row is one active ray. Generate and scatter write it; intersect writes t_far, too.
 struct RayColumns {
   float *org_x, *org_y, *org_z;                       // world space
   float *dir_x, *dir_y, *dir_z;                       // world space, unit length
   float* t_far;                                       // in: infinity, out: distance of the hit
   float *throughput_r, *throughput_g, *throughput_b;  // product of f cos / pdf along the path
-  float* pdf;           // of dir by BSDF sampling [1/sr]; 0: no density
+  float* pdf;           // density of dir by BSDF sampling [1/sr]; 0: no density
   std::uint32_t* path;  // row in PathColumns
   std::uint32_t* from;  // row in SurfaceColumns of the bounce before
 
@@ -89,8 +89,8 @@ struct RayColumns {
   }
 };
 
-// One row = the hit of the ray in the same row. Written by intersect; meaningless where geom is
-// kNoHit (Embree leaves the rest as it was).
+// One row is the hit of the ray in the same row. Intersect writes it; it means nothing where geom
+// is kNoHit, because Embree leaves the other columns as they were.
 struct HitColumns {
   float *ng_x, *ng_y, *ng_z;  // geometric normal, world space, not normalised, as wound
   float *u, *v;               // barycentric coordinates of corners 1 and 2
@@ -104,16 +104,16 @@ struct HitColumns {
   }
 };
 
-// One row = one ray that met light: left the scene, or hit what shines. Written by partition,
-// radiance and light_pdf by the environment strategy; or all by the kernel of local lights.
+// One row is one ray that met light: it left the scene or hit an emitter. Partition writes it, and
+// the environment strategy writes radiance and light_pdf; or the kernel of local lights writes all.
 struct EscapeColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit length
   float *throughput_r, *throughput_g, *throughput_b;
   float* pdf;                                   // as in RayColumns
   std::uint32_t* path;                          // row in PathColumns
   std::uint32_t* from;                          // row in SurfaceColumns of the bounce before
-  float *radiance_r, *radiance_g, *radiance_b;  // what it sees there
-  float* light_pdf;                             // of dir by light samples [1/sr]
+  float *radiance_r, *radiance_g, *radiance_b;  // the light that the ray sees
+  float* light_pdf;                             // density of dir by light samples [1/sr]
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -124,8 +124,8 @@ struct EscapeColumns {
   }
 };
 
-// One row = one point to shade; the rows of a BSDF are contiguous (SurfaceRanges). The first block
-// is moved here by partition, the second computed by surface preparation.
+// One row is one point to shade; the rows of a BSDF are contiguous (SurfaceRanges). Partition moves
+// the first block here, and surface preparation computes the second one.
 struct SurfaceColumns {
   float *wo_x, *wo_y, *wo_z;  // world space, unit, towards the eye
   float *ng_x, *ng_y, *ng_z;  // in: as in HitColumns; out: unit, on wo's side
@@ -137,13 +137,13 @@ struct SurfaceColumns {
   float *org_x, *org_y, *org_z;        // in: ray origin; out: the hit, lifted by `lift` along ng
   float *ns_x, *ns_y, *ns_z;           // shading normal, unit, on wo's side
   float *color_r, *color_g, *color_b;  // reflectance at the hit
-  // Distance between the hit and org; negative: org lies behind the surface, because a BSDF that
-  // transmits has put it on the side of the light sample at hand.
+  // The distance between the hit and org. It is negative where org lies behind the surface, because
+  // a BSDF that transmits has put it on the side of the light sample at hand.
   float* lift;
   std::uint32_t* material;  // row in MaterialTable | kBackFace
-  // What the light strategy keeps of the row, from its samples to the rays that leave it.
+  // The light strategy keeps a number of the row here, from its samples to the rays that leave it.
   float* light_norm;
-  // Parameters of the row's BSDF that vary over a surface, as BsdfKernels::varying says.
+  // The parameters of the row's BSDF that vary over a surface; BsdfTraits::varying says which.
   float *varying_0, *varying_1;
 
   template <class Self, class F>
@@ -168,16 +168,17 @@ struct SurfaceRanges {
   std::uint32_t light_sampled() const { return begin[kFirstDeltaBsdf]; }
 };
 
-// One row = one light sample, and then one shadow ray, of the surface in the same row. Written by
-// the strategy and local lights; the BSDF turns radiance into the contribution and closes t_far
-// where there is none.
+// One row is one light sample, and then one shadow ray, of the surface in the same row. The
+// strategy and local lights write it; the BSDF turns radiance into the contribution and closes
+// t_far where there is none.
 struct LightColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit, towards the light
-  float *r, *g, *b;              // in: radiance; out: what the path gains if nothing is in between
-  // Samples of the surface a steradian around dir [1/sr]. <= 0: no sample. Infinite: a light
-  // without extent, r, g, b are its irradiance, and no BSDF sample can meet it.
+  float *r, *g, *b;              // in: radiance; out: the path's gain if nothing is in between
+  // The samples of the surface per steradian around dir [1/sr]. Where it is not positive there is
+  // no sample. Where it is infinite the light has no extent: r, g, b are its irradiance, and no
+  // BSDF sample can meet it.
   float* pdf;
-  float* t_far;  // distance of the light or infinity: trace; negative: nothing to, or occluded
+  float* t_far;  // distance of the light or infinity; negative: nothing to trace, or occluded
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -186,7 +187,7 @@ struct LightColumns {
   }
 };
 
-// Uniform random numbers in [0, 1) of one pair of dimensions, one row a path or surface.
+// Uniform random numbers in [0, 1) of one pair of dimensions; a row belongs to a path or a surface.
 struct UniformColumns {
   float *u, *v;
 
@@ -196,10 +197,10 @@ struct UniformColumns {
   }
 };
 
-// Luminance of linear RGB: the same weights as image/image.h.
+// The luminance of linear RGB has these weights, which are those of image/image.h.
 inline constexpr float kLuminance[3] = {0.2125f, 0.7154f, 0.0721f};
 
-// A slice of a table: the same columns from row `begin` on.
+// Returns a slice of a table: the same columns from row `begin` on.
 template <class Columns>
 Columns Slice(Columns columns, std::uint32_t begin) {
   Columns::ForEachColumn(columns, [begin](auto*& column) { column += begin; });
@@ -208,72 +209,95 @@ Columns Slice(Columns columns, std::uint32_t begin) {
 
 // ---- Tables of a scene: written once, then only read, at random, so a record lies together ----
 
-// What shading must know of a triangle: 16 bytes, one gather of a line.
+// A triangle as shading knows it: 16 bytes, one gather of a line.
 struct TriangleRecord {
   std::uint32_t normal[3];  // of the corners, octahedral, 16 bits a coordinate (EncodeNormal)
   std::uint32_t tag;        // material | kFlatTriangle | kind << kKindShift
 };
 inline constexpr std::uint32_t kMaterialMask = (1u << 20) - 1;
 inline constexpr std::uint32_t kFlatTriangle = 1u << 20;  // shaded with its geometric normal
-// Of a mixture of two materials: the record is not shaded. normal[0] is the row of a record of the
-// same triangle with the first material, the next row has the second one; normal[1] is the share of
-// the second one, a float's bits; normal[2] is the mixture itself, a material.
+// The tag of a mixture of two materials, whose record is not shaded itself: normal[0] is the row of
+// a record of the same triangle with the first material, and the next row has the second one;
+// normal[1] is the share of the second one, a float's bits; normal[2] is the mixture, a material.
 inline constexpr std::uint32_t kMixedTriangle = 1u << 21;
 inline constexpr std::uint32_t kKindShift = 24;
 inline constexpr std::uint32_t kBackFace = 1u << 31;  // in SurfaceColumns::material
 
-// Parameters of the BSDFs, 16 floats a material, read by gathers at material * 16 + field. Each
-// BSDF has the fields that its file names.
+// Returns the index of a member of a record among the record's words, for kernels that gather.
+#define SKYWAVE_WORD(record, member) (offsetof(record, member) / sizeof(std::uint32_t))
+
+// A material as its BSDF has packed it: 16 words, read by gathers. The members have the names of
+// what most BSDFs keep in them; a BSDF that keeps something else there gives the word another name
+// (MaterialField).
 struct MaterialRecord {
-  float color[3];  // reflectance
-  float alpha;     // width of microfacets, along the tangent; Oren-Nayar: roughness
-  // Conductors: index, real part; metallic-roughness: metallic in eta[0]; diffuse transmission:
-  // what passes through; Phong: the gloss.
-  float eta[3];
-  float ior;  // dielectrics, coats: inside / outside; anisotropic lobes: width across the tangent
-  // Conductors: index, imaginary part; dielectrics: absorption inside [1/length]; coated
-  // metallic-roughness: see its file.
-  float k[3];
+  float color[3];               // reflectance
+  float alpha;                  // width of microfacets
+  float eta[3];                 // real part of a conductor's index
+  float ior;                    // index inside / outside
+  float k[3];                   // imaginary part of a conductor's index
   std::uint32_t color_texture;  // row in the texture table + 1; 0: none
-  // Conductor: factor of (1 - E(wo)) (1 - E(wi)), Kulla and Conty 2017; coated metallic-roughness:
-  // colour of the sheen.
-  float multiscatter[3];
-  // Metallic-roughness: as color_texture, G roughness, B metallic; coated conductor: width of the
-  // coat, a float's bits; measured: index of the first float of its table.
+  float multiscatter[3];        // Kulla and Conty 2017: factor of (1 - E(wo)) (1 - E(wi))
+  // Row in the texture table + 1; 0: none. Its green channel scales the square root of alpha and
+  // its blue one the share of metal.
   std::uint32_t roughness_texture;
 };
-static_assert(sizeof(MaterialRecord) == 16 * sizeof(float));
+inline constexpr int kLogMaterialWords = 4;
+static_assert(sizeof(MaterialRecord) == sizeof(std::uint32_t) << kLogMaterialWords);
 
-// A measured BRDF in the coordinates of the MERL database (Matusik et al. 2003): half angle (bins
-// of equal size in its square root), angle between half vector and wi, and azimuth of wi about it,
-// in half a turn; the last one runs fastest, three floats (RGB) a bin [1/sr].
+// The words of a MaterialRecord by name: what PutField (kernels/bsdf/pack.h) writes and Field
+// (kernels/bsdf/bsdf-inl.h) gathers. A field of three floats is named by its first word.
+enum class MaterialField : std::uint32_t {
+  kColor = SKYWAVE_WORD(MaterialRecord, color),
+  kAlpha = SKYWAVE_WORD(MaterialRecord, alpha),
+  kEta = SKYWAVE_WORD(MaterialRecord, eta),
+  kIor = SKYWAVE_WORD(MaterialRecord, ior),
+  kK = SKYWAVE_WORD(MaterialRecord, k),
+  kColorTexture = SKYWAVE_WORD(MaterialRecord, color_texture),
+  kMultiscatter = SKYWAVE_WORD(MaterialRecord, multiscatter),
+  kRoughnessTexture = SKYWAVE_WORD(MaterialRecord, roughness_texture),
+  // Other names of these words that more than one file needs; names of a single BSDF stand in its
+  // own file.
+  kAlphaAcross = kIor,  // anisotropic BSDFs: width across the tangent; alpha is that along it
+  kMetallic = kEta,     // metallic-roughness: share of metal
+  kAbsorption = kK      // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
+};
+
+// A measured BRDF has the coordinates of the MERL database (Matusik et al. 2003): the half angle
+// (bins of equal size in its square root), the angle between half vector and wi, and the azimuth of
+// wi about the half vector, over half a turn. The last one runs fastest; a bin has three floats,
+// RGB [1/sr].
 inline constexpr std::uint32_t kMeasuredHalf = 90, kMeasuredDifference = 90, kMeasuredTurn = 180;
 inline constexpr std::uint32_t kMeasuredFloats =
     3 * kMeasuredHalf * kMeasuredDifference * kMeasuredTurn;
 
-// Texture coordinates of a triangle's corners: 8 floats, read only where a material has a texture.
+// The texture coordinates of a triangle's corners: 8 floats, read only where a material has a
+// texture.
 struct TriangleUvs {
   float uv[3][2];
-  float density;  // square root of area in uv over area in the world [1/length]
+  float density;  // square root of the area in uv over the area in the world [1/length]
   float unused;
 };
-static_assert(sizeof(TriangleUvs) == 8 * sizeof(float));
+inline constexpr int kLogUvWords = 3;
+static_assert(sizeof(TriangleUvs) == sizeof(std::uint32_t) << kLogUvWords);
 
 enum class TextureWrap : std::uint32_t { kRepeat, kClamp, kMirror };
 
 // An image, how it is wrapped and how it is laid: 16 words. (0, 0) is the corner of the first texel
-// of the first row, (1, 1) the corner opposite.
+// of the first row, (1, 1) the opposite corner of the image.
 struct TextureRecord {
   std::uint32_t first_level, levels;  // rows of the level table
   TextureWrap wrap_u, wrap_v;
   float transform[6];  // (u, v) -> (t0 u + t1 v + t2, t3 u + t4 v + t5)
-  float texels;        // of level 0 in a length of 1 of (u, v) before the transform
+  float texels;        // number of level 0 in a length of 1 of (u, v) before the transform
   float unused[5];
 };
-static_assert(sizeof(TextureRecord) == 16 * sizeof(float));
+inline constexpr int kLogTextureWords = 4;
+static_assert(sizeof(TextureRecord) == sizeof(std::uint32_t) << kLogTextureWords);
 
 struct TextureLevel {
   std::uint32_t first_texel, width, height, unused;
 };
+inline constexpr int kLogLevelWords = 2;
+static_assert(sizeof(TextureLevel) == sizeof(std::uint32_t) << kLogLevelWords);
 
 }  // namespace skywave

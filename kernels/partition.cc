@@ -17,7 +17,7 @@ namespace HWY_NAMESPACE {
 constexpr std::uint32_t kNoQueue = 0xFFFFFFFFu;
 constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of a record
 
-// The rows of [0, n) that go to `which`; the padding of the last vector goes nowhere.
+// Counts the rows of [0, n) in queue `which`; the padding of the last vector is in no queue.
 HWY_INLINE std::uint32_t CountQueue(const std::uint32_t* queue, std::uint32_t n,
                                     std::uint32_t which) {
   const VU wanted = SetU(which);
@@ -29,13 +29,14 @@ HWY_INLINE std::uint32_t CountQueue(const std::uint32_t* queue, std::uint32_t n,
   return hn::GetLane(hn::SumOfLanes(U(), counts));
 }
 
-// The triangles of hits `row` and on; triangle 0 stands in for a miss: always there, and cached.
+// Returns the triangles of hits `row` and on; triangle 0, which always exists and is cached, stands
+// in for a miss.
 HWY_INLINE VU TrianglesHit(const HitColumns& hits, std::uint32_t row, MU hit) {
   return hn::IfThenElseZero(hit, Load(hits.triangle + row));
 }
 
-// Records are random accesses: asks for those of rows [row, n) of a vector, without a branch on
-// what rays meet, which is as good as random.
+// Prefetches the records of rows [row, n) of a vector, since they are random accesses. There is no
+// branch on what rays hit, which is as good as random.
 HWY_INLINE void PrefetchRecords(const HitColumns& hits, const TriangleRecord* triangles,
                                 std::uint32_t row, std::uint32_t n) {
   const MU hit = hn::And(RowsBelow(row, n), hn::Ne(Load(hits.geom + row), SetU(kNoHit)));
@@ -50,7 +51,7 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfS
                   const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
                   std::uint32_t* count) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
-  // Where there is but one BSDF nobody has to wait for a record; surface preparation will find it.
+  // If there is only one BSDF, nothing waits for a record here; surface preparation will find it.
   const bool several = (present & (present - 1)) != 0;
   VU kind = SetU(static_cast<std::uint32_t>(std::countr_zero(present)));
   for (std::uint32_t i = 0; i < std::min(n, kAhead); i += hn::Lanes(U())) {
@@ -74,7 +75,7 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfS
     goes_to = IfThen(inside, goes_to, SetU(kNoQueue));
     Store(goes_to, queue + i);
   }
-  // A pass for each queue over a column in the cache: cheaper than a loop over queues inside.
+  // One pass per queue over a cached column is cheaper than an inner loop over queues.
   for (BsdfSet rest = present; rest != 0; rest &= rest - 1) {
     const auto which = static_cast<std::uint32_t>(std::countr_zero(rest));
     count[which] += CountQueue(queue, n, which);
@@ -101,7 +102,7 @@ void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint3
       const VU first = Gather(words, record);
       const VU chosen = hn::Add(first, hn::IfThenElseZero(hn::RebindMask(U(), second), SetU(1)));
       triangle = IfThen(mixed, chosen, triangle);
-      // What is left of the uniform, stretched to [0, 1) for the next choice.
+      // The rest of the uniform is stretched to [0, 1) for the next choice.
       const VF rest = IfThen(second, uniform, hn::Sub(uniform, share));
       const VF room = IfThen(second, share, hn::Sub(one, share));
       uniform = hn::Min(hn::Div(rest, hn::Max(room, Set(1e-20f))), Set(0x1.fffffep-1f));

@@ -1,6 +1,6 @@
-// From hits to queues. Rows are moved, not listed: one stable compaction a queue leaves every later
-// kernel with dense, contiguous columns (measured against index lists and gathers: see
-// docs/design.md).
+// Hits are sorted into queues, one per BSDF. Rows are moved, not listed: one stable compaction per
+// queue leaves every later kernel with dense, contiguous columns (measured against index lists and
+// gathers: see docs/design.md).
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace skywave {
 
-inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // behind the queues of the BSDFs
+inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // follows those of the BSDFs
 
-// BSDFs as bits: 1 << kind.
+// A set of BSDFs has the bit 1 << kind for each of them.
 using BsdfSet = std::uint32_t;
 static_assert(kBsdfKinds <= 32);
 
@@ -23,20 +23,21 @@ void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint3
 
 // Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, which is one of
 // `present`, or kMissQueue. Adds the length of every queue to count[kBsdfKinds + 1]. `queue` is a
-// padded column; its padding matches no queue. Where `ray_pdf` is not null, hits of rays with a
+// padded column; its padding matches no queue. If `ray_pdf` is not null, hits of rays with a
 // density go to no queue (see RayColumns::pdf).
 void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
                   const float* ray_pdf, std::uint32_t n, std::uint32_t* queue,
                   std::uint32_t* count);
 
-// The same for rays of which only misses matter: the others go to no queue. Returns the misses.
+// Does the same for rays of which only misses matter: hits go to no queue. Returns the number of
+// misses.
 std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue);
 
-// Appends to `escaped` (from its row 0) the rows whose queue is kMissQueue, in order.
+// Copies the rows whose queue is kMissQueue to `escaped`, in order, from its row 0 on.
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                  const EscapeColumns& escaped);
 
-// Appends to `surfaces` (from its row 0) the rows of queue `kind`, in order: the columns of a hit
+// Copies the rows of queue `kind` to `surfaces`, in order, from its row 0 on: the columns of a hit
 // and its ray that shading needs.
 void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
               std::uint32_t kind, std::uint32_t n, const SurfaceColumns& surfaces);

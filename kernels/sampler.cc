@@ -10,8 +10,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// An Owen scramble of the bit-reversed word: every bit is flipped by a hash of the bits below it
-// (Laine and Karras 2011 in the form of Burley 2020; constants of Vegdahl 2021, who searched for
+// Applies an Owen scramble to a bit-reversed word: every bit is flipped by a hash of the bits below
+// it (Laine and Karras 2011 in the form of Burley 2020; constants of Vegdahl 2021, who searched for
 // the least correlation between neighbouring bits).
 HWY_INLINE VU ScrambleReversed(VU x, VU seed) {
   x = hn::Xor(x, hn::Mul(x, SetU(0x3d20adeau)));
@@ -21,9 +21,9 @@ HWY_INLINE VU ScrambleReversed(VU x, VU seed) {
   return hn::Xor(x, hn::Mul(x, SetU(0x53a22864u)));
 }
 
-// Bit-reversed second Sobol' coordinate of index x. Its generator matrix is Pascal's triangle
-// modulo 2: bit k is the parity of all bits j of x whose position contains k's, a superset sum that
-// five butterfly steps compute.
+// Returns the bit-reversed second Sobol' coordinate of index x. Its generator matrix is Pascal's
+// triangle modulo 2: bit k is the parity of all bits j of x whose position contains k's, a superset
+// sum that five butterfly steps compute.
 HWY_INLINE VU SecondSobolReversed(VU x) {
   x = hn::Xor(x, hn::ShiftRight<1>(hn::And(x, SetU(0xAAAAAAAAu))));
   x = hn::Xor(x, hn::ShiftRight<2>(hn::And(x, SetU(0xCCCCCCCCu))));
@@ -32,7 +32,7 @@ HWY_INLINE VU SecondSobolReversed(VU x) {
   return hn::Xor(x, hn::ShiftRight<16>(x));
 }
 
-// A mixing of all bits (Wellons 2018, "lowbias32").
+// Mixes all bits (Wellons 2018, "lowbias32").
 HWY_INLINE VU Mix(VU x) {
   x = hn::Xor(x, hn::ShiftRight<16>(x));
   x = hn::Mul(x, SetU(0x7feb352du));
@@ -49,10 +49,11 @@ void DrawUniforms(const PathColumns& paths, const std::uint32_t* rows, std::uint
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(d)) {
     VU seed, sample;
     if (rows != nullptr) {
-      // Rows behind n are unspecified: keep the gather inside the table.
+      // Rows beyond n are unspecified; the mask keeps the gather inside the table.
       const VU row = hn::IfThenElseZero(RowsBelow(i, n), Load(rows + i));
       if (hn::AllTrue(d, hn::Eq(row, hn::Iota(d, rows[i])))) {
-        // Compaction is stable, so most rows that are neighbours here are neighbours there.
+        // Compaction is stable, so most rows that are neighbours here are neighbours in `paths`
+        // too.
         seed = Load(paths.seed + rows[i]);
         sample = Load(paths.sample + rows[i]);
       } else {

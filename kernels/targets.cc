@@ -6,7 +6,7 @@
 namespace skywave {
 namespace {
 
-// Smaller is better.
+// The better target has the smaller number.
 std::int64_t BestTarget() {
   const std::int64_t targets = hwy::SupportedTargets() & HWY_TARGETS;
   return targets & -targets;

@@ -1,4 +1,4 @@
-// What the kernels run on.
+// These functions describe the instruction set that the kernels run on.
 #pragma once
 
 #include <cstdint>
@@ -6,10 +6,10 @@
 
 namespace skywave {
 
-// Highway's name of the best instruction set that this processor has and the kernels are compiled
-// for, and the version of Highway.
+// Returns Highway's name of the best instruction set that this processor has and the kernels are
+// compiled for.
 std::string KernelTarget();
-// Rows that a kernel takes at once there.
+// Returns the number of rows that a kernel processes at once there.
 std::uint32_t KernelLanes();
 std::string HighwayVersion();
 

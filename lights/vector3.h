@@ -1,4 +1,4 @@
-// Vectors in double precision, for building tables; nothing that runs once a ray uses them.
+// Vectors in double precision serve to build tables; nothing that runs once per ray uses them.
 #pragma once
 
 #include <cmath>
@@ -27,14 +27,14 @@ inline Vector3 Cross(const Vector3& a, const Vector3& b) {
 }
 inline double Length(const Vector3& a) { return std::sqrt(Dot(a, a)); }
 
-// a / |a|, or `fallback` where a is but the rounding of a sum of vectors whose lengths sum to
+// Returns a / |a|, or `fallback` if a is only the rounding of a sum of vectors whose lengths sum to
 // `scale`.
 inline Vector3 NormalizeOr(const Vector3& a, double scale, const Vector3& fallback) {
   const double length = Length(a);
   return length > 1e-11 * scale ? (1 / length) * a : fallback;
 }
 
-// Angle between unit vectors [rad], accurate near 0 and pi.
+// Returns the angle between unit vectors [rad], accurate near 0 and pi.
 inline double AngleBetween(const Vector3& a, const Vector3& b) {
   return 2 * std::atan2(Length(a - b), Length(a + b));
 }

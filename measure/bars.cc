@@ -11,11 +11,12 @@
 namespace skywave {
 namespace {
 
-// Layout [pixels].
+// The layout of the chart [pixels].
 constexpr double kWidth = 900, kLeft = 190, kRight = 76, kTop = 40, kRow = 26, kBar = 18;
 constexpr double kAxis = 46, kLegendRow = 20, kLegendColumn = 150;
 
-// Neighbours differ in lightness as well as in hue; twice the stages of a wave would repeat.
+// Neighbours differ in lightness as well as in hue; colours repeat after the number of stages of a
+// wave at the earliest.
 constexpr const char* kColors[] = {"#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00",
                                    "#404040", "#b8b800", "#7b4fa3", "#8fd0b5", "#a0a0a0"};
 
@@ -27,7 +28,7 @@ double Total(const Bar& bar) {
   return sum;
 }
 
-// 1, 2 or 5 times a power of ten, so that there are at most ten of them up to `most`.
+// Returns 1, 2 or 5 times a power of ten, such that at most ten steps fit up to `most`.
 double TickStep(double most) {
   const double power = std::pow(10, std::floor(std::log10(most)) - 1);
   for (const int factor : {1, 2, 5}) {

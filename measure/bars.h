@@ -1,4 +1,4 @@
-// Horizontal bars on a linear axis from 0 as SVG, each of one or several segments.
+// Draws horizontal bars on a linear axis from 0 as SVG, each with one or several segments.
 #pragma once
 
 #include <span>
@@ -9,16 +9,16 @@ namespace skywave {
 
 struct Bar {
   std::string name;
-  std::vector<double> values;  // [unit of the chart], one a segment, not negative
+  std::vector<double> values;  // [unit of the chart], one per segment, not negative
 };
 
 struct BarChart {
   std::string title, unit;
-  std::vector<std::string> segments;  // names for the legend; one: no legend
+  std::vector<std::string> segments;  // names for the legend; one segment needs no legend
   std::vector<Bar> bars;
 };
 
-// One picture, 900 pixels wide. Values that are negative or not finite count as 0.
+// Returns one picture, 900 pixels wide. Values that are negative or not finite count as 0.
 std::string Svg(const BarChart& chart);
 
 }  // namespace skywave

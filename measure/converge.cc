@@ -1,4 +1,5 @@
 #include "measure/converge.h"
+#include "wavefront/option_names.h"
 
 #include <algorithm>
 #include <bit>
@@ -28,7 +29,7 @@ std::size_t LongestLadder(const std::vector<Contestant>& contestants) {
   return longest;
 }
 
-// One rung of all ladders that have it.
+// Measures one rung of every ladder that has it.
 void MeasureRung(const RenderJob& job, const Reference& reference, const ConvergeSettings& settings,
                  std::size_t rung, std::vector<Contestant>& contestants, Progress* progress) {
   const RenderOptions& options = job.options();
@@ -105,10 +106,10 @@ std::uint32_t RoundSamplesDown(double samples) {
 
 std::vector<std::uint32_t> LadderForTime(const RenderJob& job, const Contestant& contestant,
                                          double seconds, std::uint32_t max_samples) {
-  // The first frame of all waits for threads and memory.
+  // The very first frame includes waiting for threads and memory, so it is not timed.
   const FrameView frame = FrameOf(job, contestant);
   Render(frame, job, 1, job.options().seed, nullptr, nullptr);
-  // A frame of a tenth of the time tells the rate well enough.
+  // A frame that takes a tenth of the time determines the rate well enough.
   for (std::uint32_t samples = 1;; samples *= 2) {
     double taken = 0;
     Render(frame, job, samples, job.options().seed, nullptr, &taken);

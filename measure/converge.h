@@ -1,5 +1,5 @@
-// Renders of one scene by several strategies and integrators with growing numbers of samples, again
-// and again with independent seeds, and how far each is from a reference.
+// Renders one scene with several strategies and integrators at growing numbers of samples,
+// repeatedly with independent seeds, and measures their distances from a reference.
 #pragma once
 
 #include <cstdint>
@@ -29,60 +29,63 @@ struct Rung {
   std::vector<double> errors(ErrorMeasure measure) const;
 };
 
-// A strategy in the hands of an integrator.
+// A strategy used by an integrator.
 struct Contestant {
-  std::string name;  // among its rivals: what tells it from them
+  std::string name;  // the part that distinguishes it from its rivals
   std::string specification;
   Integrator integrator = Integrator::kPath;
   std::unique_ptr<EnvStrategy> strategy;
-  double table_seconds = 0;  // to build it from the map
+  double table_seconds = 0;  // time to build it from the map
   std::vector<Rung> ladder;  // samples ascending
   Image picture;             // first run of the last rung
 };
 
-// What is fixed for all runs.
+// Settings shared by all runs.
 struct ConvergeSettings {
   int repeats = 5;  // at least 2
   ErrorMeasure measure = ErrorMeasure::kMse;
 };
 
-// Every strategy in the hands of every integrator, strategy by strategy. The job has to keep its
-// map. Throws InputError for a strategy that cannot be made.
+// Returns every combination of a strategy and an integrator, strategy by strategy. The job must
+// keep its map. Throws InputError for a strategy that cannot be built.
 std::vector<Contestant> MakeContestants(const RenderJob& job,
                                         const std::vector<std::string>& specifications,
                                         const std::vector<Integrator>& integrators);
 
-// 1, 2, 4, ... `samples`.
+// Returns 1, 2, 4, ... `samples`.
 std::vector<std::uint32_t> DoublingLadder(std::uint32_t samples);
-// The largest number of samples of at most three leading bits that is at most `samples`: a pixel's
-// points are best spread in multiples of powers of two.
+// Returns the largest number of samples with at most three leading bits that does not exceed
+// `samples`: the points of a pixel are best distributed in multiples of powers of two.
 std::uint32_t RoundSamplesDown(double samples);
-// Renders short frames until a rate is known, and gives the ladder whose last rung takes about
-// `seconds`. At most `max_samples` samples.
+// Renders short frames until the rate is known, and returns the ladder whose last rung takes about
+// `seconds`, with at most `max_samples` samples.
 std::vector<std::uint32_t> LadderForTime(const RenderJob& job, const Contestant& contestant,
                                          double seconds, std::uint32_t max_samples);
-// One render that is thrown away: threads, caches and pages are there before anything is timed.
+// Renders and discards one frame, so that threads, caches and pages are ready before anything is
+// timed.
 void WarmUp(const RenderJob& job, const Contestant& contestant);
 
-// What a reference is computed by: `direct` where all contestants are, for it sees no more; else
-// `path`, which is unbiased and finds all light but what only delta BSDFs lead to delta lights.
+// Returns the integrator for the reference: `direct` if all contestants use it, because it sees no
+// more light; else `path`, which is unbiased and finds all light except light from delta lights via
+// delta BSDFs only.
 Integrator ReferenceIntegrator(const std::vector<Contestant>& contestants);
-// Both halves by the job's own strategy with multiple importance sampling, `samples` each.
+// Renders both halves with the job's own strategy and multiple importance sampling,
+// `samples_per_half` each.
 Reference RenderReference(const RenderJob& job, Integrator integrator,
                           std::uint32_t samples_per_half, Progress* progress);
 
 // Runs every rung of every ladder `repeats` times and fills in runs, splits and pictures. Rungs are
-// measured in ascending order; within a repeat all contestants take their turn, and the one that
-// begins changes, so that a slow minute of the machine slows all of them.
+// measured in ascending order; within a repeat all contestants take turns, and the starting one
+// rotates, so that a slow minute of the machine affects all of them.
 void Measure(const RenderJob& job, const Reference& reference, const ConvergeSettings& settings,
              std::vector<Contestant>& contestants, Progress* progress);
-// Samples that Measure renders, in the unit of Progress.
+// Returns the number of samples that Measure renders, in the unit of Progress.
 std::uint64_t SamplesToMeasure(const RenderJob& job, const ConvergeSettings& settings,
                                const std::vector<Contestant>& contestants);
 
-// Seeds, from the job's own: all runs of one rung and repeat share one, whatever the contestant; no
-// two rungs or repeats do, nor does the reference. Below 2^20 none is used, so that a reference
-// rendered with a seed that people type is independent too.
+// Derive seeds from the job's own. All runs of one rung and repeat share a seed, whatever the
+// contestant; different rungs and repeats never do, nor does the reference. Offsets below 2^20 are
+// unused, so that a reference rendered with a typed seed is independent too.
 std::uint32_t RunSeed(std::uint32_t job_seed, std::size_t rung, int repeat);
 std::uint32_t ReferenceSeed(std::uint32_t job_seed, int half);
 

@@ -6,7 +6,7 @@
 namespace skywave {
 namespace {
 
-// Factor of a squared difference, see ImageDifference.
+// Returns the factor of a squared difference; see ImageDifference.
 double Weight(ErrorMeasure measure, float reference) {
   if (measure == ErrorMeasure::kMse) return 1;
   return 1 / (double(reference) * reference + kRelativeFloor);
@@ -66,9 +66,10 @@ ErrorSplit SplitError(const PictureMoments& pictures, const Reference& reference
   ErrorSplit split;
   double squares = 0;
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-    // The mean of (x_i - a) (x_j - b) over all pairs of different pictures x of halves a and b,
-    // whose expectation is the squared bias: no picture is multiplied by itself. Channels of a
-    // pixel share their random numbers, pixels do not; so the spread is that of pixels.
+    // This is the mean of (x_i - a) (x_j - b) over all pairs of different pictures x and the halves
+    // a and b. Its expectation is the squared bias because no picture is multiplied by itself. The
+    // channels of a pixel share random numbers while pixels do not, so the spread is taken over
+    // pixels.
     double bias = 0;
     for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
       const double weight = Weight(measure, exact.rgb[i]) / 3;

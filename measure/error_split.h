@@ -1,4 +1,4 @@
-// What is noise in an error and what is bias, from repeated renders with independent seeds.
+// Splits an error into noise and bias by repeated renders with independent seeds.
 #pragma once
 
 #include <optional>
@@ -10,20 +10,20 @@
 
 namespace skywave {
 
-// The measure that curves, targets and bias are in. See ImageDifference.
+// The measure used for curves, targets and bias. See ImageDifference.
 enum class ErrorMeasure { kMse, kRelativeMse };
 template <>
 inline constexpr auto kEnumNames<ErrorMeasure> = std::to_array<Named<ErrorMeasure>>(
     {{ErrorMeasure::kMse, "mse"}, {ErrorMeasure::kRelativeMse, "relative_mse"}});
 double Value(const ImageDifference& difference, ErrorMeasure measure);
 
-// The picture that errors are measured against.
+// The picture against which errors are measured.
 struct Reference {
   Image image;
-  // Half the difference of the two independent halves that `image` is the mean of; empty if only
-  // the mean is known. Its square is, on average, the variance of `image`.
+  // Half the difference of the two independent halves whose mean is `image`; empty if only the mean
+  // is known. Its square is, on average, the variance of `image`.
   Image half_difference;
-  // The error of `image` itself against the exact picture; unset: unknown.
+  // The error of `image` itself against the exact picture; nothing if unknown.
   std::optional<double> mse, relative_mse;
 
   std::optional<double> noise(ErrorMeasure measure) const {
@@ -31,11 +31,10 @@ struct Reference {
   }
 };
 
-// The reference of two pictures of the same size with the same expectation, equally noisy and
-// independent of each other.
+// Makes a reference of two independent, equally noisy pictures with the same size and expectation.
 Reference MakeReference(const Image& first_half, const Image& second_half);
 
-// Mean and variance of every channel of every pixel over the pictures added (Welford).
+// Mean and variance of every channel of every pixel over the added pictures (Welford).
 class PictureMoments {
  public:
   PictureMoments(int width, int height);
@@ -43,7 +42,7 @@ class PictureMoments {
 
   int count() const { return count_; }
   double mean(std::size_t channel) const { return mean_[channel]; }
-  // Of one picture, not of the mean. GuideSamples two pictures.
+  // Returns the variance of one picture, not of the mean. Requires two pictures.
   double variance(std::size_t channel) const { return squares_[channel] / (count_ - 1); }
 
  private:
@@ -53,18 +52,18 @@ class PictureMoments {
 
 // The expected error of one render is squared_bias + variance.
 struct ErrorSplit {
-  // Unbiased estimate, so it may come out negative where there is no bias: the error of the mean of
-  // all pictures, less what variance leaves in a mean of so many, less the noise of the reference.
+  // Unbiased estimate, so it may be negative if there is no bias: the error of the mean of all
+  // pictures, minus the remaining variance of that mean, minus the noise of the reference.
   double squared_bias = 0;
   double squared_bias_error = 0;  // its standard error, from the spread over pixels
   double variance = 0;
 
-  // Beyond three standard errors; chance alone gets there about once in 700 times.
+  // True beyond three standard errors; chance alone exceeds them about once in 700 times.
   bool biased() const { return squared_bias > 3 * squared_bias_error; }
 };
 
-// GuideSamples two pictures or more, independent of each other and of the reference. Where the
-// noise of the reference is unknown it counts as bias.
+// Requires at least two pictures, independent of each other and of the reference. Unknown noise of
+// the reference counts as bias.
 ErrorSplit SplitError(const PictureMoments& pictures, const Reference& reference,
                       ErrorMeasure measure);
 

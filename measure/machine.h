@@ -1,4 +1,4 @@
-// On what a measurement ran, in words for a report.
+// Describes the machine of a measurement in words for a report.
 #pragma once
 
 #include <string>
@@ -8,19 +8,19 @@
 namespace skywave {
 
 struct Machine {
-  std::string processor;  // as the operating system names it
-  int processors = 0;     // that this process may use
+  std::string processor;  // as named by the operating system
+  int processors = 0;     // number available to this process
   double memory_bytes = 0;
   std::string system;           // operating system and its version
-  std::string compiler, build;  // of this program
-  std::string revision;         // of its sources: of git, "-dirty" if changed; else "unknown"
-  std::string instructions;     // that the kernels use
-  int lanes = 0;                // of their vectors of floats
+  std::string compiler, build;  // compiler and build of this program
+  std::string revision;         // git revision of its sources, "-dirty" if changed; else "unknown"
+  std::string instructions;     // instruction set that the kernels use
+  int lanes = 0;                // floats per vector of the kernels
   std::string embree_config;
   std::vector<std::pair<std::string, std::string>> libraries;  // name, version
 };
 
-// `embree_config`: as the user gave it; empty stands for the default.
+// `embree_config` is the user's setting; empty stands for the default.
 Machine DescribeMachine(const std::string& embree_config);
 
 }  // namespace skywave

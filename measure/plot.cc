@@ -9,15 +9,15 @@
 namespace skywave {
 namespace {
 
-// Layout [pixels].
+// The layout of a plot [pixels].
 constexpr double kWidth = 900, kLeft = 84, kRight = 20, kTop = 40, kAxes = 420, kBottom = 58;
 constexpr double kLegendRow = 22, kGap = 24;
 
-// Told apart with impaired colour vision too (Okabe and Ito 2008), without the yellow, which is
-// hard to see on white.
+// These colours can be distinguished with impaired colour vision too (Okabe and Ito 2008); yellow
+// is omitted because it is hard to see on white.
 constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                    "#56b4e9", "#e69f00", "#000000"};
-// Outlines of markers about the origin. Fewer by one than colours: pairs repeat late.
+// Outlines of markers about the origin. There is one fewer than colours, so that pairs repeat late.
 constexpr const char* kMarkers[] = {"M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0z",
                                     "M-4.5,-4.5h9v9h-9z",
                                     "M0,-6l5.5,10h-11z",
@@ -28,7 +28,7 @@ constexpr const char* kMarkers[] = {"M-5,0a5,5 0 1,0 10,0a5,5 0 1,0 -10,0z",
 bool OnLogAxis(double value) { return std::isfinite(value) && value > 0; }
 bool IsDrawn(const PlotPoint& point) { return OnLogAxis(point.x) && OnLogAxis(point.y); }
 
-// A power of ten or 2 or 5 times one, and how it is labelled.
+// A tick at 1, 2 or 5 times a power of ten.
 struct Tick {
   double value;
   int mantissa, exponent;
@@ -47,7 +47,7 @@ std::vector<Tick> Ticks(double low, double high) {
   return ticks;
 }
 
-// From one tick to another, so that it ends where something is written.
+// An axis runs from one tick to another, so that both ends are labelled.
 struct Axis {
   double low = 0, high = 0;  // values
   double from = 0, to = 0;   // pixels
@@ -92,7 +92,7 @@ std::string TickLabel(const Tick& tick) {
   return fmt::format("{}10<tspan dy=\"-6\" font-size=\"11\">{}</tspan>", front, tick.exponent);
 }
 
-// Every power of ten has a label; those between have one where there is room.
+// Every power of ten has a label; ticks between them have one if there is room.
 bool IsLabelled(const Tick& tick, const Axis& axis) {
   return tick.mantissa == 1 || axis.high / axis.low < 300;
 }
@@ -136,8 +136,8 @@ void WriteLevels(const LogPlot& plot, const Axis& x, const Axis& y, Writer& writ
   }
 }
 
-// Later series are drawn over earlier ones, whose markers are larger: where curves coincide all of
-// them are still seen.
+// Later series are drawn over earlier ones, whose markers are larger, so that all remain visible
+// where curves coincide.
 void WriteMarker(std::size_t index, std::size_t count, double x, double y, Writer& write) {
   const double scale = 0.9 + 0.6 * double(count - index) / double(count);
   write(R"svg(<path transform="translate({:.1f},{:.1f}) scale({:.2f})" d="{}" fill="{}" )svg"
@@ -184,7 +184,8 @@ std::vector<double> Values(const LogPlot& plot, double PlotPoint::*member) {
   return values;
 }
 
-// Whiskers of two repetitions can be endless: they may not squeeze the curves.
+// Whiskers of two repetitions can be extremely long, so they are clamped to keep the curves
+// readable.
 std::vector<double> HeightsWithWhiskers(const LogPlot& plot) {
   std::vector<double> values = Values(plot, &PlotPoint::y);
   if (values.empty()) return values;

@@ -1,4 +1,4 @@
-// Curves on logarithmic axes as SVG.
+// Draws curves on logarithmic axes as SVG.
 #pragma once
 
 #include <limits>
@@ -11,7 +11,7 @@ namespace skywave {
 
 struct PlotPoint {
   double x, y;
-  // Ends of the whisker; NaN: none.
+  // Ends of the whisker; NaN: no whisker.
   double low = std::numeric_limits<double>::quiet_NaN();
   double high = std::numeric_limits<double>::quiet_NaN();
 };
@@ -21,7 +21,7 @@ struct PlotSeries {
   std::vector<PlotPoint> points;
 };
 
-// A horizontal line across the plot, dashed.
+// A dashed horizontal line across the plot.
 struct PlotLevel {
   std::string name;
   double y;
@@ -30,16 +30,16 @@ struct PlotLevel {
 struct LogPlot {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
-  std::vector<PlotLevel> levels;  // drawn where they lie within the range of the series
+  std::vector<PlotLevel> levels;  // drawn if they lie within the range of the series
 };
 
-// One picture with the plots one below the other, 900 pixels wide. Colours and markers belong to
-// the position of a series, so plots of the same series agree. Points that are not positive and
-// finite have no place on logarithmic axes and are left out.
+// Returns one picture with the plots stacked vertically, 900 pixels wide. Colours and markers
+// depend on the position of a series, so plots of the same series agree. Points that are not
+// positive and finite cannot be drawn on logarithmic axes and are left out.
 std::string Svg(std::span<const LogPlot> plots);
 
-// `text` with what XML and HTML reserve written as entities, and control characters as spaces
-// but for line ends.
+// Returns `text` with the characters reserved by XML and HTML as entities, and with control
+// characters other than line ends as spaces.
 std::string EscapeXml(std::string_view text);
 
 }  // namespace skywave

@@ -21,7 +21,7 @@ std::string Text(const Metadata& metadata, std::string_view name) {
   return {};
 }
 
-// The number that `text` begins with, if it does and is not negative.
+// Returns the number at the start of `text`, if there is one and it is not negative.
 std::optional<double> Number(const std::string& text) {
   double value = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);

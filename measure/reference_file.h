@@ -1,4 +1,4 @@
-// A reference kept for other measurements: an EXR whose header tells how noisy it is.
+// Keeps a reference for later measurements: an EXR whose header records its noise.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ struct ReferenceFile {
   std::string scene_hash;               // empty: unknown
 };
 
-// Noise is kept as a mean, not pixel by pixel: half_difference is not there when read again.
-// `provenance` goes into the header too.
+// Writes a reference. Its noise is stored as a mean, not per pixel, so half_difference is empty
+// after reading. `provenance` is written to the header too.
 void WriteReference(const std::string& path, const ReferenceFile& file, Metadata provenance);
 
-// Any picture that ReadImage takes; of a picture that WriteReference did not write the noise is
-// unknown. Throws InputError unless it has the given size and all its pixels are finite.
+// Reads any picture that ReadImage accepts; its noise is unknown unless WriteReference wrote it.
+// Throws InputError unless it has the given size and all its pixels are finite.
 ReferenceFile ReadReference(const std::string& path, int width, int height,
                             const ReadLimits& limits);
 

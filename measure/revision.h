@@ -1,13 +1,13 @@
-// Which sources this program was built from.
+// Identifies the sources from which this program was built.
 #pragma once
 
 #include <string>
 
 namespace skywave {
 
-// The revision of git when the program was linked, with "-dirty" behind it where files differed
-// from it; "unknown" without git. Written by cmake/revision.cmake at every build, so that one small
-// file is compiled again and nothing else.
+// Returns the git revision at link time, followed by "-dirty" if files differed from it; "unknown"
+// without git. cmake/revision.cmake writes it at every build, so that only one small file is
+// recompiled.
 std::string GitRevision();
 
 }  // namespace skywave

@@ -16,7 +16,7 @@ FrameResult RenderAgain(const RenderJob& job, int threads) {
   return RenderFrame(frame, film);
 }
 
-// Of entry `i` over the repetitions.
+// Returns the median of entry `i` over the repetitions.
 template <std::size_t kSize>
 double MedianOf(const std::vector<std::array<double, kSize>>& repetitions, std::uint32_t i) {
   std::vector<double> values;

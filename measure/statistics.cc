@@ -37,7 +37,8 @@ double StudentQuantile(int degrees) {
                                2.1098,  2.1009, 2.0930, 2.0860, 2.0796, 2.0739, 2.0687, 2.0639,
                                2.0595,  2.0555, 2.0518, 2.0484, 2.0452, 2.0423};
   if (degrees <= int(std::size(kTable))) return kTable[degrees - 1];
-  // First terms of the expansion about the normal quantile (Abramowitz and Stegun 26.7.5).
+  // These are the first terms of the expansion about the normal quantile (Abramowitz and Stegun
+  // 26.7.5).
   constexpr double z = 1.959964;
   const double n = degrees;
   return z + (z * z * z + z) / (4 * n) +
@@ -49,20 +50,21 @@ Interval MeanInterval(std::span<const double> values) {
   if (values.size() < 2) return {kUnknown, kUnknown};
   const double mean = Mean(values);
   if (mean == 0) return {0, 0};
-  // The standard error of log(mean), to first order.
+  // This is the standard error of log(mean) to first order.
   const double relative = std::sqrt(SampleVariance(values) / double(values.size())) / mean;
   const double reach = StudentQuantile(int(values.size()) - 1) * relative;
   return {mean * std::exp(-reach), mean * std::exp(reach)};
 }
 
 Crossing FindCrossing(std::span<const CurvePoint> curve, double level) {
-  // From the end: noise may lift a curve above the level again, and only what stays below counts.
+  // The search starts at the end because noise may lift a curve above the level again, and only a
+  // final descent counts.
   std::size_t first = curve.size();
   while (first > 0 && curve[first - 1].y <= level) --first;
   if (first == curve.size()) return {Crossing::kBeyond, curve.back().x};
   if (first == 0) return {Crossing::kBefore, curve.front().x};
   const CurvePoint a = curve[first - 1], b = curve[first];
-  // A curve that comes down to 0 has no place on a logarithmic scale.
+  // A curve that reaches 0 cannot be interpolated on a logarithmic scale.
   if (!(b.y > 0)) return {Crossing::kInside, b.x};
   const double along = std::log(level / a.y) / std::log(b.y / a.y);
   return {Crossing::kInside, a.x * std::pow(b.x / a.x, along)};

@@ -1,5 +1,5 @@
-// Figures of few repetitions: means with confidence intervals, medians, and where a curve meets a
-// level. All intervals are of 95 %.
+// Statistics of few repetitions: means with confidence intervals, medians, and crossings of a curve
+// with a level. All intervals are 95 % intervals.
 #pragma once
 
 #include <span>
@@ -11,36 +11,38 @@ struct Interval {
   double low, high;  // NaN: unknown
 };
 
-// Of at least one value.
+// Requires at least one value.
 double Mean(std::span<const double> values);
-// With n - 1 in the denominator; of at least two values.
+// Divides by n - 1; requires at least two values.
 double SampleVariance(std::span<const double> values);
-// Of an even number of values the mean of the middle two.
+// For an even number of values, returns the mean of the middle two.
 double Median(std::vector<double> values);
-// The value below which a share of `p` lies, interpolated between neighbours; sorted, not empty.
+// Returns the value with a fraction `p` of all values below it, interpolated between neighbours.
+// `sorted` is ascending and not empty.
 double Quantile(std::span<const double> sorted, double p);
 
-// The t below which 97.5 % of Student's distribution of `degrees` >= 1 degrees of freedom lie.
+// Returns the 97.5 % quantile of Student's distribution with `degrees` >= 1 degrees of freedom.
 double StudentQuantile(int degrees);
 
-// Where the mean of positive quantities lies: Student's interval of their mean, laid out on a
-// logarithmic scale, where errors and times vary evenly, so its low end stays positive. Unknown for
-// fewer than two values; the mean itself where it is 0.
+// Returns a confidence interval for the mean of positive quantities: Student's interval on a
+// logarithmic scale, on which errors and times vary evenly, so that its low end stays positive. It
+// is unknown for fewer than two values, and the mean itself if that is 0.
 Interval MeanInterval(std::span<const double> values);
 
 struct CurvePoint {
   double x, y;  // positive
 };
 
-// Where a falling curve comes down to a level to stay.
+// The point after which a falling curve stays below a level.
 struct Crossing {
-  // Along the curve; already before its first point; not up to its last point.
+  // The crossing lies within the curve, before its first point, or beyond its last one.
   enum Kind { kInside, kBefore, kBeyond };
   Kind kind;
-  double x;  // the place; for kBefore and kBeyond the first and the last x: a bound
+  double x;  // the crossing; for kBefore and kBeyond the first and the last x, as a bound
 };
 
-// Points in the order of effort, at least one, straight lines between them on logarithmic scales.
+// Expects at least one point, in order of effort; points are connected by straight lines on
+// logarithmic scales.
 Crossing FindCrossing(std::span<const CurvePoint> curve, double level);
 
 }  // namespace skywave

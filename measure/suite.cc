@@ -16,8 +16,8 @@
 namespace skywave {
 namespace {
 
-// A film that differs is named with the values that would stand here. They change with whatever
-// decides the bits of a picture, and a change of them has to be explained.
+// When a film differs, the error message prints the values that belong here. They change with
+// anything that affects the bits of a picture, and every change of them needs an explanation.
 constexpr SuiteScene kQuick[] = {
     {"gallery",
      320,
@@ -77,7 +77,7 @@ double PeakMemoryBytes() {
   return double(usage.ru_maxrss) * 1024;
 }
 
-// Writes the picture as a render would, to a file that is gone afterwards.
+// Writes the picture to a temporary file exactly as a render would.
 double TimeWrite(const Film& film, std::uint64_t samples) {
   const auto path = std::filesystem::temp_directory_path() /
                     ("skywave-bench-" + std::to_string(::getpid()) + ".exr");
@@ -100,7 +100,7 @@ std::vector<StrategyTable> MeasureTables(const RenderJob& job) {
   return tables;
 }
 
-// Of what was measured for every scene; 0 where it was not.
+// Returns the mean over all scenes, or 0 if any scene was not measured.
 template <class Value>
 double GeometricMean(std::span<const SuiteResult> results, Value value) {
   double sum = 0;

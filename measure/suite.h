@@ -1,5 +1,5 @@
-// The suite of skywave bench: built-in scenes at fixed sizes, whose pictures are known, so that a
-// score is only given for the right work.
+// The suite of skywave bench: built-in scenes at fixed sizes with known pictures, so that a score
+// is only given for correct work.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace skywave {
 
-// What a finished film is compared by: a hash of its sums, and the mean radiance of blocks of the
-// picture, 4 x 4, row by row.
+// The values by which a finished film is compared: a hash of its sums, and the mean radiance of 4 x
+// 4 blocks of the picture, row by row.
 struct Fingerprint {
   std::uint64_t hash = 0;
   std::array<float, 16> means = {};
@@ -27,16 +27,16 @@ struct SuiteScene {
   std::uint32_t samples_per_pixel;
   Fingerprint expected;
 };
-// Quick: under a minute on two cores. Full: some minutes.
+// The quick suite takes under a minute on two cores, the full one some minutes.
 std::span<const SuiteScene> SuiteScenes(bool full);
 
-// `base` with the scene and sizes of `scene`.
+// Returns `base` with the scene and sizes of `scene`.
 JobRequest SuiteRequest(const SuiteScene& scene, JobRequest base);
 
-// How a picture was compared with the one that is known.
+// The result of comparing a picture with the known one.
 enum class PictureCheck {
-  kSameBits,      // where Embree's hits have the bits of AVX2
-  kWithinBounds,  // on other instruction sets: the means of all blocks are near enough
+  kSameBits,      // expected if Embree's hits have the bits of AVX2
+  kWithinBounds,  // for other instruction sets: the means of all blocks are close enough
   kWrong
 };
 template <>
@@ -45,24 +45,24 @@ inline constexpr auto kEnumNames<PictureCheck> =
                                         {PictureCheck::kWithinBounds, "within bounds"},
                                         {PictureCheck::kWrong, "wrong"}});
 
-// Largest relative difference of a block that another instruction set may cause; seen with SSE2,
-// SSE4.2 and AVX: 0.00012 and less. Another seed makes more than 0.004.
+// The largest relative difference of a block that another instruction set may cause. SSE2, SSE4.2
+// and AVX were observed to cause at most 0.00012; another seed causes more than 0.004.
 inline constexpr double kPictureBound = 0.002;
 
-// `exact`: hits have the bits of AVX2, see HasReferenceHits.
+// `exact` tells that hits have the bits of AVX2; see HasReferenceHits.
 PictureCheck CheckPicture(const Fingerprint& expected, const Fingerprint& found, bool exact);
-// Largest relative difference of the means of a block.
+// Returns the largest relative difference between the means of a block.
 double BlockDifference(const Fingerprint& a, const Fingerprint& b);
-// Whether Embree, set up like this, finds the hits from which the expected pictures were made.
+// Returns true if Embree, configured this way, finds the same hits as for the expected pictures.
 bool HasReferenceHits(const JobRequest& request);
 
 struct StrategyTable {
   std::string name;
   std::size_t bytes = 0;
-  double seconds = 0;  // to build
+  double seconds = 0;  // build time
 };
 
-// A scene of the suite, measured.
+// The measurements of one scene of the suite.
 struct SuiteResult {
   SuiteScene scene;
   RenderOptions options;
@@ -70,28 +70,28 @@ struct SuiteResult {
   double write_seconds = 0;
   std::uint64_t scene_hash = 0;
   std::size_t triangles = 0, geometry_bytes = 0;
-  // Of every strategy, for this scene's map; empty: not measured.
+  // The tables of every strategy for this scene's map; empty: not measured.
   std::vector<StrategyTable> tables;
   Fingerprint found;
   PictureCheck check = PictureCheck::kWrong;
   Speed speed;
-  double peak_memory_bytes = 0;  // of the process up to now
+  double peak_memory_bytes = 0;  // peak of the process so far
 
   double msamples_per_second() const;
   double mrays_per_second() const;
 };
 
-// `tables`: whether to build those of every strategy, which takes longer than a few renders.
+// `tables` tells whether to build those of every strategy, which takes longer than a few renders.
 SuiteResult MeasureScene(const SuiteScene& scene, const JobRequest& base,
                          const SpeedSettings& settings, bool tables);
 
-// Over scenes: geometric means, so that each scene counts alike. 0: not measured.
+// Geometric means over scenes, so that each scene has equal weight. 0: not measured.
 struct SuiteSummary {
   double msamples_per_s = 0, mrays_per_s = 0, embree_fraction = 0, scaling_2 = 0;
 };
 SuiteSummary Summarize(std::span<const SuiteResult> results);
 
-// 1, 2, 4 ... and `available`.
+// Returns 1, 2, 4 ... and `available`.
 std::vector<int> ScalingThreads(int available);
 
 }  // namespace skywave

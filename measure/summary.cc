@@ -18,7 +18,7 @@ std::vector<double> Pick(const std::vector<double>& values, const std::vector<st
   return picked;
 }
 
-// Every rung has its own draw: what was measured at another time is independent.
+// Every rung has its own draw because measurements at different times are independent.
 CurveRuns Resample(const CurveRuns& runs, const std::vector<std::vector<std::size_t>>& draws) {
   CurveRuns resampled;
   for (std::size_t rung = 0; rung < runs.seconds.size(); ++rung) {
@@ -47,7 +47,7 @@ Interval MiddleOf(std::vector<double> values) {
     return {kUnknown, kUnknown};
   }
   std::sort(values.begin(), values.end());
-  // An infinite neighbour may not be interpolated with.
+  // Values are not interpolated because a neighbour may be infinite.
   const auto at = [&](double p) {
     return values[std::size_t(std::lround(p * double(values.size() - 1)))];
   };
@@ -91,7 +91,7 @@ TargetSummary SummarizeTarget(const std::vector<CurveRuns>& curves, std::optiona
   std::size_t rungs = 0;
   for (const CurveRuns& runs : curves) rungs = std::max(rungs, runs.seconds.size());
   std::vector<std::vector<double>> times(curves.size()), speed_ups(curves.size());
-  std::mt19937 random;  // default seed: the same draws every time
+  std::mt19937 random;  // the default seed gives the same draws every time
   for (int i = 0; i < kResamples; ++i) {
     std::vector<std::vector<std::size_t>> draws(rungs, std::vector<std::size_t>(repeats));
     for (auto& draw : draws) {

@@ -1,4 +1,4 @@
-// What the measured curves say together: how long each strategy takes to the same error.
+// Summarises the measured curves: the time that each strategy takes to reach the same error.
 #pragma once
 
 #include <optional>
@@ -15,26 +15,27 @@ struct CurveRuns {
 };
 CurveRuns MakeCurveRuns(const Contestant& contestant, ErrorMeasure measure);
 
-// Median of the times and mean of the errors of every rung.
+// Returns the median time and the mean error of every rung.
 std::vector<CurvePoint> Curve(const CurveRuns& runs);
 
 struct TimeToTarget {
   Crossing time;      // [s]
-  Interval interval;  // of the time [s]; ends are 0 or infinite beyond the measured curve
-  double speed_up;    // of the first curve's time over this one's; NaN unless both are inside
-  Interval speed_up_interval;  // unknown where a resampled curve misses the target
+  Interval interval;  // [s] interval of the time; ends are 0 or infinite beyond the measured curve
+  double speed_up;    // the first curve's time over this one's; NaN unless both are inside
+  Interval speed_up_interval;  // unknown if a resampled curve misses the target
 };
 
 struct TargetSummary {
   double target;    // the error
-  bool from_first;  // it is what the first curve reaches at its end
+  bool from_first;  // the target is the final error of the first curve
   std::vector<TimeToTarget> times;
 };
 
-// When each curve comes down to `target`; unset: to the mean error of the first curve's last rung.
-// Intervals are bootstrapped: repetitions are drawn anew, the same ones for all curves, because
-// what ran in the same repeat met the same machine; a target of the first curve is drawn with it.
-// Curves need the same number of repeats in every rung. The same result every time.
+// Finds the time at which each curve reaches `target`, by default the mean error of the first
+// curve's last rung. Intervals are bootstrapped: repetitions are resampled, with the same draws for
+// all curves because runs of the same repeat shared the state of the machine; a target taken from
+// the first curve is resampled with it. All rungs of all curves need the same number of repeats.
+// The result is the same every time.
 TargetSummary SummarizeTarget(const std::vector<CurveRuns>& curves, std::optional<double> target);
 
 }  // namespace skywave

@@ -14,8 +14,8 @@
 namespace skywave {
 namespace {
 
-// Of light samples, what the map and local lights get at least where there are both: their power
-// does not say who is in the shade of what.
+// The environment and the local lights each get at least this share of the light samples when a
+// scene has both, because power alone does not tell which of them is occluded.
 constexpr double kLeastShare = 1.0 / 16;
 
 constexpr double kPi = glm::pi<double>();
@@ -24,8 +24,8 @@ void Copy(const glm::vec3& from, float* to) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-// LightChoice::first of lights with that power, `units` for all of them: in proportion, but one for
-// each at least.
+// Returns LightChoice::first for lights of the given power: `units` are distributed in proportion
+// to it, at least one per light.
 std::vector<std::uint32_t> MakeChoice(const std::vector<double>& power, std::uint32_t units) {
   double total = 0;
   for (const double p : power) total += p;
@@ -57,14 +57,14 @@ bool HasLocalLights(const Scene& scene) {
 float BoundingRadius(const Bounds& bounds) { return 0.5f * glm::length(bounds.high - bounds.low); }
 
 double SpotSolidAngle(float cos_full, float cos_dark) {
-  // The falloff is symmetric in the cosine: its mean between the cones is a half.
+  // The falloff is symmetric in the cosine, so its mean between the cones is one half.
   return 2 * kPi * (1 - 0.5 * (double(cos_full) + cos_dark));
 }
 
-void LocalLights::Add(const LocalLight& light, const glm::vec3& mean, double power_a_unit) {
-  const double power = Luminance(&mean.x) * power_a_unit;
+void LocalLights::Add(const LocalLight& light, const glm::vec3& mean, double power_per_unit) {
+  const double power = Luminance(&mean.x) * power_per_unit;
   if (!(power > 0)) return;
-  channel_power_ += std::max({mean.x, mean.y, mean.z}) * power_a_unit;
+  channel_power_ += std::max({mean.x, mean.y, mean.z}) * power_per_unit;
   lights_.push_back(light);
   power_.push_back(power);
   LocalLightTotal& total = totals_[std::size_t(light.kind)];
@@ -107,7 +107,8 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
       Copy(material.emission, light.emission);
       Copy(corner, light.position), Copy(axis, light.axis), Copy(edge, light.edge);
       const std::size_t before = lights_.size();
-      // The kernel takes the normal from the edges, in floats.
+      // The kernel computes the normal from the edges in floats, so degenerate triangles are tested
+      // likewise.
       if (light.area > 0 && glm::dot(glm::cross(axis, edge), glm::cross(axis, edge)) > 0) {
         Add(light, mean, kPi * light.area * (light.two_sided ? 2 : 1));
       }
@@ -122,7 +123,7 @@ void LocalLights::AddTriangles(const Scene& scene, const Geometry& geometry,
         emission_texture_.resize(lights_.size());
         emission_texture_.back() = *material.emission_texture + 1;
       }
-      holes_ = holes_ || triangle >= geometry.first_with_alpha();
+      has_alpha_ = has_alpha_ || triangle >= geometry.first_with_alpha();
     }
   }
   for (std::size_t i = geometry.triangle_count(); i < light_of_triangle_.size(); ++i) {
@@ -142,15 +143,15 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
     Copy(from.emission, light.emission);
     Copy(from.position, light.position);
     Copy(from.direction, light.axis);
-    double power_a_unit = 4 * kPi;
+    double power_per_unit = 4 * kPi;
     if (from.kind == LocalLightKind::kSpot) {
       light.edge[0] = from.cos_dark;
       light.edge[1] = 1 / std::max(from.cos_full - from.cos_dark, 1e-6f);
-      power_a_unit = SpotSolidAngle(from.cos_full, from.cos_dark);
+      power_per_unit = SpotSolidAngle(from.cos_full, from.cos_dark);
     } else if (from.kind == LocalLightKind::kDistant) {
-      power_a_unit = disk;
+      power_per_unit = disk;
     }
-    Add(light, from.emission, power_a_unit);
+    Add(light, from.emission, power_per_unit);
   }
   AddTriangles(scene, geometry, path);
   if (lights_.empty()) return;
@@ -180,7 +181,7 @@ LocalLightView LocalLights::view() const {
           .light_of_triangle = light_of_triangle_.empty() ? nullptr : light_of_triangle_.data(),
           .alone = choice(alone_),
           .shared = choice(shared_),
-          .has_alpha = holes_,
+          .has_alpha = has_alpha_,
           .emission_texture = emission_texture_.empty() ? nullptr : emission_texture_.data(),
           .textures = textures_};
 }

@@ -1,5 +1,5 @@
-// The lights of a scene that are somewhere in it, as kernels read them: one record a light, and how
-// often each is picked (kernels/lights/local_lights.h).
+// Local lights of a scene as the kernels read them: one record per light, and how often each is
+// picked (kernels/lights/local_lights.h).
 #pragma once
 
 #include <array>
@@ -16,54 +16,54 @@ namespace skywave {
 
 inline constexpr std::size_t kMaxLocalLights = std::size_t{1} << 22;
 
-// All lights of one kind.
+// Sums over all lights of one kind.
 struct LocalLightTotal {
   std::size_t count = 0;
   double power = 0;  // luminance [radiance * sr * area]
 };
 
-// Immutable once built. Triangles without area or emission are no lights. Where an emission has a
-// texture, its mean over a triangle counts for power. Holes do not.
+// Immutable once built. Triangles without area or emission are not lights. Where an emission has a
+// texture, its mean over a triangle counts towards power; alpha does not.
 class LocalLights {
  public:
   LocalLights() = default;
-  // `geometry` must outlive it. `radius`: of a sphere around the scene, on whose disk distant
-  // lights and the map shine, the map with `environment_power` (luminance). Throws InputError(path)
-  // for more lights than kMaxLocalLights.
+  // `geometry` must outlive this object. `radius` is that of a sphere around the scene; distant
+  // lights and the environment, of power `environment_power` (luminance), illuminate its disk.
+  // Throws InputError(path) for more than kMaxLocalLights lights.
   LocalLights(const Scene& scene, const Geometry& geometry, const std::string& path, float radius,
               double environment_power);
 
   LocalLightView view() const;
   std::size_t bytes() const;
   const std::array<LocalLightTotal, kLocalLightKinds>& totals() const { return totals_; }
-  // The brightest that eye or film may see of them: their own radiance, or that of a white surface
-  // which all their power lights from a hundredth of `radius` away.
+  // Returns the brightest value that a camera may see of them: their own radiance, or that of a
+  // white surface lit by all their power from a distance of a hundredth of `radius`.
   float brightest() const { return brightest_; }
 
  private:
   void AddTriangles(const Scene& scene, const Geometry& geometry, const std::string& path);
-  // `mean`: of the emission, which is that of the light unless it has a texture.
-  void Add(const LocalLight& light, const glm::vec3& mean, double power_a_unit);
+  // `mean` is the mean emission, which equals the light's emission unless that has a texture.
+  void Add(const LocalLight& light, const glm::vec3& mean, double power_per_unit);
 
   std::vector<LocalLight> lights_;
   std::vector<std::uint32_t> light_of_triangle_;
-  std::vector<std::uint32_t> emission_texture_;  // LocalLightView's; empty: none has one
-  TextureView textures_ = {};                    // of the geometry
-  bool holes_ = false;
+  std::vector<std::uint32_t> emission_texture_;  // as in LocalLightView; empty: no light has one
+  TextureView textures_ = {};                    // the textures of the geometry
+  bool has_alpha_ = false;
   std::vector<std::uint32_t> alone_, shared_;  // LightChoice::first
   std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};
-  std::vector<double> power_;  // of each light, luminance
-  double channel_power_ = 0;   // the brightest channel of all
+  std::vector<double> power_;  // luminance of each light
+  double channel_power_ = 0;   // sum over lights in the brightest channel
   float brightest_ = 0;
 };
 
-// Whether anything in the scene shines.
+// Returns true if anything in the scene emits light.
 bool HasLocalLights(const Scene& scene);
 
-// Radius of the sphere around the bounds [world space].
+// Returns the radius of the sphere around the bounds [world space].
 float BoundingRadius(const Bounds& bounds);
 
-// Solid angle of a spot's light as if it were all of full intensity [sr].
+// Returns the solid angle that a spot would fill with its full intensity [sr].
 double SpotSolidAngle(float cos_full, float cos_dark);
 
 template <>

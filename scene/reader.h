@@ -1,4 +1,4 @@
-// The one door to a scene: a file by its ending, or a built-in scene by its name.
+// The single entry point for scenes: a file by its extension, or a built-in scene by its name.
 #pragma once
 
 #include <string>
@@ -8,10 +8,11 @@
 
 namespace skywave {
 
-// .pbrt (pbrt_reader.h), .obj (obj_reader.h), .gltf and .glb (gltf_reader.h) and .ply (ply.h: one
-// mesh of grey Lambert); the ending in any case, .pbrt and .ply also with .gz behind. A `path` that
-// is no file may name a built-in scene (builtin.h). Throws InputError for other endings, and,
-// listing the built-in scenes, where there is neither file nor scene.
+// Reads .pbrt (pbrt/reader.h), .obj (obj/reader.h), .gltf and .glb (gltf/reader.h) and .ply
+// (shapes/ply.h: one mesh of grey Lambert). The extension may be in any case; .pbrt and .ply may be
+// followed by .gz. If `path` is not a file, it may name a built-in scene (builtin/builtin.h).
+// Throws InputError for other extensions, and, listing the built-in scenes, if there is neither
+// file nor scene.
 Scene ReadScene(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace skywave

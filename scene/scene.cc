@@ -13,7 +13,8 @@ Bounds SceneBounds(const Scene& scene, const std::string& path) {
   Bounds bounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
   bool any = false;
   for (const Mesh& mesh : scene.meshes) {
-    // Over the triangles: positions that no triangle uses are not seen and must not move a camera.
+    // Only positions used by triangles count, because others are not seen and must not move a
+    // camera.
     for (const glm::uvec3& t : mesh.triangles) {
       any = true;
       for (int corner = 0; corner < 3; ++corner) {
@@ -47,8 +48,8 @@ Camera FrameBounds(const Bounds& bounds, char up_axis, bool left_handed, float a
   const glm::vec3 right = frame[0];
   const glm::vec3 up = std::cos(elevation) * frame[2] + std::sin(elevation) * frame[1];
 
-  // The nearest eye that has all eight corners inside its pyramid: |x| <= (distance + z) tan, where
-  // the longer side of the film shows more.
+  // This is the nearest eye that has all eight corners inside its pyramid: |x| <= (distance + z)
+  // tan. The longer side of the film shows more.
   const glm::vec3 centre = 0.5f * (bounds.low + bounds.high);
   const float slope = std::tan(glm::radians(0.5f * kFovDegrees));
   const float wide = std::max(aspect, 1.0f), tall = std::max(1 / aspect, 1.0f);
@@ -83,7 +84,7 @@ Camera WithKind(const Camera& camera, CameraKind kind, const Bounds& bounds, cha
     if (scale > 0) {
       other.world_from_camera[0] *= scale;
       other.world_from_camera[1] *= scale;
-      // The lens has its radius in camera space, as before.
+      // The lens radius is measured in camera space, so it is divided by the scale.
       other.lens_radius /= scale;
     }
   } else if (kind != CameraKind::kPerspective) {
@@ -107,8 +108,8 @@ glm::mat3 EnvironmentFrame(char up_axis, bool left_handed, float rotation_degree
 }
 
 glm::mat3 EnvironmentTurn(char up_axis, bool left_handed, float rotation_degrees) {
-  // A positive angle of the rotation formula is counter-clockwise seen from the tip of the axis in
-  // a right-handed world only.
+  // A positive angle of the rotation formula is counter-clockwise seen from the tip of the axis
+  // only in a right-handed world.
   const float angle = glm::radians(left_handed ? -rotation_degrees : rotation_degrees);
   const glm::vec3 up(up_axis == 'x', up_axis == 'y', up_axis == 'z');
   return glm::mat3(glm::rotate(glm::mat4(1), angle, up));

@@ -1,4 +1,4 @@
-// What is in a scene, counted: for `skywave info`.
+// Counts the contents of a scene for `skywave info`.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,8 @@ namespace skywave {
 struct SceneSummary {
   std::size_t meshes = 0, triangles = 0, vertices = 0;
   std::size_t meshes_with_normals = 0, meshes_with_uvs = 0;
-  std::size_t mesh_bytes = 0;                      // of the arrays of all meshes
-  std::optional<Bounds> bounds;                    // nothing: no triangle
+  std::size_t mesh_bytes = 0;                      // total of the arrays of all meshes
+  std::optional<Bounds> bounds;                    // nothing if there is no triangle
   std::vector<std::size_t> triangles_of_material;  // by index into Scene::materials
 };
 

@@ -1,4 +1,4 @@
-// What a reader has to say of a file, one line a kind: a thousand equal remarks are one remark.
+// Collects a reader's remarks on a file, one line per kind: a thousand equal remarks become one.
 #pragma once
 
 #include <cstddef>
@@ -18,18 +18,18 @@ struct Warnings {
   };
   std::vector<Entry> entries;  // in the order of their first appearance
   std::unordered_map<std::string, std::size_t> by_text;
-  bool strict = false;  // refuse where there would be a warning
+  bool strict = false;  // throw instead of adding a warning
 };
 
-// The picture is not what the file describes: `text` says what was met and what is done instead.
-// Throws it as an InputError if warnings are refused.
+// Notes that the picture differs from the file's description: `text` names the cause and the
+// substitute. Throws it as an InputError if warnings are refused.
 void AddWarning(Warnings& warnings, const InputPosition& position, const std::string& text);
 
-// The picture is what the file describes, though something in the file has no effect: never
-// refused.
+// Notes that something in the file has no effect, although the picture matches the file's
+// description. Never refused.
 void AddNote(Warnings& warnings, const InputPosition& position, const std::string& text);
 
-// "file:line: text", and " (N times)" where it was met more than once.
+// Returns "file:line: text", with " (N times)" appended if it occurred more than once.
 std::vector<std::string> WarningLines(const Warnings& warnings);
 
 }  // namespace skywave

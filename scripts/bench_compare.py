@@ -4,17 +4,17 @@
     scripts/bench_compare.py BASE [NEW]              revisions; NEW: HEAD
     scripts/bench_compare.py --programs A B          programs that are built already
 
-Builds each revision in a worktree of its own, runs `skywave bench --renders-only` in the order
-A B B A A B B A ..., so that a drift of the machine meets both alike, and prints the median over
-pairs of time(NEW) / time(BASE), of the render and of every stage, with bootstrap confidence intervals
-of 95 %. Fails (exit code 1) only when a whole interval lies beyond the threshold: noise may hide a
-slow-down, it never invents one.
+Builds each revision in a separate worktree, runs `skywave bench --renders-only` in the order
+A B B A A B B A ..., so that a drift of the machine affects both equally, and prints the median over
+pairs of time(NEW) / time(BASE), for the render and for every stage, with bootstrap confidence
+intervals of 95 %. Fails (exit code 1) only if a whole interval lies beyond the threshold: noise may
+hide a slow-down, but it never invents one.
 
-A stage is judged against the others: what slows all of them in one run is the machine, so the ratio of
-a stage is divided by the median ratio of all stages in the same pair. That takes most of the noise away,
-and 10 % of a small stage are seen that the time of the whole would never show. Where most stages have
-become faster the others look slower in this way; so a stage has to be beyond the threshold by its plain
-median as well.
+A stage is judged against the others: a slow-down of all stages in one run is due to the machine, so
+the ratio of a stage is divided by the median ratio of all stages in the same pair. That removes
+most of the noise and detects 10 % of a small stage, which the total time would never show. If most
+stages have become faster, the others look slower by this measure; so the plain median of a stage
+has to exceed the threshold as well.
 """
 
 import argparse
@@ -28,7 +28,7 @@ import sys
 import tempfile
 
 BOOTSTRAPS = 2000
-WHOLE = "render"  # the wall clock of it; every other part is a stage, summed over threads
+WHOLE = "render"  # its wall clock; every other part is a stage, summed over threads
 
 
 def build(revision, folder, jobs):
@@ -41,8 +41,8 @@ def build(revision, folder, jobs):
 
 
 def run(program, arguments):
-    """Least seconds of every scene, by its name: of the render (WHOLE) and of every stage. What else
-    runs on a machine only ever adds to a time, so the least repetition repeats best."""
+    """Returns the least seconds of every scene, by name: of the render (WHOLE) and of every stage.
+    Other load on a machine only ever adds to a time, so the minimum repeats best."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "bench.json")
         result = subprocess.run([program, "bench", "--renders-only", *arguments, "--json", path],
@@ -58,21 +58,21 @@ def run(program, arguments):
 
 
 def pair_ratios(a, b):
-    """Geometric means over scenes of b / a, by part; without parts that take no time."""
+    """Returns geometric means over scenes of b / a, by part, without parts that take no time."""
     return {part: math.exp(statistics.fmean(math.log(b[name][part] / a[name][part]) for name in a))
             for part in next(iter(a.values()))
             if all(times[name][part] > 0 for times in (a, b) for name in a)}
 
 
 def against_the_others(ratios):
-    """Ratios of stages over that of the stage in the middle: what is left is their own."""
+    """Returns ratios of stages over the median stage, which leaves each stage's own change."""
     stages = {part: ratio for part, ratio in ratios.items() if part != WHOLE}
     middle = statistics.median(stages.values())
     return {part: ratio / middle for part, ratio in stages.items()}
 
 
 def bootstrap_interval(ratios, seed=1):
-    """95 % interval of the median: percentiles of the medians of resampled pairs."""
+    """Returns the 95 % interval of the median: percentiles of the medians of resampled pairs."""
     generator = random.Random(seed)
     medians = sorted(statistics.median(generator.choices(ratios, k=len(ratios)))
                      for _ in range(BOOTSTRAPS))
@@ -84,7 +84,7 @@ def is_slower(interval, threshold_percent):
 
 
 def measure(programs, pairs, arguments):
-    """Times of each pair: [(times of A, times of B), ...] in the order A B B A."""
+    """Returns times of each pair: [(times of A, times of B), ...] in the order A B B A."""
     results = []
     for index in range(pairs):
         order = (0, 1) if index % 2 == 0 else (1, 0)

@@ -1,8 +1,18 @@
 #!/usr/bin/env bash
-# Builds a preset (default: release) into build/PRESET; the program is build/release/skywave.
+# Installs what is missing and builds a preset into build/:
+#   scripts/build.sh                             the program alone, build/release/skywave
+#   scripts/build.sh PRESET [-DNAME=VALUE...]    all of release (with tests and benchmarks), debug,
+#                                                checks, asan or tsan
+# Programs and tests of the preset release share build/release, so neither is compiled twice.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-preset=${1:-release}
-scripts/setup.sh
-cmake --preset "$preset" >/dev/null
-cmake --build "build/$preset" -j"${JOBS:-2}" -- --quiet
+preset=${1:-program}
+needs=test
+[[ $preset != program ]] || needs=
+scripts/setup.sh $needs
+cmake --preset "$preset" "${@:2}" >/dev/null
+cmake --build --preset "$preset" -j"${JOBS:-$(nproc)}" -- --quiet
+# For editors and clang-tidy, which look for it here.
+case $preset in
+  program | release) ln -sf build/release/compile_commands.json compile_commands.json ;;
+esac

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Renders every model of a data folder under its illumination maps, small, and puts the pictures on
-one sheet: a row a model, a column a map.
+"""Renders every model of a data folder under its illumination maps, in small size, and puts the
+pictures on one sheet: one row per model, one column per map.
 
     scripts/contact_sheet.py DATA OUT [--program build/release/skywave] [--spp 64]
 
-DATA holds models/ (OBJ, PLY, and the pbrt models of scripts/data_scenes.sh), glb/, and maps in hdri/
-and probes/latlong/. OUT gets a PNG a picture, sheet.png, and sheet.jpg where cjpeg is installed.
-Python 3 and nothing else.
+DATA holds models/ (OBJ, PLY, and the pbrt models of scripts/data_scenes.sh), glb/, and maps in
+hdri/ and probes/latlong/. OUT receives one PNG per picture, sheet.png, and sheet.jpg if cjpeg is
+installed. Needs Python 3 only.
 """
 import argparse
 import pathlib
@@ -18,7 +18,7 @@ from sheet import read_png, write_sheet
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WIDTH, HEIGHT = 160, 120
 
-# What a file cannot say itself; files that are not named here stand on a plane.
+# Settings that a file cannot contain; files that are not listed stand on a plane.
 FLAGS = {
     "killeroo.pbrt": ["--env-up", "z"],
     "killeroo_loop1.ply": ["--env-up", "z", "--ground", "--eye=650,-250,60", "--target=0,-40,-50",
@@ -27,7 +27,7 @@ FLAGS = {
     "sponza.obj": ["--eye=-11,3,0", "--target=10,4.5,0", "--fov", "65"],
     "cornellBox.glb": [],
 }
-# Stops that bring the maps to a similar brightness.
+# Exposures in stops that bring the maps to a similar brightness.
 STOPS = {"noon_grass_1k": -0.7, "venice_sunset_1k": -0.3, "studio_small_03_1k": -2.5,
          "potsdamer_platz_1k": -0.7, "grace_latlong": 0, "galileo_latlong": -1.2}
 MAPS = ["hdri/*.hdr", "probes/latlong/grace_latlong.exr", "probes/latlong/galileo_latlong.exr"]

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Compares what the suite counts (rays, rows, bytes, hashes) with tests/baselines/bench_counters.txt,
-# to the last digit:
-#   scripts/counter_gate.sh [PROGRAM]            fails where a line differs
-#   scripts/counter_gate.sh --update [PROGRAM]   takes the new counters; the commit says why
-# Skipped (77) where the processor lacks AVX2: Embree's hits have other bits there.
+# Compares the counters of the suite (rays, rows, bytes, hashes) with
+# tests/baselines/bench_counters.txt, to the last digit:
+#   scripts/counter_gate.sh [PROGRAM]            fails if a line differs
+#   scripts/counter_gate.sh --update [PROGRAM]   stores the new counters; the commit says why
+# Skipped (77) if the processor lacks AVX2, because Embree's hits then have other bits.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 update=0

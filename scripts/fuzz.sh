@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Fuzzes every reader for MINUTES each, under the address and undefined-behaviour sanitizers: with
-# clang's libFuzzer where there is clang, else with the plain driver. Or one: fuzz.sh MINUTES READER.
-# Ends with the first crash; libFuzzer leaves the input in build/fuzz.
+# clang's libFuzzer if clang is available, else with the plain driver. "fuzz.sh MINUTES READER"
+# fuzzes one. Ends with the first crash; libFuzzer leaves the input in build/fuzz.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 minutes=${1:?usage: fuzz.sh MINUTES [READER...]}
@@ -9,9 +9,10 @@ shift
 readers=("$@")
 [[ ${#readers[@]} -gt 0 ]] || readers=($(ls tests/fuzz/corpus))
 seconds=$(awk "BEGIN { print int(60 * $minutes) }")
-# Readers need next to nothing of the kernels, so those are compiled for one instruction set only.
+# Readers hardly use the kernels, so those are compiled for one instruction set only.
 common=(-G Ninja -DCMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -g1"
-        -DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC -DSKYWAVE_SANITIZE=address,undefined)
+        -DCMAKE_CXX_FLAGS=-DHWY_COMPILE_ONLY_STATIC -DSKYWAVE_SANITIZE=address,undefined
+        -DBUILD_TESTING=ON)
 if echo 'extern "C" int LLVMFuzzerTestOneInput(const char*, unsigned long) { return 0; }' |
    clang++ -x c++ -fsanitize=fuzzer,address - -o /dev/null 2>/dev/null; then
   cmake -B build/fuzz "${common[@]}" -DCMAKE_CXX_COMPILER=clang++ -DSKYWAVE_FUZZ=ON

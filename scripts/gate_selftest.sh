@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Which gate sees light sampling made 2, 1.1 and 1.02 times as slow: of the rows
-# that many percent more, for nothing (wavefront/stages/stages.cc):
+# Shows which gates detect a slower light sampling: a build that samples the given percentage of
+# rows once more, for nothing (wavefront/stages/stages.cc):
 #   scripts/gate_selftest.sh [PAIRS [PERCENT...]]
 # PAIRS of runs for scripts/bench_compare.py (default: 12); PERCENT: 0, 100, 10 and 2 by default.
-# Builds the program into build/slowdown-PERCENT, 0 too; some three minutes a percentage, on an idle
-# machine. Fails unless the unchanged program passes all gates, the instruction gate sees every
-# slow-down, and the wall gate sees those of 10 % and more.
+# Builds the program into build/slowdown-PERCENT, for 0 too; takes about three minutes per
+# percentage on an idle machine. Fails unless the unchanged program passes all gates, the
+# instruction gate detects every slow-down, and the wall-clock gate those of 10 % and more.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 pairs=${1:-12}
@@ -13,7 +13,7 @@ percents=("${@:2}")
 [[ ${#percents[@]} -gt 0 ]] || percents=(0 100 10 2)
 folder() { echo "build/slowdown-$1"; }
 build() {
-  cmake --preset release -B "$(folder "$1")" -DSKYWAVE_SLOWDOWN="${1/#0/}" -DBUILD_TESTING=OFF >/dev/null
+  cmake --preset program -B "$(folder "$1")" -DSKYWAVE_SLOWDOWN="${1/#0/}" >/dev/null
   cmake --build "$(folder "$1")" -j"${JOBS:-2}" --target skywave -- --quiet >&2
 }
 verdict() {

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Counts the instructions of every stage of a small render under callgrind and compares them with
-# tests/baselines/instructions.txt; fails where one differs by more than 0.5 %, in either direction:
+# tests/baselines/instructions.txt; fails if one differs by more than 0.5 %, in either direction:
 #   scripts/instruction_gate.sh [PROGRAM]                     default: build/release/skywave
-#   scripts/instruction_gate.sh --update "REASON" [PROGRAM]   takes the new counts, notes the reason
-# One thread, because waiting threads count too. Valgrind's processor has AVX2 and no AVX-512, so
-# Highway dispatches to AVX2 by itself; Embree is told isa=avx2. Counts belong to a compiler and to
-# libraries: with others than those of the baseline the gate is skipped, as it is without valgrind
-# or AVX2 (exit code 77).
+#   scripts/instruction_gate.sh --update "REASON" [PROGRAM]   stores new counts with the reason
+# It uses one thread, because waiting threads count too. Valgrind's processor has AVX2 and no
+# AVX-512, so Highway dispatches to AVX2 by itself; Embree is given isa=avx2. Counts depend on the
+# compiler and the libraries: if these differ from the baseline's, the gate is skipped, as it is
+# without valgrind or AVX2 (exit code 77).
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 baseline=${SKYWAVE_INSTRUCTIONS:-$root/tests/baselines/instructions.txt}
@@ -33,8 +33,8 @@ trap 'rm -rf "$work"' EXIT
 (cd "$work" && valgrind --quiet --tool=callgrind --callgrind-out-file=out "$program" render spheres \
   --size 64x48 --spp 8 --threads 1 --embree-config isa=avx2 --quiet --output x.exr >&2)
 
-# A function has a line for each file whose code was inlined into it; the largest is that of its own
-# file and counts all of it.
+# A function has one line for each file whose code was inlined into it; the largest is that of its
+# own file and includes all of it.
 callgrind_annotate --auto=no --inclusive=yes --threshold=100 "$work/out" |
   sed -nE 's/^ *([0-9,]+) .*:skywave::([A-Za-z:]+)\(.*/\1 \2/p' | tr -d , |
   awk 'BEGIN {

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Time and memory of loading a large mesh: writes a binary PLY of a hilly square, reads it and builds
-its BVH with `skywave info`, and prints both beside what BVH and mesh need in any renderer.
+"""Measures time and memory of loading a large mesh: writes a binary PLY of a hilly square, reads it
+and builds its BVH with `skywave info`, and prints both next to what BVH and mesh need in any
+renderer.
 
 usage: scripts/load_bench.py FOLDER [MILLIONS_OF_TRIANGLES=10] [PROGRAM=build/release/skywave]
 
-FOLDER gets the mesh (13 bytes a triangle and 6 a vertex of it) and keeps it for the next time.
+FOLDER receives the mesh (13 bytes per triangle and 6 per vertex) and keeps it for the next time.
 """
 import array
 import json
@@ -18,7 +19,7 @@ MIB = 1024.0 * 1024.0
 
 
 def write_ply(path, side):
-    """side x side vertices, two triangles a square between them."""
+    """Writes side x side vertices, and two triangles for each square between them."""
     vertices, squares = side * side, (side - 1) * (side - 1)
     with open(path + ".part", "wb") as out:
         out.write(

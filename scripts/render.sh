@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sets up, builds and renders the built-in gallery to renders/gallery.exr and .png; with arguments it
-# does what `skywave render` does with them.
+# Builds the program and renders the built-in gallery to renders/gallery.exr and .png; with
+# arguments, it runs `skywave render` with them.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/build.sh

@@ -1,12 +1,19 @@
 #!/usr/bin/env bash
-# Installs what building and testing need, from Debian 12. Does nothing where it is there already.
+# Installs the packages for building from Debian 12. Does nothing if they are installed.
+#   scripts/setup.sh         the program
+#   scripts/setup.sh test    also tests, benchmarks and the checks of .ci/run
 set -euo pipefail
 packages=(
-  cmake ninja-build g++ git pkg-config
+  cmake ninja-build g++ git
   libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev
-  libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libgtest-dev libbenchmark-dev libnanoflann-dev
+  libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev nlohmann-json3-dev
 )
+if [[ ${1:-} == test ]]; then
+  packages+=(
+    libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache
+    valgrind clang-format-14 clang-tidy-14
+  )
+fi
 missing=()
 for package in "${packages[@]}"; do
   status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)

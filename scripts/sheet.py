@@ -1,4 +1,4 @@
-"""PNG files as the renderer writes them, put side by side. Python 3 and nothing else."""
+"""Combines PNG files written by the renderer on one sheet. Needs Python 3 only."""
 import shutil
 import struct
 import subprocess
@@ -7,7 +7,7 @@ import zlib
 
 
 def read_png(path):
-    """(width, height, RGB bytes) of an 8-bit RGB PNG, as the renderer writes them."""
+    """Returns (width, height, RGB bytes) of an 8-bit RGB PNG, as the renderer writes them."""
     data = path.read_bytes()
     at, compressed, width, height = 8, b"", 0, 0
     while at < len(data):
@@ -45,7 +45,7 @@ def write_png(path, width, height, rgb):
 
 
 def tile(pictures, columns):
-    """Pictures of one size, row by row, as one (width, height, RGB bytes)."""
+    """Combines pictures of one size, row by row, to one (width, height, RGB bytes)."""
     width, height, _ = pictures[0]
     stride, rows = width * 3, []
     for first in range(0, len(pictures), columns):
@@ -56,8 +56,8 @@ def tile(pictures, columns):
 
 
 def write_sheet(path, pictures, columns):
-    """Pictures as read_png gives them, row by row, to path, and beside it as .jpg where
-    cjpeg is installed."""
+    """Writes pictures from read_png, row by row, to path, and as .jpg next to it if cjpeg is
+    installed."""
     width, height, rgb = tile(pictures, columns)
     write_png(path, width, height, rgb)
     if shutil.which("cjpeg"):

@@ -1,11 +1,11 @@
-// Recomputes the correction table of lights/light_sets/penrose_corrections.cc and prints it: a row
-// a line, 21 vectors "u v". Takes a minute or two.
+// Recomputes the correction table of lights/light_sets/penrose_corrections.cc and prints it: one
+// row per line, 21 vectors "u v". Takes a minute or two.
 //
-// By Lloyd relaxation of the tiling's own patterns (Ostromoukhov et al. 2004; T 6.3.2). For each
-// row five importances within it; every round displaces their samples by the row's vectors so far,
-// moves each to the centroid of its Voronoi cell once, and takes as new vector of a class the mean
-// way from the undisplaced place, in the basis of the tile. One step of Lloyd a round: with many
-// the table does not settle.
+// The method is Lloyd relaxation of the tiling's own patterns (Ostromoukhov et al. 2004; T 6.3.2).
+// Each row uses five importances within it. Every round displaces their samples by the row's
+// current vectors, moves each sample to the centroid of its Voronoi cell once, and takes as the new
+// vector of a class the mean offset from the undisplaced position, in the basis of the tile. There
+// is one step of Lloyd per round because with many the table does not settle.
 
 #include <tbb/parallel_for.h>
 
@@ -25,7 +25,7 @@ constexpr int kImportancesPerRow = 5;
 constexpr double kFixedRim = 2, kIgnoredRim = 5;  // [mean spacings] from the border of the rhombus
 
 struct Sample {
-  Complex home, basis;  // undisplaced place; basis at kLevel
+  Complex home, basis;  // undisplaced position; basis at kLevel
   int structural_class;
   double border;  // distance of home from the border of the rhombus
 };
@@ -66,7 +66,7 @@ Pattern MakePattern(double importance) {
   return pattern;
 }
 
-// Points by the cell of a square grid that they are in.
+// Sorts points into the cells of a square grid.
 class Grid {
  public:
   Grid(const std::vector<Complex>& points, double side) : points_(points), side_(side) {
@@ -83,7 +83,7 @@ class Grid {
     }
   }
 
-  // Calls visit(point index) for all points within `radius` of p and some others.
+  // Calls visit(point index) for all points within `radius` of p and for some others.
   template <class Visit>
   void Near(Complex p, double radius, const Visit& visit) const {
     const int x0 = std::max(Cell(p.re - radius - low_.re), 0);
@@ -137,8 +137,8 @@ Complex Centroid(const Polygon& polygon) {
   return (1 / (3 * area)) * sum;
 }
 
-// Voronoi centroid of one point among its neighbours, which have to surround it: cells of samples
-// inside the pattern reach no further than 2 spacings.
+// Returns the Voronoi centroid of one point among its neighbours, which have to surround it: cells
+// of samples inside the pattern extend at most 2 spacings.
 Complex LloydStep(const std::vector<Complex>& points, int index, const Grid& grid, double spacing) {
   const double reach = 2 * spacing;
   const Complex p = points[index];

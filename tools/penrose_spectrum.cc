@@ -1,6 +1,6 @@
 // Draws a Penrose sample pattern of a constant map and the mean power spectrum of many such
 // patterns as a PNG, side by side, and prints the radial mean of the power: white noise has 1
-// everywhere, blue noise next to nothing below half the principal frequency, sqrt(density).
+// everywhere, blue noise almost nothing below half the principal frequency, sqrt(density).
 //
 //   penrose_spectrum FILE.png
 #include <fmt/format.h>
@@ -18,8 +18,8 @@ using namespace skywave;
 
 namespace {
 
-constexpr int kSide = 256;      // of each picture [pixels]; frequencies to kSide / 2 cycles a side
-constexpr int kSamples = 2000;  // a pattern, about
+constexpr int kSide = 256;      // side of each picture [pixels]; kSide / 2 is the highest frequency
+constexpr int kSamples = 2000;  // about, per pattern
 constexpr int kPatterns = 32;
 using Complex = std::complex<float>;
 
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   std::vector<double> power(std::size_t(kSide) * kSide);
   PenroseSet shown;
   for (int pattern = 0; pattern < kPatterns; ++pattern) {
-    // Sizes differ, so that the tiling meets the square in other phases of its self-similarity.
+    // Sizes differ, so that the tiling is cut by the square at other phases of its self-similarity.
     shown = PenroseSamples(plane, kSamples + 40 * pattern, {.seed = std::uint64_t(pattern + 1)});
     AddPeriodogram(shown, power);
   }

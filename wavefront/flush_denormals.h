@@ -1,4 +1,4 @@
-// Denormals as zero while rays are traced and shaded, as Embree advises.
+// Denormals count as zero while rays are traced and shaded, as Embree advises.
 #pragma once
 
 #include <pmmintrin.h>
@@ -6,8 +6,8 @@
 
 namespace skywave {
 
-// On this thread, until it is destroyed. Every thread of a frame does so: the bits of an image
-// depend on it.
+// Flushes denormals on this thread until it is destroyed. Every thread of a frame does so, because
+// the bits of an image depend on it.
 class FlushDenormals {
  public:
   FlushDenormals() : saved_(_mm_getcsr()) {

@@ -1,4 +1,4 @@
-// Structure-of-arrays tables: one aligned block of memory behind a struct of column pointers.
+// A structure-of-arrays table is one aligned block of memory behind a struct of column pointers.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@
 
 namespace skywave::soa {
 
-// Columns the visitor of a record reaches, and bytes of one row over all of them.
+// These count the columns that the visitor of a record reaches, and the bytes of one row over all
+// of them.
 template <class Columns>
 consteval std::size_t CountColumns() {
   std::size_t count = 0;
@@ -30,13 +31,13 @@ consteval std::size_t BytesPerRow() {
   return bytes;
 }
 
-// Who writes the memory of a table first.
+// The memory of a table is first written here or later.
 enum class Touch {
-  kHere,  // the thread that constructs it, with zeros: the worker that will use it
-  kLater  // many threads, with what they put there; values are indeterminate until then
+  kHere,  // by the thread that constructs it, with zeros: the worker that will use it
+  kLater  // by many threads, with their values, which are indeterminate until then
 };
 
-// Owns the memory of a record's columns. Allocates once.
+// Owns the memory of a record's columns, which it allocates once.
 template <class Columns>
 class Table {
   static_assert(CountColumns<Columns>() * sizeof(void*) == sizeof(Columns),
@@ -58,14 +59,14 @@ class Table {
     });
   }
 
-  // Rows the table can hold, padding not counted.
+  // Returns the rows that the table can hold, padding not counted.
   std::uint32_t rows() const { return rows_; }
   const Columns& columns() const { return columns_; }
   operator const Columns&() const { return columns_; }
   const Columns* operator->() const { return &columns_; }
 
  private:
-  // Bytes of a column; only its type matters.
+  // Returns the bytes of a column; only its type matters.
   template <class T>
   static constexpr std::size_t Room(const T*, std::size_t padded) {
     return (padded * sizeof(T) + kColumnAlignment - 1) / kColumnAlignment * kColumnAlignment;

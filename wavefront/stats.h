@@ -1,4 +1,4 @@
-// What a render counts and times. Every worker has its own; they are added up at the end.
+// A render counts and times these. Every worker has its own; they are added up at the end.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace skywave {
 
-// In the order in which a path meets them.
+// Stages are listed in the order in which a path reaches them.
 enum class Stage : std::uint32_t {
   kGenerate,
   kIntersect,
@@ -30,7 +30,8 @@ enum class Stage : std::uint32_t {
 inline constexpr std::uint32_t kStages = 12;
 std::string_view ToString(Stage stage);
 
-// Rows that entered a bounce, over all waves, and the rows the waves had room for.
+// This counts the rows that entered a bounce, over all waves, and the rows that the waves had room
+// for.
 struct BounceOccupancy {
   std::uint64_t rows = 0, capacity = 0;
 };
@@ -39,13 +40,13 @@ inline constexpr std::uint32_t kCountedBounces = 64;  // deeper ones count as th
 
 struct RenderStats {
   std::array<double, kStages> stage_seconds = {};  // summed over workers
-  // Of the stages intersect and shadow, by the rays that they traced.
+  // Seconds of the stages intersect and shadow, by the rays that they traced.
   std::array<double, kRayKinds> trace_seconds = {};
   std::array<std::uint64_t, kRayKinds> rays = {};
   std::array<BounceOccupancy, kCountedBounces> bounces = {};
   std::array<LaneCount, kKernels> lanes = {};
   std::uint64_t waves = 0, samples = 0;
-  std::uint64_t clamped_samples = 0, invalid_samples = 0;  // see Film::Add; the rim's too
+  std::uint64_t clamped_samples = 0, invalid_samples = 0;  // see Film::Add; the rim included
 
   RenderStats& operator+=(const RenderStats& other);
   double busy_seconds() const;
@@ -57,7 +58,7 @@ class StageClock {
  public:
   explicit StageClock(RenderStats& stats) : stats_(stats), last_(Now()) {}
   void Lap(Stage stage) { stats_.stage_seconds[static_cast<std::uint32_t>(stage)] += Lap(); }
-  // A stage that traced rays of one kind.
+  // Does the same for a stage that traced rays of one kind.
   void Lap(Stage stage, RayKind kind) {
     const double seconds = Lap();
     stats_.stage_seconds[static_cast<std::uint32_t>(stage)] += seconds;

@@ -6,12 +6,10 @@ Worker::Worker(std::uint32_t wave)
     : paths(wave),
       rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
       hits(wave),
-      queue(wave),
       escaped(wave),
       surfaces(wave),
       lights(wave),
-      uniforms(wave),
-      lobe(wave) {}
+      scratch(wave) {}
 
 Worker::~Worker() = default;
 

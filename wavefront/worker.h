@@ -1,5 +1,5 @@
-// What one thread owns: the tables of its wave, and what it counts. Allocated and first touched by
-// the thread itself before its first wave; nothing is allocated after that.
+// A worker is what one thread owns: the tables of its wave, and what it counts. The thread itself
+// allocates and first touches it before its first wave; nothing is allocated after that.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,7 @@
 #include "wavefront/bidirectional_tables.h"
 #include "wavefront/film/light_groups.h"
 #include "wavefront/frame.h"
+#include "wavefront/scratch.h"
 #include "wavefront/soa.h"
 #include "wavefront/stats.h"
 
@@ -22,31 +23,30 @@ namespace skywave {
 
 class Film;
 
-struct QueueColumns {
-  // Of each ray after partition, see kernels/partition.h. While rays are traced in scenes with
-  // holes, the queue being of no use then: their keys.
-  std::uint32_t* queue;
-
-  template <class Self, class F>
-  static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.queue);
-  }
-};
-
-// What light paths need beside; integrators without them have none.
+// Light paths need these tables as well; integrators without light paths have none.
 struct LightPathTables {
   explicit LightPathTables(std::uint32_t wave)
       : emission(wave), values(wave), cameras(wave), normals(wave) {}
   soa::Table<EmissionColumns> emission;
   soa::Table<BsdfValueColumns> values;
   soa::Table<CameraColumns> cameras;
-  soa::Table<NormalColumns> normals;  // as the camera sees them
+  soa::Table<NormalColumns> normals;  // shading normals as the camera sees them
 };
 
-// Queries that are searched for at a time.
+// So many queries are searched for at a time.
 inline constexpr std::uint32_t kLookupBlock = 16;
 
-// What photons need; other integrators have none.
+// One row = one light path.
+struct HistoryColumns {
+  std::uint32_t* met;  // the kinds of surfaces that it has met (StorePhotons)
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.met);
+  }
+};
+
+// Photons need these tables; other integrators have none.
 struct PhotonTables {
   PhotonTables(std::uint32_t wave, std::uint32_t neighbors)
       : history(wave),
@@ -56,23 +56,23 @@ struct PhotonTables {
         repeated(NearestRoom(neighbors)),
         lights(NearestRoom(neighbors)),
         values(NearestRoom(neighbors)) {}
-  soa::Table<QueueColumns> history;  // of light paths: what kinds of surfaces they have met
-  // Of a final gather: its rays, and the surfaces that they left or meet.
+  soa::Table<HistoryColumns> history;
+  // The final gather has rays of its own, and surfaces that they have left or meet.
   soa::Table<RayColumns> rays[2];
   soa::Table<SurfaceColumns> surfaces;
   SurfaceRanges ranges;
   soa::Table<NeighborColumns> found;
-  // A surface and what it reflects, a row for each photon near it.
+  // A surface is repeated, with what it reflects, for each photon near it.
   soa::Table<SurfaceColumns> repeated;
   soa::Table<LightColumns> lights;
   soa::Table<BsdfValueColumns> values;
 };
 
-// Where light goes that is kept apart by groups of lights.
+// Light that is kept apart by groups of lights goes here.
 struct GroupTables {
   explicit GroupTables(std::uint32_t wave) : given(wave) {}
   soa::Table<GroupColumns> given;
-  Film* film = nullptr;  // of the wave at hand
+  Film* film = nullptr;  // the one that the wave at hand is for
 };
 
 struct Continuations;
@@ -84,15 +84,14 @@ struct Worker {
   soa::Table<PathColumns> paths;
   soa::Table<RayColumns> rays[2];  // this bounce's and the next one's, taking turns
   soa::Table<HitColumns> hits;
-  soa::Table<QueueColumns> queue;
   soa::Table<EscapeColumns> escaped;
   soa::Table<SurfaceColumns> surfaces;
   SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
   soa::Table<LightColumns> lights;
-  soa::Table<UniformColumns> uniforms, lobe;
+  Scratch scratch;
   RenderStats stats;
 
-  // Of integrators that need them (MakeWorker).
+  // Integrators that need them have these (MakeWorker).
   std::optional<LightPathTables> light;
   std::optional<BidirectionalTables> bidirectional;
   std::optional<PhotonTables> photon;
@@ -101,7 +100,7 @@ struct Worker {
   std::unique_ptr<Continuations> continuations;
 };
 
-// Sums over the continuations of a path. One row = one path of the wave.
+// These are sums over the continuations of a path. One row = one path of the wave.
 struct RadianceColumns {
   float *r, *g, *b;  // [scene radiance]
 
@@ -111,27 +110,27 @@ struct RadianceColumns {
   }
 };
 
-// What a worker needs besides where paths split. A continuation has the row of its path: one wave
-// follows the first continuation of every path, the next one the second, so the order in which a
-// path gathers light is the same for every size of waves.
+// A worker needs these tables as well where paths split. A continuation has the row of its path:
+// one wave follows the first continuation of every path, the next one the second, so the order in
+// which a path gathers light is the same for every size of waves.
 struct Continuations {
   explicit Continuations(std::uint32_t rows) : wave(rows), direct(rows) {}
 
-  // The continuations at hand; radiance of its paths is the sum over all so far, without:
+  // The continuations at hand. The radiance of its paths is the sum over all so far, without what
+  // their first rays see, which is in `direct`.
   Worker wave;
-  soa::Table<RadianceColumns> direct;  // what their first rays see
+  soa::Table<RadianceColumns> direct;
 };
 
-// A worker with the tables that the integrator of `options` needs, for waves of its size. To be
-// called by the thread that will use it.
+// Makes a worker with the tables that the integrator of `options` needs, for waves of its size. The
+// thread that will use the worker calls this.
 std::unique_ptr<Worker> MakeWorker(const RenderOptions& options);
 
 inline constexpr std::size_t kWorkerBytesPerRow =
     soa::BytesPerRow<PathColumns>() + 2 * soa::BytesPerRow<RayColumns>() +
-    soa::BytesPerRow<HitColumns>() + soa::BytesPerRow<QueueColumns>() +
-    soa::BytesPerRow<EscapeColumns>() + soa::BytesPerRow<SurfaceColumns>() +
-    soa::BytesPerRow<LightColumns>() + 2 * soa::BytesPerRow<UniformColumns>();
-// Columns crept in: a wave of 1024 rows must stay within 3/4 of a second-level cache of 512 KiB.
+    soa::BytesPerRow<HitColumns>() + soa::BytesPerRow<EscapeColumns>() +
+    soa::BytesPerRow<SurfaceColumns>() + soa::BytesPerRow<LightColumns>() + Scratch::kBytesPerRow;
+// A wave of 1024 rows must stay within 3/4 of a second-level cache of 512 KiB.
 static_assert(kWorkerBytesPerRow * 1024 <= 384 * 1024);
 
 }  // namespace skywave

@@ -1,9 +1,9 @@
-"""Runs inside Blender: renders a job of peers.py with Cycles and prints what each render took.
+"""Runs inside Blender: renders a job of peers.py with Cycles and prints the time of each render.
 
     blender -b --factory-startup --python blender_render.py -- JOB.json
 
-What makes the work another is set here. Sampling pattern, roulette, the threshold of light samples,
-tiles and tree are Cycles's own, as its users have them.
+Settings that change the amount of work are made here. Sampling pattern, roulette, the threshold of
+light samples, tiles and tree are Cycles's defaults, as its users have them.
 """
 
 import json
@@ -27,7 +27,7 @@ def add_mesh(name, data, material):
     if data["normals"]:
         normals = data["normals"]
         mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-        mesh.use_auto_smooth = True  # lets the normals of the file count
+        mesh.use_auto_smooth = True  # enables the normals of the file
         mesh.normals_split_custom_set_from_vertices(
             [normals[i:i + 3] for i in range(0, len(normals), 3)])
     mesh.materials.append(material)
@@ -48,7 +48,7 @@ def grey(albedo):
 
 
 def set_world(file):
-    """The map: its middle along +y, its right half along +x, as stored."""
+    """Sets the map: its middle along +y, its right half along +x, as stored."""
     world = SCENE.world
     world.use_nodes = True
     nodes, links = world.node_tree.nodes, world.node_tree.links
@@ -99,7 +99,7 @@ def set_render():
     cycles.use_denoising = False
     cycles.use_adaptive_sampling = False
     cycles.time_limit = 0
-    # `max_bounces` counts what follows the first surface.
+    # `max_bounces` counts the surfaces after the first one.
     cycles.max_bounces = cycles.diffuse_bounces = JOB["depth"] - 1
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.caustics_reflective = cycles.caustics_refractive = False
@@ -108,7 +108,7 @@ def set_render():
 
 
 def render(samples, seed):
-    """Seconds of the whole call."""
+    """Returns the seconds of the whole call."""
     SCENE.cycles.samples, SCENE.cycles.seed = samples, seed
     start = time.perf_counter()
     bpy.ops.render.render()

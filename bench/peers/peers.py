@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Skywave and other renderers on the same work.
+"""Measures Skywave and other renderers on the same work.
 
     bench/peers/peers.py --data DATA -o OUT
     bench/peers/peers.py --data DATA -o OUT --size 80x60 --samples 8 --repeats 1   # does it work?
 
-The grey bunny on a grey plane (scene.py), DATA/models/bunny.ply under
-DATA/probes/latlong/grace_latlong.exr, in three jobs that not every program can do:
+The scene is the grey bunny on a grey plane (scene.py), DATA/models/bunny.ply under
+DATA/probes/latlong/grace_latlong.exr, in three jobs, not all of which every program supports:
 
     map     path tracing under the map                       Cycles
     lights  path tracing under directional lights of the map Embree's tutorial `pathtracer`
     direct  camera and shadow rays to these lights           POV-Ray
 
-OUT gets peers.md, peers.json, a strip of pictures of every job (the reference first) and all files
-that the programs were given. Programs that are not installed are reported as skipped. Exit code 1:
-a program failed.
+OUT receives peers.md, peers.json, a strip of pictures of every job (the reference first) and all
+files that the programs were given. Programs that are not installed are reported as skipped. Exit
+code 1: a program failed.
 """
 
 import argparse
@@ -34,7 +34,7 @@ from reporting import processor
 REPOSITORY = Path(__file__).resolve().parents[2]
 LIGHTS = 4
 BLOCKS = (8, 6)
-# Rows above show the sky, which the programs of the jobs with lights leave black.
+# The rows above show the environment, which programs leave black in jobs with lights.
 HORIZON = 0.3
 
 
@@ -112,7 +112,7 @@ def read_picture(result, job):
 
 
 def reference(session, job, options):
-    """By Skywave, with a seed that no repeat has."""
+    """Renders the reference with Skywave and a seed that no repeat uses."""
     kept = session.file("{}_reference_{}x{}_{}x{}.exr".format(
         job.name, *session.size, options.reference, job.depth))
     if not kept.is_file():
@@ -122,7 +122,7 @@ def reference(session, job, options):
 
 
 def block_means(picture):
-    """Means over r, g and b of BLOCKS parts of the picture."""
+    """Returns means over r, g and b of BLOCKS parts of the picture."""
     width, height, rows = picture
     columns, lines = BLOCKS
     sums, counts = [0.0] * (columns * lines), [0] * (columns * lines)
@@ -136,7 +136,7 @@ def block_means(picture):
 
 
 def agreement(picture, truth):
-    """Mean over the reference's, and the largest relative difference of a block."""
+    """Returns the mean over the reference's, and the largest relative difference of a block."""
     (blocks, whole), (true_blocks, true_whole) = block_means(picture), block_means(truth)
     return {"mean_ratio": whole / true_whole,
             "worst_block": max(abs(a / b - 1) for a, b in zip(blocks, true_blocks))}
@@ -152,9 +152,9 @@ def errors(session, picture, truth):
 
 
 def summarize(rows, pixels, samples):
-    """Adds rates and ratios to rows with `runs` and errors; the row of Skywave is the measure.
+    """Adds rates and ratios to rows with `runs` and errors, relative to the row of Skywave.
 
-    Ratios of times are those of the pairs of one repeat: a slow minute slows both.
+    Ratios of times are taken within the pairs of one repeat, so that a slow minute affects both.
     """
     for row in rows:
         if not row.get("skipped"):
@@ -172,7 +172,7 @@ def summarize(rows, pixels, samples):
 
 
 def measure_job(session, job, options):
-    """Rows of a job; the programs take turns in every repeat."""
+    """Returns the rows of a job; the programs take turns in every repeat."""
     truth = reference(session, job, options)
     rows, last = [], {}
     able = [program for program in PROGRAMS if job.name in program.jobs]
@@ -207,7 +207,7 @@ def measure_job(session, job, options):
 
 
 def command_of(options):
-    """The command that measures again, without the folders of this machine."""
+    """Returns the command that repeats the measurement, without the folders of this machine."""
     return ("bench/peers/peers.py --data DATA -o OUT --size {}x{} --samples {} --depth {} "
             "--repeats {} --reference {}").format(*options.size, options.samples, options.depth,
                                                   options.repeats, options.reference)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of the comparison with other renderers; with a program as argument also of a whole run.
+"""Tests the comparison with other renderers; with a program as argument also a whole run.
 
     bench/peers/peers_test.py [build/release/skywave]
 """
@@ -63,7 +63,7 @@ class Outputs(unittest.TestCase):
     def test_lights_fit_into_eight_bits(self):
         lights = [{"irradiance": [3, 1, 1]}, {"irradiance": [2, 9, 1]}]
         brightest = programs.embree_factor(lights) * 10 * scene.ALBEDO / math.pi
-        self.assertLess(brightest, 0.9)  # the rest is for light between surfaces
+        self.assertLess(brightest, 0.9)  # the rest is for interreflection
         self.assertGreater(brightest, 0.8)
 
 
@@ -107,7 +107,8 @@ class Pictures(unittest.TestCase):
             self.skipTest("no program")
         with tempfile.TemporaryDirectory() as folder:
             exr, pfm, errors = (Path(folder) / name for name in ("a.exr", "a.pfm", "e.json"))
-            for name in ("gallery", "furnace"):  # noise, which is stored bare, and what zips well
+            # Noise is stored uncompressed; the furnace compresses well.
+            for name in ("gallery", "furnace"):
                 subprocess.run([PROGRAM, "render", name, "--size", "37x21", "--spp", "4", "-q",
                                 "-o", exr], check=True)
                 picture = pictures.read_exr(exr)

@@ -1,4 +1,4 @@
-"""Pictures in plain Python: reads EXR (scan lines, ZIP or bare) and PPM, writes PFM and PNG.
+"""Reads EXR (scan lines, ZIP or uncompressed) and PPM, writes PFM and PNG, in plain Python.
 
 A picture is (width, height, rows from the top of r, g, b floats).
 """
@@ -8,7 +8,7 @@ import struct
 import zlib
 from array import array
 
-ZIP_LINES = {0: 1, 2: 1, 3: 16}  # lines a block by EXR's number of its compression
+ZIP_LINES = {0: 1, 2: 1, 3: 16}  # lines per block by EXR's compression number
 
 
 def text_at(data, at):
@@ -30,7 +30,7 @@ def exr_header(data):
 
 
 def exr_channels(block):
-    """[(name, bytes a sample)] in the file's order."""
+    """Returns [(name, bytes per sample)] in the file's order."""
     channels, at = [], 0
     while block[at]:
         name, at = text_at(block, at)
@@ -41,7 +41,7 @@ def exr_channels(block):
 
 
 def unzip(block):
-    """EXR's ZIP: deflate, then differences, then even and odd bytes apart."""
+    """Decodes EXR's ZIP: deflate, then differences, then separated even and odd bytes."""
     data = zlib.decompress(block)
     summed = bytes(itertools.accumulate(data, lambda a, b: (a + b - 128) & 255))
     result = bytearray(len(summed))
@@ -51,7 +51,7 @@ def unzip(block):
 
 
 def exr_window(attributes):
-    """(width, height, number of the first line)"""
+    """Returns (width, height, number of the first line)."""
     x0, y0, x1, y1 = struct.unpack("<4i", attributes["dataWindow"])
     return x1 - x0 + 1, y1 - y0 + 1, y0
 
@@ -90,7 +90,7 @@ def read_exr(path):
 
 
 def read_ppm(path):
-    """Levels 0 to 255 as the middles of their steps, for programs that cut off the rest."""
+    """Returns levels 0 to 255 as the middles of their steps, for programs that truncate."""
     data = path.read_bytes()
     kind, width, height, top = data.split(None, 4)[:4]
     width, height = int(width), int(height)
@@ -107,7 +107,7 @@ def scaled(picture, factor):
 
 
 def lower_part(picture, share):
-    """Without the rows of its upper part."""
+    """Returns the picture without the rows of its upper part."""
     width, height, rows = picture
     kept = rows[round(share * height):]
     return width, len(kept), kept
@@ -120,7 +120,7 @@ def write_pfm(path, picture):
 
 
 def to_bytes(row, exposure):
-    """sRGB of linear values, clipped."""
+    """Returns sRGB of linear values, clipped."""
     def encode(x):
         x = min(max(exposure * x, 0), 1)
         return round(255 * (12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055))
@@ -129,7 +129,7 @@ def to_bytes(row, exposure):
 
 
 def write_png_strip(path, pictures, exposure=1, gap=4):
-    """Pictures of one height from left to right, white between them."""
+    """Writes pictures of one height from left to right, with white between them."""
     height = min(picture[1] for picture in pictures)
     lines = []
     for y in range(height):

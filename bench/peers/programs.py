@@ -1,7 +1,7 @@
-"""The programs: how each is asked for a job, and how its render time is told from the rest.
+"""Defines the programs: how each is called for a job, and how its render time is extracted.
 
-Each measures one render with `(session, job, seed)` and gives a dict with `seconds` (of the render
-alone), `picture` (EXR or PPM) and what else it says of itself.
+Each measures one render with `(session, job, seed)` and returns a dict with `seconds` (of the
+render alone), `picture` (EXR or PPM) and further figures that it reports.
 """
 
 import json
@@ -18,11 +18,11 @@ HERE = Path(__file__).resolve().parent
 
 
 class Failed(Exception):
-    """A program said no, or something that is not understood."""
+    """A program refused, or printed something that is not understood."""
 
 
 def run(command):
-    """Output and errors of a command together."""
+    """Returns output and errors of a command together."""
     result = subprocess.run([str(word) for word in command], stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True)
     if result.returncode:
@@ -45,9 +45,9 @@ class Job:
     name: str
     title: str
     integrator: str
-    samples: int    # a pixel
-    depth: int      # surfaces of a path
-    lights: int     # directional, all taken at every hit; 0: the map itself
+    samples: int    # per pixel
+    depth: int      # surfaces per path
+    lights: int     # directional, all used at every hit; 0: the map itself
 
 
 @dataclass
@@ -59,7 +59,7 @@ class Session:
     map_width: int
     bunny: scene.Mesh
     size: tuple
-    threads: int        # 0: as many as there are
+    threads: int        # 0: all available
     lights: list        # {"direction": [right, forward, up], "irradiance": [r, g, b]}
 
     def file(self, name):
@@ -86,7 +86,7 @@ def skywave(session, job, seed, samples=None):
 
 
 def cycles_seconds(text, samples):
-    """What all samples take. Scene, tree and map are prepared for one sample as for all."""
+    """Returns the time of all samples. The preparation is the same as for one sample."""
     one, = found(r"peers: one sample ([\d.]+)", text, "the time of one sample")
     whole, = found(r"peers: all samples ([\d.]+)", text, "the time of all samples")
     seconds = (float(whole) - float(one)) * samples / (samples - 1)
@@ -110,7 +110,7 @@ def cycles(session, job, seed):
 
 
 def embree_factor(lights):
-    """What keeps the tutorial's 8-bit picture below 1: no surface faces all lights at once."""
+    """Keeps the tutorial's 8-bit picture below 1; no surface faces all lights at once."""
     total = max(sum(light["irradiance"][c] for light in lights) for c in range(3))
     return 3.14159 / scene.ALBEDO / total / 1.2
 
@@ -135,7 +135,7 @@ def embree_pathtracer(session, job, seed):
     if session.threads:
         command += ["--threads", session.threads]
     text = run([*command, "--legacy", "--benchmark", 1, 2])
-    if seed == 1:  # the tutorial has only one
+    if seed == 1:  # the tutorial has only one seed
         run([*command, "-o", picture])
     rays, = found(r"BENCHMARK_RENDER_MRAYPS_AVG ([\d.]+)", text, "the number of rays")
     seconds = embree_seconds(text)
@@ -145,7 +145,7 @@ def embree_pathtracer(session, job, seed):
 
 
 def povray_figures(text):
-    """(seconds of tracing, samples); without antialiasing a sample is a pixel."""
+    """Returns (seconds of tracing, samples); without antialiasing a sample is a pixel."""
     seconds, = found(r"Trace Time:.*\(([\d.]+) seconds\)", text, "the trace time")
     samples, = found(r"Pixels:\s*(\d+)", text, "the number of pixels")
     return float(seconds), int(samples)
@@ -172,17 +172,17 @@ def povray(session, job, seed):
 class Program:
     name: str
     executable: str | None     # None: skywave, given by flag
-    package: str | None        # of Debian
-    jobs: tuple                # names of the jobs it can do
+    package: str | None        # Debian package
+    jobs: tuple                # names of the jobs that it supports
     measure: Callable
-    timing: str                # how its time was taken
-    settings: str              # what differs from the others, or was chosen for it
+    timing: str                # how its time is measured
+    settings: str              # settings that differ from the others, or were chosen for it
 
     def is_installed(self):
         return self.executable is None or shutil.which(self.executable) is not None
 
     def version(self):
-        """As Debian counts it, or nothing."""
+        """Returns the version as Debian counts it, or nothing."""
         if not (self.package and shutil.which("dpkg-query")):
             return ""
         result = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", self.package],

@@ -1,4 +1,4 @@
-"""Results of peers.py as Markdown."""
+"""Formats results of peers.py as Markdown."""
 
 import sys
 from pathlib import Path

@@ -1,8 +1,8 @@
-"""The scene of the comparison as plain data, and its text for every program.
+"""Holds the scene of the comparison as plain data and writes its text for every program.
 
-World: y up, left-handed as pbrt and POV-Ray have it, metres. The middle of the map lies along +z,
-its right half along +x; the camera looks towards -z. It is the scene that scripts/data_scenes.sh
-writes, but the bunny has the plane's grey.
+World: y up, left-handed as in pbrt and POV-Ray, metres. The middle of the map lies along +z, its
+right half along +x; the camera looks towards -z. The scene is the one that scripts/data_scenes.sh
+writes, except that the bunny has the plane's grey.
 """
 
 import struct
@@ -19,11 +19,11 @@ PLANE = ([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], [(0, 1, 2), (2, 3, 0)
 class Mesh:
     positions: array  # x y z of each vertex [m]
     normals: array    # likewise, unit length
-    triangles: array  # three vertices each
+    triangles: array  # three vertices per triangle
 
 
 def read_ply(path):
-    """Mesh of a binary PLY whose vertices are x y z nx ny nz (float) and whose faces triangles."""
+    """Reads the mesh of a binary PLY with float vertices x y z nx ny nz and triangular faces."""
     data = path.read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
     words = data[:end].decode().split()
@@ -44,7 +44,7 @@ def read_ply(path):
 
 
 def rows(values, separator=" "):
-    """Three numbers a line."""
+    """Formats three numbers per line."""
     return [separator.join(f"{x:.9g}" for x in values[i:i + 3]) for i in range(0, len(values), 3)]
 
 
@@ -65,7 +65,7 @@ def write_pbrt(file, bunny_ply):
 
 
 def write_embree(file, bunny):
-    """Embree's XML; lights come by flag."""
+    """Writes Embree's XML; lights are passed by flag."""
     def block(name, lines):
         return f"<{name}>\n" + "\n".join(lines) + f"\n</{name}>\n"
 
@@ -81,7 +81,7 @@ def write_embree(file, bunny):
 
 
 def write_povray(file, bunny, lights_file, aspect):
-    """POV-Ray 3.7: no ambient light, diffuse only, lights from `skywave probe lights`."""
+    """Writes POV-Ray 3.7: no ambient light, diffuse only, lights from `skywave probe lights`."""
     def block(name, lines):
         return f"{name} {{ {len(lines)},\n" + ",\n".join(f"<{line}>" for line in lines) + " }\n"
 
@@ -105,11 +105,11 @@ def write_povray(file, bunny, lights_file, aspect):
 
 
 def blender_mesh(points, triangles, normals=()):
-    """As JSON for blender_render.py, in Blender's right-handed world with z up.
+    """Writes JSON for blender_render.py, in Blender's right-handed world with z up.
 
-    The exchange of y and z is a mirror, so triangles have to turn round, which the same exchange of
-    their second and third vertex does: else their sides would contradict the normals, and surfaces
-    would be black.
+    The exchange of y and z is a reflection, so triangles must reverse their winding, which the same
+    exchange of their second and third vertex does: otherwise their sides would contradict the
+    normals, and surfaces would be black.
     """
     def turned(values):
         return flat((values[i], values[i + 2], values[i + 1]) for i in range(0, len(values), 3))

@@ -1,14 +1,14 @@
-"""From runs to what can be compared: medians, ratios, times to the same error."""
+"""Turns runs into comparable figures: medians, ratios, times to the same error."""
 
 import math
 from statistics import mean, median
 
 
 def ours(runs, reference_mse=0.0):
-    """Medians of times, means of errors; None without runs.
+    """Returns medians of times and means of errors; None without runs.
 
-    The noise of the reference is not the row's: the two are independent, so what the squared
-    distance has too much is known (`reference_mse`, of the reference itself) and taken off.
+    The noise of the reference is independent of the row's, so the known excess of the squared
+    distance (`reference_mse`, of the reference itself) is subtracted.
     """
     if not runs:
         return None
@@ -35,11 +35,11 @@ def theirs(row):
 
 
 def seconds_at(error, plain, key):
-    """('=' | '<' | '>', seconds) where the curve of the plain rows has `error`.
+    """Returns ('=' | '<' | '>', seconds) at which the curve of the plain rows reaches `error`.
 
-    Straight lines between points on logarithmic scales, and of several places the one after which
-    the error stays below. Nothing is extrapolated: outside the curve the time is the one of its
-    nearer end.
+    Points are connected by straight lines on logarithmic scales; of several crossings, the one
+    after which the error stays below counts. Nothing is extrapolated: outside the curve, the time
+    is that of its nearer end.
     """
     points = sorted((p["seconds"], p[key]) for p in plain)
     if error < points[-1][1]:
@@ -52,9 +52,9 @@ def seconds_at(error, plain, key):
 
 
 def compare(measured, base, plain):
-    """A row against the base row and the curve of plain importance sampling.
+    """Compares a row with the base row and with the curve of plain importance sampling.
 
-    `at_equal_error`: (sign, times as fast as plain importance sampling at the row's error), a bound
+    `at_equal_error` is (sign, speed-up over plain importance sampling at the row's error), a bound
     unless the sign is '='.
     """
     if not measured or not base:
@@ -71,7 +71,7 @@ def compare(measured, base, plain):
 
 
 def least_squares(rows, values):
-    """Coefficients c with rows . c = values in the mean, or None where rows do not settle them."""
+    """Returns coefficients c with rows . c = values on average, or None if undetermined."""
     n = len(rows[0]) if rows else 0
     if len(rows) < n or n == 0:
         return None
@@ -90,9 +90,9 @@ def least_squares(rows, values):
 
 
 def costs(table, of):
-    """Seconds that one more light or sample a hit costs, by least squares over the rows.
+    """Returns the seconds for one more light or sample per hit, by least squares over the rows.
 
-    `of(row)` gives a row's figures or None. Direct lighting only.
+    `of(row)` returns a row's figures or None. Direct lighting only.
     """
     rows = [row for row in table.rows if row.seconds is not None and row.recipe and of(row)]
     plain = [row for row in rows if row.plain]
@@ -106,10 +106,10 @@ def costs(table, of):
 
 
 def floor(table, of):
-    """(error, share): what unlimited light samples would leave, and its share of the base's error.
+    """Returns (error, share): the error with unlimited light samples, and its share of the base's.
 
-    Extrapolated from the two plain rows with most samples as noise that halves when samples double.
-    Direct lighting only: paths bring camera samples with them, so nothing is left.
+    It is extrapolated from the two plain rows with most samples, assuming noise that halves when
+    samples double. Direct lighting only: paths add camera samples, so nothing would be left.
     """
     if table.integrator != "direct":
         return None
@@ -122,14 +122,15 @@ def floor(table, of):
 
 
 def summarize(table, runs, reference_mse=0.0):
-    """Everything that is printed or written of a table; `runs` maps names of rows to their runs."""
+    """Returns all that is printed or written for a table; `runs` maps names of rows to runs."""
     measured = {row.name: ours(runs.get(row.name), reference_mse) for row in table.rows}
     sides = {"thesis": theirs, "ours": lambda row: measured[row.name]}
     result = {"table": table.name, "title": table.title, "base": table.base, "rows": [],
               "pairs": []}
     curves = {}
     for side, of in sides.items():
-        # With photons the error has other parts, so no curve of plain rows falls with light samples.
+        # With photons the error has other parts, so no curve of plain rows falls with light
+        # samples.
         plain = [of(row) for row in table.rows
                  if row.plain and of(row) and table.integrator != "photon"]
         curves[side] = (of(table.row(table.base)), plain)

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from tables import Recipe
 
-# Light samples a hit of the picture that light errors are taken against.
+# Light samples per hit of the picture against which light errors are measured.
 LIGHT_REFERENCE = 2048
-# The same of photons: light samples a first hit, continuations a pixel.
+# The same for photons: light samples per first hit, continuations per pixel.
 PHOTON_REFERENCE = (64, 1024)
 
 HERE = Path(__file__).resolve().parent
@@ -18,11 +18,11 @@ REPOSITORY = HERE.parents[1]
 
 
 class Absent(Exception):
-    """A file that is needed does not exist."""
+    """A required file does not exist."""
 
 
 class Failed(Exception):
-    """The program said no."""
+    """The program refused."""
 
 
 def run(command):
@@ -40,7 +40,7 @@ def existing(path):
 
 
 def scene_arguments(table, data, folder):
-    """Scene, map and camera of a table as arguments of render and converge; writes scene files."""
+    """Returns scene, map and camera of a table as arguments of the program; writes scene files."""
     probe = existing(data / "probes" / "latlong" / f"{table.probe}_latlong.exr")
     if table.scene == "killeroo":
         existing(data / "models" / "killeroo.pbrt")
@@ -72,7 +72,7 @@ class Session:
         self.pictures.mkdir(parents=True, exist_ok=True)
 
     def reference(self, say):
-        """(file, facts). Rendered once by `converge`, which also says how noisy it is."""
+        """Returns (file, facts). `converge` renders it once and also reports its noise."""
         table, (samples, light_samples) = self.table, self.reference_samples
         # Photons are compared with paths, which have no bias.
         integrator = "direct" if table.integrator == "direct" else "path"
@@ -92,7 +92,7 @@ class Session:
                  "--json", half_done, "-q"])
             os.replace(half_done, facts)
         read = json.loads(facts.read_text())
-        # Of a reference that was there already, too.
+        # This also holds for a reference that existed already.
         strategy = re.search(r"--reference-strategy '?([^ ']+)", read["command"])
         return picture, {"samples_per_pixel": samples, "light_samples": light_samples,
                          "strategy": strategy.group(1) if strategy else "importance",
@@ -101,12 +101,13 @@ class Session:
                          "scene_hash": read["scene"]["hash"], "version": read["version"]}
 
     def light_references(self, seed, say):
-        """{camera samples: a picture with those of the rows of that seed and far more of all else}.
+        """Returns {camera samples: a picture with those of the rows and far more of all else}.
 
-        The film positions of a seed, and the way through mirrors and glass, are the same for every
-        strategy, and for photons and paths that split, so against such a picture rows differ by
-        what they do behind their first hits alone. `warp`, because the points of `importance` would
-        share errors with the rows. Empty for path tracing, where all dimensions go together.
+        The film positions of a seed, and paths through mirrors and glass, are the same for every
+        strategy, for photons, and for paths that split, so compared with such a picture rows differ
+        only by what happens after their first hits. It uses `warp`, because the points of
+        `importance` would share errors with the rows. The result is empty for path tracing, where
+        all dimensions go together.
         """
         if self.table.integrator == "path":
             return {}
@@ -156,7 +157,7 @@ class Session:
         if stats["scene"]["hash"] != scene_hash:
             raise Failed("the scene has changed since the reference was made: remove "
                          f"{reference.parent}")
-        # A share of a busy machine is no time; what the processors did for the render is.
+        # On a busy machine, wall time means nothing; the processor time spent on the render does.
         render = stats["seconds"]["render_processor"] / stats["settings"]["threads"] if self.busy \
             else stats["seconds"]["render"]
         result = {"seed": seed, "seconds": render,

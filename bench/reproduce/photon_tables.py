@@ -1,11 +1,11 @@
 """Tables 8.7 to 8.9 of the thesis on hybrid sampling: photon mapping.
 
-The rows stand here as the thesis prints them, one a line; '-' is an empty cell:
+The rows are written as the thesis prints them, one per line; '-' is an empty cell:
   N method seconds camera-samples photons caustic-photons gather-samples distance
   area-of-A[%] lights IS MPA
-All pre-sampled maps have 360 samples, all lights of hybrid rows are clustered by F2; N under
-gather-samples is no final gathering. The thesis gives times and no errors: the method is biased, so
-it compares pictures.
+All pre-sampled maps have 360 samples, and all lights of hybrid rows are clustered by F2; N under
+gather-samples means no final gathering. The thesis gives times and no errors: the method is biased,
+so it compares pictures.
 """
 
 from tables import (Recipe, Row, Table, as_printed, compensated, hybrid_strategy,
@@ -56,7 +56,7 @@ THREE_SPHERES = """
 
 
 def read_photon_row(line, unit):
-    """`unit`: length in our scene of one unit of the thesis's."""
+    """Reads a row; `unit` is the length in Skywave's scene of one unit in the thesis's."""
     name, method, seconds, samples, photons, caustic, gather, distance, area, lights, importance, \
         mpa = line.split()
     gathered = 0 if gather == "N" else int(gather)

@@ -1,4 +1,4 @@
-"""A summary of figures.py as Markdown, and into its place in a document."""
+"""Formats a summary of figures.py as Markdown, and inserts it into a document."""
 
 import re
 import sys
@@ -16,7 +16,7 @@ def ratio(ratios, key):
 
 
 def split(summary):
-    """Rows of the thesis and rows of ours below the line."""
+    """Returns rows of the thesis, and Skywave's own rows below the line."""
     rows = summary["rows"]
     return [[row for row in rows if row["thesis"]], [row for row in rows if not row["thesis"]]]
 
@@ -28,7 +28,7 @@ def name_of(row):
 
 
 def without_empty_columns(header, lines, keep):
-    """The table less those behind the first `keep` columns that no row has a figure in."""
+    """Drops columns after the first `keep` in which no row has a figure."""
     used = [i < keep or any(cells[i] for cells in lines) for i in range(len(header))]
     header, *lines = [[cell for cell, use in zip(cells, used) if use]
                       for cells in [header, *lines]]
@@ -38,7 +38,7 @@ def without_empty_columns(header, lines, keep):
 def figures_table(rows, of_thesis):
     header = ["N", "method", "parameters"]
     header += ["thesis [s]", "Euc.", "Lum."] if of_thesis else []
-    # Where the thesis has no errors, bright pixels (a sun in a mirror) are all that a plain mean sees.
+    # If the thesis has no errors, a plain mean is dominated by bright pixels (a sun in a mirror).
     photons = of_thesis and not any("squared_distance" in row["thesis"] for row in rows)
     header += ["ours [s]", "3 mse", "as (T 8.1)", "Lum."] + ["relative mse"] * photons + ["light"]
     lines = []
@@ -126,7 +126,7 @@ def markdown(summary):
 
 
 def insert(document, name, text):
-    """`document` with what is between the two markers of a table replaced."""
+    """Returns `document` with the text between the two markers of a table replaced."""
     begin, end = f"<!-- begin table {name} -->", f"<!-- end table {name} -->"
     pattern = re.compile(re.escape(begin) + ".*?" + re.escape(end), re.DOTALL)
     if not pattern.search(document):

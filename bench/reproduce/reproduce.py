@@ -10,8 +10,8 @@
 
 DATA holds models/{killeroo.pbrt,buddha.obj,sponza.obj} and
 probes/latlong/{galileo,grace,rnl}_latlong.exr.
-OUT gets table_8.2.md, table_8.2.json, the reference and a picture of every row. Tables whose data
-are absent are named and left out. Exit code 1: nothing was measured, or a row failed.
+OUT receives table_8.2.md, table_8.2.json, the reference and a picture of every row. Tables whose
+data are missing are named and skipped. Exit code 1: nothing was measured, or a row failed.
 """
 
 import argparse
@@ -81,7 +81,7 @@ def say(text):
 
 
 def command_of(table, options):
-    """The command that measures again, without the folders of this machine."""
+    """Returns the command that repeats the measurement, without the folders of this machine."""
     words = ["bench/reproduce/reproduce.py", table.name, "--data DATA", f"--size {options.size}",
              f"--repeats {options.repeats}"]
     if options.quick:
@@ -113,7 +113,7 @@ def write(summary, options):
 
 
 def warnings_of(summary):
-    """What to know before believing the figures."""
+    """Returns warnings to read before believing the figures."""
     own = 3 * summary["reference"]["mse"]
     touched = [row["row"] for row in summary["rows"]
                if row["ours"] and row["ours"]["squared_distance"] < 10 * own]
@@ -125,7 +125,7 @@ def warnings_of(summary):
 
 
 def earlier_runs(table, facts, options):
-    """Runs by row that OUT holds of this table, if they were measured in the same way."""
+    """Returns runs by row that OUT holds for this table, if they were measured in the same way."""
     file = options.output / f"table_{table.name}.json"
     if not (options.resume and file.is_file()):
         return {}
@@ -146,7 +146,7 @@ def make_session(table, options):
 
 
 def measure_table(table, options):
-    """(summary, whether any row was rendered, whether all were). Writes after every repeat."""
+    """Returns (summary, any row was rendered, all were). Writes files after every repeat."""
     rows, failed = chosen_rows(table, options), {}
     if not rows:
         raise measure.Failed(f"no row of {options.rows} can be rendered")
@@ -160,8 +160,8 @@ def measure_table(table, options):
     summary = None
     for repeat in range(options.repeats):
         start = time.monotonic()
-        # All rows take their turn within a repeat, and another one begins each time, so that a slow
-        # minute of the machine does not fall on one row.
+        # All rows take turns within a repeat, and each repeat starts with a different one, so that
+        # a slow minute of the machine does not affect a single row.
         first = repeat * len(rows) // options.repeats
         for row in rows[first:] + rows[:first]:
             if row.name in failed or len(runs.get(row.name, [])) > repeat:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of the tables and of the arithmetic; with a program as argument also of the strategies.
+"""Tests the tables and the arithmetic; with a program as argument also the strategies.
 
     bench/reproduce/reproduce_test.py [build/release/skywave]
 """

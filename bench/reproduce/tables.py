@@ -1,36 +1,36 @@
-"""Tables 8.2 to 8.6 of the thesis on hybrid sampling, and the rows in words of --strategy;
+"""Tables 8.2 to 8.6 of the thesis on hybrid sampling, with the rows translated to --strategy;
 photon_tables.py has 8.7 to 8.9.
 
-The rows stand here as the thesis prints them, one a line; '-' is an empty cell. Direct lighting:
+The rows are written as the thesis prints them, one per line; '-' is an empty cell. Direct lighting:
   N method seconds euclidean luminance area-of-A[%] clustering lights IS MPA
 path tracing:
   N method integrator seconds euclidean paths area-of-A[%] clustering lights IS MPA
-OS:48 are 48 lights of the Penrose tiling, MC:64 of median cut; OS(360):32 are 32 samples of a map
-pre-sampled with 360.
+OS:48 means 48 lights of the Penrose tiling, MC:64 is 64 of median cut; OS(360):32 means 32 samples
+of a map pre-sampled with 360.
 """
 
 import math
 import re
 from dataclasses import dataclass, field
 
-# Camera samples a pixel of the direct lighting rows; docs/reproduction.md says how they are known.
+# Camera samples per pixel of the direct lighting rows; docs/reproduction.md explains their origin.
 CAMERA_SAMPLES = 4
 
-# Lights before clustering over lights after it. The tables say only how many are left; the one
+# Lights before clustering over lights after it. The tables give only the remaining ones; the one
 # example of the thesis (figure 7.18) merges 304 into 200.
 BEFORE_CLUSTERING = 1.5
 
 
 @dataclass
 class Recipe:
-    """What one render of Skywave is asked for."""
+    """The parameters of one render of Skywave."""
     strategy: str
-    samples: int        # a pixel
-    light_samples: int  # a hit (direct lighting), a first hit (paths that split)
+    samples: int        # per pixel
+    light_samples: int  # per hit (direct lighting) or first hit (paths that split)
     mis: bool = False
-    split: int = 0      # continuations of a camera sample; 0: paths do not split
-    behind: str = ""    # strategy of the light samples of continuations, if it is another one
-    flags: list = field(default_factory=list)  # more of the program's
+    split: int = 0      # continuations per camera sample; 0: paths do not split
+    behind: str = ""    # strategy for the light samples of continuations, if different
+    flags: list = field(default_factory=list)  # further flags of the program
 
 
 @dataclass
@@ -39,17 +39,17 @@ class Row:
     method: str
     parameters: str              # as the thesis prints them
     recipe: Recipe | None        # None: Skywave has no counterpart
-    note: str = ""               # why not, or how the recipe departs
-    seconds: float | None = None  # of the thesis; None below the line
+    note: str = ""               # the reason, or how the recipe deviates
+    seconds: float | None = None  # time in the thesis; None below the line
     euclidean: float | None = None
     luminance: float | None = None
-    lights: int = 0              # taken at every hit
-    drawn: int = 0               # light samples a camera sample, or paths a pixel
+    lights: int = 0              # used at every hit
+    drawn: int = 0               # light samples per camera sample, or paths per pixel
     presampled: bool = False
 
     @property
     def plain(self):
-        """Plain importance sampling of the whole map, the thesis's and not ours."""
+        """Plain importance sampling of the whole map, in the thesis rather than below the line."""
         return self.method == "I.S." and self.seconds is not None
 
 
@@ -60,11 +60,11 @@ class Table:
     scene: str
     probe: str
     integrator: str
-    base: str                   # row of plain importance sampling that ratios refer to
-    pairs: list                 # (row, plain row) that the thesis sets against each other
-    reference: tuple            # samples a pixel, light samples
+    base: str                   # row of plain importance sampling, the base of ratios
+    pairs: list                 # (row, plain row) that the thesis compares
+    reference: tuple            # samples per pixel, light samples
     quick_reference: tuple
-    turn: int = 0               # of the map, degrees
+    turn: int = 0               # rotation of the map, degrees
     camera: list = field(default_factory=list)  # flags; empty: the scene's own
     reference_strategy: str = "importance"
     rows: list = field(default_factory=list)
@@ -74,15 +74,15 @@ class Table:
 
 
 def angle_for_area(percent, lights):
-    """Degrees between `lights` lights for which A fills `percent` of the sphere.
+    """Returns the degrees between `lights` lights for which A fills `percent` of the sphere.
 
-    The inverse of equation 7.15: area = lights (1 - cos(angle / 2)) / 2 of the sphere.
+    This is the inverse of equation 7.15: area = lights (1 - cos(angle / 2)) / 2 of the sphere.
     """
     return 2 * math.degrees(math.acos(1 - 2 * percent / 100 / lights))
 
 
 def light_parameters(cell, clustering):
-    """('penrose' or 'median-cut', lights before clustering, parameters) of a cell such as OS:48."""
+    """Parses a cell such as OS:48 to (strategy, lights before clustering, parameters)."""
     source, count = re.fullmatch(r"(OS|MC):(\d+)", cell).groups()
     name = {"OS": "penrose", "MC": "median-cut"}[source]
     if clustering == "-":
@@ -180,12 +180,12 @@ def read_path_row(line):
 
 
 def compensated(light_samples):
-    """What light samples leave to BSDF sampling, where there is one BSDF sample for so many."""
+    """Returns the strategy that leaves light to the one BSDF sample per `light_samples`."""
     return f"importance:compensate={1 / light_samples:g}"
 
 
 def ours_direct(counts):
-    """Below the line: our own ways, with multiple importance sampling."""
+    """Returns the rows below the line: Skywave's own, with multiple importance sampling."""
     recipes = []
     for strategy, samples in [("importance", counts),
                               (None, counts[::2]),
@@ -205,7 +205,8 @@ def ours_path(counts):
                                 "hybrid:lights=64,pick=power")
                for paths in counts]
     recipes += [Recipe("hybrid:lights=16,inside=1", paths // 4, 1, mis=True) for paths in counts]
-    # As many continuations as light samples: both see half of the direct light each.
+    # There are as many continuations as light samples, so that both see half of the direct light
+    # each.
     recipes += [Recipe(compensated(1), paths // 8, 8, mis=True, split=8) for paths in counts]
 
     def describe(recipe):
@@ -217,7 +218,7 @@ def ours_path(counts):
 
 
 def name_ours(recipes, describe):
-    """`describe(recipe)`: (words, samples that count)."""
+    """`describe(recipe)` returns (words, samples that count)."""
     rows = []
     for index, recipe in enumerate(recipes):
         words, drawn = describe(recipe)
@@ -337,8 +338,8 @@ def read(text, read_row):
     return [read_row(line) for line in text.strip().splitlines()]
 
 
-# As many light samples as the thesis's references (64 x 512), but 16 times the camera samples:
-# else the reference would bring edges of its own.
+# The reference has as many light samples as the thesis's (64 x 512), but 16 times the camera
+# samples, so that it adds no edge noise of its own.
 DIRECT_REFERENCE = {"reference": (1024, 32), "quick_reference": (64, 16)}
 PATH_REFERENCE = {"reference": (32768, 1), "quick_reference": (512, 1),
                   "reference_strategy": compensated(1)}

@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
-#include "cli/job_flags.h"
+#include "job/options.h"
 #include "measure/revision.h"
 
 namespace skywave {
@@ -28,28 +28,23 @@ constexpr int kExitWrongPicture = 1;
 // Rays that a replay may keep in memory without a word: 72 bytes each, in three orders.
 constexpr double kMaxRecordedRays = 2e7;
 
-// Those flags of a job that leave the pictures of the suite as they are, and --seed, which is there
-// to see the comparison fail.
-constexpr std::string_view kSuiteJobFlags[] = {"--threads", "--wave", "--backend",
-                                               "--embree-config", "--seed"};
-constexpr std::string_view kSuiteOnlyFlags[] = {"--full", "--counters", "--report", "--history",
-                                                "--renders-only"};
+constexpr std::string_view kSuite = "Suite";
 
-void CheckFlags(const CLI::App& command, const std::vector<std::string>& job_flags,
-                bool has_scene) {
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->count() == 0) continue;
-    const std::string name = option->get_name();
-    const auto is = [&](const auto& names) {
-      return std::find(std::begin(names), std::end(names), name) != std::end(names);
-    };
-    if (has_scene && is(kSuiteOnlyFlags)) {
-      throw InputError(InputPosition::File(name), "belongs to the suite: give no scene",
-                       kExitUsage);
+// The suite takes the options of a job that leave its pictures as they are, and --seed, which is
+// there to see the comparison fail; a scene takes none of the suite's.
+void CheckGiven(const Command& command, const GivenOptions& given, bool has_scene) {
+  for (const BoundOption& option : command.options) {
+    const OptionInfo& info = option.info;
+    if (!given.contains(info.name)) continue;
+    const InputPosition where = InputPosition::File("--" + std::string(info.name));
+    if (has_scene && info.group == kSuite) {
+      throw InputError(where, "belongs to the suite: give no scene", kExitUsage);
     }
-    if (!has_scene && is(job_flags) && !is(kSuiteJobFlags)) {
-      throw InputError(InputPosition::File(name),
-                       "the suite has fixed pictures: give a scene to measure others", kExitUsage);
+    const bool of_job = info.scope == OptionScope::kPixels || info.scope == OptionScope::kInput ||
+                        info.scope == OptionScope::kSpeed;
+    if (!has_scene && of_job && !info.in_suite) {
+      throw InputError(where, "the suite has fixed pictures: give a scene to measure others",
+                       kExitUsage);
     }
   }
 }
@@ -82,7 +77,7 @@ int BenchScene(const BenchFlags& flags) {
   json["schema"] = "skywave-bench-2";
   json["version"] = SKYWAVE_VERSION;
   json["revision"] = GitRevision();
-  json["command"] = RepeatCommand(flags.request, job.options());
+  json["command"] = "skywave render" + PictureOptions(job.request());
   json["threads"] = speed.first.threads;
   json["wave"] = job.options().wave;
   json["render_seconds"] = speed.render;
@@ -163,54 +158,58 @@ int BenchSuite(const BenchFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<BenchFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<BenchFlags>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "repetitions", .help = "renders and replays, in turn", .default_text = "5; suite: 3, --full 9"}, FIELD(repetitions), Numbers(1, 1000)),
+    option({.name = "json", .help = "write every repetition to this file"}, FIELD(json), Texts("JSON")),
+    option({.name = "full", .group = kSuite, .help = "larger pictures, more repetitions"}, FIELD(full), Switches()),
+    option({.name = "counters", .group = kSuite, .help = "only counters: rays, rows, bytes, hashes; the same text every time"}, FIELD(counters), Switches()),
+    option({.name = "renders-only", .group = kSuite, .help = "no replays, other thread counts or tables: for comparisons of two programs"}, FIELD(renders_only), Switches()),
+    option({.name = "report", .group = kSuite, .help = "write a page with charts to this file"}, FIELD(report), Texts("HTML")),
+    option({.name = "history", .group = kSuite, .help = "JSON files of earlier runs, for the page", .most_values = 1000, .needs = "report"}, FIELD(history), Texts("JSON ...")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddBenchCommand(CLI::App& program, Run& run) {
-  CLI::App* command = program.add_subcommand(
-      "bench", "Speed of the suite or of a scene, and the share of it that is Embree's own");
+Command BenchCommand() {
   const auto flags = std::make_shared<BenchFlags>();
   flags->request.samples_per_pixel = 8;
-  AddJobFlags(*command, flags->request);
-  command->get_option("scene")->required(false)->description(
-      "pbrt, OBJ or PLY file, or a built-in scene (default: the suite)");
-  std::vector<std::string> job_flags;
-  for (const CLI::Option* option : command->get_options()) job_flags.push_back(option->get_name());
-  command
-      ->add_option("--repetitions", flags->repetitions,
-                   "of renders and replays, in turn (default: 5; suite: 3, full 9)")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--json", flags->json, "write every repetition to this file");
-  const auto suite = "Suite";
-  command->add_flag("--full", flags->full, "larger pictures, more repetitions")->group(suite);
-  command
-      ->add_flag("--counters", flags->counters,
-                 "only what is counted: rays, rows, bytes, hashes; the same text every time")
-      ->group(suite);
-  command
-      ->add_flag("--renders-only", flags->renders_only,
-                 "no replays, other thread counts or tables: for comparisons of two programs")
-      ->group(suite);
-  command->add_option("--report", flags->report, "write a page with charts to this file")
-      ->group(suite);
-  command->add_option("--history", flags->history, "JSON files of earlier runs, for the page")
-      ->group(suite)
-      ->needs("--report");
-  command->footer(
-      "Without a scene: the suite, built-in scenes at fixed sizes, under a minute on two cores.\n"
-      "Their pictures are compared with the known ones; no score where one differs (exit code 1).\n"
-      "Keys of its JSON: docs/bench_json.md.\n\n"
-      "The rays of one frame (8 samples a pixel unless --spp says otherwise) are recorded and\n"
-      "replayed raw through every way to call Embree; embree_fraction is the best replay's time\n"
-      "over the render's.\n\n"
-      "Examples:\n  skywave bench --json b.json --report b.html\n"
-      "  skywave bench gallery --repetitions 9");
-  command->callback([flags, job_flags, command, &run] {
+  Command command = {
+      .name = "bench",
+      .summary = "Speed of the suite or of a scene, and the share of it that is Embree's own",
+      .footer =
+          "Without a scene: the suite, built-in scenes at fixed sizes, under a minute on two "
+          "cores.\n"
+          "Their pictures are compared with the known ones; no score where one differs (exit code "
+          "1).\n"
+          "Keys of its JSON: docs/bench_json.md.\n\n"
+          "The rays of one frame (8 samples a pixel unless --spp says otherwise) are recorded and\n"
+          "replayed raw through every way to call Embree; embree_fraction is the best replay's "
+          "time\n"
+          "over the render's.\n\n"
+          "Examples:\n  skywave bench --json b.json --report b.html\n"
+          "  skywave bench gallery --repetitions 9"};
+  AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), {"aovs"});
+  OptionInfo& scene = OptionCalled(command, "scene");
+  scene.required = false;
+  scene.help = "pbrt, OBJ, glTF or PLY file, or a built-in scene (default: the suite)";
+  OptionCalled(command, "spp").printed_default = "8";
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  command.run = [flags, described = command](const GivenOptions& given) {
     const bool has_scene = !flags->request.scene.empty();
-    run = [flags, job_flags, command, has_scene] {
-      CheckFlags(*command, job_flags, has_scene);
-      return has_scene ? BenchScene(*flags) : BenchSuite(*flags);
-    };
-  });
+    CheckGiven(described, given, has_scene);
+    return has_scene ? BenchScene(*flags) : BenchSuite(*flags);
+  };
+  return command;
 }
 
 }  // namespace skywave

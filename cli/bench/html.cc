@@ -51,7 +51,7 @@ BarChart CeilingChart(const SuiteResult& result) {
   return chart;
 }
 
-// How near each kind of rays comes to its ceiling.
+// Shows how closely each kind of rays approaches its ceiling.
 BarChart RooflineChart(const SuiteResult& result) {
   BarChart chart = {.title = fmt::format("{}: rays while they are traced", result.scene.name),
                     .unit = "Mrays/s, all threads together",

@@ -15,7 +15,7 @@ using nlohmann::ordered_json;
 
 constexpr std::string_view kSchema = "skywave-bench-suite-2";
 
-// 0 stands for what was not measured.
+// 0 stands for a figure that was not measured.
 ordered_json Measured(double value) {
   return value > 0 ? ordered_json(value) : ordered_json(nullptr);
 }

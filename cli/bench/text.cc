@@ -23,7 +23,7 @@ class Lines {
   std::string text_;
 };
 
-// A rate that is there, or a dash [Mrays/s].
+// Formats a rate [Mrays/s], or a dash if there is none.
 std::string Rate(double value) { return value > 0 ? fmt::format("{:.2f}", value) : "-"; }
 
 void WriteLanes(const LaneCounts& lanes, std::uint32_t width, Lines& line) {

@@ -12,10 +12,12 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/converge/report.h"
-#include "cli/flags.h"
-#include "cli/job_flags.h"
 #include "cli/progress.h"
+#include "job/job.h"
+#include "job/options.h"
+#include "job/resolve.h"
 #include "measure/reference_file.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
@@ -65,31 +67,52 @@ void CheckOutputs(const ConvergeFlags& flags) {
   }
 }
 
+// The options of a job that converge has in another form.
+constexpr std::string_view kOwnForm[] = {"strategy", "spp", "aovs"};
+
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<ConvergeFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<ConvergeFlags>(info, field, codec);
+  };
+  constexpr OptionScope kPixels = OptionScope::kPixels;
+  constexpr std::string_view kReference = "Reference", kOutput = "Output";
+  const auto integrators = NamesOfEnum<Integrator>();
+  // clang-format off
+  return {
+    option({.name = "strategies", .help = "the first is the one that others are compared with", .scope = kPixels, .metavar = "NAME[:KEY=VALUE,...] ...", .most_values = 100}, FIELD(strategies), Texts("strategies")),
+    option({.name = "integrators", .help = "instead of one: each with every strategy; the first is the one that others are compared with", .scope = kPixels, .metavar = "NAME ...", .most_values = 100, .excludes = "integrator"}, FIELD(integrators), integrators),
+    option({.name = "budgets", .help = "samples per pixel, separated by commas", .scope = kPixels, .default_text = "1,2,4,...,64", .metavar = "N,N,...", .most_values = 64, .delimiter = ','}, FIELD(budgets), Numbers(1u, kMaxSamples)),
+    option({.name = "time", .help = "instead: 1,2,4,... for each strategy up to renders of about this [s]", .scope = kPixels, .excludes = "budgets"}, FIELD(seconds), Unless(0.0, Doubles(0.001, 1e6))),
+    option({.name = "repeats", .help = "renders of each, with seeds of their own", .scope = kPixels}, FIELD(settings.repeats), Numbers(2, 1000)),
+    option({.name = "measure", .help = "measure of error", .scope = kPixels}, FIELD(settings.measure), NamesOfEnum<ErrorMeasure>()),
+    option({.name = "target-error", .help = "error that times are compared at", .scope = kPixels, .default_text = "the first strategy's smallest"}, FIELD(target), Doubles(1e-30, 1e30)),
+    option({.name = "reference", .group = kReference, .help = "picture of the same size, or auto: two independent halves by --reference-strategy", .scope = kPixels, .metavar = "EXR|auto"}, FIELD(reference), Texts("a picture")),
+    option({.name = "reference-strategy", .group = kReference, .help = "strategy of an automatic reference", .scope = kPixels}, FIELD(request.strategy), Texts("a strategy")),
+    option({.name = "reference-integrator", .group = kReference, .help = "integrator of an automatic reference", .scope = kPixels, .default_text = "path, or direct where nothing else is compared"}, FIELD(reference_integrator), integrators),
+    option({.name = "reference-spp", .group = kReference, .help = "samples per pixel of an automatic reference, both halves", .scope = kPixels, .default_text = "16 times the largest budget"}, FIELD(reference_samples), Unless(0u, Numbers(2u, 2 * kMaxSamples))),
+    option({.name = "save-reference", .group = kReference, .help = "keep it as EXR, for --reference another time"}, FIELD(save_reference), Texts("EXR")),
+    option({.name = "json", .group = kOutput, .help = "every run and figure (keys: docs/converge.md)"}, FIELD(json), Texts("JSON")),
+    option({.name = "plot", .group = kOutput, .help = "curves as SVG"}, FIELD(plot), Texts("SVG")),
+    option({.name = "report", .group = kOutput, .help = "one HTML page: figures, curves, pictures, errors"}, FIELD(html), Texts("HTML")),
+    option({.name = "exposure", .group = kOutput, .help = "exposure of the page's pictures [stops]"}, FIELD(tone.exposure_stops), Floats(-100, 100)),
+    option({.name = "quiet", .group = kOutput, .help = "no notes and no progress", .letter = 'q'}, FIELD(quiet), Switches()),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 // The command that measures the same again.
-std::string CommandText(const ConvergeFlags& flags, const RenderOptions& options) {
-  std::string text = "skywave converge " + SceneFlags(flags.request, options) + " --strategies";
-  for (const std::string& strategy : flags.strategies) text += " " + Quoted(strategy);
-  if (!flags.integrators.empty()) text += " --integrators";
-  for (const Integrator integrator : flags.integrators) {
-    text += fmt::format(" {}", ToString(integrator));
+std::string CommandText(const ConvergeFlags& flags, const JobRequest& resolved) {
+  std::vector<std::string_view> without(std::begin(kOwnForm), std::end(kOwnForm));
+  if (!flags.integrators.empty()) without.push_back("integrator");
+  std::string text = "skywave converge" + PictureOptions(resolved, without);
+  for (const OptionOf<ConvergeFlags>& option : Options()) {
+    // Budgets are those of --time where that is given.
+    if (option.scope != OptionScope::kPixels) continue;
+    if (option.name == "budgets" && flags.seconds > 0) continue;
+    text += CommandWords(option, flags);
   }
-  if (flags.seconds > 0) {
-    text += fmt::format(" --time {}", flags.seconds);
-  } else {
-    text += fmt::format(" --budgets {}", fmt::join(flags.budgets, ","));
-  }
-  text += fmt::format(" --repeats {} --measure {} --reference {}", flags.settings.repeats,
-                      ToString(flags.settings.measure), Quoted(flags.reference));
-  if (flags.reference_integrator) {
-    text += fmt::format(" --reference-integrator {}", ToString(*flags.reference_integrator));
-  }
-  if (flags.reference_samples > 0) {
-    text += fmt::format(" --reference-spp {}", flags.reference_samples);
-  }
-  if (flags.request.strategy != JobRequest().strategy) {
-    text += " --reference-strategy " + Quoted(flags.request.strategy);
-  }
-  if (flags.target) text += fmt::format(" --target-error {}", *flags.target);
   return text;
 }
 
@@ -132,7 +155,7 @@ void RenderOwnReference(const ConvergeFlags& flags, ConvergeReport& report) {
       flags.reference_integrator.value_or(ReferenceIntegrator(report.contestants));
   const RenderOptions& options = job.options();
   if (!flags.quiet) fmt::print(stderr, "reference: {} samples a pixel\n", 2 * half);
-  const auto start = Clock::now();
+  const Clock::time_point start = Clock::now();
   WithProgress(flags.quiet, std::uint64_t(options.width) * options.height * 2 * half,
                [&](Progress* done) {
                  report.reference = RenderReference(job, *report.reference_integrator, half, done);
@@ -182,7 +205,7 @@ int ConvergeMain(ConvergeFlags& flags) {
   ConvergeReport report;
   report.job = &job;
   report.scene = flags.request.scene;
-  report.command = CommandText(flags, job.options());
+  report.command = CommandText(flags, job.request());
   report.settings = flags.settings;
   report.reference_source = flags.reference;
   report.tone = flags.tone;
@@ -212,121 +235,33 @@ int ConvergeMain(ConvergeFlags& flags) {
   return 0;
 }
 
-Integrator IntegratorCalled(const std::string& name, const std::string& flag) {
-  const std::optional<Integrator> integrator = Parse<Integrator>(name);
-  if (!integrator) throw CLI::ValidationError(flag, "there is none called " + name);
-  return *integrator;
-}
-
-void AddReferenceFlags(CLI::App& command, ConvergeFlags& flags) {
-  const auto group = "Reference";
-  command
-      .add_option(
-          "--reference", flags.reference,
-          "picture of the same size, or auto: two independent halves by --reference-strategy")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--reference-strategy", flags.request.strategy, "of auto")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option_function<std::string>(
-          "--reference-integrator",
-          [&flags](const std::string& name) {
-            flags.reference_integrator = IntegratorCalled(name, "--reference-integrator");
-          },
-          "of auto (default: path, or direct where nothing else is compared)")
-      ->type_name("NAME")
-      ->group(group);
-  command
-      .add_option("--reference-spp", flags.reference_samples,
-                  "samples a pixel of auto, both halves (default: 16 times the largest budget)")
-      ->check(CLI::Range(2u, 2 * kMaxSamples))
-      ->group(group);
-  command
-      .add_option("--save-reference", flags.save_reference,
-                  "keep it as EXR, for --reference another time")
-      ->group(group);
-}
-
 }  // namespace
 
-void AddConvergeCommand(CLI::App& program, Run& run) {
-  CLI::App* command =
-      program.add_subcommand("converge", "Strategies and integrators by error at equal time");
+Command ConvergeCommand() {
   const auto flags = std::make_shared<ConvergeFlags>();
-  AddJobFlags(*command, flags->request);
-  command->remove_option(command->get_option("--strategy"));
-  command->remove_option(command->get_option("--spp"));
-  command
-      ->add_option("--strategies", flags->strategies,
-                   "one or more, separated by spaces; the first is what others are compared with")
-      ->capture_default_str()
-      ->expected(1, 100)
-      ->type_name("NAME[:KEY=VALUE,...] ...");
-  command
-      ->add_option_function<std::vector<std::string>>(
-          "--integrators",
-          [flags](const std::vector<std::string>& names) {
-            for (const std::string& name : names) {
-              flags->integrators.push_back(IntegratorCalled(name, "--integrators"));
-            }
-          },
-          "instead of one: each with every strategy; the first is what others are compared with")
-      ->expected(1, 100)
-      ->excludes("--integrator")
-      ->type_name("NAME ...");
-  auto* const budgets =
-      command
-          ->add_option("--budgets", flags->budgets,
-                       "samples a pixel, separated by commas (default: 1,2,4,...,64)")
-          ->delimiter(',')
-          ->expected(1, 64)
-          ->check(CLI::Range(1u, kMaxSamples))
-          ->type_name("N,N,...");
-  command
-      ->add_option("--time", flags->seconds,
-                   "instead: 1,2,4,... for each strategy up to renders of about this [s]")
-      ->check(FiniteNumber(0.001, 1e6))
-      ->excludes(budgets);
-  command->add_option("--repeats", flags->settings.repeats, "of each render, with seeds of its own")
-      ->check(CLI::Range(2, 1000))
-      ->capture_default_str();
-  command
-      ->add_option_function<std::string>(
-          "--measure",
-          [flags](const std::string& name) {
-            flags->settings.measure = *Parse<ErrorMeasure>(name);
-          },
-          "of error (default: mse)")
-      ->check(CLI::IsMember({"mse", "relative_mse"}));
-  command
-      ->add_option("--target-error", flags->target,
-                   "error that times are compared at (default: the first strategy's smallest)")
-      ->check(FiniteNumber(1e-30, 1e30));
-  AddReferenceFlags(*command, *flags);
-  const auto output = "Output";
-  command->add_option("--json", flags->json, "every run and figure (keys: docs/converge.md)")
-      ->group(output);
-  command->add_option("--plot", flags->plot, "curves as SVG")->group(output);
-  command->add_option("--report", flags->html, "one HTML page: figures, curves, pictures, errors")
-      ->group(output);
-  command->add_option("--exposure", flags->tone.exposure_stops, "of the page's pictures [stops]")
-      ->check(FiniteNumber(-100, 100))
-      ->group(output);
-  command->add_flag("-q,--quiet", flags->quiet, "no notes and no progress")->group(output);
-  command->footer(
-      "Examples:\n"
-      "  skywave converge gallery --strategies importance bsdf uniform --report gallery.html\n"
-      "  skywave converge scene.pbrt --env probe.exr --integrator direct --time 10 --repeats 9 \\\n"
-      "      --strategies importance hybrid:lights=64,inside=1 --plot curves.svg --json runs.json\n"
-      "  skywave converge gallery --integrators path direct --time 5\n"
-      "  skywave converge gallery --strategies importance penrose:lights=256 --budgets 4,16,64 \\\n"
-      "      --reference gallery_reference.exr --target-error 1e-4");
-  command->callback([flags, &run, command] {
-    if (flags->budgets.empty()) flags->budgets = DoublingLadder(64);
-    run = [flags] { return ConvergeMain(*flags); };
-  });
+  Command command = {
+      .name = "converge",
+      .summary = "Strategies and integrators by error at equal time",
+      .footer =
+          "Examples:\n"
+          "  skywave converge gallery --strategies importance bsdf uniform --report gallery.html\n"
+          "  skywave converge scene.pbrt --env probe.exr --integrator direct --time 10 --repeats 9 "
+          "\\\n"
+          "      --strategies importance hybrid:lights=64,inside=1 --plot curves.svg --json "
+          "runs.json\n"
+          "  skywave converge gallery --integrators path direct --time 5\n"
+          "  skywave converge gallery --strategies importance penrose:lights=256 --budgets 4,16,64 "
+          "\\\n"
+          "      --reference gallery_reference.exr --target-error 1e-4",
+      .run = [flags](const GivenOptions&) {
+        if (flags->budgets.empty()) flags->budgets = DoublingLadder(64);
+        return ConvergeMain(*flags);
+      }};
+  AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request),
+             {std::begin(kOwnForm), std::end(kOwnForm)});
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

@@ -42,8 +42,8 @@ std::string Picture(const Image& image, const std::vector<std::uint8_t>& rgb,
                      Base64(EncodePng(image.width, image.height, rgb)));
 }
 
-// One scale for all error maps, or they could not be compared: twice the typical relative error of
-// the strategy in the middle, to two digits.
+// Returns one scale for all error maps, so that they can be compared: twice the typical relative
+// error of the median strategy, to two digits.
 double FullScale(const ConvergeReport& report) {
   std::vector<double> errors;
   for (const Contestant& contestant : report.contestants) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "measure/revision.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
@@ -79,8 +80,8 @@ LogPlot PlotOver(const ConvergeReport& report, bool over_time) {
   return plot;
 }
 
-// Samples whose noise would be a tenth of the error, as a hint; empty if those of `noise` are
-// unknown. What was measured is the error and the noise together.
+// Hints at the number of samples whose noise would be a tenth of the error; empty if the samples
+// behind `noise` are unknown. `measured` is error and noise together.
 std::string EnoughSamples(std::uint32_t samples, double noise, double measured) {
   if (samples == 0) return "";
   const double error = std::max(measured - noise, 0.1 * measured);

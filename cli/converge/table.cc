@@ -8,7 +8,7 @@
 namespace skywave {
 namespace {
 
-// A crossing as a bound where it is one.
+// Formats a crossing, as a bound if it is outside the curve.
 std::string TimeText(const Crossing& time) {
   constexpr const char* kSigns[] = {"", "<= ", "> "};
   return fmt::format("{}{:.4g}", kSigns[time.kind], time.x);
@@ -19,7 +19,7 @@ std::string IntervalText(const Interval& interval) {
   return fmt::format("{:.3g} to {:.3g}", interval.low, interval.high);
 }
 
-// Ends that lie outside of the curve are no numbers.
+// Ends outside the curve are not numbers.
 std::string TimeIntervalText(const Interval& interval) {
   const auto end = [](double value) {
     if (value == 0) return std::string("before");
@@ -30,7 +30,7 @@ std::string TimeIntervalText(const Interval& interval) {
   return end(interval.low) + " to " + end(interval.high);
 }
 
-// A bound where one of the times is one; nothing where both are.
+// Formats the speed-up, as a bound if the other time is one; a dash if the first time is one.
 std::string SpeedUpText(const Crossing& first, const Crossing& other) {
   if (first.kind != Crossing::kInside) return "-";
   constexpr const char* kSigns[] = {"", ">= ", "< "};

@@ -1,4 +1,4 @@
-// skywave probe calibrate: a map that shows which way is which.
+// Implements skywave probe calibrate: a map that shows its axes.
 #include <fmt/format.h>
 
 #include "base/files.h"
@@ -24,20 +24,33 @@ int CalibrateMain(const CalibrateFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<CalibrateFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<CalibrateFlags>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "output", .help = "EXR, HDR or PFM (lat-long)", .letter = 'o', .required = true}, FIELD(output), Texts("FILE")),
+    option({.name = "height", .help = "[pixels]; the map is twice as wide"}, FIELD(height), Numbers(1, 8192)),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddProbeCalibrateCommand(CLI::App& probe, Run& run) {
-  CLI::App* command =
-      probe.add_subcommand("calibrate", "A map with its six axes coloured and labelled");
+Command ProbeCalibrateCommand() {
   const auto flags = std::make_shared<CalibrateFlags>();
-  command->add_option("-o,--output", flags->output, "EXR, HDR or PFM (lat-long)")->required();
-  command->add_option("--height", flags->height, "[pixels]; the map is twice as wide")
-      ->check(CLI::Range(1, 8192))
-      ->capture_default_str();
-  command->footer(
-      "R right, F forward (middle of the map), U up.\n\n"
-      "Example:\n  skywave probe calibrate -o calibration.exr");
-  command->callback([flags, &run] { run = [flags] { return CalibrateMain(*flags); }; });
+  Command command = {.name = "calibrate",
+                     .summary = "A map with its six axes coloured and labelled",
+                     .footer =
+                         "R right, F forward (middle of the map), U up.\n\n"
+                         "Example:\n  skywave probe calibrate -o calibration.exr",
+                     .run = [flags](const GivenOptions&) { return CalibrateMain(*flags); }};
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "cli/commands.h"
+#include "cli/command.h"
 #include "image/image.h"
 #include "lights/light_sets/probe_lights.h"
 #include "lights/maps/environment_map.h"
@@ -17,7 +17,7 @@ struct MapFlags {
   std::optional<Projection> projection;
   ReadLimits limits;
 };
-void AddMapFlags(CLI::App& command, MapFlags& flags);
+void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags);
 
 // As read and repaired, with its projection.
 struct ProbeFile {
@@ -30,16 +30,14 @@ struct ProbeFile {
 ProbeFile ReadProbe(const MapFlags& flags);
 Image ReadProbeAsLatLong(const MapFlags& flags);
 
-// --method, -n and the others that make lights.
-void AddLightFlags(CLI::App& command, LightRequest& request);
-// --strata
-void AddStrataFlag(CLI::App& command, std::optional<StrataRequest>& request);
+// The options --method, -n and the others that make lights.
+void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& request);
 
-void AddProbeInfoCommand(CLI::App& probe, Run& run);
-void AddProbeConvertCommand(CLI::App& probe, Run& run);
-void AddProbeLightsCommand(CLI::App& probe, Run& run);
-void AddProbePresampleCommand(CLI::App& probe, Run& run);
-void AddProbePlotCommand(CLI::App& probe, Run& run);
-void AddProbeCalibrateCommand(CLI::App& probe, Run& run);
+Command ProbeInfoCommand();
+Command ProbeConvertCommand();
+Command ProbeLightsCommand();
+Command ProbePresampleCommand();
+Command ProbePlotCommand();
+Command ProbeCalibrateCommand();
 
 }  // namespace skywave

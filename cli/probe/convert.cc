@@ -1,4 +1,4 @@
-// skywave probe convert: a map in another projection or size.
+// Implements skywave probe convert: a map in another projection or size.
 #include <fmt/format.h>
 
 #include <array>
@@ -22,7 +22,7 @@ struct ConvertFlags {
   bool faces_in = false, faces_out = false;
 };
 
-// "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
+// Reads "512", the height of a lat-long map or square (edge of a cube's face), or "640x480".
 void ReadSize(const std::string& text, Projection to, int& width, int& height) {
   const char* end = text.data() + text.size();
   auto parsed = std::from_chars(text.data(), end, width);
@@ -77,41 +77,55 @@ int ConvertMain(ConvertFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<ConvertFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<ConvertFlags>(info, field, codec);
+  };
+  OptionOf<ConvertFlags> to = {
+      {.name = "to",
+       .help = "projection that is written; cube-faces: six files, OUTPUT-right.exr, -left, -up, "
+               "-down, -front, -back",
+       .required = true,
+       .values = Choices<Projection>() + "|cube-faces",
+       .value_name = Choices<Projection>() + "|cube-faces"},
+      {},
+      {}};
+  to.set = [values = to.values](ConvertFlags& f, const std::vector<std::string>& texts) {
+    f.faces_out = texts.front() == "cube-faces";
+    const auto projection = f.faces_out ? Projection::kCubeStrip : Parse<Projection>(texts.front());
+    if (!projection) return NotAValue(texts.front(), values);
+    f.to = *projection;
+    return std::string();
+  };
+  to.get = [](const ConvertFlags&) { return std::vector<std::string>(); };
+  // clang-format off
+  return {
+    option({.name = "output", .help = "EXR, HDR or PFM", .positional = true, .required = true}, FIELD(output), Texts("FILE")),
+    to,
+    option({.name = "from-faces", .help = "MAP names six files as --to cube-faces writes them"}, FIELD(faces_in), Switches()),
+    option({.name = "size", .help = "WxH, or N: height of a lat-long, side of a square or of a cube's face", .default_text = "keeps the resolution"}, FIELD(size), Texts("WxH|N")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddProbeConvertCommand(CLI::App& probe, Run& run) {
-  CLI::App* command = probe.add_subcommand("convert", "A map in another projection or size");
+Command ProbeConvertCommand() {
   const auto flags = std::make_shared<ConvertFlags>();
-  AddMapFlags(*command, flags->map);
-  command->add_option("output", flags->output, "EXR, HDR or PFM")->required();
-  command
-      ->add_option_function<std::string>(
-          "--to",
-          [flags](const std::string& text) {
-            flags->faces_out = text == "cube-faces";
-            flags->to = flags->faces_out ? Projection::kCubeStrip : *Parse<Projection>(text);
-          },
-          Choices<Projection>() +
-              ", or cube-faces: six files, OUTPUT-right.exr, -left, -up, -down, "
-              "-front, -back")
-      ->check([](const std::string& text) {
-        return text == "cube-faces" || Parse<Projection>(text)
-                   ? ""
-                   : "'" + text + "' is not " + Choices<Projection>() + "|cube-faces";
-      })
-      ->type_name("NAME")
-      ->required();
-  command->add_flag("--from-faces", flags->faces_in,
-                    "MAP names six files as --to cube-faces writes them");
-  command->add_option("--size", flags->size,
-                      "WxH, or N: height of a lat-long, side of a square or of a cube's face "
-                      "(default: keeps the resolution)");
-  command->footer(
-      "Examples:\n"
-      "  skywave probe convert probe.hdr sky.exr --to latlong --size 1024x512\n"
-      "  skywave probe convert sky.exr cube.exr --to cube-faces --size 512\n"
-      "  skywave probe convert cube.exr back.exr --from-faces --to latlong");
-  command->callback([flags, &run] { run = [flags] { return ConvertMain(*flags); }; });
+  Command command = {.name = "convert",
+                     .summary = "A map in another projection or size",
+                     .footer =
+                         "Examples:\n"
+                         "  skywave probe convert probe.hdr sky.exr --to latlong --size 1024x512\n"
+                         "  skywave probe convert sky.exr cube.exr --to cube-faces --size 512\n"
+                         "  skywave probe convert cube.exr back.exr --from-faces --to latlong",
+                     .run = [flags](const GivenOptions&) { return ConvertMain(*flags); }};
+  AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

@@ -1,4 +1,4 @@
-// skywave probe info: what is in a map.
+// Implements skywave probe info: the contents of a map.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -108,17 +108,31 @@ int InfoMain(const InfoFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<InfoFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<InfoFlags>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "spots", .help = "brightest spots to list"}, FIELD(spots), Numbers(0, 1000)),
+    option({.name = "json", .help = "write the same as JSON"}, FIELD(json), Texts("JSON")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddProbeInfoCommand(CLI::App& probe, Run& run) {
-  CLI::App* command = probe.add_subcommand("info", "What is in a map");
+Command ProbeInfoCommand() {
   const auto flags = std::make_shared<InfoFlags>();
-  AddMapFlags(*command, flags->map);
-  command->add_option("--spots", flags->spots, "brightest spots to list")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str();
-  command->add_option("--json", flags->json, "write the same as JSON");
-  command->callback([flags, &run] { run = [flags] { return InfoMain(*flags); }; });
+  Command command = {.name = "info",
+                     .summary = "What is in a map",
+                     .run = [flags](const GivenOptions&) { return InfoMain(*flags); }};
+  AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

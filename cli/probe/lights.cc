@@ -1,4 +1,4 @@
-// skywave probe lights: a map as directional lights for this and other renderers.
+// Implements skywave probe lights: a map as directional lights for this and other renderers.
 #include <fmt/format.h>
 
 #include "base/error.h"
@@ -18,7 +18,7 @@ struct LightsFlags {
   std::string output;
 };
 
-// pbrt-v4 reads maps as octahedral squares only.
+// pbrt-v4 reads maps only as octahedral squares.
 void WriteResidual(const std::string& path, const Image& residual, LightFormat format) {
   if (format != LightFormat::kPbrt) return WriteImage(path, residual);
   int width, height;
@@ -58,34 +58,47 @@ int LightsMain(LightsFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<LightsFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<LightsFlags>(info, field, codec);
+  };
+  const auto up_axis = Codec<char>{.values = "x|y|z",
+                                   .metavar = "x|y|z",
+                                   .parse = [](const std::string& text) -> std::optional<char> {
+                                     if (text == "x" || text == "y" || text == "z") return text[0];
+                                     return std::nullopt;
+                                   },
+                                   .print = [](const char& axis) { return std::string(1, axis); }};
+  // clang-format off
+  return {
+    option({.name = "format", .help = "table, JSON, or scene text for pbrt (v4), POV-Ray (3.7), Blender (Python), Maya (MEL)", .default_text = "table"}, FIELD(options.format), NamesOfEnum<LightFormat>()),
+    option({.name = "up", .help = "up axis of the world that is written", .default_text = "z for blender, y for others"}, FIELD(options.up_axis), up_axis),
+    option({.name = "output", .help = "file", .default_text = "standard output", .letter = 'o'}, FIELD(output), Texts("FILE")),
+    option({.name = "residual", .help = "write the rest of the map; for pbrt as an octahedral square"}, FIELD(options.residual), Texts("FILE")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddProbeLightsCommand(CLI::App& probe, Run& run) {
-  CLI::App* command = probe.add_subcommand("lights", "Directional lights with a map's energy");
+Command ProbeLightsCommand() {
   const auto flags = std::make_shared<LightsFlags>();
-  AddMapFlags(*command, flags->map);
-  AddLightFlags(*command, flags->request);
-  command
-      ->add_option_function<std::string>(
-          "--format",
-          [flags](const std::string& text) { flags->options.format = *Parse<LightFormat>(text); },
-          "table, json or scene text for pbrt (v4), povray (3.7), blender (Python), maya (MEL) "
-          "(default: table)")
-      ->check(CLI::IsMember({"table", "json", "pbrt", "povray", "blender", "maya"}));
-  command
-      ->add_option_function<std::string>(
-          "--up", [flags](const std::string& text) { flags->options.up_axis = text[0]; },
-          "up axis of the world that is written (default: z for blender, y for others)")
-      ->check(CLI::IsMember({"x", "y", "z"}));
-  command->add_option("-o,--output", flags->output, "file (default: standard output)");
-  command->add_option("--residual", flags->options.residual,
-                      "write the rest of the map; for pbrt as an octahedral square");
-  command->footer(
-      "Examples:\n"
-      "  skywave probe lights sky.exr -n 64\n"
-      "  skywave probe lights sky.exr -n 32 --strata variation --residual rest.exr \\\n"
-      "    --format blender -o lights.py");
-  command->callback([flags, &run] { run = [flags] { return LightsMain(*flags); }; });
+  Command command = {
+      .name = "lights",
+      .summary = "Directional lights with a map's energy",
+      .footer =
+          "Examples:\n"
+          "  skywave probe lights sky.exr -n 64\n"
+          "  skywave probe lights sky.exr -n 32 --strata variation --residual rest.exr \\\n"
+          "    --format blender -o lights.py",
+      .run = [flags](const GivenOptions&) { return LightsMain(*flags); }};
+  AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
+  AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

@@ -1,8 +1,7 @@
-// skywave probe plot: pictures of a map, its lights, cells and strata.
+// Implements skywave probe plot: pictures of a map, its lights, cells and strata.
 #include <fmt/format.h>
 
 #include "base/files.h"
-#include "cli/flags.h"
 #include "cli/probe/commands.h"
 #include "lights/probe/plot.h"
 
@@ -48,37 +47,50 @@ int PlotMain(PlotFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<PlotFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<PlotFlags>(info, field, codec);
+  };
+  const auto log_color =
+      Codec<bool>{.values = "log|tone",
+                  .metavar = "log|tone",
+                  .parse = [](const std::string& text) -> std::optional<bool> {
+                    if (text != "log" && text != "tone") return std::nullopt;
+                    return text == "log";
+                  },
+                  .print = [](const bool& log) { return std::string(log ? "log" : "tone"); }};
+  // clang-format off
+  return {
+    option({.name = "output", .help = "PNG file", .letter = 'o', .required = true}, FIELD(output), Texts("PNG")),
+    option({.name = "what", .help = "the map, its lights, their cells as well, or its strata"}, FIELD(what), OneOf("map|lights|cells|strata")),
+    option({.name = "view", .help = "the whole map, or the sphere from outside"}, FIELD(view), OneOf("latlong|sphere")),
+    option({.name = "side", .help = "side from which the sphere is seen"}, FIELD(side), OneOf("front|back|left|right|up|down")),
+    option({.name = "color", .help = "false colour of log luminance, or tone-mapped"}, FIELD(plot.log_color), log_color),
+    option({.name = "exposure", .help = "exposure with --color tone [stops]"}, FIELD(plot.exposure_stops), Floats(-100, 100)),
+    option({.name = "height", .help = "height of the picture [pixels]"}, FIELD(plot.height), Numbers(1, 8192)),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddProbePlotCommand(CLI::App& probe, Run& run) {
-  CLI::App* command = probe.add_subcommand("plot", "PNG of a map, its lights, cells and strata");
+Command ProbePlotCommand() {
   const auto flags = std::make_shared<PlotFlags>();
-  AddMapFlags(*command, flags->map);
-  AddLightFlags(*command, flags->request);
-  command->add_option("-o,--output", flags->output, "PNG file")->required();
-  command->add_option("--what", flags->what, "map, lights, cells (with their lights) or strata")
-      ->check(CLI::IsMember({"map", "lights", "cells", "strata"}))
-      ->capture_default_str();
-  command->add_option("--view", flags->view, "the whole map, or the sphere from outside")
-      ->check(CLI::IsMember({"latlong", "sphere"}))
-      ->capture_default_str();
-  command->add_option("--side", flags->side, "where the sphere is seen from")
-      ->check(CLI::IsMember({"front", "back", "left", "right", "up", "down"}))
-      ->capture_default_str();
-  command
-      ->add_option_function<std::string>(
-          "--color", [flags](const std::string& text) { flags->plot.log_color = text == "log"; },
-          "false colour of log luminance, or tone-mapped (default: log)")
-      ->check(CLI::IsMember({"log", "tone"}));
-  command->add_option("--exposure", flags->plot.exposure_stops, "of --color tone [stops]")
-      ->check(FiniteNumber(-100, 100));
-  command->add_option("--height", flags->plot.height, "of the picture [pixels]")
-      ->capture_default_str();
-  command->footer(
-      "Examples:\n"
-      "  skywave probe plot sky.exr --what cells --method penrose -n 360 -o cells.png\n"
-      "  skywave probe plot sky.exr --what strata --view sphere --side up -o strata.png");
-  command->callback([flags, &run] { run = [flags] { return PlotMain(*flags); }; });
+  Command command = {
+      .name = "plot",
+      .summary = "PNG of a map, its lights, cells and strata",
+      .footer =
+          "Examples:\n"
+          "  skywave probe plot sky.exr --what cells --method penrose -n 360 -o cells.png\n"
+          "  skywave probe plot sky.exr --what strata --view sphere --side up -o strata.png",
+      .run = [flags](const GivenOptions&) { return PlotMain(*flags); }};
+  AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
+  AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

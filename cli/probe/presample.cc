@@ -1,4 +1,4 @@
-// skywave probe presample: a sample set with cells and energies.
+// Implements skywave probe presample: a sample set with cells and energies.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -58,21 +58,38 @@ int PresampleMain(PresampleFlags& flags) {
   return 0;
 }
 
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<PresampleFlags>> Options() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<PresampleFlags>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "output", .help = "JSON file", .letter = 'o', .required = true}, FIELD(output), Texts("JSON")),
+    option({.name = "cells", .help = "write the cells as a PNG, a colour each"}, FIELD(cells), Texts("PNG")),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 }  // namespace
 
-void AddProbePresampleCommand(CLI::App& probe, Run& run) {
-  CLI::App* command = probe.add_subcommand("presample", "A sample set with cells and energies");
+Command ProbePresampleCommand() {
   const auto flags = std::make_shared<PresampleFlags>();
   flags->request.lights = {
       .source = LightSource::kPenrose, .lights = 360, .position = LightPosition::kSample};
-  AddMapFlags(*command, flags->map);
-  AddLightFlags(*command, flags->request);
-  command->add_option("-o,--output", flags->output, "JSON file")->required();
-  command->add_option("--cells", flags->cells, "write the cells as a PNG, a colour each");
-  command->footer(
-      "The method is penrose and the position sample unless told otherwise.\n\n"
-      "Example:\n  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png");
-  command->callback([flags, &run] { run = [flags] { return PresampleMain(*flags); }; });
+  Command command = {
+      .name = "presample",
+      .summary = "A sample set with cells and energies",
+      .footer =
+          "The method is penrose and the position sample unless told otherwise.\n\n"
+          "Example:\n  skywave probe presample sky.exr -n 360 -o set.json --cells cells.png",
+      .run = [flags](const GivenOptions&) { return PresampleMain(*flags); }};
+  AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
+  AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
+  const auto options = Options();
+  AddOptions(command, options, flags);
+  return command;
 }
 
 }  // namespace skywave

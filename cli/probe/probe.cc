@@ -3,25 +3,27 @@
 
 #include <numbers>
 
-#include "cli/flags.h"
+#include "cli/commands.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
 
 namespace skywave {
 
-void AddMapFlags(CLI::App& command, MapFlags& flags) {
-  command.add_option("map", flags.path, "illumination map (EXR, Radiance HDR, PFM)")->required();
-  command
-      .add_option_function<std::string>(
-          "--projection",
-          [&flags](const std::string& text) { flags.projection = Parse<Projection>(text); },
-          "how its pixels lie (default: by shape)")
-      ->check([](const std::string& text) {
-        return Parse<Projection>(text) ? "" : "'" + text + "' is not " + Choices<Projection>();
-      })
-      ->type_name("NAME");
-  command.add_flag("--trust-input", flags.limits.trust_input,
-                   "also decode EXR features with known holes in Debian's OpenEXR");
+#define FIELD SKYWAVE_FIELD
+
+void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    info.scope = OptionScope::kInput;
+    return MakeOption<MapFlags>(info, field, codec);
+  };
+  // clang-format off
+  const OptionOf<MapFlags> options[] = {
+    option({.name = "map", .help = "illumination map (EXR, Radiance HDR, PFM)", .positional = true, .required = true}, FIELD(path), Texts("MAP")),
+    option({.name = "projection", .help = "projection of the map", .default_text = "by its shape", .metavar = "NAME"}, FIELD(projection), NamesOfEnum<Projection>()),
+    option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR"}, FIELD(limits.trust_input), Switches()),
+  };
+  // clang-format on
+  AddOptions(command, options, flags);
 }
 
 ProbeFile ReadProbe(const MapFlags& flags) {
@@ -42,63 +44,55 @@ Image ReadProbeAsLatLong(const MapFlags& flags) {
   return ToLatLong(std::move(file.image), file.projection);
 }
 
-void AddStrataFlag(CLI::App& command, std::optional<StrataRequest>& request) {
-  AddParsed(command, "--strata",
-            "only the bright part A: p of the energy (0.54), where the luminance varies most "
-            "(variation), or room for LIGHTS:DEGREES (64:10)",
-            "P|variation|LIGHTS:DEGREES", request, ParseStrata);
-}
-
-void AddLightFlags(CLI::App& command, LightRequest& request) {
-  LightOptions& lights = request.lights;
-  AddParsed(command, "--method",
-            fmt::format("who places them (default: {})", ToString(lights.source)),
-            Choices<LightSource>(), lights.source, Parse<LightSource>);
-  command.add_option("-n,--lights", lights.lights, "how many, before clustering")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  AddParsed(command, "--position",
-            "of a light in its cell: where the sampler put it, middle of its area or of its energy",
-            Choices<LightPosition>(), lights.position, Parse<LightPosition>);
-  command.add_option("--lloyd", lights.lloyd_steps, "steps that move lights to their centroids")
-      ->check(CLI::Range(0, 1000));
-  AddParsed(command, "--cluster",
-            "merge lights pairwise, weighed by one, energy or mean luminance; until --clusters or "
-            "--separation say so",
-            Choices<ClusterFrequency>(), lights.cluster, Parse<ClusterFrequency>);
-  // Where to stop is a wish to cluster.
-  const auto by_energy = [&lights] {
-    if (!lights.cluster) lights.cluster = ClusterFrequency::kEnergy;
+void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& request) {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    info.scope = OptionScope::kPixels;
+    return MakeOption<LightRequest>(info, field, codec);
   };
-  command
-      .add_option_function<int>(
-          "--clusters",
-          [&lights, by_energy](int clusters) { lights.stop.clusters = clusters, by_energy(); },
-          "merge until so many are left (by F2 unless --cluster says otherwise)")
-      ->check(CLI::Range(1, 1 << 20));
-  command
-      .add_option_function<double>(
-          "--separation",
-          [&lights, by_energy](double degrees) {
-            lights.stop.separation = degrees * std::numbers::pi / 180, by_energy();
-          },
-          "merge until all are so far apart (by F2 unless --cluster says otherwise)")
-      ->check(FiniteNumber(0, 180))
-      ->type_name("DEGREES");
-  command.add_option("--seed", lights.penrose.seed, "of the Penrose tiling")->capture_default_str();
-  AddStrataFlag(command, request.strata);
+  // Values that nobody prints: their defaults are told in words.
+  const auto unprinted = [](const auto&) { return ""; };
+  // A limit of clustering asks for it.
+  const auto cluster_too = [](OptionOf<LightRequest> limit) {
+    limit.set = [set = limit.set](LightRequest& r, const std::vector<std::string>& texts) {
+      if (!r.lights.cluster) r.lights.cluster = ClusterFrequency::kEnergy;
+      return set(r, texts);
+    };
+    return limit;
+  };
+  Codec<double> degrees = Doubles(0, 180);
+  degrees.parse = [parse = degrees.parse](const std::string& text) {
+    std::optional<double> value = parse(text);
+    if (value) *value *= std::numbers::pi / 180;
+    return value;
+  };
+  degrees.print = unprinted;
+  Codec<int> counts = Numbers(1, 1 << 20);
+  counts.print = unprinted;
+  constexpr std::string_view kMerge = "Merging lights";
+  const LightOptions& defaults = request->lights;
+  // clang-format off
+  const OptionOf<LightRequest> options[] = {
+    option({.name = "method", .help = "algorithm that places the lights", .default_text = ToString(defaults.source)}, FIELD(lights.source), NamesOfEnum<LightSource>()),
+    option({.name = "lights", .help = "number of lights, before clustering", .letter = 'n'}, FIELD(lights.lights), Numbers(1, 1 << 20)),
+    option({.name = "position", .help = "place of a light in its cell: the sampler's point, the middle of its area or of its energy", .default_text = ToString(defaults.position)}, FIELD(lights.position), NamesOfEnum<LightPosition>()),
+    option({.name = "lloyd", .help = "steps that move lights to their centroids"}, FIELD(lights.lloyd_steps), Numbers(0, 1000)),
+    option({.name = "seed", .help = "seed of the Penrose tiling"}, FIELD(lights.penrose.seed), Numbers(0u, 0xFFFFFFFFu)),
+    option({.name = "strata", .help = "only the bright part A: p of the energy (0.54), where the luminance varies most (variation), or room for LIGHTS:DEGREES (64:10)", .metavar = "P|variation|LIGHTS:DEGREES"}, FIELD(strata), Codec<StrataRequest>{.values = "P|variation|LIGHTS:DEGREES", .parse = ParseStrata, .print = unprinted}),
+    option({.name = "cluster", .group = kMerge, .help = "merge lights pairwise, weighted by one, energy or mean luminance, until --clusters or --separation is reached"}, FIELD(lights.cluster), NamesOfEnum<ClusterFrequency>()),
+    cluster_too(option({.name = "clusters", .group = kMerge, .help = "merge until so many are left (by F2 without --cluster)"}, FIELD(lights.stop.clusters), counts)),
+    cluster_too(option({.name = "separation", .group = kMerge, .help = "merge until all are so far apart (by F2 without --cluster)", .metavar = "DEGREES"}, FIELD(lights.stop.separation), degrees)),
+  };
+  // clang-format on
+  AddOptions(command, options, request);
 }
 
-void AddProbeCommand(CLI::App& program, Run& run) {
-  CLI::App* probe =
-      program.add_subcommand("probe", "Look at illumination maps, convert them, make lights");
-  probe->require_subcommand(1);
-  AddProbeInfoCommand(*probe, run);
-  AddProbeConvertCommand(*probe, run);
-  AddProbeLightsCommand(*probe, run);
-  AddProbePresampleCommand(*probe, run);
-  AddProbePlotCommand(*probe, run);
-  AddProbeCalibrateCommand(*probe, run);
+#undef FIELD
+
+Command ProbeCommand() {
+  return {.name = "probe",
+          .summary = "Look at illumination maps, convert them, make lights",
+          .children = {ProbeInfoCommand(), ProbeConvertCommand(), ProbeLightsCommand(),
+                       ProbePresampleCommand(), ProbePlotCommand(), ProbeCalibrateCommand()}};
 }
 
 }  // namespace skywave

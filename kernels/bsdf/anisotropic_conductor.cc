@@ -1,5 +1,6 @@
-// Brushed metal: GGX facets of two widths (microfacet-inl.h).
+// Brushed metal has GGX facets of two widths (microfacet-inl.h).
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/anisotropic_conductor.cc"
@@ -22,8 +23,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits AnisotropicConductorTraits = {.name = "anisotropic-conductor",
-                                                          .varying = Varying::kTangent};
+inline constexpr BsdfTraits AnisotropicConductorTraits = {
+    .name = "anisotropic-conductor",
+    .varying = Varying::kTangent,
+    .parameters = {{"alpha"}, {"alpha_across"}, {"eta"}, {"k"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PackWidths(m, r);
+      PackConductorIndex(m, r);
+    }};
 SKYWAVE_BSDF_TABLE(AnisotropicConductor)
 
 }  // namespace skywave

@@ -1,6 +1,7 @@
-// Metal with Beckmann's Gaussian slopes, of two widths (microfacet-inl.h): the distribution of Cook
-// and Torrance 1982.
+// This metal has Beckmann's Gaussian slopes, of two widths (microfacet-inl.h): the distribution of
+// Cook and Torrance 1982.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/beckmann_conductor.cc"
@@ -23,8 +24,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits BeckmannConductorTraits = {.name = "beckmann-conductor",
-                                                       .varying = Varying::kTangent};
+inline constexpr BsdfTraits BeckmannConductorTraits = {
+    .name = "beckmann-conductor",
+    .varying = Varying::kTangent,
+    .parameters = {{"alpha"}, {"alpha_across"}, {"eta"}, {"k"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PackWidths(m, r);
+      PackConductorIndex(m, r);
+    }};
 SKYWAVE_BSDF_TABLE(BeckmannConductor)
 
 }  // namespace skywave

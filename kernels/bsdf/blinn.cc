@@ -1,7 +1,8 @@
-// Blinn's microfacets (Blinn 1977): D = (n + 2) / (2 pi) cos^n of the half vector's angle, masking
-// by V-cavities (Torrance and Sparrow 1967), Fresnel of a complex index. Half vectors are drawn by
-// D.
+// Blinn's microfacets (Blinn 1977) have D = (n + 2) / (2 pi) cos^n of the half vector's angle,
+// masking by V-cavities (Torrance and Sparrow 1967) and the Fresnel reflectance of a complex index.
+// Half vectors are drawn by D.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/blinn.cc"
@@ -17,9 +18,9 @@ struct Blinn {
   HWY_INLINE Blinn(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
-        exponent(PowerOfWidth(Field(m, fields, 3))),
-        eta(Field3(m, fields, 4)),
-        k(Field3(m, fields, 8)) {}
+        exponent(PowerOfWidth(Field(m, fields, kAlpha))),
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)) {}
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
     const VF one = Set(1.0f);
@@ -61,7 +62,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits BlinnTraits = {.name = "blinn"};
+inline constexpr BsdfTraits BlinnTraits = {
+    .name = "blinn",
+    .parameters = {{"alpha"}, {"eta"}, {"k"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PutField(r, MaterialField::kAlpha, MicrofacetWidth(m.alpha));
+      PackConductorIndex(m, r);
+    }};
 SKYWAVE_BSDF_TABLE(Blinn)
 
 }  // namespace skywave

@@ -1,12 +1,12 @@
-// The loops that all BSDFs share. A BSDF is a struct for one vector of surfaces, made from its rows
-// and parameters, with
-//   Value  Evaluate(wo, wi)                  local frame, +z is the shading normal
-//   Sample Draw(wo, direction_u, direction_v, lobe_u)
-//   VF     Blurred(wo, wi, radius)           luminance of value, blurred over an angle; optional
+// This file holds the loops that all BSDFs share. A BSDF is a struct for one vector of surfaces,
+// made from its rows and parameters, with
+//   BsdfValue  Evaluate(wo, wi)              local frame, +z is the shading normal
+//   BsdfSample Draw(wo, direction_u, direction_v, lobe_u)
+//   VF         Blurred(wo, wi, radius)       luminance of value, blurred over an angle; optional
 //   kTransmits                               true where light passes through; optional
 //   kRefracts, VF ratio                      true where it also enters another medium, IndexRatio;
 //                                            optional
-// and gets its kernels from EvaluateRows, EvaluateLightRows, WeighCellRows and ScatterRows.
+// It gets its kernels from EvaluateRows, EvaluateLightRows, WeighCellRows and ScatterRows.
 #if defined(SKYWAVE_KERNELS_BSDF_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_BSDF_INL_H_
 #undef SKYWAVE_KERNELS_BSDF_INL_H_
@@ -40,7 +40,7 @@ HWY_INLINE BsdfSample SampleOf(const V3& wi, const BsdfValue& value) {
   return {wi, Scale(value.value, inverse), value.pdf};
 }
 
-// One vector of surfaces: what every BSDF sees of its rows.
+// One vector of surfaces as every BSDF sees it.
 struct ShadingLanes {
   HWY_INLINE ShadingLanes(const SurfaceColumns& s, std::uint32_t i)
       : frame(MakeFrame(ShadingNormal(s, i))),
@@ -54,16 +54,25 @@ struct ShadingLanes {
 HWY_INLINE V3 ColorOf(const SurfaceColumns& s, std::uint32_t i) {
   return Load3(s.color_r + i, s.color_g + i, s.color_b + i);
 }
-// Index of the first float of the material of each row; rows behind n get material 0.
+// Returns the index of the first word of the material of each row; rows behind n get material 0.
 HWY_INLINE VU MaterialFields(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
   const VU material = hn::And(Load(s.material + i), SetU(kMaterialMask));
-  return hn::ShiftLeft<4>(hn::IfThenElseZero(RowsBelow(i, n), material));
+  return hn::ShiftLeft<kLogMaterialWords>(hn::IfThenElseZero(RowsBelow(i, n), material));
 }
-HWY_INLINE VF Field(const MaterialView& m, VU fields, std::uint32_t field) {
-  return Gather(reinterpret_cast<const float*>(m.records), hn::Add(fields, SetU(field)));
+using enum MaterialField;
+// These gather a field of each row's material; MaterialFields returns `fields`.
+HWY_INLINE VF Field(const MaterialView& m, VU fields, MaterialField field) {
+  return Gather(reinterpret_cast<const float*>(m.records),
+                hn::Add(fields, SetU(std::uint32_t(field))));
 }
-HWY_INLINE V3 Field3(const MaterialView& m, VU fields, std::uint32_t field) {
-  return {Field(m, fields, field), Field(m, fields, field + 1), Field(m, fields, field + 2)};
+HWY_INLINE VU IndexField(const MaterialView& m, VU fields, MaterialField field) {
+  return AsBits(Field(m, fields, field));
+}
+HWY_INLINE V3 Field3(const MaterialView& m, VU fields, MaterialField field) {
+  const auto channel = [&](std::uint32_t c) HWY_ATTR {
+    return Field(m, fields, MaterialField(std::uint32_t(field) + c));
+  };
+  return {channel(0), channel(1), channel(2)};
 }
 
 template <class Bsdf>
@@ -75,27 +84,27 @@ inline constexpr bool kRefracts = requires {
   Bsdf::kRefracts;
 };
 
-// Lanes seen from the side that the normals of the mesh point away from.
+// Returns the lanes seen from the side that the normals of the mesh point away from.
 HWY_INLINE MF SeenFromBehind(const SurfaceColumns& s, std::uint32_t i) {
   return hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
 }
-// Of dielectrics: index on wo's side over index on the other side.
+// Returns the index of dielectrics on wo's side over that on the other side.
 HWY_INLINE VF IndexRatio(const SurfaceColumns& s, const MaterialView& m, VU fields,
                          std::uint32_t i) {
-  const VF ior = Field(m, fields, 7);
+  const VF ior = Field(m, fields, kIor);
   return IfThen(SeenFromBehind(s, i), ior, hn::Div(Set(1.0f), ior));
 }
 
-// What flux gets where radiance gets 1, for a shading normal ns (Veach 1997, eq. 5.19). World space
-// or local. Exactly 1 if ns is ng.
+// Returns the factor that flux gets where radiance gets 1, for a shading normal ns (Veach 1997,
+// eq. 5.19). Directions are in world space or local. The factor is exactly 1 if ns is ng.
 HWY_INLINE VF ShadingNormalFactor(const V3& ns, const V3& ng, const V3& wo, const V3& wi) {
   const VF over = hn::Mul(hn::Abs(Dot(wo, ns)), hn::Abs(Dot(wi, ng)));
   const VF under = hn::Mul(hn::Abs(Dot(wo, ng)), hn::Abs(Dot(wi, ns)));
   return hn::Div(over, hn::Max(under, Set(1e-20f)));
 }
 
-// Lanes where light can come from world direction wi: above the surface as it is and as it is
-// shaded; where light passes through, also below both.
+// Returns the lanes where light can come from world direction wi: from above the surface as it is
+// and as it is shaded; where light passes through, also from below both.
 template <class Bsdf>
 HWY_INLINE MF Connects(const ShadingLanes& lanes, const V3& world_wi, const V3& local_wi) {
   const VF height = Dot(lanes.ng, world_wi), zero = hn::Zero(F());
@@ -104,7 +113,8 @@ HWY_INLINE MF Connects(const ShadingLanes& lanes, const V3& world_wi, const V3& 
   return hn::Or(above, hn::And(hn::Lt(height, zero), hn::Lt(local_wi.z, zero)));
 }
 
-// Moves origins to the side of the surface that `world` points to; the sign of lift keeps it.
+// Moves origins to the side of the surface that `world` points to; the sign of lift records the
+// side.
 HWY_INLINE void MoveOrigins(const SurfaceColumns& s, const ShadingLanes& lanes, const V3& world,
                             std::uint32_t i, std::uint32_t n) {
   const VF zero = hn::Zero(F()), lift = Load(s.lift + i);
@@ -149,7 +159,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     const VF pdf = Load(lights.pdf + i);
     VF factor = hn::Div(one, pdf);
     if (mis.enabled) {
-      // p / (p^2 + q^2): the weight p^2 / (p^2 + q^2) over p.
+      // p / (p^2 + q^2) is the weight p^2 / (p^2 + q^2) over p.
       const VF q = hn::Mul(result.pdf, Set(mis.bsdf_samples));
       const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(q, q);
       factor = hn::Div(pdf, hn::Add(p2, q2));
@@ -170,13 +180,14 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
 
 HWY_INLINE VF Luminance(const V3& rgb) { return Dot(rgb, Set3(kLuminance)); }
 
-// A vector of surfaces and the weights that cells of the map have for it (BsdfKernels).
+// A vector of surfaces, and the weights that cells of the map have for it (BsdfKernels).
 template <class Bsdf>
 struct CellWeights {
   HWY_INLINE CellWeights(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t i,
                          std::uint32_t n)
       : lanes(s, i), bsdf(s, materials, i, n) {
-    // A tenth of the mean over the hemisphere of a diffuse surface of this colour, or of 4 %.
+    // The least weight is a tenth of the mean over the hemisphere of a diffuse surface of this
+    // colour, or of one of 4 %.
     least = hn::Mul(Set(0.05f * kInvPi), hn::Max(Luminance(ColorOf(s, i)), Set(0.04f)));
   }
 
@@ -195,7 +206,7 @@ struct CellWeights {
       return hn::Mul(hn::Max(value, least), energy);
     }
     value = hn::Max(IfThen(hn::Gt(height, zero), value, zero), least);
-    // Of a cell that is mostly below the horizon little rises above it, and that is grazing.
+    // A cell that is mostly below the horizon has little light above it, and that is grazing.
     const VF above = Clamp(hn::Add(one, hn::Div(height, reach)), 0.0f, 1.0f);
     return hn::Mul(hn::Mul(value, energy), hn::Mul(above, above));
   }
@@ -227,15 +238,20 @@ void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::
   const auto* fields = reinterpret_cast<const float*>(cells);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const CellWeights<Bsdf> weights(s, materials, i, n);
-    const VU at = hn::ShiftLeft<3>(hn::IfThenElseZero(RowsBelow(i, n), Load(cell + i)));
+    const VU at = hn::ShiftLeft<kLogCellWords>(hn::IfThenElseZero(RowsBelow(i, n), Load(cell + i)));
     const auto field = [&](std::uint32_t f)
                            HWY_ATTR { return Gather(fields, hn::Add(at, SetU(f))); };
-    Store(weights.Weight({field(0), field(1), field(2)}, field(3), field(4), field(5)), weight + i);
+    const V3 dir = {field(SKYWAVE_WORD(LightCell, dir[0])), field(SKYWAVE_WORD(LightCell, dir[1])),
+                    field(SKYWAVE_WORD(LightCell, dir[2]))};
+    Store(weights.Weight(dir, field(SKYWAVE_WORD(LightCell, energy)),
+                         field(SKYWAVE_WORD(LightCell, radius)),
+                         field(SKYWAVE_WORD(LightCell, reach))),
+          weight + i);
   }
 }
 
 // Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
-// `kMoved`: origins may lie behind the surface (MoveOrigins).
+// With `kMoved`, origins may lie behind the surface (MoveOrigins).
 template <bool kMoved = false>
 HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingLanes& lanes,
                                          std::uint32_t i, std::uint32_t n, const V3& world,
@@ -309,8 +325,8 @@ std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials
   return appended;
 }
 
-// Fresnel reflectance of a conductor of index eta + i k at cosine c of the angle of incidence,
-// unpolarised (Born and Wolf, 14.2); 1 for eta = k = 0.
+// Returns the unpolarised Fresnel reflectance of a conductor of index eta + i k at cosine c of the
+// angle of incidence (Born and Wolf, 14.2); it is 1 for eta = k = 0.
 HWY_INLINE VF FresnelConductor(VF c, VF eta, VF k) {
   const VF c2 = hn::Mul(c, c), s2 = hn::Sub(Set(1.0f), c2);
   const VF eta2 = hn::Mul(eta, eta), k2 = hn::Mul(k, k);
@@ -333,10 +349,10 @@ HWY_INLINE V3 FresnelConductor(VF c, const V3& eta, const V3& k) {
           FresnelConductor(c, eta.z, k.z)};
 }
 
-// What a dielectric does with unpolarised light that meets it at cosine cos_o; `ratio` is the index
-// on its side over that on the other one.
+// FresnelDielectric tells how a dielectric splits unpolarised light that meets it at cosine cos_o;
+// `ratio` is the index on the light's side over that on the other one.
 struct Refraction {
-  VF reflectance;  // Fresnel's; 1 for total reflection
+  VF reflectance;  // by Fresnel; 1 for total reflection
   VF cosine;       // of the refracted ray, by Snell
 };
 HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
@@ -345,7 +361,7 @@ HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
   const VF sin2_t = hn::Mul(ratio2, hn::Sub(one, hn::Mul(cos_o, cos_o)));
   const MF total = hn::Ge(sin2_t, one);
   const VF cos_t = SafeSqrt(hn::Sub(one, sin2_t));
-  // Amplitudes for both polarisations, divided by the index on the far side.
+  // These are the amplitudes for both polarisations, divided by the index on the far side.
   const VF ro = hn::Mul(ratio, cos_o), rt = hn::Mul(ratio, cos_t);
   const VF parallel = hn::Div(hn::Sub(cos_o, rt), hn::Add(cos_o, rt));
   const VF perpendicular = hn::Div(hn::Sub(ro, cos_t), hn::Add(ro, cos_t));
@@ -354,8 +370,8 @@ HWY_INLINE Refraction FresnelDielectric(VF cos_o, VF ratio) {
   return {IfThen(total, one, both), cos_t};
 }
 
-// The normal about which a delta BSDF acts: the shading normal, or the geometric one where the
-// reflection about the shading normal would go into the surface. Returned in world space.
+// Returns the normal about which a delta BSDF acts, in world space: the shading normal, or the
+// geometric one where the reflection about the shading normal would go into the surface.
 HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
   const VF twice = hn::Mul(Set(2.0f), Dot(ns, wo));
   const V3 reflected = Sub(Scale(ns, twice), wo);
@@ -366,10 +382,9 @@ HWY_INLINE V3 DeltaNormal(const V3& ns, const V3& ng, const V3& wo) {
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
 
-// The entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them
-// for every target, SKYWAVE_BSDF_TABLE(Name) under HWY_ONCE defines NameKernels(), which
-// dispatches; NameTraits, a constant, holds the fields of the table that are not functions. Macros,
-// because dispatch works on names of functions.
+// The entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them for
+// every target, and SKYWAVE_BSDF_TABLE(Name) under HWY_ONCE defines NameKernels(), which dispatches
+// and carries NameTraits. They are macros because dispatch works on names of functions.
 #define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                \
   void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, \
                       std::uint32_t n, const BsdfValueColumns& out) {                             \
@@ -395,38 +410,30 @@ HWY_AFTER_NAMESPACE();
     return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
   }
 
-#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                 \
-  HWY_EXPORT(Evaluate##Bsdf);                                                                    \
-  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                            \
-  HWY_EXPORT(WeighCells##Bsdf);                                                                  \
-  HWY_EXPORT(WeighCell##Bsdf);                                                                   \
-  HWY_EXPORT(Scatter##Bsdf);                                                                     \
-  BsdfKernels Bsdf##Kernels() {                                                                  \
-    return {                                                                                     \
-        .name = Bsdf##Traits.name,                                                               \
-        .delta = false,                                                                          \
-        .lobed = Bsdf##Traits.lobed,                                                             \
-        .varying = Bsdf##Traits.varying,                                                         \
-        .transmits = Bsdf##Traits.transmits,                                                     \
-        .refracts = Bsdf##Traits.refracts,                                                       \
-        .evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf),                                            \
-        .evaluate_lights =                                                                       \
-            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
-               const MisPolicy& mis, const LightColumns& lights) {                               \
-              HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                \
-            },                                                                                   \
-        .weigh_cells =                                                                           \
-            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
-               const LightCell* cells, std::uint32_t count, float* sums, std::uint32_t stride) { \
-              HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)                                             \
-              (s, m, n, cells, count, sums, stride);                                             \
-            },                                                                                   \
-        .weigh_cell =                                                                            \
-            [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,                  \
-               const LightCell* cells, const std::uint32_t* cell, float* weight) {               \
-              HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);               \
-            },                                                                                   \
-        .scatter = SKYWAVE_SCATTER(Scatter##Bsdf)};                                              \
+#define SKYWAVE_BSDF_TABLE(Bsdf)                                                                  \
+  HWY_EXPORT(Evaluate##Bsdf);                                                                     \
+  HWY_EXPORT(Evaluate##Bsdf##Lights);                                                             \
+  HWY_EXPORT(WeighCells##Bsdf);                                                                   \
+  HWY_EXPORT(WeighCell##Bsdf);                                                                    \
+  HWY_EXPORT(Scatter##Bsdf);                                                                      \
+  BsdfKernels Bsdf##Kernels() {                                                                   \
+    BsdfKernels kernels{Bsdf##Traits};                                                            \
+    kernels.evaluate = SKYWAVE_EVALUATE(Evaluate##Bsdf);                                          \
+    kernels.evaluate_lights = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n, \
+                                 const MisPolicy& mis, const LightColumns& lights) {              \
+      HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                         \
+    };                                                                                            \
+    kernels.weigh_cells = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,     \
+                             const LightCell* cells, std::uint32_t count, float* sums,            \
+                             std::uint32_t stride) {                                              \
+      HWY_DYNAMIC_DISPATCH(WeighCells##Bsdf)(s, m, n, cells, count, sums, stride);                \
+    };                                                                                            \
+    kernels.weigh_cell = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,      \
+                            const LightCell* cells, const std::uint32_t* cell, float* weight) {   \
+      HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);                        \
+    };                                                                                            \
+    kernels.scatter = SKYWAVE_SCATTER(Scatter##Bsdf);                                             \
+    return kernels;                                                                               \
   }
 
 #define SKYWAVE_EVALUATE(function)                                                                \

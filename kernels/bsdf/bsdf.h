@@ -1,11 +1,13 @@
-// The BSDFs: one file each (bsdf_*.cc), one line each in the table of bsdf.cc.
+// The BSDFs. Each is a file of this folder and a line in the lists of kernels/columns.h; its traits
+// say what it needs of a material and of the other stages, and its kernels do the work.
 //
 // Conventions: wo points to the eye, wi to the light, both away from the surface. `value` is
-// f(wo, wi) |cos| [1/sr], per channel, radiance transport (transmission scales radiance by the
-// squared index ratio). `pdf` is of wi given wo [1/sr]. On paths from lights (Transport::kFlux) wo
-// points to where the path comes from, the light, and wi to the eye; kernels/light_paths/flux.h
-// makes values of them. Reflection needs wi on wo's side of both the geometric and the shading
-// normal, transmission on the other side of both; what smooth normals would leak through is zero.
+// f(wo, wi) |cos| [1/sr], per channel, for radiance transport (transmission scales radiance by the
+// squared index ratio). `pdf` is the density of wi given wo [1/sr]. On paths from lights
+// (Transport::kFlux) wo points to where the path comes from, the light, and wi to the eye;
+// kernels/light_paths/flux.h makes values of them. Reflection needs wi on wo's side of both the
+// geometric and the shading normal, and transmission on the other side of both; the light that
+// smooth normals would leak through is zero.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +19,12 @@
 namespace skywave {
 
 struct ConductorTables;
+struct Material;
+struct MeasuredBrdf;
 struct SheenTables;
+using MeasuredBrdfs = std::span<const MeasuredBrdf>;  // those of a scene
 
-// What all BSDF kernels read.
+// The tables that BSDF kernels read. A null table is one that no BSDF of the scene reads.
 struct MaterialView {
   const MaterialRecord* records;
   const ConductorTables* conductor;
@@ -27,33 +32,34 @@ struct MaterialView {
   const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
 };
 
-// How light and BSDF samples of the same direction share the work: power heuristic, exponent 2
+// Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2
 // (Veach and Guibas 1995), between the density of light samples (which counts how many there are)
 // and that of `bsdf_samples` BSDF samples. Without it light samples count in full and directions
 // drawn from a density see no light.
 struct MisPolicy {
   bool enabled = true;
-  float bsdf_samples = 1;  // of a surface
+  float bsdf_samples = 1;  // number of each surface
 };
 
-// What a path carries. BSDFs are not symmetric where light is refracted, which scales radiance and
-// not flux by the squared index ratio, nor where the shading normal is not that of the surface:
-// flux gets |wo.ns| |wi.ng| / (|wo.ng| |wi.ns|) (Veach 1997, 5.2 and 5.3.2).
+// A path carries radiance or flux. BSDFs are not symmetric where light is refracted, which scales
+// radiance and not flux by the squared index ratio, nor where the shading normal is not that of the
+// surface: flux gets |wo.ns| |wi.ng| / (|wo.ng| |wi.ns|) (Veach 1997, 5.2 and 5.3.2).
 enum class Transport {
   kRadiance,  // paths from the camera
   kFlux       // paths from lights
 };
 
-// Russian roulette after scattering: a path goes on with probability min(1, largest throughput);
-// flux, which has a unit, with min(1, what the surface leaves of its largest throughput).
+// With Russian roulette after scattering, a path goes on with probability min(1, largest
+// throughput). Flux has a unit: it goes on with min(1, the share of its largest throughput that the
+// surface leaves).
 struct ScatterPolicy {
   bool roulette = false;
   std::uint32_t first_row = 0;  // row of the slice's row 0 in the whole surface table
   Transport transport = Transport::kRadiance;
 };
 
-// Uniforms of a scattering event: `direction` for the direction, `lobe.u` to choose a lobe,
-// `lobe.v` for roulette.
+// The uniforms of a scattering event: `direction` draws the direction, `lobe.u` chooses a lobe and
+// `lobe.v` decides roulette.
 struct ScatterUniforms {
   UniformColumns direction, lobe;
 };
@@ -77,65 +83,87 @@ struct LightCell {
   float reach;   // sine of the largest angle between its texels and dir; 1 from a right angle on
   float unused[2];
 };
-static_assert(sizeof(LightCell) == 8 * sizeof(float));
+inline constexpr int kLogCellWords = 3;
+static_assert(sizeof(LightCell) == sizeof(float) << kLogCellWords);
 
-// What surface preparation writes to SurfaceColumns::varying_0 and varying_1 for a BSDF.
+// Surface preparation writes these to SurfaceColumns::varying_0 and varying_1 for a BSDF.
 enum class Varying {
   kNothing,
   kRoughness,  // GGX width, share of metal
   kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
 };
 
-struct BsdfTraits {
-  std::string_view name;
-  // As in BsdfKernels.
-  bool lobed = false;
-  Varying varying = Varying::kNothing;
-  bool transmits = false, refracts = false;
+// The tables that the kernels of a BSDF read besides the records of materials.
+struct BsdfTables {
+  bool ggx = false, sheen = false;  // kernels/bsdf/conductor_tables.h
+  bool measured = false;            // the MeasuredBrdf that the material names
 };
 
-struct BsdfKernels {
+// A field of Material that a BSDF reads (besides reflectance and textures), and the name under
+// which users see it.
+struct MaterialParameter {
+  std::string_view field;  // as Material::ForEachField names it
+  std::string_view name = field;
+};
+
+// A BSDF as everything but its kernels knows it.
+struct BsdfTraits {
   std::string_view name;
-  bool delta;  // no density: no light samples, value and pdf are 0
-  bool lobed;  // chooses between lobes: needs ScatterUniforms::lobe.u
-  Varying varying;
-  bool transmits;  // light passes through
-  bool refracts;   // and enters another medium: its value has the squared index ratio
+  bool lobed = false;  // it chooses between lobes: it needs ScatterUniforms::lobe.u
+  Varying varying = Varying::kNothing;
+  bool transmits = false;  // light passes through
+  bool refracts = false;   // and enters another medium: the value has the squared index ratio
+  bool inside = false;     // light goes through the material itself, which may absorb it
+  BsdfTables tables = {};
+  MaterialParameter parameters[8] = {};  // behind the last one they have no name (ParametersOf)
+  // Packs the parameters into `record`, which holds what all BSDFs have (PackMaterial). Null: the
+  // BSDF has no parameters.
+  void (*pack)(const Material& material, MeasuredBrdfs measured, MaterialRecord& record) = nullptr;
+};
 
-  // Rows [0, n): value and pdf of directions wi (dir columns of `lights`).
+struct BsdfKernels : BsdfTraits {
+  bool delta = false;  // no density: no light samples, value and pdf are 0
+
+  // Writes value and pdf of directions wi (dir columns of `lights`), for rows [0, n).
   void (*evaluate)(const SurfaceColumns& surfaces, const MaterialView& materials,
-                   const LightColumns& lights, std::uint32_t n, const BsdfValueColumns& out);
+                   const LightColumns& lights, std::uint32_t n,
+                   const BsdfValueColumns& out) = nullptr;
 
-  // Rows [0, n): turns the radiance of a light sample into what the path gains if the light is
-  // seen, throughput * value * radiance / pdf * MIS weight, and opens (t_far
-  // infinite) or closes (t_far negative) its shadow ray. BSDFs that transmit move org of the
-  // surfaces to the side of the light (see SurfaceColumns::lift). Null for delta BSDFs.
+  // For rows [0, n), turns the radiance of a light sample into the path's gain if the light is
+  // seen, throughput * value * radiance / pdf * MIS weight, and opens (t_far infinite) or closes
+  // (t_far negative) its shadow ray. BSDFs that transmit move org of the surfaces to the side of
+  // the light (see SurfaceColumns::lift). Null for delta BSDFs.
   void (*evaluate_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
-                          std::uint32_t n, const MisPolicy& mis, const LightColumns& lights);
+                          std::uint32_t n, const MisPolicy& mis,
+                          const LightColumns& lights) = nullptr;
 
-  // The weight of a cell is its energy times the luminance of value in its centre, of a BSDF
-  // blurred to the size of the cell and never below a small share of the mean over all directions;
-  // less and less for cells below the horizon, 0 where no texel of them rises above it.
+  // The weight of a cell is its energy times the luminance of value in its centre, for a BSDF that
+  // is blurred to the size of the cell and never below a small share of the mean over all
+  // directions. It falls for cells below the horizon and is 0 where no texel of them rises above
+  // it.
 
-  // Rows [0, n) and all of cells [0, count): sums of the weights of cells 0 to k, in
+  // For rows [0, n) and cells [0, count), writes the sums of the weights of cells 0 to k to
   // sums[k * stride + row]; stride >= PaddedRows(n). Null for delta BSDFs.
   void (*weigh_cells)(const SurfaceColumns& surfaces, const MaterialView& materials,
                       std::uint32_t n, const LightCell* cells, std::uint32_t count, float* sums,
-                      std::uint32_t stride);
+                      std::uint32_t stride) = nullptr;
 
-  // The weight of cell cell[i] for rows i in [0, n). Null for delta BSDFs.
+  // Writes the weight of cell cell[i] for rows i in [0, n). Null for delta BSDFs.
   void (*weigh_cell)(const SurfaceColumns& surfaces, const MaterialView& materials, std::uint32_t n,
-                     const LightCell* cells, const std::uint32_t* cell, float* weight);
+                     const LightCell* cells, const std::uint32_t* cell, float* weight) = nullptr;
 
   // Draws a direction for rows [0, n) and appends the rays that go on to `rays` from its row
   // `appended`; returns the new number of rows. At most one ray a row.
   std::uint32_t (*scatter)(const SurfaceColumns& surfaces, const MaterialView& materials,
                            const ScatterUniforms& uniforms, std::uint32_t n,
                            const ScatterPolicy& policy, const RayColumns& rays,
-                           std::uint32_t appended);
+                           std::uint32_t appended) = nullptr;
 };
 
-// In the order of BsdfKind.
+// Returns the parameters of a material that the BSDF reads, in the order in which users see them.
+std::span<const MaterialParameter> ParametersOf(const BsdfTraits& traits);
+
+// Returns all BSDFs, in the order of BsdfKind.
 std::span<const BsdfKernels, kBsdfKinds> Bsdfs();
 
 #define SKYWAVE_DECLARE(name) BsdfKernels name##Kernels();

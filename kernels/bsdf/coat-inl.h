@@ -1,6 +1,7 @@
 // Layers over another BSDF: a clear dielectric coat of GGX facets, and sheen. A layer takes from
-// what is below it the larger of its albedos for wo and wi: that is reciprocal, and gives back at
-// most what it gets. (Attenuation by 1 - F(wo . h), as glTF writes it, is not.)
+// the BSDF below it the larger of its albedos for wo and wi: that is reciprocal and reflects at
+// most the light that arrives. (Attenuation by 1 - F(wo . h), as glTF writes it, is not
+// reciprocal.)
 #if defined(SKYWAVE_KERNELS_COAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_COAT_INL_H_
 #undef SKYWAVE_KERNELS_COAT_INL_H_
@@ -15,7 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Value and density of a layer of albedos `o` and `i` over `below`; `share`: its probability.
+// Returns value and density of a layer of albedos `o` and `i` over `below`. The layer is drawn with
+// the probability `share`.
 HWY_INLINE BsdfValue Layer(const V3& own, VF own_pdf, VF o, VF i, VF share,
                            const BsdfValue& below) {
   const VF through = hn::Sub(Set(1.0f), hn::Max(o, i));
@@ -23,13 +25,14 @@ HWY_INLINE BsdfValue Layer(const V3& own, VF own_pdf, VF o, VF i, VF share,
           hn::Add(below.pdf, hn::Mul(share, hn::Sub(own_pdf, below.pdf)))};
 }
 
-// Probability with which a layer of this albedo is drawn: what is below reflects about a half.
+// Returns the probability with which a layer of this albedo is drawn, as if the BSDF below
+// reflected one half.
 HWY_INLINE VF LayerShare(VF albedo) {
   const VF below = hn::Mul(Set(0.5f), hn::Sub(Set(1.0f), albedo));
   const VF share = Clamp(hn::Div(albedo, hn::Max(hn::Add(albedo, below), Set(1e-6f))), 0.1f, 0.9f);
   return hn::IfThenElseZero(hn::Gt(albedo, hn::Zero(F())), share);
 }
-// The uniform of a lobe that was not below `share`, made uniform again.
+// Makes the uniform of a lobe that was not below `share` uniform in [0, 1) again.
 HWY_INLINE VF BelowLayer(VF lobe, VF share) {
   return Clamp(hn::Div(hn::Sub(lobe, share), hn::Sub(Set(1.0f), share)), 0.0f, 0x1.fffffep-1f);
 }
@@ -90,17 +93,16 @@ struct Coated {
   const ConductorTables& tables;
 };
 
-// Sheen of the colour in fields 12 to 14 and the width in field 10 (SheenTables), drawn by the
-// cosine.
-template <class Base>
+// Sheen over `Base` (SheenTables), drawn by the cosine. `Parameters` reads its colour and width of
+// each row.
+template <class Base, class Parameters>
 struct Sheened {
   HWY_INLINE Sheened(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                      std::uint32_t n)
       : base(s, m, i, n),
-        fields(MaterialFields(s, i, n)),
-        color(Field3(m, fields, 12)),
-        // Only its place in the tables is used.
-        width(Clamp(Field(m, fields, 10), kMinSheenAlpha, 1.0f)),
+        parameters(m, MaterialFields(s, i, n)),
+        color(parameters.color),
+        width(parameters.alpha),
         tables(*m.sheen) {}
 
   HWY_INLINE VF Albedo(VF cosine) const {
@@ -132,9 +134,9 @@ struct Sheened {
   }
 
   Base base;
-  VU fields;
+  Parameters parameters;
   V3 color;
-  Ggx width;
+  Ggx width;  // only its rows in the tables are used
   const SheenTables& tables;
 };
 

@@ -1,7 +1,7 @@
-// glTF's KHR_materials_clearcoat and KHR_materials_sheen: metallic-roughness under sheen under a
-// clear coat of index 1.5. In the record: k holds strength and width of the coat and width of the
-// sheen, multiscatter the colour of the sheen.
+// This is the material of glTF's KHR_materials_clearcoat and KHR_materials_sheen:
+// metallic-roughness under sheen under a clear coat of index 1.5.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/coated_metallic_roughness.cc"
@@ -14,15 +14,29 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
+struct ClothSheen {
+  static constexpr MaterialField kColor = kMultiscatter;
+  static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[2]));
+
+  HWY_INLINE ClothSheen(const MaterialView& m, VU fields)
+      : color(Field3(m, fields, kColor)),
+        alpha(Clamp(Field(m, fields, kAlpha), kMinSheenAlpha, 1.0f)) {}
+  V3 color;
+  VF alpha;
+};
+
 struct ClearCoat {
+  static constexpr auto kStrength = MaterialField(SKYWAVE_WORD(MaterialRecord, k[0]));
+  static constexpr auto kAlpha = MaterialField(SKYWAVE_WORD(MaterialRecord, k[1]));
+
   HWY_INLINE ClearCoat(const MaterialView& m, VU fields)
-      : strength(Field(m, fields, 8)),
-        alpha(Clamp(Field(m, fields, 9), 1e-3f, 1.0f)),
+      : strength(Field(m, fields, kStrength)),
+        alpha(Clamp(Field(m, fields, kAlpha), 1e-3f, 1.0f)),
         f0(Set(0.04f)) {}
   VF strength, alpha, f0;
 };
 
-using CoatedMetallicRoughness = Coated<Sheened<MetallicRoughness>, ClearCoat>;
+using CoatedMetallicRoughness = Coated<Sheened<MetallicRoughness, ClothSheen>, ClearCoat>;
 
 SKYWAVE_BSDF_KERNELS(CoatedMetallicRoughness)
 
@@ -34,7 +48,20 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 inline constexpr BsdfTraits CoatedMetallicRoughnessTraits = {
-    .name = "coated-metallic-roughness", .lobed = true, .varying = Varying::kRoughness};
+    .name = "coated-metallic-roughness",
+    .lobed = true,
+    .varying = Varying::kRoughness,
+    .tables = {.ggx = true, .sheen = true},
+    .parameters =
+        {{"alpha"}, {"metallic"}, {"ior"}, {"coat"}, {"coat_alpha"}, {"sheen"}, {"sheen_alpha"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      using HWY_NAMESPACE::ClearCoat, HWY_NAMESPACE::ClothSheen;
+      PackMetallicRoughness(m, r);
+      PutField(r, ClearCoat::kStrength, m.coat);
+      PutField(r, ClearCoat::kAlpha, MicrofacetWidth(m.coat_alpha));
+      PutField(r, ClothSheen::kColor, m.sheen);
+      PutField(r, ClothSheen::kAlpha, MicrofacetWidth(m.sheen_alpha));
+    }};
 SKYWAVE_BSDF_TABLE(CoatedMetallicRoughness)
 
 }  // namespace skywave

@@ -1,7 +1,8 @@
-// Rough conductor: GGX microfacets (Walter et al. 2007), height-correlated Smith masking, visible
-// normals (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023), Fresnel of a complex index,
-// and the reciprocal multiple-scattering lobe of Kulla and Conty 2017, so that F = 1 loses nothing.
-// The lobe is chosen with the probability with which light scatters more than once.
+// The rough conductor has GGX microfacets (Walter et al. 2007), height-correlated Smith masking,
+// visible normals (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023), the Fresnel
+// reflectance of a complex index, and the reciprocal multiple-scattering lobe of Kulla and Conty
+// 2017, so that F = 1 loses nothing. That lobe is drawn with the probability that light scatters
+// more than once.
 #if defined(SKYWAVE_KERNELS_CONDUCTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_CONDUCTOR_INL_H_
 #undef SKYWAVE_KERNELS_CONDUCTOR_INL_H_
@@ -21,14 +22,14 @@ struct Conductor {
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
         tables(*m.conductor),
-        ggx(Field(m, fields, 3)),
-        eta(Field3(m, fields, 4)),
-        k(Field3(m, fields, 8)),
-        multiscatter(Field3(m, fields, 12)) {}
+        ggx(Field(m, fields, kAlpha)),
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)),
+        multiscatter(Field3(m, fields, kMultiscatter)) {}
 
   HWY_INLINE VF Albedo(VF cosine) const { return ggx.Table(tables.albedo, cosine); }
 
-  // Fresnel's reflectance is nearly the same for all wi that matter.
+  // The Fresnel reflectance is left out: it is nearly the same for all wi that matter.
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     return hn::Mul(Luminance(color), ggx.Blurred(wo, wi, radius));
   }

@@ -1,5 +1,6 @@
-// Rough conductor (conductor-inl.h).
+// The rough conductor is defined in conductor-inl.h, because a coat may lie over it.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/conductor.cc"
@@ -20,7 +21,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits ConductorTraits = {.name = "conductor", .lobed = true};
+inline constexpr BsdfTraits ConductorTraits = {
+    .name = "conductor",
+    .lobed = true,
+    .tables = {.ggx = true},
+    .parameters = {{"alpha"}, {"eta"}, {"k"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) { PackConductor(m, r); }};
 SKYWAVE_BSDF_TABLE(Conductor)
 
 }  // namespace skywave

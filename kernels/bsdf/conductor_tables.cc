@@ -9,8 +9,9 @@
 namespace skywave {
 namespace {
 
-// Means of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), and of it times (1
-// - wo . h)^5, by the midpoint rule in the spherical-cap parametrisation of Dupuy and Benyoub 2023.
+// Computes the means of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), and
+// of that times (1 - wo . h)^5, by the midpoint rule in the spherical-cap parametrisation of Dupuy
+// and Benyoub 2023.
 struct Albedos {
   double all, grazing;
 };
@@ -50,7 +51,7 @@ Albedos DirectionalAlbedo(double alpha, double mu) {
 
 using Column = std::array<double, kAlbedoColumns>;
 
-// 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
+// Returns 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
 double MeanOverCosine(const Column& column) {
   constexpr int kSteps = 1024;
   double mean = 0;
@@ -93,7 +94,7 @@ std::unique_ptr<ConductorTables> Build() {
   return tables;
 }
 
-// Mean of the Fresnel reflectance over the cosine-weighted hemisphere.
+// Returns the mean of the Fresnel reflectance over the cosine-weighted hemisphere.
 double MeanFresnel(double eta, double k) {
   constexpr int kSteps = 256;
   double mean = 0;
@@ -133,7 +134,7 @@ double SheenAlbedo(double alpha, double mu) {
       sum += d * z / (4 * (mu + z - mu * z));
     }
   }
-  // dwi = dz dphi over a full turn; D has 1 / (2 pi).
+  // Solid angle is dz dphi over a full turn, which cancels the 1 / (2 pi) of D.
   return sum / (kHeights * kTurns);
 }
 
@@ -174,7 +175,7 @@ float ConductorMultiscatter(const ConductorTables& tables, float alpha, float et
                    (at - low) * (tables.mean_albedo[low + 1] - tables.mean_albedo[low]);
   const double f = MeanFresnel(eta, k);
   const double lost = std::max(1 - e, 1e-6);
-  // Every further bounce meets F again: a geometric series (Kulla and Conty 2017).
+  // Every further bounce meets F again, which makes a geometric series (Kulla and Conty 2017).
   return float(f * f * e / (1 - f * lost) / (std::numbers::pi * lost));
 }
 

@@ -1,47 +1,50 @@
-// Directional albedo of the GGX reflection lobe with Fresnel reflectance 1: what single scattering
-// between microfacets keeps. Its complement is the energy that the multiple-scattering lobe of
-// Kulla and Conty 2017 ("Revisiting Physically Based Shading at Imageworks") gives back.
+// The directional albedo of the GGX reflection lobe with Fresnel reflectance 1 is the energy that
+// single scattering between microfacets keeps. The multiple-scattering lobe of Kulla and Conty 2017
+// ("Revisiting Physically Based Shading at Imageworks") returns the rest.
 #pragma once
 
 #include <cstdint>
 
 namespace skywave {
 
-// Nodes of the grid: row r is for alpha = (r / (rows - 1))^2, column c for the cosine
-// (c / (columns - 1))^2; both squares put nodes where the albedo bends.
+// Row r of the grid is for alpha = (r / (rows - 1))^2, column c for the cosine (c / (columns -
+// 1))^2; both squares put nodes where the albedo bends.
 inline constexpr std::uint32_t kAlbedoRows = 32, kAlbedoColumns = 32;
 
 struct ConductorTables {
-  // Padded by a column and a row that repeat the last, so that interpolation needs no clamp.
+  // The grid is padded by a column and a row that repeat the last, so that interpolation needs no
+  // clamp.
   float albedo[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
-  // Mean of the albedo over the cosine-weighted hemisphere, a value a row.
+  // This is the mean of the albedo over the cosine-weighted hemisphere, one value per row.
   float mean_albedo[kAlbedoRows];
-  // The same of a lobe with Fresnel reflectance (1 - cos)^5: by Schlick's formula the lobe of F0
-  // has the albedo F0 * albedo + (1 - F0) * grazing. Means are padded by a row like the grids.
+  // These are the same for a lobe with Fresnel reflectance (1 - cos)^5: by Schlick's formula the
+  // lobe of F0 has the albedo F0 * albedo + (1 - F0) * grazing. Means are padded by a row like the
+  // grids.
   float grazing[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
   float padded_mean_albedo[kAlbedoRows + 1];
   float mean_grazing[kAlbedoRows + 1];
 };
 
-// Computed once, in double, by quadrature over the visible normals; tens of milliseconds.
+// Returns the tables, which the first call computes in double, by quadrature over the visible
+// normals; that takes tens of milliseconds.
 const ConductorTables& GgxTables();
 
-// Factor of (1 - E(wo)) (1 - E(wi)) cos(wi) in the multiple-scattering lobe, for one channel of a
-// conductor with index eta + i k and GGX width alpha [1/sr].
+// Returns the factor of (1 - E(wo)) (1 - E(wi)) cos(wi) in the multiple-scattering lobe, for one
+// channel of a conductor with index eta + i k and GGX width alpha [1/sr].
 float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k);
 
-// Albedo of the sheen lobe (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF":
-// D = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with Neubelt's visibility
-// 1 / (4 (cos_o + cos_i - cos_o cos_i))), on the grid of ConductorTables. Narrow lobes would give
-// back more than they get at grazing angles: the lobe and its albedo are multiplied by `scale`, so
-// that none exceeds 1.
+// The albedo of the sheen lobe (Estevez and Kulla 2017, "Production Friendly Microfacet Sheen
+// BRDF": D = (2 + 1 / alpha) sin^(1 / alpha) / (2 pi), with Neubelt's visibility 1 / (4 (cos_o +
+// cos_i - cos_o cos_i))), on the grid of ConductorTables. Narrow lobes would reflect more light
+// than they get at grazing angles: the lobe and its albedo are multiplied by `scale`, so that none
+// exceeds 1.
 struct SheenTables {
   float albedo[(kAlbedoRows + 1) * (kAlbedoColumns + 1)];
   float scale[kAlbedoRows + 1];  // by row
 };
 inline constexpr float kMinSheenAlpha = 0.04f;  // narrower ones are taken for this wide
 
-// Computed once, in double; about a tenth of a second.
+// Returns the tables, which the first call computes in double in about a tenth of a second.
 const SheenTables& GetSheenTables();
 
 }  // namespace skywave

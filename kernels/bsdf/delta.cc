@@ -1,8 +1,9 @@
-// The delta BSDFs. Mirror: reflection times the Fresnel reflectance of a complex index (eta = k =
-// 0: a perfect mirror). Dielectric: smooth glass, reflecting with the probability of the
-// unpolarised Fresnel reflectance and refracting otherwise (Snell), radiance scaled by the squared
-// index ratio. Thin dielectric: a sheet of it.
+// The delta BSDFs. A mirror reflects by the Fresnel reflectance of a complex index (eta = k = 0 is
+// a perfect mirror). A dielectric is smooth glass: it reflects with the probability of the
+// unpolarised Fresnel reflectance and refracts otherwise (Snell), where radiance is scaled by the
+// squared index ratio. A thin dielectric is a sheet of it.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/delta.cc"
@@ -14,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// No light can be met by chance: value and density are zero.
+// Value and density are zero: no direction but the BSDF's own can meet light.
 void EvaluateDelta(const SurfaceColumns&, const MaterialView&, const LightColumns&, std::uint32_t n,
                    const BsdfValueColumns& out) {
   const VF zero = hn::Zero(F());
@@ -40,8 +41,9 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
     const VF cosine = Dot(normal, wo);
     const V3 wi = Sub(Scale(normal, hn::Mul(Set(2.0f), cosine)), wo);
     const VU fields = MaterialFields(s, i, n);
-    V3 weight = Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, 4),
-                                                    Field3(m, fields, 8)));
+    V3 weight =
+        Mul(ColorOf(s, i), FresnelConductor(Clamp(cosine, 0.0f, 1.0f), Field3(m, fields, kEta),
+                                            Field3(m, fields, kK)));
     if (policy.transport == Transport::kFlux) {
       weight = Scale(weight, ShadingNormalFactor(normal, lanes.ng, wo, wi));
     }
@@ -52,8 +54,8 @@ std::uint32_t ScatterMirror(const SurfaceColumns& s, const MaterialView& m,
   return appended;
 }
 
-// `thin`: both faces of a sheet at once. What is reflected between them adds up to 2 R / (1 + R),
-// and what comes through goes straight on.
+// A `thin` dielectric is both faces of a sheet at once. The reflections between them add up to
+// 2 R / (1 + R), and transmitted light goes straight on.
 HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialView& m,
                                       const ScatterUniforms& uniforms, std::uint32_t n,
                                       const ScatterPolicy& policy, const RayColumns& rays,
@@ -64,7 +66,7 @@ HWY_INLINE std::uint32_t ScatterGlass(const SurfaceColumns& s, const MaterialVie
     const V3 wo = WorldWo(s, i);
     const V3 normal = DeltaNormal(lanes.frame.n, lanes.ng, wo);
     const VU fields = MaterialFields(s, i, n);
-    const VF ratio = thin ? hn::Div(one, Field(m, fields, 7)) : IndexRatio(s, m, fields, i);
+    const VF ratio = thin ? hn::Div(one, Field(m, fields, kIor)) : IndexRatio(s, m, fields, i);
     const VF cos_o = Clamp(Dot(normal, wo), 0.0f, 1.0f);
     const VF ratio2 = hn::Mul(ratio, ratio);
     const Refraction refraction = FresnelDielectric(cos_o, ratio);
@@ -116,28 +118,44 @@ HWY_EXPORT(ScatterDielectric);
 HWY_EXPORT(ScatterThinDielectric);
 
 namespace {
+
 BsdfKernels DeltaKernels(const BsdfTraits& traits, decltype(BsdfKernels::scatter) scatter) {
-  return {.name = traits.name,
-          .delta = true,
-          .lobed = traits.lobed,
-          .varying = traits.varying,
-          .transmits = traits.transmits,
-          .refracts = traits.refracts,
-          .evaluate = SKYWAVE_EVALUATE(EvaluateDelta),
-          .scatter = scatter};
+  BsdfKernels kernels{traits};
+  kernels.delta = true;
+  kernels.evaluate = SKYWAVE_EVALUATE(EvaluateDelta);
+  kernels.scatter = scatter;
+  return kernels;
 }
+
+void PackIndex(const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+  PutField(r, MaterialField::kIor, m.ior);
+}
+
+constexpr BsdfTraits kMirrorTraits = {
+    .name = "mirror",
+    .parameters = {{"eta"}, {"k"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) { PackConductorIndex(m, r); }};
+constexpr BsdfTraits kDielectricTraits = {.name = "dielectric",
+                                          .lobed = true,
+                                          .transmits = true,
+                                          .refracts = true,
+                                          .inside = true,
+                                          .parameters = {{"ior"}},
+                                          .pack = PackIndex};
+constexpr BsdfTraits kThinDielectricTraits = {.name = "thin-dielectric",
+                                              .lobed = true,
+                                              .transmits = true,
+                                              .parameters = {{"ior"}},
+                                              .pack = PackIndex};
+
 }  // namespace
 
-BsdfKernels MirrorKernels() {
-  return DeltaKernels({.name = "mirror"}, SKYWAVE_SCATTER(ScatterMirror));
-}
+BsdfKernels MirrorKernels() { return DeltaKernels(kMirrorTraits, SKYWAVE_SCATTER(ScatterMirror)); }
 BsdfKernels DielectricKernels() {
-  return DeltaKernels({.name = "dielectric", .lobed = true, .transmits = true, .refracts = true},
-                      SKYWAVE_SCATTER(ScatterDielectric));
+  return DeltaKernels(kDielectricTraits, SKYWAVE_SCATTER(ScatterDielectric));
 }
 BsdfKernels ThinDielectricKernels() {
-  return DeltaKernels({.name = "thin-dielectric", .lobed = true, .transmits = true},
-                      SKYWAVE_SCATTER(ScatterThinDielectric));
+  return DeltaKernels(kThinDielectricTraits, SKYWAVE_SCATTER(ScatterThinDielectric));
 }
 
 }  // namespace skywave

@@ -1,7 +1,8 @@
-// Diffuse transmission: a thin sheet that reflects and transmits as Lambert does, f = color / pi on
-// wo's side and eta / pi (the material's second colour) on the other. A side is drawn with the
-// probability of its larger channel, a direction by the cosine.
+// Diffuse transmission is a thin sheet that reflects and transmits as Lambert does: f is color / pi
+// on wo's side and the material's second colour / pi on the other. A side is drawn with the
+// probability of its largest channel, a direction by the cosine.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/diffuse_transmission.cc"
@@ -15,10 +16,11 @@ namespace HWY_NAMESPACE {
 
 struct DiffuseTransmission {
   static constexpr bool kTransmits = true;
+  static constexpr MaterialField kTransmitted = kEta;
 
   HWY_INLINE DiffuseTransmission(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                  std::uint32_t n)
-      : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), 4)) {
+      : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), kTransmitted)) {
     const VF back = MaxComponent(reflected), through = MaxComponent(transmitted);
     reflects = hn::Div(back, hn::Max(hn::Add(back, through), Set(1e-30f)));
   }
@@ -52,7 +54,13 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 inline constexpr BsdfTraits DiffuseTransmissionTraits = {
-    .name = "diffuse-transmission", .lobed = true, .transmits = true};
+    .name = "diffuse-transmission",
+    .lobed = true,
+    .transmits = true,
+    .parameters = {{"second_color", "transmittance"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PutField(r, HWY_NAMESPACE::DiffuseTransmission::kTransmitted, m.second_color);
+    }};
 SKYWAVE_BSDF_TABLE(DiffuseTransmission)
 
 }  // namespace skywave

@@ -1,4 +1,4 @@
-// Bent shading normals that face whoever looks at them.
+// Bent shading normals are turned here until they face the eye.
 #if defined(SKYWAVE_KERNELS_FACING_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_FACING_INL_H_
 #undef SKYWAVE_KERNELS_FACING_INL_H_

@@ -1,5 +1,5 @@
-// GGX microfacets, as the BSDFs that are made of them share them: distribution, masking, visible
-// normals, and the albedo of the single-scattering lobe from its tables. Local frames.
+// The BSDFs that are made of GGX microfacets share their distribution, masking, visible normals,
+// and the albedo of the single-scattering lobe from its tables. Directions are in local frames.
 #if defined(SKYWAVE_KERNELS_GGX_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_GGX_INL_H_
 #undef SKYWAVE_KERNELS_GGX_INL_H_
@@ -14,7 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A visible normal of widths x and y (Heitz 2018, as spherical caps after Dupuy and Benyoub 2023).
+// Draws a visible normal of widths x and y (Heitz 2018, as spherical caps after Dupuy and Benyoub
+// 2023).
 HWY_INLINE V3 VisibleGgxNormal(const V3& wo, VF x, VF y, VF u, VF v) {
   const V3 stretched = Normalize({hn::Mul(wo.x, x), hn::Mul(wo.y, y), wo.z});
   const VF one = Set(1.0f);
@@ -35,7 +36,7 @@ struct Ggx {
     row_share = hn::Sub(row, ToFloat(table_row));
   }
 
-  // A table of the cosine, bilinear in the square roots.
+  // Looks up a table of the cosine, bilinearly in the square roots.
   HWY_INLINE VF Table(const float* table, VF cosine) const {
     const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
     const VU column = ToUnsigned(at);
@@ -50,13 +51,13 @@ struct Ggx {
     const VF above = across(low), below = across(high);
     return hn::Add(above, hn::Mul(row_share, hn::Sub(below, above)));
   }
-  // A padded table of means.
+  // Looks up a padded table of means.
   HWY_INLINE VF Mean(const float* table) const {
     const VF above = Gather(table, table_row), below = Gather(table, hn::Add(table_row, SetU(1)));
     return hn::Add(above, hn::Mul(row_share, hn::Sub(below, above)));
   }
 
-  // Smith's Lambda of GGX (Heitz 2014, eq. 72).
+  // Returns Smith's Lambda of GGX (Heitz 2014, eq. 72).
   HWY_INLINE VF Lambda(const V3& w) const {
     const VF z2 = hn::Max(hn::Mul(w.z, w.z), Set(1e-12f));
     const VF tan2 = hn::Div(hn::Sub(Set(1.0f), hn::Min(z2, Set(1.0f))), z2);
@@ -64,8 +65,8 @@ struct Ggx {
     return hn::Mul(Set(0.5f), hn::Sub(root, Set(1.0f)));
   }
 
-  // D(h) of GGX of squared width a2. The sine is taken from x and y: 1 - z^2 has no digits left for
-  // narrow lobes.
+  // Returns D(h) of GGX of squared width a2. The sine is taken from x and y, because 1 - z^2 has no
+  // digits left for narrow lobes.
   static HWY_INLINE VF Distribution(const V3& h, VF a2) {
     const VF s2 = hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y));
     const VF d = hn::Add(hn::Mul(a2, hn::Mul(h.z, h.z)), s2);
@@ -77,8 +78,9 @@ struct Ggx {
     return Scale(sum, hn::Div(Set(1.0f), hn::Sqrt(hn::Max(Dot(sum, sum), Set(1e-20f)))));
   }
 
-  // The lobe with Fresnel reflectance 1, blurred: the half vector turns half as far as wi, so light
-  // spread over an angle widens D by half of it. Masking by V-cavities (Cook and Torrance 1982).
+  // Returns the blurred lobe with Fresnel reflectance 1: the half vector turns half as far as wi,
+  // so light spread over an angle widens D by half of it. Masking is that of V-cavities (Cook and
+  // Torrance 1982).
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const V3 h = HalfVector(wo, wi);
     const VF half = hn::Mul(Set(0.5f), radius);

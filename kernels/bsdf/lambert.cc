@@ -1,4 +1,4 @@
-// Lambert: f = color / pi (L 2-6), reflecting on both sides. Sampled by the cosine.
+// Lambert has f = color / pi (L 2-6) and reflects on both sides. It is drawn by the cosine.
 #include "kernels/bsdf/bsdf.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -36,7 +36,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits LambertTraits = {.name = "lambert", .lobed = false};
+inline constexpr BsdfTraits LambertTraits = {.name = "lambert"};
 SKYWAVE_BSDF_TABLE(Lambert)
 
 }  // namespace skywave

@@ -1,8 +1,9 @@
-// A BRDF as it was measured, in the table of the MERL database (Matusik et al. 2003; columns.h),
-// constant within a bin, times the colour. Drawn by visible normals of the GGX lobe that resembles
-// it (width: alpha) with the probability in `ior`, else by the cosine: a table of its own
-// distribution for each wo would be larger than the BRDF.
+// A measured BRDF is a table of the MERL database (Matusik et al. 2003; columns.h), constant within
+// a bin, times the colour. It is drawn by visible normals of the GGX lobe that resembles it, with
+// the probability kSpecularShare, else by the cosine: a table of its own distribution for each wo
+// would be larger than the BRDF.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/measured.cc"
@@ -15,22 +16,25 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct Measured {
+  static constexpr MaterialField kSpecularShare = kIor;       // probability of the GGX lobe
+  static constexpr MaterialField kTable = kRoughnessTexture;  // index of its first float
+
   HWY_INLINE Measured(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                       std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
         table(m.measured),
-        // Rows behind the end have material 0, which may be another BSDF's.
-        first(hn::IfThenElseZero(RowsBelow(i, n), AsBits(Field(m, fields, 15)))),
-        ggx(Field(m, fields, 3)),
-        share(Field(m, fields, 7)) {}
+        // Rows behind the end have material 0, whose BSDF may be another one.
+        first(hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kTable))),
+        ggx(Field(m, fields, kAlpha)),
+        share(Field(m, fields, kSpecularShare)) {}
 
-  // The bin of a value in [0, 1].
+  // Returns the bin of a value in [0, 1].
   static HWY_INLINE VU Bin(VF value, std::uint32_t bins) {
     return hn::Min(ToUnsigned(hn::Mul(Clamp(value, 0.0f, 1.0f), Set(float(bins)))), SetU(bins - 1));
   }
   HWY_INLINE V3 LookUp(const V3& wi, const V3& h) const {
-    // wi in the frame of h whose first axis points away from the normal.
+    // x, y and Dot(wi, h) are wi in the frame of h whose first axis points away from the normal.
     const VF sine = SafeSqrt(hn::Add(hn::Mul(h.x, h.x), hn::Mul(h.y, h.y)));
     const MF upright = hn::Lt(sine, Set(1e-6f));
     const VF over = hn::Div(Set(1.0f), hn::Max(sine, Set(1e-6f)));
@@ -54,7 +58,7 @@ struct Measured {
             Gather(table, hn::Add(at, SetU(2)))};
   }
 
-  // Only the lobes that it is drawn from: a table does not blur.
+  // A table does not blur, so these are the lobes that it is drawn from.
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const VF cosine = hn::Mul(wi.z, Set(kInvPi));
     const VF mix = hn::Mul(share, hn::Sub(ggx.Blurred(wo, wi, radius), cosine));
@@ -94,7 +98,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits MeasuredTraits = {.name = "measured", .lobed = true};
+inline constexpr BsdfTraits MeasuredTraits = {
+    .name = "measured",
+    .lobed = true,
+    .tables = {.measured = true},
+    .parameters = {{"measured"}},
+    .pack = [](const Material& m, MeasuredBrdfs measured, MaterialRecord& r) {
+      using HWY_NAMESPACE::Measured;
+      const MeasuredBrdf& brdf = measured[m.measured];
+      PutField(r, MaterialField::kAlpha, MicrofacetWidth(brdf.alpha));
+      PutField(r, Measured::kSpecularShare, brdf.specular_share);
+      PutField(r, Measured::kTable, m.measured * kMeasuredFloats);
+    }};
 SKYWAVE_BSDF_TABLE(Measured)
 
 }  // namespace skywave

@@ -1,15 +1,15 @@
-// Metallic-roughness, the material of glTF 2.0 (appendix B): a mix of metal and of a diffuse body
+// Metallic-roughness is the material of glTF 2.0 (appendix B): a mix of metal and of a diffuse body
 // under a dielectric coat, both of the same roughness. Schlick's Fresnel is linear in F0, so both
 // have one specular lobe, of F0 = mix(((ior - 1) / (ior + 1))^2, color, metallic).
 //
-// glTF's own diffuse term, (1 - F(wo . h)) color / pi, gives back more than it gets at grazing wo.
-// Here the body gets what the coat lets through, in the reciprocal form of Kelemen and
-// Szirmay-Kalos 2001: (1 - S(wo)) (1 - S(wi)) / (pi (1 - mean S)), S the albedo of the coat; and
-// what the facets of the metal lose comes back by the lobe of Kulla and Conty 2017. So a white body
-// and a white metal are white furnaces, and so is every mix of them.
+// glTF's own diffuse term, (1 - F(wo . h)) color / pi, reflects more light than it gets at grazing
+// wo. Here the body gets the light that the coat lets through, in the reciprocal form of Kelemen
+// and Szirmay-Kalos 2001: (1 - S(wo)) (1 - S(wi)) / (pi (1 - mean S)), where S is the albedo of the
+// coat; and the lobe of Kulla and Conty 2017 returns the light that the facets of the metal lose.
+// So a white body and a white metal are white furnaces, and so is every mix of them.
 //
-// The specular lobe is drawn with the probability of its share of the albedo, by visible normals;
-// everything else by the cosine.
+// The specular lobe is drawn by visible normals, with the probability of its share of the albedo,
+// and everything else by the cosine.
 #if defined(SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_
 #undef SKYWAVE_KERNELS_METALLIC_ROUGHNESS_INL_H_
@@ -26,13 +26,13 @@ namespace HWY_NAMESPACE {
 struct MetallicRoughness {
   HWY_INLINE MetallicRoughness(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                std::uint32_t n)
-      // Rows behind the end hold anything.
+      // Rows behind the end hold anything, hence the clamps.
       : ggx(Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f)),
         color(ColorOf(s, i)),
         tables(*m.conductor),
         metallic(Clamp(Load(s.varying_1 + i), 0.0f, 1.0f)) {
     const VF one = Set(1.0f);
-    const VF ior = Field(m, MaterialFields(s, i, n), 7);
+    const VF ior = Field(m, MaterialFields(s, i, n), kIor);
     const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
     coat = hn::Mul(amplitude, amplitude);
     const VF body = hn::Sub(one, metallic);
@@ -42,7 +42,7 @@ struct MetallicRoughness {
     const VF through = hn::Sub(one, Mix(grazing, mean, coat));
     diffuse = Scale(color, hn::Div(hn::Mul(body, Set(kInvPi)), hn::Max(through, Set(1e-6f))));
 
-    // As ConductorMultiscatter; the mean of Schlick's formula is F0 + (1 - F0) / 21.
+    // This is ConductorMultiscatter; the mean of Schlick's formula is F0 + (1 - F0) / 21.
     const VF lost = hn::Max(hn::Sub(one, mean), Set(1e-6f));
     const V3 f = Add(Scale(color, Set(20.0f / 21)), Splat(Set(1.0f / 21)));
     const VF factor = hn::Div(hn::Mul(hn::Mul(metallic, mean), Set(kInvPi)), lost);
@@ -54,15 +54,15 @@ struct MetallicRoughness {
   }
 
   static HWY_INLINE V3 Splat(VF value) { return {value, value, value}; }
-  // Of what is linear in F0: between its values for 0 and 1.
+  // Interpolates a quantity that is linear in F0 between its values for 0 and 1.
   static HWY_INLINE VF Mix(VF zero, VF one, VF share) {
     return hn::Add(zero, hn::Mul(share, hn::Sub(one, zero)));
   }
 
-  // What is needed of one of both directions.
+  // Quantities of one of both directions.
   struct Side {
-    VF lost;     // by single scattering between facets that reflect everything
-    VF through;  // what the coat lets through: 1 - S
+    VF lost;     // share lost by single scattering between facets that reflect everything
+    VF through;  // share that the coat lets through: 1 - S
     VF grazing;  // albedo for F0 = 0
   };
   HWY_INLINE Side SideOf(VF cosine) const {
@@ -72,14 +72,14 @@ struct MetallicRoughness {
     return {hn::Sub(one, all), hn::Sub(one, Mix(grazing, all, coat)), grazing};
   }
 
-  // Probability of the specular lobe.
+  // Returns the probability of the specular lobe.
   HWY_INLINE VF SpecularShare(const Side& o) const {
     const VF one = Set(1.0f);
     const VF specular = Mix(o.grazing, hn::Sub(one, o.lost), Luminance(f0));
     const VF body = hn::Mul(o.through, hn::Mul(hn::Sub(one, metallic), Luminance(color)));
     const VF rest = hn::Add(body, hn::Mul(hn::Mul(o.lost, metallic), Luminance(color)));
     const VF sum = hn::Max(hn::Add(specular, rest), Set(1e-6f));
-    // At least a tenth each, as the shares are of means only.
+    // Each lobe gets at least a tenth, as the shares are of means only.
     return Clamp(hn::Div(specular, sum), 0.1f, 0.9f);
   }
 

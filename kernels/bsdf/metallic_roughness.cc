@@ -1,5 +1,6 @@
-// Metallic-roughness (metallic_roughness-inl.h).
+// Metallic-roughness is defined in metallic_roughness-inl.h, because layers may lie over it.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/metallic_roughness.cc"
@@ -21,7 +22,14 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 inline constexpr BsdfTraits MetallicRoughnessTraits = {
-    .name = "metallic-roughness", .lobed = true, .varying = Varying::kRoughness};
+    .name = "metallic-roughness",
+    .lobed = true,
+    .varying = Varying::kRoughness,
+    .tables = {.ggx = true},
+    .parameters = {{"alpha"}, {"metallic"}, {"ior"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PackMetallicRoughness(m, r);
+    }};
 SKYWAVE_BSDF_TABLE(MetallicRoughness)
 
 }  // namespace skywave

@@ -1,5 +1,6 @@
-// Anisotropic microfacets: GGX and Beckmann distributions of slopes, of width x along the tangent
-// and y across it, and the conductor made of either. Frames: z is the normal, x the tangent.
+// Anisotropic microfacets have GGX or Beckmann distributions of slopes, of width x along the
+// tangent and y across it; conductors are made of either. In local frames z is the normal and x the
+// tangent.
 #if defined(SKYWAVE_KERNELS_MICROFACET_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_MICROFACET_INL_H_
 #undef SKYWAVE_KERNELS_MICROFACET_INL_H_
@@ -14,7 +15,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A rotation of the shading frame about its normal, from Varying::kTangent.
+// A rotation of the shading frame about its normal, by Varying::kTangent.
 struct TangentTurn {
   HWY_INLINE TangentTurn(const SurfaceColumns& s, std::uint32_t i)
       : cosine(Load(s.varying_0 + i)), sine(Load(s.varying_1 + i)) {}
@@ -29,7 +30,7 @@ struct TangentTurn {
   VF cosine, sine;
 };
 
-// Sum of the squared slopes of unit h, each over its width.
+// Returns the sum of the squared slopes of unit h, each over its width.
 HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
   const VF sx = hn::Div(h.x, x), sy = hn::Div(h.y, y);
   const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f));
@@ -37,14 +38,14 @@ HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
 }
 
 struct AnisotropicGgx {
-  // Heitz 2014, eq. 85.
+  // This is eq. 85 of Heitz 2014.
   HWY_INLINE VF Density(const V3& h) const {
     const VF one_plus = hn::Add(Set(1.0f), ScaledSlope2(h, x, y));
     const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f)), z4 = hn::Mul(z2, z2);
     const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
     return hn::Div(Set(1.0f), hn::Mul(area, hn::Mul(one_plus, one_plus)));
   }
-  // Heitz 2014, eq. 86.
+  // This is eq. 86 of Heitz 2014.
   HWY_INLINE VF Lambda(const V3& w) const {
     const VF a = hn::Mul(w.x, x), b = hn::Mul(w.y, y);
     const VF z2 = hn::Max(hn::Mul(w.z, w.z), Set(1e-12f));
@@ -64,7 +65,7 @@ struct Beckmann {
     const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
     return hn::Div(Exp(hn::Neg(ScaledSlope2(h, x, y))), area);
   }
-  // Exact (Heitz 2014, eq. 68), with a = cot / width.
+  // This is exact (Heitz 2014, eq. 68), with a = cot / width.
   HWY_INLINE VF Lambda(const V3& w) const {
     const VF b = hn::Mul(w.x, x), c = hn::Mul(w.y, y);
     const VF across = hn::Sqrt(hn::Max(hn::Add(hn::Mul(b, b), hn::Mul(c, c)), Set(1e-20f)));
@@ -74,8 +75,9 @@ struct Beckmann {
     const VF lambda = hn::Sub(tail, hn::Mul(Set(0.5f), hn::Sub(Set(1.0f), Erf(a, bell))));
     return hn::Max(lambda, hn::Zero(F()));
   }
-  // Slopes as an eye sees them (Heitz and d'Eon 2014): the surface is stretched until its width is
-  // 1, and seen along x. The slope across is normal; that along x has the cumulative distribution
+  // Slopes are drawn as an eye sees them (Heitz and d'Eon 2014): the surface is stretched until its
+  // width is 1, and seen along x. The slope across is normal; that along x has the cumulative
+  // distribution
   // cos (1 + erf x) / 2 + sin exp(-x^2) / (2 sqrt(pi)) up to the cotangent, which Newton's method
   // inverts between bounds that only shrink.
   HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
@@ -108,7 +110,7 @@ struct Beckmann {
           hn::Mul(hn::Mul(Set(2 * kHalfInvRootPi), bell), hn::Sub(cosine, hn::Mul(slope, sine)));
       const VF next = hn::Sub(slope, hn::Div(excess, hn::Max(rise, Set(1e-20f))));
       const MF between = hn::And(hn::Gt(next, low), hn::Lt(next, high));
-      // At the root the rounding of a step may leave the bounds: it is not bisected away again.
+      // At the root the rounding of a step may leave the bounds, which must not bisect it away.
       const MF settled = hn::Lt(hn::Abs(excess), Set(1e-6f));
       const VF safe = IfThen(between, next, hn::Mul(half, hn::Add(low, high)));
       slope = IfThen(settled, slope, safe);
@@ -130,9 +132,9 @@ struct MicrofacetConductor {
                                  std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         color(ColorOf(s, i)),
-        facets{Field(m, fields, 3), Field(m, fields, 7)},
-        eta(Field3(m, fields, 4)),
-        k(Field3(m, fields, 8)),
+        facets{Field(m, fields, kAlpha), Field(m, fields, kAlphaAcross)},
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)),
         turn(s, i) {}
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {

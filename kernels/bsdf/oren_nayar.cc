@@ -1,8 +1,12 @@
-// Rough diffuse: the energy-preserving Oren-Nayar model (Portsmouth, Kutz and Hill 2025, "EON: A
-// Practical Energy-Preserving Rough Diffuse BRDF"): Fujii's form of Oren and Nayar 1994 plus a
-// reciprocal lobe for light that meets more than one facet, so a white one is a white furnace.
-// Roughness is the material's `alpha` in [0, 1]; 0 is Lambert. Sampled by the cosine.
+// This rough diffuse BSDF is the energy-preserving Oren-Nayar model (Portsmouth, Kutz and Hill
+// 2025, "EON: A Practical Energy-Preserving Rough Diffuse BRDF"): Fujii's form of Oren and Nayar
+// 1994 plus a reciprocal lobe for light that meets more than one facet, so a white one is a white
+// furnace. The roughness is the material's `alpha` in [0, 1], where 0 is Lambert. It is drawn by
+// the cosine.
+#include <algorithm>
+
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/oren_nayar.cc"
@@ -15,9 +19,11 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct OrenNayar {
+  static constexpr MaterialField kRoughness = kAlpha;
+
   HWY_INLINE OrenNayar(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                        std::uint32_t n)
-      : color(ColorOf(s, i)), roughness(Field(m, MaterialFields(s, i, n), 3)) {
+      : color(ColorOf(s, i)), roughness(Field(m, MaterialFields(s, i, n), kRoughness)) {
     constexpr float kA = 0.5f - 2 / (3 * kPi), kB = 2.0f / 3 - 28 / (15 * kPi);
     const VF one = Set(1.0f);
     a = hn::Div(one, hn::Add(one, hn::Mul(Set(kA), roughness)));
@@ -30,7 +36,8 @@ struct OrenNayar {
     multiple = {further(color.x), further(color.y), further(color.z)};
   }
 
-  // What single scattering loses of the light from or to this cosine: one minus its albedo.
+  // Returns the share of the light from or to this cosine that single scattering loses: one minus
+  // its albedo.
   HWY_INLINE VF Lost(VF cosine) const {
     const VF one = Set(1.0f);
     const VF c = Clamp(cosine, 1e-4f, 1.0f), sine = SafeSqrt(hn::Sub(one, hn::Mul(c, c)));
@@ -72,7 +79,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits OrenNayarTraits = {.name = "oren-nayar"};
+inline constexpr BsdfTraits OrenNayarTraits = {
+    .name = "oren-nayar",
+    .parameters = {{"alpha"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PutField(r, HWY_NAMESPACE::OrenNayar::kRoughness, std::clamp(m.alpha, 0.0f, 1.0f));
+    }};
 SKYWAVE_BSDF_TABLE(OrenNayar)
 
 }  // namespace skywave

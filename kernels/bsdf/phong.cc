@@ -1,7 +1,9 @@
-// Modified Phong (Lafortune and Willems 1994): color / pi plus the material's second colour (eta)
-// times (n + 2) / (2 pi) cos^n of the angle to the mirror direction; reciprocal, and at most 1 in
-// sum where both colours are. Drawn by the shares of the two.
+// Modified Phong (Lafortune and Willems 1994) is color / pi plus the material's second colour, the
+// gloss, times (n + 2) / (2 pi) cos^n of the angle to the mirror direction. It is reciprocal, and
+// its albedo is at most 1 where the sum of both colours is. A lobe is drawn by its share of that
+// sum.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/phong.cc"
@@ -14,11 +16,13 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct Phong {
+  static constexpr MaterialField kGloss = kEta;
+
   HWY_INLINE Phong(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i, std::uint32_t n)
       : fields(MaterialFields(s, i, n)),
         diffuse(ColorOf(s, i)),
-        gloss(Field3(m, fields, 4)),
-        exponent(PowerOfWidth(Field(m, fields, 3))) {
+        gloss(Field3(m, fields, kGloss)),
+        exponent(PowerOfWidth(Field(m, fields, kAlpha))) {
     const VF sum = hn::Add(MaxComponent(diffuse), MaxComponent(gloss));
     share = hn::Div(MaxComponent(gloss), hn::Max(sum, Set(1e-30f)));
   }
@@ -56,7 +60,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace skywave {
 
-inline constexpr BsdfTraits PhongTraits = {.name = "phong", .lobed = true};
+inline constexpr BsdfTraits PhongTraits = {
+    .name = "phong",
+    .lobed = true,
+    .parameters = {{"alpha"}, {"second_color", "gloss"}},
+    .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PutField(r, MaterialField::kAlpha, MicrofacetWidth(m.alpha));
+      PutField(r, HWY_NAMESPACE::Phong::kGloss, m.second_color);
+    }};
 SKYWAVE_BSDF_TABLE(Phong)
 
 }  // namespace skywave

@@ -16,9 +16,9 @@ void PickCells(const float* sums, std::uint32_t count, const float* u, std::uint
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const float* row = sums + i;
     const VF total = Load(row + std::size_t(count - 1) * kProductStride);
-    // Below the total, so that some sum is greater: a cell with weight is found.
+    // The target lies below the total, so that some sum is greater and a cell with weight is found.
     const VF target = hn::Mul(hn::Min(Load(u + i), below_one), total);
-    // Of the sums that do not exceed the target the last is where the cell begins.
+    // The cell begins at the last of the sums that do not exceed the target.
     VU cell = hn::Zero(U());
     VF begin = zero, end = total;
     for (std::uint32_t k = count - 1; k > 0; --k) {

@@ -1,6 +1,6 @@
-// Product sampling: a cell of the map for each surface, in proportion to the cell's light times the
-// surface's BSDF (Conty Estevez and Lecocq 2018, "Fast Product Importance Sampling of Environment
-// Maps"), then a texel in the cell.
+// Product sampling draws a cell of the map for each surface, in proportion to the cell's light
+// times the surface's BSDF (Conty Estevez and Lecocq 2018, "Fast Product Importance Sampling of
+// Environment Maps"), then a texel in the cell.
 #pragma once
 
 #include <cstdint>
@@ -14,38 +14,38 @@ namespace skywave {
 // cache.
 inline constexpr std::uint32_t kProductRows = 64;
 inline constexpr std::uint32_t kMaxProductCells = 256;
-// Between the sums of one cell and the next: room for whole vectors, and no power of two, whose
-// columns would all fall on the same cache lines.
+// The stride between the sums of one cell and the next has room for whole vectors and is no power
+// of two, because those columns would all fall on the same cache lines.
 inline constexpr std::uint32_t kProductStride = PaddedRows(kProductRows);
 
-// Where a chunk of surfaces draws its samples.
+// The places where a chunk of surfaces draws its samples.
 struct CellPicks {
   alignas(64) std::uint32_t cell[kProductStride];
-  alignas(64) float x[kProductStride];            // what the pick left of its uniform, in [0, 1)
-  alignas(64) float probability[kProductStride];  // of the cell; 0: no cell has weight
+  alignas(64) float x[kProductStride];            // rest of the uniform behind the pick, in [0, 1)
+  alignas(64) float probability[kProductStride];  // that of the cell; 0: no cell has weight
 };
 
-// Picks a cell for each of rows [0, n), n <= kProductRows, at uniforms u; sums as
-// BsdfKernels::weigh_cells writes them, kProductStride apart. Writes the last sum of every row to
+// Picks a cell for each of rows [0, n), n <= kProductRows, at uniforms u, by the sums that
+// BsdfKernels::weigh_cells writes, kProductStride apart. Writes the last sum of every row to
 // `norm`.
 void PickCells(const float* sums, std::uint32_t count, const float* u, std::uint32_t n,
                CellPicks& picks, float* norm);
 
-// A texel in the picked cell of each of rows [0, n), at (picks.x, v). `cells.density`: of each
-// texel inside its cell [1/sr].
+// Draws a texel in the picked cell of each of rows [0, n), at (picks.x, v). `cells.density` is that
+// of each texel inside its cell [1/sr].
 void SamplePickedCells(const EnvironmentView& map, const CellsView& cells, const CellPicks& picks,
                        const float* v, std::uint32_t n, float samples, const LightColumns& out);
 
-// cell[i] = cell_of_texel of the texel that row i of `rows` looks at, for rows [0, n).
+// Sets cell[i] to cell_of_texel of the texel that row i of `rows` looks at, for rows [0, n).
 void FindCells(const EnvironmentView& map, const std::uint32_t* cell_of_texel, std::uint32_t n,
                const EscapeColumns& rows, std::uint32_t* cell);
 
-// Copies what a BSDF needs to weigh cells, of surfaces from[i] to row i of `out`, for rows [0, n),
-// n <= kProductRows; and light_norm.
+// Copies the columns by which BSDFs weigh cells, and light_norm, from row from[i] of `surfaces` to
+// row i of `out`, for rows [0, n), n <= kProductRows.
 void GatherWeighedSurfaces(const SurfaceColumns& surfaces, const std::uint32_t* from,
                            std::uint32_t n, const SurfaceColumns& out);
 
-// light_pdf[i] *= weight[i] / norm[i] (0 where norm is) for rows [0, n).
+// Multiplies light_pdf[i] by weight[i] / norm[i] (0 where norm is) for rows [0, n).
 void ScaleByPick(const float* weight, const float* norm, std::uint32_t n, float* light_pdf);
 
 }  // namespace skywave

@@ -17,13 +17,13 @@ void SampleArrivals(const LocalLightView& view, const LightChoice& choice, const
     const LightPick pick(view, choice, u, i, n);
     if (pick.none()) continue;
     const LightLanes light(view, pick.light);
-    // Triangles send light by the cosine over the squared distance, and that is what turns the
-    // density of the sample's place into that of its direction.
+    // Triangles emit by the cosine over the squared distance, and that is what turns the density of
+    // the sample's place into that of its direction.
     const VF sides = IfThen(light.two_sided(), Set(2 * kPi), Set(kPi));
     const VF places = hn::Div(pick.probability, hn::Mul(light.area(), sides));
     const VF pdf = hn::Max(Load(samples.pdf + i), Set(1e-20f));
-    const V3 way = Sub(light.position(), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
-    const VF inverse2 = hn::Div(one, hn::Max(Dot(way, way), Set(1e-30f)));
+    const V3 to_light = Sub(light.position(), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
+    const VF inverse2 = hn::Div(one, hn::Max(Dot(to_light, to_light), Set(1e-30f)));
     const VF cone = hn::Max(hn::Sub(one, light.Number(12)), Set(1e-7f));
     const VF from_point = hn::Mul(Set(0.25f * kInvPi), inverse2);
     const VF from_spot = hn::Mul(hn::Div(Set(0.5f * kInvPi), cone), inverse2);

@@ -1,6 +1,7 @@
-// How likely light paths (kernels/light_paths/emission.h) are to arrive where light samples are
-// taken or light is met: their density given where on their light they start, but for the cosine at
-// the surface where they arrive [1/length^2]. What weights of bidirectional paths need of lights.
+// Weights of bidirectional paths need the density with which light paths
+// (kernels/light_paths/emission.h) arrive where light samples are taken or light is hit: given
+// where on their light they start, and without the cosine at the surface where they arrive
+// [1/length^2].
 #pragma once
 
 #include <cstdint>
@@ -10,10 +11,10 @@
 
 namespace skywave {
 
-// Rows [0, n) whose u picks a light that is somewhere: of the sample that SampleLocalLights (for
-// one pick a surface) has put into `samples`. The others, which have a sample of something
-// infinitely far away, keep what EnvironmentArrivals (kernels/light_paths/emission_guide.h) says of
-// it.
+// Writes `arrival` of those rows [0, n) whose u picks a light at a finite distance: that of the
+// sample that SampleLocalLights (for one pick per surface) has put into `samples`. The others,
+// whose sample is of something infinitely far away, keep the value of EnvironmentArrivals
+// (kernels/light_paths/emission_guide.h).
 void SampleArrivals(const LocalLightView& view, const LightChoice& choice,
                     const SurfaceColumns& surfaces, const float* u, const LightColumns& samples,
                     std::uint32_t n, float* arrival);

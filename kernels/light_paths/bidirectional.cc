@@ -17,12 +17,12 @@ HWY_INLINE V3 Gather3(const float* x, const float* y, const float* z, VU row) {
   return {Gather(x, row), Gather(y, row), Gather(z, row)};
 }
 HWY_INLINE VF AbsDot(const V3& a, const V3& b) { return hn::Abs(Dot(a, b)); }
-// Indices of rows behind n may be anything.
+// Loads indices; those of rows beyond n may be anything and become 0.
 HWY_INLINE VU LoadRows(const std::uint32_t* rows, std::uint32_t i, std::uint32_t n) {
   return hn::IfThenElseZero(RowsBelow(i, n), Load(rows + i));
 }
 
-// Stores lane k of the values at row[k] of the columns, for rows below `count`.
+// Stores lane k of the values at row[k] of the columns, for lanes below `count`.
 HWY_INLINE void Scatter(const VF (&values)[2], const std::uint32_t* row, std::uint32_t count,
                         float* a, float* b) {
   alignas(kColumnAlignment) float lanes[2][kPadRows];
@@ -61,15 +61,16 @@ void ClearUnseen(const SurfaceColumns& s, std::uint32_t n, const BsdfValueColumn
   }
 }
 
-// What the ways that join at a vertex or farther back count together, against the one that reaches
-// past it: each by the density `back` of what reaches it from there, but for the last.
+// Combines the ratios of the techniques that connect at a vertex or farther back, against the one
+// that reaches past it. Those farther back still lack the density `back` with which the vertex
+// samples back.
 HWY_INLINE VF SumTechniques(VF before, VF earlier, VF back, VF eta_vcm) {
   const VF farther = hn::Mul(earlier, back);
-  const VF joined = hn::Add(hn::Mul(farther, farther), hn::Mul(before, before));
-  return hn::Sqrt(hn::Add(joined, hn::Mul(eta_vcm, eta_vcm)));
+  const VF combined = hn::Add(hn::Mul(farther, farther), hn::Mul(before, before));
+  return hn::Sqrt(hn::Add(combined, hn::Mul(eta_vcm, eta_vcm)));
 }
 
-// A cosine that is divided by.
+// Bounds a cosine that is divided by.
 HWY_INLINE VF Divisor(VF cosine) { return hn::Max(cosine, Set(1e-9f)); }
 
 void LeaveEye(const float* density, float light_paths, bool parallel, std::uint32_t n,
@@ -91,9 +92,9 @@ void LeaveLights(const EmissionColumns& emission, std::uint32_t n, const Subpath
     const VF before = Bounded(hn::Mul(Load(emission.light_pdf + i), inverse));
     Store(IfThen(hn::RebindMask(F(), distant), hn::Neg(before), before), paths.d_vcm + i);
     // Nothing hits a light without extent by chance.
-    const MF met = hn::RebindMask(F(), hn::Eq(delta, SetU(0)));
+    const MF hittable = hn::RebindMask(F(), hn::Eq(delta, SetU(0)));
     const VF earlier = Bounded(hn::Mul(Load(emission.cosine + i), inverse));
-    Store(hn::IfThenElseZero(met, earlier), paths.d_vc + i);
+    Store(hn::IfThenElseZero(hittable, earlier), paths.d_vc + i);
   }
 }
 
@@ -124,8 +125,8 @@ void LeaveSurfaces(const SurfaceColumns& s, const SubpathColumns& at, const floa
     const VF pdf = Load(rays.pdf + i);
     const MF delta = hn::Eq(pdf, zero);
     const VF density = IfThen(delta, one, pdf);
-    const VF joined = SumTechniques(before, earlier, Gather(back_pdf, from), eta_vcm);
-    const VF farther = hn::Mul(hn::Div(cosine, density), IfThen(delta, earlier, joined));
+    const VF combined = SumTechniques(before, earlier, Gather(back_pdf, from), eta_vcm);
+    const VF farther = hn::Mul(hn::Div(cosine, density), IfThen(delta, earlier, combined));
     const VF here = IfThen(delta, zero, hn::Div(one, density));
     Scatter({Bounded(here), Bounded(farther)}, rays.path + i, LanesLeft(i, n), paths.d_vcm,
             paths.d_vc);
@@ -146,9 +147,9 @@ void WeighHitLight(const SubpathColumns& paths, const float* arrival, std::uint3
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU path = LoadRows(rows.path, i, n);
     const VF earlier = hn::Mul(Gather(paths.d_vc, path), Load(arrival + i));
-    const VF joined = Join(Gather(paths.d_vcm, path), earlier);
+    const VF combined = Join(Gather(paths.d_vcm, path), earlier);
     const MF partner = hn::Gt(Load(rows.pdf + i), hn::Zero(F()));
-    const VF others = hn::IfThenElseZero(partner, hn::Mul(joined, Load(rows.light_pdf + i)));
+    const VF others = hn::IfThenElseZero(partner, hn::Mul(combined, Load(rows.light_pdf + i)));
     const V3 throughput =
         Load3(rows.throughput_r + i, rows.throughput_g + i, rows.throughput_b + i);
     Store3(Scale(throughput, HeuristicWeight(mis, others, hn::Zero(F()))), rows.throughput_r + i,
@@ -166,14 +167,14 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const V3 dir = DirectionOf(lights, i);
     const VF pdf = Load(lights.pdf + i);
-    // A light without extent: its radiance is an irradiance, and nothing can hit it.
+    // A light without extent has an irradiance in place of radiance, and nothing can hit it.
     const MF extended = hn::Lt(pdf, infinity);
     const VF density = IfThen(hn::And(extended, hn::Gt(pdf, zero)), pdf, one);
     const VF by_bsdf = hn::IfThenElseZero(extended, hn::Div(Load(forward.pdf + i), density));
     const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));
-    const VF joined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(backward.pdf + i),
-                                    Set(techniques.eta_vcm));
-    const VF weight = HeuristicWeight(techniques.mis, by_bsdf, hn::Mul(from_light, joined));
+    const VF combined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(backward.pdf + i),
+                                      Set(techniques.eta_vcm));
+    const VF weight = HeuristicWeight(techniques.mis, by_bsdf, hn::Mul(from_light, combined));
     const VF factor = hn::Div(weight, density);
     const V3 gain = Scale(Mul(Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i),
                                   Load3(forward.r + i, forward.g + i, forward.b + i)),
@@ -190,17 +191,17 @@ void WeighSplats(const SurfaceColumns& s, const SubpathColumns& at, const float*
                  const MisTechniques& techniques, const LightColumns& to_eye) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF cosine = AbsDot(GeometricNormal(s, i), DirectionOf(to_eye, i));
-    const VF joined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(back_pdf + i),
-                                    Set(techniques.eta_vcm));
+    const VF combined = SumTechniques(Load(at.d_vcm + i), Load(at.d_vc + i), Load(back_pdf + i),
+                                      Set(techniques.eta_vcm));
     const VF others =
-        hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), joined);
+        hn::Mul(hn::Div(hn::Mul(Load(arrival + i), cosine), Set(light_paths)), combined);
     const VF weight = HeuristicWeight(techniques.mis, others, hn::Zero(F()));
     const V3 gain = Load3(to_eye.r + i, to_eye.g + i, to_eye.b + i);
     Store3(Scale(gain, weight), to_eye.r + i, to_eye.g + i, to_eye.b + i);
   }
 }
 
-// Where on a surface a row is, by what its origin was lifted.
+// Returns the point on the surface, without the lift of the origin.
 HWY_INLINE V3 HitOf(const V3& org, const V3& ng, VF lift) { return Sub(org, Scale(ng, lift)); }
 
 void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& vertices,
@@ -209,20 +210,20 @@ void AimAtVertices(const SurfaceColumns& s, std::uint32_t n, const VertexView& v
   const SurfaceColumns& v = vertices.surfaces;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU found = Gather(vertices.row_of_path, LoadRows(s.path, i, n));
-    MU joined = hn::And(RowsBelow(i, n), hn::Ne(found, SetU(kNoRow)));
-    const VU row = hn::IfThenElseZero(joined, found);
+    MU connected = hn::And(RowsBelow(i, n), hn::Ne(found, SetU(kNoRow)));
+    const VU row = hn::IfThenElseZero(connected, found);
     const V3 here = HitOf(Load3(s.org_x + i, s.org_y + i, s.org_z + i), GeometricNormal(s, i),
                           Load(s.lift + i));
     const V3 there = HitOf(Gather3(v.org_x, v.org_y, v.org_z, row),
                            Gather3(v.ng_x, v.ng_y, v.ng_z, row), Gather(v.lift, row));
-    const V3 way = Sub(there, here);
-    const VF distance2 = Dot(way, way);
-    joined = hn::And(joined, hn::RebindMask(U(), hn::Gt(distance2, Set(1e-30f))));
+    const V3 offset = Sub(there, here);
+    const VF distance2 = Dot(offset, offset);
+    connected = hn::And(connected, hn::RebindMask(U(), hn::Gt(distance2, Set(1e-30f))));
     const VF distance = hn::Sqrt(hn::Max(distance2, Set(1e-30f)));
-    const V3 dir = Scale(way, hn::Div(Set(1.0f), distance));
+    const V3 dir = Scale(offset, hn::Div(Set(1.0f), distance));
     Store3(dir, to_light.dir_x + i, to_light.dir_y + i, to_light.dir_z + i);
-    Store(IfThen(hn::RebindMask(F(), joined), distance, Set(-1.0f)), to_light.t_far + i);
-    Store(IfThen(joined, row, SetU(kNoRow)), partner + i);
+    Store(IfThen(hn::RebindMask(F(), connected), distance, Set(-1.0f)), to_light.t_far + i);
+    Store(IfThen(connected, row, SetU(kNoRow)), partner + i);
     for (std::uint32_t lane = i; lane < i + LanesLeft(i, n); ++lane) {
       if (partner[lane] == kNoRow) continue;
       to_eye.dir_x[partner[lane]] = -to_light.dir_x[lane];
@@ -240,8 +241,8 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
   const SurfaceColumns& v = vertices.surfaces;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU found = LoadRows(partner, i, n);
-    const MU joined = hn::And(RowsBelow(i, n), hn::Ne(found, SetU(kNoRow)));
-    const VU row = hn::IfThenElseZero(joined, found);
+    const MU connected = hn::And(RowsBelow(i, n), hn::Ne(found, SetU(kNoRow)));
+    const VU row = hn::IfThenElseZero(connected, found);
     const V3 dir = DirectionOf(to_light, i), ng = GeometricNormal(s, i);
     const V3 there_ng = Gather3(v.ng_x, v.ng_y, v.ng_z, row);
     const V3 there_wo = Gather3(v.wo_x, v.wo_y, v.wo_z, row);
@@ -249,8 +250,8 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
     const VF inverse2 = hn::Div(Set(1.0f), hn::Mul(distance, distance));
     const VF eye_cosine = AbsDot(ng, dir), light_cosine = AbsDot(there_ng, dir);
 
-    // The value at the light's end has the cosine of the shading normal to where light came from
-    // in place of the geometric one, by which flux counts (Veach 1997, 5.3.2).
+    // The value at the light's end has the cosine of the shading normal to where light came from in
+    // place of the geometric one, which flux has (Veach 1997, 5.3.2).
     const VF geometry =
         hn::Div(hn::Mul(light_cosine, inverse2), Divisor(AbsDot(there_ng, there_wo)));
     const V3 light_value =
@@ -261,7 +262,7 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
         Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), eye_value);
     const V3 light = Mul(Gather3(v.throughput_r, v.throughput_g, v.throughput_b, row), light_value);
 
-    // Each end as the other one would have sampled it, against how it was.
+    // The density of each end as sampled from the other one is set against how it was sampled.
     const VF to_there = hn::Mul(hn::Mul(Load(ends.eye_forward.pdf + i), light_cosine), inverse2);
     const VF to_here = hn::Mul(hn::Mul(Gather(ends.light_forward.pdf, row), eye_cosine), inverse2);
     const VF of_light = SumTechniques(Gather(vertices.at.d_vcm, row), Gather(vertices.at.d_vc, row),
@@ -271,14 +272,14 @@ void JoinVertices(const SurfaceColumns& s, const SubpathColumns& at, std::uint32
     const VF weight =
         HeuristicWeight(techniques.mis, hn::Mul(to_there, of_light), hn::Mul(to_here, of_eye));
     const V3 gain = Scale(Mul(eye, light), hn::Mul(geometry, weight));
-    const MF counts = hn::And(hn::RebindMask(F(), joined), hn::Gt(MaxComponent(gain), zero));
+    const MF counts = hn::And(hn::RebindMask(F(), connected), hn::Gt(MaxComponent(gain), zero));
     Store3(IfThen(counts, gain, V3{zero, zero, zero}), to_light.r + i, to_light.g + i,
            to_light.b + i);
 
-    const V3 way =
+    const V3 offset =
         Sub(Gather3(v.org_x, v.org_y, v.org_z, row), Load3(s.org_x + i, s.org_y + i, s.org_z + i));
-    const VF reach = hn::Sqrt(hn::Max(Dot(way, way), Set(1e-30f)));
-    Store3(Scale(way, hn::Div(Set(1.0f), reach)), to_light.dir_x + i, to_light.dir_y + i,
+    const VF reach = hn::Sqrt(hn::Max(Dot(offset, offset), Set(1e-30f)));
+    Store3(Scale(offset, hn::Div(Set(1.0f), reach)), to_light.dir_x + i, to_light.dir_y + i,
            to_light.dir_z + i);
     Store(IfThen(counts, reach, Set(-1.0f)), to_light.t_far + i);
   }
@@ -291,7 +292,7 @@ void MergeVertices(const SurfaceColumns& s, const SubpathColumns& at,
   const VF zero = hn::Zero(F()), per_merge = Set(1 / techniques.eta_vcm);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU row = LoadRows(vertex, i, n);
-    // Both sub-paths end here, so each could have gone on as the other one came.
+    // Both sub-paths end here, so each could have gone on along the other one.
     const VF of_light =
         Join(hn::Mul(Gather(light.d_vc, row), Load(forward.pdf + i)), Gather(light.d_vcm, row));
     const VF of_eye = Join(hn::Mul(Load(at.d_vc + i), Load(backward + i)), Load(at.d_vcm + i));

@@ -13,8 +13,8 @@
 namespace skywave {
 namespace {
 
-// A plane film: its normal, as long as a pixel is large, and the vectors that give the column and
-// the row of what lies in it.
+// A plane film has a normal, whose length is the area of a pixel, and vectors that give the column
+// and the row of a point in it.
 struct PlaneFilm {
   explicit PlaneFilm(const CameraView& camera) {
     const float *r = camera.right, *d = camera.down;
@@ -35,7 +35,7 @@ struct PlaneFilm {
     corner_height = float(height);
   }
   float normal[3], column[3], row[3];
-  float corner_height;  // of the corner along the normal
+  float corner_height;  // height of the corner along the normal
 };
 
 }  // namespace
@@ -46,10 +46,10 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// What is known of one vector of connections.
+// This is one vector of connections.
 struct Connection {
-  V3 way;       // from the camera to the point
-  VF distance;  // length of it
+  V3 to_point;  // from the camera to the point
+  VF distance;  // length of to_point
   VF x, y, importance;
   MF seen;
 };
@@ -60,32 +60,33 @@ HWY_INLINE V3 LensPoint(const CameraView& camera, const UniformColumns& lens, st
   return Add(Scale(Set3(camera.lens_x), x), Scale(Set3(camera.lens_y), y));
 }
 
-// A pixel is seen under the solid angle |N . D| / |D|^3, N the cross product of its sides and D the
-// way to it on the plane at focal distance 1. N . D is the same all over the film and the distance
-// of the point is |D| times its depth s, so a pixel covers s^3 |N . D| / distance of area at the
-// point. A lens moves the film's picture about, but not the size of what a pixel covers.
+// A pixel is seen under the solid angle |N . D| / |D|^3, N being the cross product of its sides and
+// D the vector to it on the film's plane. N . D is the same all over the film and the distance of
+// the point is |D| times its depth s, so a pixel covers s^3 |N . D| / distance of area at the
+// point. A lens moves the image on the film, but does not change the area that a pixel covers.
 struct ToPerspective {
   template <bool kLens>
   static HWY_INLINE Connection Connect(const CameraView& camera, const PlaneFilm& film,
                                        const UniformColumns& lens, const V3& point,
                                        std::uint32_t i) {
-    V3 way = Sub(point, Set3(camera.origin)), shift;
-    if constexpr (kLens) shift = LensPoint(camera, lens, i), way = Sub(way, shift);
-    const VF distance = hn::Sqrt(Dot(way, way));
+    V3 to_point = Sub(point, Set3(camera.origin)), shift;
+    if constexpr (kLens) shift = LensPoint(camera, lens, i), to_point = Sub(to_point, shift);
+    const VF distance = hn::Sqrt(Dot(to_point, to_point));
     const VF height = Set(film.corner_height);
-    const VF depth = hn::Div(Dot(Set3(film.normal), way), height);
+    const VF depth = hn::Div(Dot(Set3(film.normal), to_point), height);
     const MF seen = hn::Gt(depth, Set(1e-20f));
     const VF inverse = hn::Div(Set(1.0f), IfThen(seen, depth, Set(1.0f)));
-    V3 on = Scale(way, inverse);  // where the way meets the plane that is sharp
+    V3 on = Scale(to_point, inverse);  // on the film's plane
     if constexpr (kLens) on = Add(on, Scale(shift, Set(1 / camera.focal_distance)));
     on = Sub(on, Set3(camera.corner));
     const VF importance =
         hn::Div(hn::Mul(distance, hn::Mul(inverse, hn::Mul(inverse, inverse))), hn::Abs(height));
-    return {way, distance, Dot(Set3(film.column), on), Dot(Set3(film.row), on), importance, seen};
+    return {to_point,   distance, Dot(Set3(film.column), on), Dot(Set3(film.row), on),
+            importance, seen};
   }
 };
 
-// Parallel rays, for each point of the lens: a pixel covers |N . d| of area across them.
+// Rays are parallel for each point of the lens: a pixel covers |N . d| of area across them.
 struct ToOrthographic {
   template <bool kLens>
   static HWY_INLINE Connection Connect(const CameraView& camera, const PlaneFilm& film,
@@ -100,9 +101,9 @@ struct ToOrthographic {
     const V3 normal = Set3(film.normal);
     const VF slope = Dot(normal, along);
     const VF steps = hn::Div(Dot(normal, from_corner), slope);
-    const V3 way = Scale(along, steps), on = Sub(from_corner, way);
+    const V3 to_point = Scale(along, steps), on = Sub(from_corner, to_point);
     const VF length = hn::Sqrt(Dot(along, along));
-    return {way,
+    return {to_point,
             hn::Mul(steps, length),
             Dot(Set3(film.column), on),
             Dot(Set3(film.row), on),
@@ -111,23 +112,23 @@ struct ToOrthographic {
   }
 };
 
-// The cameras that see directions: way to the point, its length, and the unit direction in the
-// camera's axes.
+// Cameras that see directions use the vector to the point, its length, and the unit direction in
+// the camera's axes.
 struct SeenDirection {
   HWY_INLINE SeenDirection(const CameraView& camera, const V3& point)
-      : way(Sub(point, Set3(camera.origin))), distance(hn::Sqrt(Dot(way, way))) {
+      : to_point(Sub(point, Set3(camera.origin))), distance(hn::Sqrt(Dot(to_point, to_point))) {
     seen = hn::Gt(distance, Set(1e-15f));
-    const V3 dir = Scale(way, hn::Div(Set(1.0f), IfThen(seen, distance, Set(1.0f))));
+    const V3 dir = Scale(to_point, hn::Div(Set(1.0f), IfThen(seen, distance, Set(1.0f))));
     right = Dot(Set3(camera.right), dir);
     down = Dot(Set3(camera.down), dir);
     forward = Dot(Set3(camera.forward), dir);
   }
-  // `density`: pixels a steradian.
+  // `density` is in pixels per steradian.
   HWY_INLINE Connection At(VF x, VF y, VF density) const {
     const VF distance2 = hn::Max(hn::Mul(distance, distance), Set(1e-30f));
-    return {way, distance, x, y, hn::Div(density, distance2), seen};
+    return {to_point, distance, x, y, hn::Div(density, distance2), seen};
   }
-  V3 way;
+  V3 to_point;
   VF distance, right, down, forward;
   MF seen;
 };
@@ -143,21 +144,21 @@ struct ToLatLong {
     const VF sine = Hypotenuse(to.right, to.forward);
     VF turn = Atan2Turn(hn::Neg(to.right), hn::Neg(to.forward));
     turn = hn::Sub(turn, hn::Floor(turn));
-    const VF polar = Atan2Turn(sine, hn::Neg(to.down));  // of half a turn
+    const VF polar = Atan2Turn(sine, hn::Neg(to.down));  // [turns], up to 1/2
     const VF density =
         hn::Div(hn::Mul(width, height), hn::Max(hn::Mul(Set(2 * kPi * kPi), sine), Set(1e-20f)));
     return to.At(hn::Mul(turn, width), hn::Mul(hn::Add(polar, polar), height), density);
   }
 };
 
-// The inverse of EqualArea in kernels/camera.cc, with its names.
+// This inverts EqualArea in kernels/camera.cc, with its names.
 struct ToEqualArea {
   template <bool>
   static HWY_INLINE Connection Connect(const CameraView& camera, const PlaneFilm&,
                                        const UniformColumns&, const V3& point, std::uint32_t) {
     const SeenDirection to(camera, point);
     const VF one = Set(1.0f), half = Set(0.5f), height = hn::Neg(to.down);
-    // 1 - |height|, which would cancel near the poles.
+    // This is the root of 1 - |height|, which would cancel near the poles.
     const VF side2 = hn::Add(hn::Mul(to.right, to.right), hn::Mul(to.forward, to.forward));
     const VF r = hn::Sqrt(hn::Div(side2, hn::Add(one, hn::Abs(height))));
     const VF along =
@@ -180,7 +181,7 @@ struct ToFisheye {
     const VF one = Set(1.0f), sine = Hypotenuse(to.right, to.down);
     const VF turns = Atan2Turn(sine, to.forward);
     const VF radius = hn::Mul(turns, Set(1 / camera.turns_per_pixel));
-    // radius / sine, which is that of small angles in the middle.
+    // This is radius / sine, or its limit for small angles in the middle.
     const float per_radian = 0.5f * kInvPi / camera.turns_per_pixel;
     const MF middle = hn::Lt(sine, Set(1e-6f));
     const VF across = IfThen(middle, Set(per_radian), hn::Div(radius, IfThen(middle, one, sine)));
@@ -202,7 +203,7 @@ HWY_INLINE void ConnectCameraOf(const CameraView& camera, const SurfaceColumns& 
     const V3 point = Load3(points.org_x + i, points.org_y + i, points.org_z + i);
     const Connection c = Kind::template Connect<kLens>(camera, film, lens, point, i);
     const VF one = Set(1.0f);
-    const V3 back = Scale(c.way, hn::Div(Set(-1.0f), IfThen(c.seen, c.distance, one)));
+    const V3 back = Scale(c.to_point, hn::Div(Set(-1.0f), IfThen(c.seen, c.distance, one)));
     Store3(back, lights.dir_x + i, lights.dir_y + i, lights.dir_z + i);
     Store(IfThen(c.seen, c.distance, Set(-1.0f)), lights.t_far + i);
     Store(c.x, out.x + i);
@@ -232,13 +233,14 @@ void ConnectCamera(const CameraView& camera, const SurfaceColumns& points,
   }
 }
 
-// Along one side of the film: the pixel that `at` goes to, a whole number that may lie beyond the
-// film, and the sum of the filters of all that it could go to, 0 if there are none.
+// Along one side of the film, `pixel` is the one that `at` goes to, a whole number that may lie
+// beyond the film, and `sum` is that of the filters of all that it could go to, 0 if there are
+// none.
 struct ChosenPixel {
   VF pixel, sum;
 };
 HWY_INLINE ChosenPixel ChoosePixel(const FilterView& filter, VF at, VF u) {
-  // Centres of pixels from `first` on are within the radius of `at`, at most so many of them.
+  // At most this many pixels, from `first` on, have their centres within the radius of `at`.
   const auto candidates = std::uint32_t(std::floor(2 * filter.radius)) + 1;
   const VF first = hn::Ceil(hn::Sub(at, Set(filter.radius + 0.5f)));
   const VF cells = Set(0.5f * float(kFilterCells) / filter.radius);
@@ -255,7 +257,7 @@ HWY_INLINE ChosenPixel ChoosePixel(const FilterView& filter, VF at, VF u) {
   const VF target = hn::Mul(u, sum);
   VF below = zero, chosen = zero;
   for (std::uint32_t k = 0; k < candidates; ++k) {
-    // The last one whose interval begins at or below the target, and is not empty.
+    // The last pixel is chosen whose interval begins at or below the target and is not empty.
     const VF width = weight(k);
     const MF here = hn::And(hn::Ge(target, below), hn::Gt(width, zero));
     chosen = IfThen(here, Set(float(k)), chosen);
@@ -264,7 +266,7 @@ HWY_INLINE ChosenPixel ChoosePixel(const FilterView& filter, VF at, VF u) {
   return {hn::Add(first, chosen), sum};
 }
 
-// What the film has beyond its sides: as GenerateCameraRays looks there.
+// Wraps pixels beyond the sides of the film to those that GenerateCameraRays sees there.
 HWY_INLINE void WrapPixels(const CameraView& camera, VF& column, VF& row) {
   const VF one = Set(1.0f), zero = hn::Zero(F());
   const VF width = Set(float(camera.whole_width)), height = Set(float(camera.whole_height));

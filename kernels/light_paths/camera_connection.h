@@ -1,4 +1,5 @@
-// From points of the world to the film: what a camera ray that meets them would have begun with.
+// These kernels connect points of the world to the film: they find where a camera ray that hits a
+// point would have begun.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +10,16 @@
 
 namespace skywave {
 
-// One row = one connection of a point to the camera. x, y and importance written by ConnectCamera,
-// the rest by ChoosePixels.
+// One row is one connection of a point to the camera. ConnectCamera writes x, y and importance,
+// ChoosePixels the rest.
 struct CameraColumns {
-  float *x, *y;  // where the point is seen, on the whole film [pixels]
-  // Pixels of the film over area at the point, perpendicular to the connection [1/area]: what flux
-  // is multiplied with to be seen, and, times the cosine at the point's surface, the density there
-  // of a camera ray that was drawn evenly over a pixel.
+  float *x, *y;  // position on the whole film [pixels]
+  // Pixels of the film over area at the point, perpendicular to the connection [1/area]: it is the
+  // factor of flux that is seen and, times the cosine at the point's surface, the density there of
+  // a camera ray that was drawn uniformly over a pixel.
   float* importance;
   std::uint32_t* pixel;  // row-major index in the film; unspecified where the connection is closed
-  float* weight;         // sum of the filters of all pixels there; 1 in the mean
+  float* weight;         // sum of the filters of all pixels there; 1 on average
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -26,16 +27,17 @@ struct CameraColumns {
   }
 };
 
-// The pixel filter as a density: kFilterCells cells over [-radius, radius], each the mean over it
-// [1/pixel]. Made from the same table as CameraView::filter_offset.
+// The pixel filter is a density: kFilterCells cells over [-radius, radius], each the mean over it
+// [1/pixel]. It is made from the same table as CameraView::filter_offset.
 struct FilterView {
   const float* density = nullptr;
   float radius = 0;  // [pixels]
 };
 
-// Connects points [0, n) (org of `points`) to the camera: unit directions to it and distances in
-// dir and t_far of `lights`, negative where the camera cannot see the point. With a lens (uniforms
-// `lens`, read only then) to an even point of it, drawn as GenerateCameraRays draws it.
+// Connects points [0, n) (org of `points`) to the camera: writes unit directions to it and
+// distances to dir and t_far of `lights`, negative where the camera cannot see the point. A lens is
+// connected at a uniform point, drawn as GenerateCameraRays draws it (uniforms `lens`, read only
+// then).
 void ConnectCamera(const CameraView& camera, const SurfaceColumns& points,
                    const UniformColumns& lens, std::uint32_t n, const LightColumns& lights,
                    const CameraColumns& out);
@@ -43,14 +45,14 @@ void ConnectCamera(const CameraView& camera, const SurfaceColumns& points,
 // Draws the pixel that gets connection i among those whose filter reaches it, by weight, so that
 // with `weight` the expectation of every pixel is that of camera rays which sample the filter
 // (GenerateCameraRays). Closes connections that no pixel of the film gets (t_far of `lights`
-// negative). `uniforms`: to choose the column and the row.
+// negative). `uniforms` choose the column and the row.
 void ChoosePixels(const CameraView& camera, const FilterView& filter,
                   const UniformColumns& uniforms, std::uint32_t n, const LightColumns& lights,
                   const CameraColumns& connections);
 
-// What connections [0, n) bring to their pixels if nothing is in between: r, g, b of `lights` =
-// throughput * value * importance * weight. Closes those that bring nothing. `values`: of flux
-// (kernels/light_paths/flux.h).
+// Writes the contribution of connections [0, n) to their pixels if nothing is in between,
+// throughput * value * importance * weight, to r, g, b of `lights`. Closes those without any.
+// `values` are of flux (kernels/light_paths/flux.h).
 void WeighConnections(const SurfaceColumns& surfaces, const BsdfValueColumns& values,
                       const CameraColumns& connections, std::uint32_t n,
                       const LightColumns& lights);

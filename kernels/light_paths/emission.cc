@@ -13,15 +13,15 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// One vector of rays that leave lights, and what is known of them.
+// This is one vector of rays that leave lights.
 struct Emitted {
-  V3 org, dir, flux;  // flux: over `pdf`
-  VF pdf;             // of the ray
+  V3 org, dir, flux;  // flux is over `pdf`
+  VF pdf;             // density of the ray
   VF light_pdf, direction_pdf, cosine;
   VU delta;
 };
 
-// Writes the lanes of `rows`; the others keep what is there.
+// Writes the lanes of `rows`; the others keep their values.
 HWY_INLINE void StoreEmitted(const Emitted& e, VU light, MF rows, std::uint32_t i,
                              const RayColumns& rays, const EmissionColumns& out) {
   const auto store = [&](VF value, float* to)
@@ -51,7 +51,7 @@ void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
     const V3 towards = Load3(samples.dir_x + i, samples.dir_y + i, samples.dir_z + i);
     const VF pdf = Load(samples.pdf + i);
     const MF drawn = hn::Gt(pdf, zero), directional = hn::Eq(pdf, infinity);
-    // Of a directional light r, g, b are its irradiance over its probability.
+    // A directional light has its irradiance over its probability in r, g, b.
     const VF density = IfThen(hn::AndNot(directional, drawn), pdf, one);
     const VF worth = hn::IfThenElseZero(drawn, hn::Div(area, density));
     const Emitted emitted = {
@@ -67,20 +67,21 @@ void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
   }
 }
 
-// Rays from even points of triangles, by the cosine; `normal` of the side that they leave from.
+// Emits rays from uniform points of triangles, following the cosine; `normal` is of the side that
+// they leave from.
 HWY_INLINE Emitted EmitFromTriangles(const LightLanes& light, VF probability,
                                      const TrianglePoint& on, VF u, VF v, V3& normal) {
   const VF one = Set(1.0f), half = Set(0.5f);
   const V3 axis = light.axis(), edge = light.edge();
   const V3 point = Add(light.position(), on.From(axis, edge));
-  // The first half of v goes to the front where both sides shine.
+  // The first half of v goes to the front where both sides emit.
   const MF two_sided = light.two_sided();
   const MF back = hn::And(two_sided, hn::Ge(v, half));
   const VF twice = hn::Sub(hn::Add(v, v), hn::IfThenElseZero(back, one));
   const V3 cross = Normalize(Cross(axis, edge));
   normal = IfThen(back, Neg(cross), cross);
   const V3 local = CosineHemisphere(u, IfThen(two_sided, twice, v));
-  // Lifted as surfaces are (kernels/surface/surface.cc).
+  // The origin is lifted as those of surfaces are (kernels/surface/surface.cc).
   const V3 org = Add(point, Scale(normal, hn::Mul(LargestCoordinate(point), Set(0x1p-16f))));
   const VF share = IfThen(two_sided, half, one);
   const VF light_pdf = hn::Div(probability, light.area());
@@ -111,7 +112,7 @@ HWY_INLINE Emitted EmitFromPoints(const LightLanes& light, VF probability, VF u,
 
 HWY_INLINE Emitted EmitFromSpots(const LightLanes& light, VF probability, VF u, VF v) {
   const VF one = Set(1.0f);
-  // 1 - cosine, which narrow cones know better than the cosine.
+  // `below` is 1 - cosine, which is more precise than the cosine in narrow cones.
   const VF widest = hn::Sub(one, light.Number(12)), below = hn::Mul(v, widest);
   const VF cosine = hn::Sub(one, below);
   const VF sine = SafeSqrt(hn::Mul(below, hn::Sub(Set(2.0f), below)));

@@ -20,7 +20,7 @@ HWY_INLINE VU GuideCellOf(const V3& towards) {
   return hn::Add(hn::Mul(row, SetU(kGuideTurns)), turn);
 }
 
-// What is known of the cells of directions.
+// These are the fields of one cell per lane.
 struct CellLanes {
   VU cell;
   VF gain, even, focused;
@@ -36,16 +36,16 @@ struct CellLanes {
   }
 };
 
-// A leaf of the boxes' trees.
+// This is one leaf of the boxes' trees per lane.
 struct Leaf {
   VF low[2], width[2];
-  // Of those that the trees place [1 / area of the square].
+  // Returns the density of starts that the trees place [1 / area of the square].
   HWY_INLINE VF density() const {
     return hn::Div(Set(1.0f / kGuideLeaves), hn::Mul(width[0], width[1]));
   }
 };
 
-// Walks down the trees: `goes_up(axis, cut)` says in which lanes to the upper part.
+// Walks down the trees; `goes_up(axis, cut)` selects the lanes that go to the upper part.
 template <class GoesUp>
 HWY_INLINE Leaf Descend(const EmissionGuideView& guide, const CellLanes& c, const GoesUp& goes_up) {
   VF low[2] = {c.low[0], c.low[1]}, high[2] = {c.high[0], c.high[1]};
@@ -63,13 +63,14 @@ HWY_INLINE Leaf Descend(const EmissionGuideView& guide, const CellLanes& c, cons
   return {{low[0], low[1]}, {hn::Sub(high[0], low[0]), hn::Sub(high[1], low[1])}};
 }
 
-// A line along `towards` and where it enters the scene's disk.
+// A line along `towards` enters the scene's disk at (u, v).
 struct Line {
   V3 point;
   VF u, v;
 };
 
-// How crowded starts are where a line enters, given its direction: density over the even one.
+// Returns how crowded starts are where a line enters, given its direction: their density over the
+// uniform one.
 HWY_INLINE VF Crowding(const SceneSphere& sphere, const EmissionGuideView& guide,
                        const CellLanes& c, const V3& towards, const Line& line) {
   const VF at[2] = {line.u, line.v};
@@ -90,7 +91,7 @@ HWY_INLINE VF Crowding(const SceneSphere& sphere, const EmissionGuideView& guide
                  hn::IfThenElseZero(seen, hn::Mul(c.focused, Set(narrower * narrower))));
 }
 
-// The line along `towards` through surface `row`.
+// Returns the line along `towards` through surface `row`.
 HWY_INLINE Line LineOf(const SceneSphere& sphere, const V3& towards, const SurfaceColumns& s,
                        VU row) {
   const V3 ng = {Gather(s.ng_x, row), Gather(s.ng_y, row), Gather(s.ng_z, row)};
@@ -103,7 +104,7 @@ HWY_INLINE Line LineOf(const SceneSphere& sphere, const V3& towards, const Surfa
 HWY_INLINE V3 Towards(const EnvironmentLines& lines, std::uint32_t i) {
   return Load3(lines.dir_x + i, lines.dir_y + i, lines.dir_z + i);
 }
-// Rows behind n may be anything.
+// Rows beyond n may be anything.
 HWY_INLINE VU RowOf(const EnvironmentLines& lines, std::uint32_t i, std::uint32_t n) {
   const VU row = lines.rows != nullptr ? Load(lines.rows + i) : hn::Iota(U(), i);
   return hn::IfThenElseZero(RowsBelow(i, n), row);
@@ -150,17 +151,17 @@ void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& gui
   }
 }
 
-// Warps a pair of uniforms to where a line enters, outside of the scene's sphere.
+// Warps a pair of uniforms to the place where a line enters, outside the scene's sphere.
 HWY_INLINE Line Warp(const SceneSphere& sphere, const EmissionGuideView& guide, const CellLanes& c,
                      const V3& towards, VF u, VF v) {
   const VF one = Set(1.0f);
   const VF split = hn::Add(c.even, c.focused);
   const MF even = hn::Lt(u, c.even), boxed = hn::Ge(u, split);
-  // What the choice leaves of u.
+  // The choice leaves a rest of u.
   const VF start = IfThen(boxed, split, hn::IfThenElseZero(hn::Ge(u, c.even), c.even));
   const VF length = IfThen(boxed, hn::Sub(one, split), IfThen(even, c.even, c.focused));
   u = hn::Min(hn::Div(hn::Sub(u, start), length), Set(0x1.fffffep-1f));
-  // And what the digits leave of both.
+  // The digits leave a rest of both.
   VF rest[2] = {u, v};
   const Leaf leaf = Descend(guide, c, [&](std::uint32_t axis, VF) HWY_ATTR {
     const VF twice = hn::Add(rest[axis], rest[axis]);

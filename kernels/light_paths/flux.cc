@@ -23,7 +23,7 @@ void MakeFlux(bool refracts, const SurfaceColumns& s, const MaterialView& materi
       factor = IfThen(through, hn::Div(factor, hn::Mul(ratio, ratio)), factor);
     }
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
-    // Rows of the next BSDF follow, and a product of theirs would be read.
+    // Rows of the next BSDF follow, whose values must not be multiplied here.
     StoreBelow(hn::Mul(value.x, factor), values.r, i, n);
     StoreBelow(hn::Mul(value.y, factor), values.g, i, n);
     StoreBelow(hn::Mul(value.z, factor), values.b, i, n);

@@ -13,7 +13,7 @@
 #include "hwy/highway.h"
 #include "kernels/simd/math-inl.h"
 
-// The cells of the unit disk. Rings and sectors have the same share of the kernel each.
+// These are the cells of the unit disk. All have the same share of the kernel.
 #ifndef SKYWAVE_KERNELS_DISK_CELLS_
 #define SKYWAVE_KERNELS_DISK_CELLS_
 namespace skywave {
@@ -25,7 +25,7 @@ struct DiskCells {
   float inner2;                                                  // squared radius between the rings
 };
 
-// The kernel's integral over the disk of radius s.
+// Returns the kernel's integral over the disk of radius s.
 constexpr double KernelWithin(PhotonKernel kernel, double s) {
   switch (kernel) {
     case PhotonKernel::kConstant:
@@ -47,7 +47,7 @@ constexpr double RadiusOf(PhotonKernel kernel, double share) {
   return low;
 }
 
-// Sectors are numbered as OctantOf does.
+// Sectors are numbered as in OctantOf.
 constexpr DiskCells MakeDiskCells(PhotonKernel kernel) {
   constexpr double kCosine = 0.9238795325112867, kSine = 0.3826834323650898;  // of pi / 8
   const double split = RadiusOf(kernel, 0.5);
@@ -72,7 +72,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// The frame in which cells lie: about the normal, turned by a hash of the point.
+// Returns the frame in which cells lie: about the normal, turned by a hash of the point.
 HWY_INLINE Frame CellFrame(const PhotonDisk& disk) {
   const std::uint32_t bits = PixelSeed(std::bit_cast<std::uint32_t>(disk.point[0]),
                                        std::bit_cast<std::uint32_t>(disk.point[1]),
@@ -110,8 +110,9 @@ HWY_INLINE V3 Select(MF mask, const V3& yes, const V3& no) {
   return {IfThen(mask, yes.x, no.x), IfThen(mask, yes.y, no.y), IfThen(mask, yes.z, no.z)};
 }
 
-// Whether points with unit normals `a` and `b`, `between` apart, may lie on one smooth surface: on
-// any ball or cylinder they have no distance along the mean of their normals, of either sign.
+// Selects points with unit normals `a` and `b`, `between` apart, that may lie on one smooth
+// surface: on any ball or cylinder they have no distance along the mean of their normals, of either
+// sign.
 HWY_INLINE MF OnOneLayer(const V3& between, const V3& a, const V3& b, VF layer) {
   const VF sign = hn::CopySign(Set(1.0f), Dot(a, b));
   const V3 mean = Add(a, Scale(b, sign));
@@ -139,7 +140,7 @@ void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, cons
     const MU delta = hn::Gt(hn::ShiftRight<kKindShift>(tag), SetU(kFirstDeltaBsdf - 1));
     const MU lies = hn::And(hit, hn::AndNot(delta, hn::RebindMask(U(), hn::And(same, near))));
     Store(hn::IfThenElseZero(hn::Or(lies, hn::And(hit, delta)), SetU(1)), seen + i);
-    // Where nothing is known that photons lie on it is the plane of the disk.
+    // Where no surface is known, photons are taken to lie on the plane of the disk.
     const MF known = hn::RebindMask(F(), lies);
     const VF scale = hn::Div(Set(1.0f), IfThen(known, length, Set(1.0f)));
     Store3(Select(known, Scale(ng, scale), normal), surface.normal_x + i, surface.normal_y + i,
@@ -151,12 +152,12 @@ void FindSeenCells(const PhotonDisk& disk, const TriangleRecord* triangles, cons
   surface.seen = bits == 0 ? kAllCells : bits;
 }
 
-// Where neighbors are, from the middle of the disk.
+// Returns the positions of neighbors from the middle of the disk.
 HWY_INLINE V3 OffsetsOf(const V3& middle, const PointTreeView& tree, VU point) {
   return Sub({Gather(tree.x, point), Gather(tree.y, point), Gather(tree.z, point)}, middle);
 }
 
-// The cells of neighbors.
+// Returns the cells of neighbors.
 HWY_INLINE VU CellsOf(const Frame& frame, const V3& offset, VF inner2, VF distance2) {
   const MU outer = hn::RebindMask(U(), hn::Gt(distance2, inner2));
   return hn::Or(OctantOf(Dot(frame.s, offset), Dot(frame.t, offset)),
@@ -165,12 +166,12 @@ HWY_INLINE VU CellsOf(const Frame& frame, const V3& offset, VF inner2, VF distan
 
 bool LooksWhole(const PhotonDisk& disk, PhotonKernel kernel, const PhotonColumns& photons,
                 const PointTreeView& tree, const NeighborColumns& found, std::uint32_t n) {
-  constexpr int kLeastCells = kDiskCells - 3;  // of 50 even photons, cells miss 0.6
+  constexpr int kLeastCells = kDiskCells - 3;  // 50 uniform photons leave 0.6 cells empty
   const Frame frame = CellFrame(disk);
   const V3 middle = Set3(disk.point);
   const VF inner2 = Set(kCells[std::uint32_t(kernel)].inner2 * disk.radius2);
   const VF layer = Set(kLayerHeight * std::sqrt(disk.radius2));
-  VU met = SetU(0);
+  VU occupied = SetU(0);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const MU inside = RowsBelow(i, n);
     const VU point = hn::IfThenElseZero(inside, Load(found.point + i));
@@ -182,10 +183,10 @@ bool LooksWhole(const PhotonDisk& disk, PhotonKernel kernel, const PhotonColumns
                               hn::Gt(above, hn::Zero(F())));
     if (!hn::AllTrue(U(), hn::Or(hn::RebindMask(U(), counts), hn::Not(inside)))) return false;
     const VU cell = CellsOf(frame, offset, inner2, Load(found.distance2 + i));
-    met = hn::Or(met, hn::IfThenElseZero(inside, hn::Shl(SetU(1), cell)));
+    occupied = hn::Or(occupied, hn::IfThenElseZero(inside, hn::Shl(SetU(1), cell)));
   }
   alignas(kColumnAlignment) std::uint32_t lanes[kPadRows] = {};
-  Store(met, lanes);
+  Store(occupied, lanes);
   std::uint32_t bits = 0;
   for (const std::uint32_t lane : lanes) bits |= lane;
   return std::popcount(bits) >= kLeastCells;

@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Per area of the disk, without the factor that is the same for all photons.
+// Returns the kernel per area of the disk, without the factor that is the same for all photons.
 HWY_INLINE VF KernelShape(PhotonKernel kernel, VF distance2, VF inverse_radius2) {
   const VF one = Set(1.0f), inside2 = hn::Mul(distance2, inverse_radius2);
   switch (kernel) {
@@ -27,8 +27,8 @@ HWY_INLINE VF KernelShape(PhotonKernel kernel, VF distance2, VF inverse_radius2)
   return one;
 }
 
-// Photons of neighbors [0, n), as they are: flux, and the bits of dir, normal and depth in the
-// columns of the direction.
+// Copies the photons of neighbors [0, n) as they are: flux, and the bits of dir, normal and depth
+// in the columns of the direction.
 HWY_INLINE void CopyPhotons(const PhotonColumns& photons, const NeighborColumns& found,
                             std::uint32_t n, const LightColumns& out) {
   for (std::uint32_t i = 0; i < n;) {
@@ -53,7 +53,7 @@ void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std
   const VF inverse_radius2 = Set(1.0f / query.radius2);
   const V3 normal = Set3(query.normal);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    // Behind the last row there may be anything, and BSDFs look into tables by directions.
+    // Rows beyond the last may hold anything, and BSDFs look into tables by directions.
     const MU row = RowsBelow(i, n);
     const VU photon_dir = hn::IfThenElseZero(row, AsBits(Load(out.dir_x + i)));
     const VU photon_normal = AsBits(Load(out.dir_y + i)), depth = AsBits(Load(out.dir_z + i));
@@ -72,7 +72,7 @@ void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std
     Store3(dir, out.dir_x + i, out.dir_y + i, out.dir_z + i);
     Store3(Scale(flux, weight), out.r + i, out.g + i, out.b + i);
   }
-  // Copied vectors may end further behind the last row than those of the loop.
+  // Copied vectors may reach further beyond the last row than those of the loop.
   Store3({zero, zero, Set(1.0f)}, out.dir_x + n, out.dir_y + n, out.dir_z + n);
 }
 

@@ -1,5 +1,4 @@
-// Photons: light that arrived somewhere on its way from a light, and the radiance that surfaces
-// near them reflect of it.
+// Photons are light that arrived at surfaces; surfaces near them reflect radiance of it.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +9,13 @@
 
 namespace skywave {
 
-// One row = one photon: a light path that arrived at a surface with a density. Written by the
-// photon pass in the order (light path, surface); then by the map in the order of its tree.
+// One row is one photon: a light path that arrived at a surface with a density. The photon pass
+// writes them in the order (light path, surface), then the map in the order of its tree.
 struct PhotonColumns {
   float *r, *g, *b;       // flux [radiance * area * sr]
   std::uint32_t* dir;     // EncodeNormal of the direction that it came from, world space
   std::uint32_t* normal;  // EncodeNormal of the geometric normal, on dir's side
-  std::uint32_t* depth;   // surfaces that the light path has met, this one too
+  std::uint32_t* depth;   // surfaces that the light path has hit, this one included
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -25,29 +24,30 @@ struct PhotonColumns {
   }
 };
 
-// How much a photon counts at distance d of r; each integrates to 1 over the disk of radius r.
+// A kernel weighs a photon at distance d from the middle of a disk; each integrates to 1 over the
+// disk of radius r.
 enum class PhotonKernel {
   kConstant,     // 1 / (pi r^2): T 4.7
   kCone,         // 3 / (pi r^2) (1 - d / r)
   kEpanechnikov  // 2 / (pi r^2) (1 - d^2 / r^2)
 };
 
-// What a surface asks of the photons around it.
+// A surface looks for photons around it by such a query.
 struct PhotonQuery {
   PhotonKernel kernel;
-  float radius2;            // of the disk, > 0
-  float normal[3];          // geometric one of the surface, unit
+  float radius2;            // squared radius of the disk, > 0
+  float normal[3];          // geometric normal of the surface, unit
   std::uint32_t max_depth;  // photons of longer light paths do not count
 };
 
-// Photons lie on the same surface if the angle between normals is smaller than this, or they are
-// those of its back.
+// Photons lie on the same surface if the cosine between normals is larger than this; the sign does
+// not matter, so those of its back count too.
 inline constexpr float kLeastNormalCosine = 0.5f;
 
 // Turns neighbors [0, n) into light from dir with r, g, b = flux * kernel / |cos|, the cosine
-// between dir and the query's normal: times f |cos| it is reflected radiance. Black where the
-// photon does not count. Neighbors of a leaf follow each other, as searches find them, or it is
-// slow.
+// between dir and the query's normal: times f |cos| it is reflected radiance. It is black where the
+// photon does not count. Neighbors of a leaf have to follow each other, as searches find them, or
+// it is slow.
 void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std::uint32_t n,
                  const PhotonQuery& query, const LightColumns& out);
 
@@ -56,7 +56,7 @@ void LoadPhotons(const PhotonColumns& photons, const NeighborColumns& found, std
 void SumReflected(const BsdfValueColumns& values, const LightColumns& light, std::uint32_t n,
                   float* rgb);
 
-// Copies of a surface in rows [0, n) of `to`, and up to the end of the last vector: its BSDF is
+// Copies a surface to rows [0, n) of `to`, and up to the end of the last vector: its BSDF is
 // evaluated for a vector of photons at a time. The columns are those that BsdfKernels::evaluate
 // reads.
 void RepeatSurface(const SurfaceColumns& from, std::uint32_t row, std::uint32_t n,

@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A list of neighbors that grows leaf by leaf.
+// This list of neighbors grows leaf by leaf.
 struct Found {
   NeighborColumns rows;
   std::uint32_t size;
@@ -40,8 +40,8 @@ HWY_INLINE void ScanLeaf(const PointTreeView& tree, std::uint32_t leaf, const fl
 
 HWY_INLINE float Length2(const float* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
-// Goes down from the top of the stack to the nearest leaf in there and leaves the cells that it
-// passes on the stack, if they are near enough. Returns the leaf, or kNoLeaf: nothing is left.
+// Descends from the top of the stack to the nearest leaf below it and leaves the cells that it
+// passes on the stack, if they are near enough. Returns the leaf, or kNoLeaf if nothing is left.
 constexpr std::uint32_t kNoLeaf = 0xFFFFFFFFu;
 HWY_INLINE std::uint32_t NextLeaf(const PointTreeView& tree, float radius2, RangeSearch& s) {
   const std::uint32_t first_leaf = 1u << tree.levels;
@@ -84,7 +84,7 @@ HWY_INLINE float Farthest2(const Found& found) {
   return hn::GetLane(hn::MaxOfLanes(F(), farthest));
 }
 
-// Keeps the points that are nearer than radius2, and the first `ties` that are just there.
+// Keeps the points that are nearer than radius2, and the first `ties` of those exactly there.
 HWY_INLINE void KeepNearer(float radius2, std::uint32_t ties, Found& found) {
   std::uint32_t kept = 0;
   const NeighborColumns& rows = found.rows;
@@ -113,9 +113,8 @@ HWY_INLINE void KeepNearer(float radius2, std::uint32_t ties, Found& found) {
 }
 
 // Drops the farthest of more than k points, so that k to k + slack are left; returns a radius2 that
-// none of those has, and below which there are at least k. Squared distances of points on a surface
-// are spread evenly, so interpolation finds the radius in a few steps; halving the bits is for the
-// rest.
+// all of those are below. Squared distances of points on a surface are spread uniformly, so
+// interpolation finds the radius in a few steps; halving the bits is for the rest.
 HWY_INLINE float DropFar(std::uint32_t k, std::uint32_t slack, Found& found) {
   constexpr int kInterpolations = 5;
   const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
@@ -148,7 +147,7 @@ void FindNearest(const PointTreeView& tree, const float* x, const float* y, cons
                  std::uint32_t n, std::uint32_t k, float radius2, const NeighborColumns& table,
                  std::uint32_t* count) {
   const std::uint32_t room = NearestRoom(k);
-  // With less than this a leaf might not fit any more.
+  // Above this size another leaf might not fit.
   const std::uint32_t full = room - kLeafPoints;
   for (std::uint32_t i = 0; i < n; ++i) {
     Found found = {.rows = Slice(table, i * room), .size = 0};

@@ -1,4 +1,4 @@
-// A texel of a cell by the cell's alias table.
+// Texels of a cell are drawn by the cell's alias table.
 #if defined(SKYWAVE_KERNELS_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_CELLS_INL_H_
 #undef SKYWAVE_KERNELS_CELLS_INL_H_
@@ -32,7 +32,7 @@ HWY_INLINE void EmitFromCells(const EnvironmentView& map, const CellsView& cells
   const VF fy = hn::Min(hn::Div(below, hn::Max(length, Set(1e-20f))), Set(0x1.fffffep-1f));
   const VF fx = Clamp(hn::Sub(position, ToFloat(index)), 0.0f, 0x1.fffffep-1f);
   const VU texel = Gather(cells.texel, slot);
-  // texel = row * width + column; the float quotient may be one off.
+  // texel is row * width + column; the float quotient may be one off.
   const VU width = SetU(map.width);
   VU row = ToUnsigned(hn::Mul(ToFloat(texel), Set(1.0f / float(map.width))));
   row = IfThen(hn::Gt(hn::Mul(row, width), texel), hn::Sub(row, SetU(1)), row);

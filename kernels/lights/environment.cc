@@ -16,11 +16,12 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// What packed texels weigh, without their solid angle. kAbove: only what is above `base` weighs.
+// Returns the weights of packed texels without their solid angle. With kAbove only the luminance
+// above `base` counts.
 template <bool kAbove>
 HWY_INLINE VF WeighTexels(VU packed, float base) {
-  // Mantissas stay where they are in their words, and the weights of the channels make up for it:
-  // powers of two do not change what is rounded.
+  // Mantissas stay in their place in the words, and the weights of the channels make up for it:
+  // powers of two do not change the rounding.
   const VU mantissa = SetU((1u << kMantissaBits) - 1);
   const float unit = 1.0f / (1 << kMantissaBits);
   const auto channel = [&](VU mask) HWY_ATTR { return ToFloat(hn::And(packed, mask)); };
@@ -35,12 +36,12 @@ HWY_INLINE VF WeighTexels(VU packed, float base) {
   return base != 0 ? WeighTexels<true>(packed, base) : WeighTexels<false>(packed, base);
 }
 
-// The lines of the rows of a chunk, as far as they are read.
+// These are the parts of the lines that the rows of a chunk read.
 constexpr std::uint32_t kHalfTexels = kLineTexels / 2;
 struct LineRows {
   alignas(64) float header[kChunk][4];     // TexelLine::density, left; RowArea::start, step
-  alignas(64) std::uint32_t half[kChunk];  // which half of the texels
-  // A word of no interest and the texels of that half, in two parts of four words.
+  alignas(64) std::uint32_t half[kChunk];  // half of the texels, 0 or 1
+  // One unused word and the texels of that half, in two parts of four words.
   alignas(64) PackedRadiance words[2][kChunk][4];
 };
 static_assert(kHalfTexels == 7);
@@ -51,9 +52,9 @@ struct TexelPick {
   VF x;  // position inside, in [0, 1)
 };
 
-// The texels of halves of lines of rows i and on, of which the first `used` are in the map, on
-// which positions x of their weights fall. The sum over them forgets a texel that weighs 2^-24 of
-// those in front of it: it is drawn too rarely, and the light that is lost is no more than that.
+// Picks the texels at positions x of the weights in half lines of rows i and on; the first `used`
+// texels of a half are in the map. The sum loses a texel that weighs 2^-24 of those before it: it
+// is drawn too rarely, and no more light than that is lost.
 template <bool kAbove>
 HWY_INLINE TexelPick PickTexels(const LineRows& lines, std::uint32_t i, VU used, float base, VF x) {
   const VF below_one = Set(0x1.fffffep-1f);
@@ -70,7 +71,7 @@ HWY_INLINE TexelPick PickTexels(const LineRows& lines, std::uint32_t i, VU used,
     end[k] = k == 1 ? weight[1] : hn::Add(end[k - 1], weight[k]);
   }
   const VF total = end[kHalfTexels];
-  // Below the end even after rounding, so that what is found weighs something.
+  // The target stays below the end even after rounding, so that the texel found has a weight.
   const VF target = hn::Min(hn::Mul(x, total), hn::Mul(total, below_one));
   TexelPick pick = {texel[1], hn::Zero(U()), weight[1], hn::Zero(F())};
   VF begin = hn::Zero(F());
@@ -96,8 +97,8 @@ HWY_INLINE LineHeaders LoadHeaders(const LineRows& lines, std::uint32_t i) {
   return h;
 }
 
-// Reads lines line[0, rows) of an inversion in rows row[] of the map, and of their texels the
-// halves on which positions x fall: those become positions in the halves.
+// Reads lines line[0, rows) of an inversion in rows row[] of the map, and the halves of their
+// texels on which positions x fall; x become positions in the halves.
 HWY_INLINE void ReadLines(const TexelLine* texels, const RowArea* areas, const std::uint32_t* row,
                           const std::uint32_t* line, std::uint32_t rows, float* x, LineRows& read) {
   for (std::uint32_t i = 0; i < rows; ++i) {
@@ -114,7 +115,7 @@ HWY_INLINE void ReadLines(const TexelLine* texels, const RowArea* areas, const s
     Store(hn::IfThenElseZero(hn::RebindMask(U(), behind), SetU(1)), read.half + i);
   }
   for (std::uint32_t i = 0; i < rows; ++i) {
-    // From the word in front of the half.
+    // The words begin one before the half.
     const std::uint32_t* const words =
         Words(texels + line[i]) + kLineWords - kLineTexels - 1 + read.half[i] * kHalfTexels;
     std::memcpy(read.words[0][i], words, sizeof read.words[0][i]);
@@ -143,7 +144,7 @@ void SampleLines(const EnvironmentView& map, const InversionView& inversion,
                                hn::Mul(Load(lines.half + i), SetU(kHalfTexels)));
       const TexelPick pick = PickTexels<kAbove>(lines, i, hn::Sub(SetU(map.width), first),
                                                 inversion.base, Load(across.x + i));
-      // Rows behind the last are unspecified: keep the gathers inside the tables.
+      // Rows beyond the last are unspecified; the mask keeps the gathers inside the tables.
       const MU inside = RowsBelow(i, rows);
       const VU row = hn::IfThenElseZero(inside, Load(down.item + i));
       const VU column = hn::IfThenElseZero(inside, hn::Add(first, pick.texel));
@@ -167,7 +168,7 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
   }
 }
 
-// The map between texel centres, in full precision.
+// Interpolates the map between texel centres, in full precision.
 HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
   const VF x = hn::Sub(hn::Mul(u, Set(float(map.width))), Set(0.5f));
   const VF y = hn::Sub(hn::Mul(v, Set(float(map.height))), Set(0.5f));
@@ -193,21 +194,21 @@ HWY_INLINE V3 InterpolateTexels(const EnvironmentView& map, VF u, VF v) {
   return Add(Scale(across(top), hn::Sub(one, fy)), Scale(across(bottom), fy));
 }
 
-// Positions of a chunk of directions on the map.
+// These are the positions of a chunk of directions on the map.
 struct LookupColumns {
   alignas(64) float u[kChunk], v[kChunk];
   alignas(64) std::uint32_t texel[kChunk];  // row-major
-  alignas(64) std::uint32_t word[kChunk];   // of the map's lines
+  alignas(64) std::uint32_t word[kChunk];   // index into the map's lines
 };
 
-// Finds the texels of directions [0, rows) and asks the memory for them: by the time all are found
-// the first have arrived.
+// Finds the texels of directions [0, rows) and prefetches them: by the time all are found the first
+// have arrived.
 HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& density, const float* x,
                            const float* y, const float* z, std::uint32_t rows,
                            LookupColumns& lookup) {
   for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
     const MF inside = hn::RebindMask(F(), RowsBelow(i, rows));
-    // Rows behind the last look along +z.
+    // Rows beyond the last look along +z.
     const V3 dir =
         IfThen(inside, Load3(x + i, y + i, z + i), V3{hn::Zero(F()), hn::Zero(F()), Set(1.0f)});
     VF u, v;
@@ -223,7 +224,7 @@ HWY_INLINE void FindTexels(const EnvironmentView& map, const TexelDensity& densi
   }
 }
 
-// Density of the texels whose packed form is given, too.
+// Returns the density of texels; `packed` is their packed form in the map.
 HWY_INLINE VF DensityOf(const EnvironmentView& map, const TexelDensity& density, float samples,
                         VU texel, VU word, VU packed) {
   VF sum = hn::Zero(F());

@@ -1,4 +1,4 @@
-// Local lights by vectors: the fields of their records, how one is picked, where on it.
+// These functions read the records of local lights on vectors, pick a light and a point on it.
 #if defined(SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
 #undef SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// The fields of one light a lane.
+// Reads the fields of one light per lane.
 struct LightLanes {
   HWY_INLINE LightLanes(const LocalLightView& view, VU light)
       : words(reinterpret_cast<const std::uint32_t*>(view.lights)), at(hn::ShiftLeft<4>(light)) {}
@@ -38,7 +38,7 @@ struct LightLanes {
   VU at;
 };
 
-// The light whose interval holds `target`, which is below the last bound.
+// Returns the light whose interval holds `target`, which is below the last bound.
 HWY_INLINE VU FindLight(const LightChoice& choice, std::uint32_t count, VU target) {
   VU light = SetU(0);
   for (std::uint32_t length = count; length > 1;) {
@@ -50,14 +50,14 @@ HWY_INLINE VU FindLight(const LightChoice& choice, std::uint32_t count, VU targe
   return light;
 }
 
-// Probability of being picked.
+// Returns the probability that a light is picked.
 HWY_INLINE VF Probability(const LightChoice& choice, VU light) {
   const VU width =
       hn::Sub(Gather(choice.first, hn::Add(light, SetU(1))), Gather(choice.first, light));
   return hn::Mul(ToFloat(width), Set(1.0f / kChoiceUnits));
 }
 
-// The lights that uniforms u of rows i.. pick, for rows below n.
+// Uniforms u of rows i and on, below n, pick these lights.
 struct LightPick {
   HWY_INLINE LightPick(const LocalLightView& view, const LightChoice& choice, const float* u,
                        std::uint32_t i, std::uint32_t n) {
@@ -69,19 +69,19 @@ struct LightPick {
     target = hn::IfThenElseZero(picks, target);
     light = FindLight(choice, view.count, target);
     probability = Probability(choice, light);
-    // In the middle of its 2^-24: in (0, 1), and uniform there.
+    // The uniform is taken in the middle of its 2^-24, so the rest is in (0, 1) and uniform there.
     const VF left = hn::Add(ToFloat(hn::Sub(target, Gather(choice.first, light))), Set(0.5f));
     rest = hn::Div(left, hn::Mul(probability, Set(float(kChoiceUnits))));
   }
   HWY_INLINE bool none() const { return hn::AllFalse(F(), picked); }
 
-  MF picked;       // the others pick no light, and light 0 stands for theirs
-  VU light;        // unset if none() picks one, as what follows
-  VF probability;  // of being picked
-  VF rest;         // what the pick leaves of u
+  MF picked;       // false for rows that pick no light; light 0 stands in for theirs
+  VU light;        // unset if none(), like the next two
+  VF probability;  // chance of that pick
+  VF rest;         // the rest of u after the pick
 };
 
-// Uniform over a triangle (Turk 1990): both of its free coordinates by monotone maps.
+// A point is uniform over a triangle (Turk 1990): both of its free coordinates are monotone maps.
 struct TrianglePoint {
   VF along_axis, along_edge;
   HWY_INLINE V3 From(const V3& axis, const V3& edge) const {
@@ -97,13 +97,14 @@ HWY_INLINE VF LargestCoordinate(const V3& p) {
   return hn::Max(hn::Max(hn::Abs(p.x), hn::Abs(p.y)), hn::Abs(p.z));
 }
 
-// Full inside the inner cone, dark outside the outer one, between them 3 t^2 - 2 t^3 of the cosine.
+// Returns 1 inside the inner cone, 0 outside the outer one, and between them 3 t^2 - 2 t^3 of the
+// cosine.
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
   const VF t = Clamp(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)), 0.0f, 1.0f);
   return hn::Mul(hn::Mul(t, t), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), t)));
 }
 
-// `emission` of the lights of `lanes` times their textures at barycentric (u, v) of their
+// Multiplies `emission` of the lights in `lanes` by their textures at barycentric (u, v) of their
 // triangles.
 HWY_INLINE V3 TexturedEmission(const LocalLightView& view, const LightLanes& light, VU index,
                                MU lanes, VF u, VF v, const V3& emission) {

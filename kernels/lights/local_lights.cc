@@ -15,18 +15,19 @@ namespace HWY_NAMESPACE {
 
 constexpr std::uint32_t kAhead = 64;  // rows between the prefetch and the use of an entry
 
-// Density of points that are uniform over a triangle, as directions from where it is `distance2`
-// away and its normal has that cosine [1/sr]. Bounded: infinity would mean a directional light.
+// Returns the density of points that are uniform over a triangle, as directions from a point at
+// that distance and with that cosine at the triangle [1/sr]. It is bounded, because infinity would
+// mean a directional light.
 HWY_INLINE VF SolidAngleDensity(VF probability, VF area, VF distance2, VF cosine) {
   const VF seen = hn::Mul(area, hn::Max(cosine, Set(1e-20f)));
   return hn::Min(hn::Div(hn::Mul(probability, distance2), seen), Set(1e18f));
 }
 
-// Light samples of one vector of surfaces at `org`, in the terms of LightColumns.
+// These are the light samples of one vector of surfaces, in the terms of LightColumns.
 struct DrawnLights {
   V3 dir, radiance;
   VF pdf, reach;
-  VF u, v;  // where on a triangle
+  VF u, v;  // barycentric, on a triangle
 };
 HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x, VF y,
                                   const V3& org, VF lift) {
@@ -38,12 +39,12 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
   const TrianglePoint on = PointOf(x, y);
   const V3 inside = on.From(axis, edge);
   const V3 point = Add(light.position(), IfThen(triangle, inside, V3{zero, zero, zero}));
-  const V3 way = Sub(point, org);
-  const VF distance2 = hn::Max(Dot(way, way), Set(1e-30f));
+  const V3 to_light = Sub(point, org);
+  const VF distance2 = hn::Max(Dot(to_light, to_light), Set(1e-30f));
   const VF distance = hn::Sqrt(distance2);
-  // A light at the very point has no direction; any will do.
+  // A light at the point itself has no direction; any will do.
   const MF apart = hn::Gt(distance2, Set(1e-30f));
-  V3 dir = IfThen(apart, Scale(way, hn::Div(one, distance)), V3{zero, zero, one});
+  V3 dir = IfThen(apart, Scale(to_light, hn::Div(one, distance)), V3{zero, zero, one});
 
   const V3 cross = Cross(axis, edge);
   const VF towards = hn::Div(hn::Neg(Dot(cross, dir)), hn::Sqrt(Dot(cross, cross)));
@@ -59,8 +60,9 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
     const VF falloff = SpotFalloff(light, hn::Neg(Dot(axis, dir)));
     worth = IfThen(spot, hn::Mul(intensity_worth, falloff), worth);
   }
-  // What is known of a hit's place, as surfaces are lifted (kernels/surface/surface.cc), and how
-  // much nearer an origin can come that is moved through its surface.
+  // The slack is the error of a hit's position, as surfaces are lifted by
+  // (kernels/surface/surface.cc), and how much nearer an origin can come that is moved through its
+  // surface.
   const VF known = hn::Mul(hn::Add(LargestCoordinate(point), distance), Set(0x1p-16f));
   const VF slack = hn::Add(known, hn::Add(lift, lift));
   VF reach = hn::Sub(distance, slack);

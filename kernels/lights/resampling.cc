@@ -33,7 +33,8 @@ void OfferCandidates(const LightColumns& lights, const BsdfValueColumns& values,
     const MF offered = hn::And(hn::Gt(target, zero), hn::Gt(density, zero));
     const VF weight = hn::IfThenElseZero(offered, hn::Div(target, density));
     const VF sum = hn::Add(Load(reservoirs.sum + i), weight);
-    // Kept with probability weight / sum; either way the rest of x is uniform again.
+    // The candidate is kept with probability weight / sum; either way the rest of x is uniform
+    // again.
     const VF probability = hn::Div(weight, sum);
     const VF x = Load(reservoirs.x + i);
     const MF kept = hn::And(offered, hn::Lt(x, probability));

@@ -15,7 +15,7 @@ HWY_INLINE VU Halves(VU words, bool high) {
   return high ? hn::ShiftRight<16>(words) : hn::And(words, SetU(0xFFFFu));
 }
 
-// Splits at `share` of kWarpOne: adds 1 to `cell` where x falls behind it, and stretches x to [0,
+// Splits at `share` of kWarpOne: adds 1 to `cell` where x falls beyond it, and stretches x to [0,
 // 1).
 HWY_INLINE void SplitAt(VU share, VF& x, VU& cell) {
   const VF scaled = hn::Mul(x, Set(float(kWarpOne)));

@@ -1,4 +1,5 @@
-// Texels drawn in other ways than by inversion: down a pyramid, and by alias tables.
+// These kernels draw texels by other techniques than inversion: down a pyramid, and by alias
+// tables.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +8,11 @@
 
 namespace skywave {
 
-// Hierarchical warp (Clarberg et al. 2005): a pyramid over the map, padded to powers of two. A
-// level halves the region across (split_x), down (split_y) or both. One record a region of the
-// level above.
+// Hierarchical warping (Clarberg et al. 2005) walks down a pyramid over the map, padded to powers
+// of two. A level halves the region across (split_x), down (split_y) or both. It has one record per
+// region of the level above.
 struct WarpRecord {
-  std::uint16_t top;          // share of the upper half, of kWarpOne
+  std::uint16_t top;          // share of the upper half, in units of 1 / kWarpOne
   std::uint16_t left_of_top;  // share of the left part of the upper half
   std::uint16_t left_of_bottom;
   std::uint16_t unused;
@@ -19,7 +20,7 @@ struct WarpRecord {
 inline constexpr std::uint32_t kWarpOne = 65535;
 struct WarpLevel {
   const WarpRecord* records;  // row-major
-  std::uint32_t width;        // regions a row
+  std::uint32_t width;        // regions per row
   bool split_x, split_y;
 };
 inline constexpr std::uint32_t kMaxWarpLevels = 16;
@@ -28,14 +29,14 @@ struct WarpView {
   std::uint32_t levels;
 };
 
-// Fills rows [0, n) as SampleTexels does. `density`: of each texel [1/sr].
+// Fills rows [0, n) as SampleTexels does. `density` holds one value per texel [1/sr].
 void SampleTexelsByWarp(const EnvironmentView& map, const WarpView& warp, const float* density,
                         const UniformColumns& uniforms, std::uint32_t n, float samples,
                         const LightColumns& out);
 
-// Texels grouped into cells, an alias table (Walker 1977, Vose 1991) a cell: slot k of a cell keeps
-// its own texel with probability `keep` and hands over to slot `other` else. Not monotone: it costs
-// well-distributed points their stratification inside the cell.
+// Texels are grouped into cells with an alias table each (Walker 1977, Vose 1991): slot k of a cell
+// keeps its own texel with probability `keep` and otherwise hands over to slot `other`. The map is
+// not monotone: it costs well-distributed points their stratification inside the cell.
 struct AliasSlot {
   float keep;
   std::uint32_t other;  // slot, counted through all cells
@@ -43,18 +44,18 @@ struct AliasSlot {
 struct CellsView {
   const std::uint32_t* begin;  // first slot of a cell; cells + 1 entries
   const AliasSlot* slots;
-  const std::uint32_t* texel;  // of a slot
-  const float* density;        // of each texel of the map if a cell is picked by its energy [1/sr]
+  const std::uint32_t* texel;  // per slot
+  const float* density;        // per texel of the map, if cells are picked by energy [1/sr]
 };
 
-// A cell for each of rows [0, n), picked by `tree` at u, and a texel in it at what is left of u and
-// at v. `tree` null: cell 0, which holds all texels.
+// Picks a cell for each of rows [0, n) by `tree` at u, and a texel in it by the rest of u and by v.
+// If `tree` is null, cell 0 holds all texels.
 void SampleCells(const EnvironmentView& map, const CellsView& cells, const SearchTreeView* tree,
                  const UniformColumns& uniforms, std::uint32_t n, float samples,
                  const LightColumns& out);
 
-// A texel of cell `cell` for each row. `scale`: 1 / probability of the cell, which turns densities
-// into those inside the cell.
+// Draws a texel of cell `cell` for each row. `scale` is 1 / probability of the cell, which turns
+// densities into those inside the cell.
 void SampleOneCell(const EnvironmentView& map, const CellsView& cells, std::uint32_t cell,
                    float scale, const UniformColumns& uniforms, std::uint32_t n,
                    const LightColumns& out);

@@ -1,4 +1,5 @@
-// Texels of a map on vectors: where a direction lies, what is there, and directions inside them.
+// These functions find the texels of directions on vectors, read them and draw directions inside
+// them.
 #if defined(SKYWAVE_KERNELS_TEXELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_TEXELS_INL_H_
 #undef SKYWAVE_KERNELS_TEXELS_INL_H_
@@ -13,7 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// 2^(exponent - kMaxExponent) of packed radiance, assembled in the exponent field of a float.
+// Returns 2^(exponent - kMaxExponent) of packed radiance, assembled in the exponent field of a
+// float.
 HWY_INLINE VF PowerOf(VU packed) {
   static_assert(3 * kMantissaBits == 27 && kMaxExponent == 31);
   const VU exponent = hn::And(hn::ShiftRight<4>(packed), SetU(kMaxExponent << 23));
@@ -28,12 +30,12 @@ HWY_INLINE V3 UnpackRadiance(VU packed, float unit) {
                scale);
 }
 
-// Lines as words, and where among them a texel of the map is.
+// Words reads lines as words; WordOf is the index of a texel of the map among them.
 HWY_INLINE const std::uint32_t* Words(const TexelLine* lines) {
   return reinterpret_cast<const std::uint32_t*>(lines);
 }
 HWY_INLINE VU WordOf(const EnvironmentView& map, VU column, VU row) {
-  // column / kLineTexels, exact for columns below 43690.
+  // This is column / kLineTexels, exact for columns below 43690.
   static_assert(kLineTexels == 14 && 18725 * kLineTexels - (1 << 18) == 6);
   const VU line = hn::ShiftRight<18>(hn::Mul(column, SetU(18725)));
   const VU skipped = hn::Mul(line, SetU(kLineWords - kLineTexels));
@@ -53,7 +55,7 @@ HWY_INLINE V3 MapFromWorld(const EnvironmentView& map, const V3& w) {
   return {Dot(Set3(r), w), Dot(Set3(r + 3), w), Dot(Set3(r + 6), w)};
 }
 
-// Position of a direction on the map: u, v in [0, 1].
+// Finds the position of a direction on the map: u, v in [0, 1].
 HWY_INLINE void MapPosition(const EnvironmentView& map, const V3& dir, VF& u, VF& v) {
   const V3 m = MapFromWorld(map, dir);
   u = hn::Add(Set(0.5f), Atan2Turn(m.x, m.y));
@@ -61,13 +63,13 @@ HWY_INLINE void MapPosition(const EnvironmentView& map, const V3& dir, VF& u, VF
   v = hn::Mul(Set(2.0f), Atan2Turn(sine, m.z));
 }
 
-// Cell of a position in [0, 1] on a line of `count` cells.
+// Returns the cell of a position in [0, 1] on a line of `count` cells.
 HWY_INLINE VU CellOf(VF position, std::uint32_t count) {
   const VF scaled = hn::Max(hn::Mul(position, Set(float(count))), hn::Zero(F()));
   return hn::Min(ToUnsigned(hn::Min(scaled, Set(float(count)))), SetU(count - 1));
 }
 
-// RowArea of rows, a vector of each field.
+// RowAreas holds a vector of each field of RowArea.
 struct RowAreas {
   VF start, step;
 };
@@ -77,7 +79,7 @@ HWY_INLINE RowAreas FetchAreas(const EnvironmentView& map, VU row) {
   return {Gather(areas, at), Gather(areas, hn::Add(at, SetU(1)))};
 }
 
-// Writes row `to` and on of `out`: directions inside texels at (fx, fy) in [0, 1)^2, uniform in
+// Writes rows `to` and on of `out`: directions inside texels at (fx, fy) in [0, 1)^2, uniform in
 // solid angle, the texels' radiance and the given density. column and row must be inside the map.
 HWY_INLINE void EmitTexels(const EnvironmentView& map, VU column, VU row, const RowAreas& area,
                            VF fx, VF fy, const V3& radiance, VF density, const LightColumns& out,

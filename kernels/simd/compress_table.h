@@ -1,5 +1,6 @@
-// Lane order that moves the set lanes of an 8-bit mask to the front: row m lists the positions of
-// the one bits of m, in order. Vectors of four lanes use the first sixteen rows.
+// The table gives the lane order that moves the set lanes of an 8-bit mask to the front: row m
+// lists the positions of the one bits of m, in order. Vectors of four lanes use the first sixteen
+// rows.
 #pragma once
 
 #include <cstdint>

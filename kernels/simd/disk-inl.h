@@ -1,5 +1,5 @@
-// The disk that light from infinitely far away comes in by: perpendicular to its direction, as wide
-// as the sphere around the scene. A place on it is a point of the unit square (SampleDisc).
+// Light from infinitely far away enters through a disk that is perpendicular to its direction and
+// as wide as the sphere around the scene. A place on it is a point of the unit square (SampleDisc).
 #if defined(SKYWAVE_KERNELS_DISK_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_DISK_INL_H_
 #undef SKYWAVE_KERNELS_DISK_INL_H_
@@ -14,7 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A point of the disk of light that comes from `towards`, before the sphere.
+// Returns the point at (u, v) of the disk for light that comes from `towards`; it lies in front of
+// the sphere.
 HWY_INLINE V3 DiskPoint(const SceneSphere& sphere, const V3& towards, VF u, VF v) {
   VF x, y;
   SampleDisc(u, v, x, y);
@@ -23,7 +24,7 @@ HWY_INLINE V3 DiskPoint(const SceneSphere& sphere, const V3& towards, VF u, VF v
   return Add(Set3(sphere.center), Scale(from_center, Set(sphere.radius)));
 }
 
-// Where on the disk the line along `towards` through `point` enters.
+// Finds the place (u, v) where the line along `towards` through `point` crosses the disk.
 HWY_INLINE void DiskPlace(const SceneSphere& sphere, const V3& towards, const V3& point, VF& u,
                           VF& v) {
   const V3 from_center = Sub(point, Set3(sphere.center));
@@ -33,9 +34,9 @@ HWY_INLINE void DiskPlace(const SceneSphere& sphere, const V3& towards, const V3
                hn::Mul(Dot(frame.t, from_center), inverse), u, v);
 }
 
-// The ray from `org`, before the sphere, begins where it enters the box: a hit is known as well as
-// the way to it is short, and is lifted off its surface accordingly (PrepareSurfaces). Under a wide
-// floor that is a hundredth of what stands on it.
+// Moves the origin of a ray that begins in front of the sphere to where the ray enters the box. The
+// error of a hit, and the lift off its surface (PrepareSurfaces), grow with the length of the ray:
+// on a wide floor the lift would be a hundredth of the objects that stand there.
 HWY_INLINE V3 EnterBox(const SceneSphere& sphere, const V3& org, const V3& dir) {
   const auto entry = [](VF from, VF along, float low, float high) HWY_ATTR {
     const VF speed = hn::CopySign(hn::Max(hn::Abs(along), Set(1e-20f)), along);
@@ -46,11 +47,12 @@ HWY_INLINE V3 EnterBox(const SceneSphere& sphere, const V3& org, const V3& dir) 
   const V3 t = {entry(org.x, dir.x, sphere.low[0], sphere.high[0]),
                 entry(org.y, dir.y, sphere.low[1], sphere.high[1]),
                 entry(org.z, dir.z, sphere.low[2], sphere.high[2])};
-  // Rays that miss the box go anywhere along their line.
+  // Rays that miss the box may begin anywhere along their line.
   return Add(org, Scale(dir, Clamp(MaxComponent(t), 0.0f, 2 * sphere.radius)));
 }
 
-// Where light that comes from `towards` enters the scene: a point of the disk, moved to the box.
+// Returns where light that comes from `towards` enters the scene: a point of the disk, moved to the
+// box.
 HWY_INLINE V3 EnterScene(const SceneSphere& sphere, const V3& towards, VF u, VF v) {
   return EnterBox(sphere, DiskPoint(sphere, towards, u, v), Neg(towards));
 }

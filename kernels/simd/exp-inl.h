@@ -1,5 +1,5 @@
-// Powers, logarithms and the error function on vectors of floats, with the promise of math-inl.h:
-// plain arithmetic, the same bits on every target.
+// These are powers, logarithms and the error function on vectors of floats. They keep the promise
+// of math-inl.h: plain arithmetic, the same bits on every target.
 #if defined(SKYWAVE_KERNELS_EXP_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_EXP_INL_H_
 #undef SKYWAVE_KERNELS_EXP_INL_H_
@@ -13,8 +13,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// log2 of normal x > 0: x = m 2^e with m in [sqrt(1/2), sqrt(2)), log2(m) by the series of the
-// inverse hyperbolic tangent. Relative error below 3e-7, near x = 1 too.
+// Returns log2 of a normal x > 0: x = m 2^e with m in [sqrt(1/2), sqrt(2)), and log2(m) by the
+// series of the inverse hyperbolic tangent. The relative error is below 3e-7, near x = 1 too.
 HWY_INLINE VF Log2(VF x) {
   const VU bits = AsBits(x), shifted = hn::Sub(bits, SetU(0x3F3504F3u));
   const VI exponent = hn::ShiftRight<23>(AsInt(shifted));
@@ -27,7 +27,8 @@ HWY_INLINE VF Log2(VF x) {
   return hn::Add(hn::ConvertTo(F(), exponent), hn::Mul(t, series));
 }
 
-// 2^x, x clamped to [-126, 126]: the fraction by Taylor. Relative error below 2e-7.
+// Returns 2^x for x clamped to [-126, 126], the fraction by a Taylor series. The relative error is
+// below 2e-7.
 HWY_INLINE VF Exp2(VF x) {
   x = Clamp(x, -126.0f, 126.0f);
   const VF whole = hn::Round(x);
@@ -40,10 +41,11 @@ HWY_INLINE VF Exp2(VF x) {
 
 HWY_INLINE VF Exp(VF x) { return Exp2(hn::Mul(x, Set(1.44269504088896f))); }
 HWY_INLINE VF Log(VF x) { return hn::Mul(Log2(x), Set(0.693147180559945f)); }
-// x^y for x >= 0; 0^y is 0 but for rounding.
+// Returns x^y for x >= 0; 0^y is 0 except for rounding.
 HWY_INLINE VF Pow(VF x, VF y) { return Exp2(hn::Mul(y, Log2(hn::Max(x, Set(1e-37f))))); }
 
-// Abramowitz and Stegun 7.1.26 with exp(-x^2), which callers have: off by at most 2e-7.
+// Returns erf(x) by Abramowitz and Stegun 7.1.26, given exp(-x^2), which callers have. The error is
+// at most 2e-7.
 HWY_INLINE VF Erf(VF x, VF exp_minus_x2) {
   const VF t = hn::Div(Set(1.0f), hn::Add(Set(1.0f), hn::Mul(Set(0.3275911f), hn::Abs(x))));
   const VF series = hn::Mul(
@@ -51,7 +53,8 @@ HWY_INLINE VF Erf(VF x, VF exp_minus_x2) {
   return hn::CopySign(hn::Sub(Set(1.0f), hn::Mul(series, exp_minus_x2)), x);
 }
 
-// For x in (-1, 1); Giles 2010 ("Approximating the erfinv function"), single precision.
+// Returns the inverse of erf for x in (-1, 1) (Giles 2010, "Approximating the erfinv function",
+// single precision).
 HWY_INLINE VF ErfInverse(VF x) {
   const VF one = Set(1.0f);
   const VF away = hn::Max(hn::Mul(hn::Sub(one, x), hn::Add(one, x)), Set(1e-20f));

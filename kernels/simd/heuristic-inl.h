@@ -1,4 +1,5 @@
-// The heuristic by which ways to sample the same path share it, in one place: power, exponent 2.
+// The techniques that can sample the same path share it by the power heuristic with exponent 2,
+// which is defined here alone.
 #if defined(SKYWAVE_KERNELS_HEURISTIC_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_HEURISTIC_INL_H_
 #undef SKYWAVE_KERNELS_HEURISTIC_INL_H_
@@ -13,18 +14,19 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// One ratio of densities that counts as much as both. (The balance heuristic would add them.)
+// Combines two ratios of densities into one that weighs as much as both. (The balance heuristic
+// would add them.)
 HWY_INLINE VF Join(VF a, VF b) { return hn::Sqrt(hn::Add(hn::Mul(a, a), hn::Mul(b, b))); }
 
-// The weight of a way to which others have the ratios `a` and `b`; 1 without multiple importance
-// sampling.
+// Returns the weight of a technique whose competitors have the density ratios `a` and `b`; 1
+// without multiple importance sampling.
 HWY_INLINE VF HeuristicWeight(const MisPolicy& mis, VF a, VF b) {
   const VF one = Set(1.0f);
   if (!mis.enabled) return one;
   return hn::Div(one, hn::Add(one, hn::Add(hn::Mul(a, a), hn::Mul(b, b))));
 }
 
-// Keeps ratios where a product of two of them is finite: infinity times zero would be no number.
+// Bounds a ratio so that the product of two is finite: infinity times zero would be NaN.
 HWY_INLINE VF Bounded(VF ratio) { return hn::Min(ratio, Set(1e18f)); }
 
 }  // namespace HWY_NAMESPACE

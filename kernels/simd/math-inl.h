@@ -1,5 +1,5 @@
-// Elementary functions on vectors of floats. Polynomials evaluated with plain multiplications and
-// additions, so that every target gives the same bits.
+// These are elementary functions on vectors of floats: polynomials evaluated with plain
+// multiplications and additions, so that every target gives the same bits.
 #if defined(SKYWAVE_KERNELS_MATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_MATH_INL_H_
 #undef SKYWAVE_KERNELS_MATH_INL_H_
@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 inline constexpr float kPi = 3.14159265358979f;
 inline constexpr float kInvPi = 0.318309886183791f;
 
-// c[0] + c[1] x + ... by Horner.
+// Returns c[0] + c[1] x + ... by Horner's scheme.
 template <std::size_t N>
 HWY_INLINE VF Polynomial(VF x, const float (&c)[N]) {
   VF sum = Set(c[N - 1]);
@@ -24,8 +24,8 @@ HWY_INLINE VF Polynomial(VF x, const float (&c)[N]) {
   return sum;
 }
 
-// sin and cos of 2 pi t for t in [0, 1]: the turn is split exactly into quarters, the rest is a
-// Taylor polynomial in [-pi/4, pi/4]. Error below 2e-7.
+// Computes sin and cos of 2 pi t for t in [0, 1]: the turn is split exactly into quarters, and the
+// rest is a Taylor polynomial in [-pi/4, pi/4]. The error is below 2e-7.
 HWY_INLINE void SinCosTurn(VF t, VF& sine, VF& cosine) {
   const VF quarters = hn::Mul(t, Set(4.0f));
   const VF nearest = hn::Round(quarters);
@@ -42,8 +42,9 @@ HWY_INLINE void SinCosTurn(VF t, VF& sine, VF& cosine) {
   cosine = hn::Xor(IfThen(swap, s, c), cosine_sign);
 }
 
-// atan2(y, x) / (2 pi) in [-1/2, 1/2]; 0 for (0, 0). The ratio is brought below tan(pi/8) by
-// atan(q) = pi/4 + atan((q - 1) / (q + 1)), which needs one division only. Error below 3e-8 turns.
+// Returns atan2(y, x) / (2 pi) in [-1/2, 1/2], and 0 for (0, 0). The ratio is brought below
+// tan(pi/8) by atan(q) = pi/4 + atan((q - 1) / (q + 1)), which needs only one division. The error
+// is below 3e-8 turns.
 HWY_INLINE VF Atan2Turn(VF y, VF x) {
   const VF ax = hn::Abs(x), ay = hn::Abs(y);
   const VF low = hn::Min(ax, ay), high = hn::Max(ax, ay);
@@ -52,7 +53,7 @@ HWY_INLINE VF Atan2Turn(VF y, VF x) {
   const VF denominator = IfThen(shift, hn::Add(low, high), high);
   const VF q = hn::Div(numerator, hn::Max(denominator, Set(1e-37f)));
   const VF q2 = hn::Mul(q, q);
-  // atan(q) / (2 pi q), interpolated at the Chebyshev nodes of [0, tan(pi/8)].
+  // This is atan(q) / (2 pi q), interpolated at the Chebyshev nodes of [0, tan(pi/8)].
   const VF series = Polynomial(q2, {0.1591549430f, -0.05305160562f, 0.03182809684f, -0.02266292012f,
                                     0.01682240504f, -0.009591162693f});
   VF turn = hn::Mul(q, series);
@@ -62,7 +63,7 @@ HWY_INLINE VF Atan2Turn(VF y, VF x) {
   return hn::CopySign(turn, y);
 }
 
-// The bits of every lane in reverse order.
+// Reverses the bits of every lane.
 HWY_INLINE VU ReverseBits(VU v) {
 #if HWY_TARGET == HWY_SCALAR
   const VU m1 = SetU(0x55555555u), m2 = SetU(0x33333333u), m4 = SetU(0x0F0F0F0Fu),
@@ -73,7 +74,7 @@ HWY_INLINE VU ReverseBits(VU v) {
   v = hn::Or(hn::And(hn::ShiftRight<8>(v), m8), hn::ShiftLeft<8>(hn::And(v, m8)));
   return hn::RotateRight<16>(v);
 #else
-  // Each nibble by a table of sixteen bytes, then the bytes of each lane in reverse order.
+  // Tables of sixteen bytes reverse the nibbles; then the bytes of each lane are reversed.
   alignas(16) static constexpr std::uint8_t kLow[16] = {0x00, 0x80, 0x40, 0xC0, 0x20, 0xA0,
                                                         0x60, 0xE0, 0x10, 0x90, 0x50, 0xD0,
                                                         0x30, 0xB0, 0x70, 0xF0};
@@ -91,20 +92,22 @@ HWY_INLINE VU ReverseBits(VU v) {
 #endif
 }
 
-// 32 random bits to [0, 1): the top 24, which a float holds exactly.
+// Maps 32 random bits to [0, 1) by the top 24, which a float holds exactly.
 HWY_INLINE VF ToUnitFloat(VU bits) {
   return hn::Mul(ToFloat(hn::ShiftRight<8>(bits)), Set(0x1p-24f));
 }
 
-// Unit vector of a TriangleRecord normal: two's complement 16-bit octahedral coordinates, x in the
-// low half (Cigolle et al. 2014). The inverse of EncodeNormal in kernels/surface/surface.h.
+// Returns the unit vector of a TriangleRecord normal: two's complement 16-bit octahedral
+// coordinates, x in the low half (Cigolle et al. 2014). It is the inverse of EncodeNormal in
+// kernels/surface/surface.h.
 HWY_INLINE V3 DecodeNormal(VU packed) {
   const VF scale = Set(1.0f / 32767.0f);
   const VI bits = AsInt(packed);
   const VF x = hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(hn::ShiftLeft<16>(bits))), scale);
   const VF y = hn::Mul(hn::ConvertTo(F(), hn::ShiftRight<16>(bits)), scale);
   const VF z = hn::Sub(hn::Sub(Set(1.0f), hn::Abs(x)), hn::Abs(y));
-  const VF fold = hn::Max(hn::Neg(z), hn::Zero(F()));  // lower half: mirror over the diagonals
+  const VF fold =
+      hn::Max(hn::Neg(z), hn::Zero(F()));  // the lower half is mirrored at the diagonals
   return Normalize({hn::Sub(x, hn::CopySign(fold, x)), hn::Sub(y, hn::CopySign(fold, y)), z});
 }
 

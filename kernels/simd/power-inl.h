@@ -1,5 +1,5 @@
-// What the cosine-power lobes share. Their exponent comes from the width of the Beckmann facets
-// that they resemble (Walter et al. 2007, section 5.2).
+// The cosine-power lobes share these functions. Their exponent comes from the width of the Beckmann
+// facets that they resemble (Walter et al. 2007, section 5.2).
 #if defined(SKYWAVE_KERNELS_POWER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_POWER_INL_H_
 #undef SKYWAVE_KERNELS_POWER_INL_H_
@@ -14,13 +14,14 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// 2 / alpha^2 - 2, alpha at least 0.02: a float's cosine has no digits for narrower lobes.
+// Returns 2 / alpha^2 - 2 for alpha of at least 0.02: a float's cosine has no digits for narrower
+// lobes.
 HWY_INLINE VF PowerOfWidth(VF alpha) {
   const VF width = hn::Max(alpha, Set(0.02f));
   return hn::Max(hn::Sub(hn::Div(Set(2.0f), hn::Mul(width, width)), Set(2.0f)), hn::Zero(F()));
 }
 
-// Unit vector of that cosine to +z, `u` turns about it.
+// Returns the unit vector with that cosine to +z, `u` turns about it.
 HWY_INLINE V3 AboutPole(VF u, VF cosine) {
   const VF one = Set(1.0f);
   const VF sine = SafeSqrt(hn::Mul(hn::Sub(one, cosine), hn::Add(one, cosine)));

@@ -1,5 +1,5 @@
-// Words that lie together in memory, one record a lane: loaded record by record and transposed,
-// which costs a quarter of a gather for each word (Zen 4, AVX-512).
+// Words that lie together in memory, one record per lane, are loaded record by record and
+// transposed, which costs a quarter of a gather for each word (Zen 4, AVX-512).
 #if defined(SKYWAVE_KERNELS_RECORDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_RECORDS_INL_H_
 #undef SKYWAVE_KERNELS_RECORDS_INL_H_
@@ -13,14 +13,14 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Word w of four, of each lane's record.
+// Each vector holds one word of every lane's record.
 struct Words4 {
   VU w0, w1, w2, w3;
 };
 
 #if HWY_TARGET != HWY_SCALAR
 
-// A vector of the four words at base + first[0], of those at base + first[4], and so on.
+// Loads a vector of the four words at base + first[0], of those at base + first[4], and so on.
 template <class D>
 HWY_INLINE hn::Vec<D> LoadEveryFourth(D d, const std::uint32_t* base, const std::uint32_t* first) {
   constexpr std::size_t kLanes = hn::MaxLanes(d);
@@ -33,7 +33,8 @@ HWY_INLINE hn::Vec<D> LoadEveryFourth(D d, const std::uint32_t* base, const std:
   }
 }
 
-// A vector of the pairs at base + first[0] and first[1], then first[4] and first[5], and so on.
+// Loads a vector of the pairs at base + first[0] and first[1], then first[4] and first[5], and so
+// on.
 template <class D>
 HWY_INLINE hn::Vec<D> LoadPairs(D d, const float* base, const std::uint32_t* first) {
   constexpr std::size_t kLanes = hn::MaxLanes(d);
@@ -46,7 +47,7 @@ HWY_INLINE hn::Vec<D> LoadPairs(D d, const float* base, const std::uint32_t* fir
   }
 }
 
-// Words base[first], ... base[first + 3] of each lane.
+// Gathers words base[first] to base[first + 3] of each lane.
 HWY_INLINE Words4 GatherWords4(const std::uint32_t* base, VU first) {
   alignas(kColumnAlignment) std::uint32_t at[kPadRows];
   Store(first, at);
@@ -60,7 +61,7 @@ HWY_INLINE Words4 GatherWords4(const std::uint32_t* base, VU first) {
           hn::InterleaveLower(d, even_high, odd_high), hn::InterleaveUpper(d, even_high, odd_high)};
 }
 
-// Words base[first] and base[first + 1] of each lane.
+// Gathers words base[first] and base[first + 1] of each lane.
 HWY_INLINE void GatherPairs(const float* base, VU first, VF& low, VF& high) {
   alignas(kColumnAlignment) std::uint32_t at[kPadRows];
   Store(first, at);

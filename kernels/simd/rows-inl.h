@@ -1,4 +1,4 @@
-// What kernels read of one vector of rows, by name.
+// These functions load what kernels read of one vector of rows, by name.
 #if defined(SKYWAVE_KERNELS_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_ROWS_INL_H_
 #undef SKYWAVE_KERNELS_ROWS_INL_H_

@@ -1,6 +1,6 @@
-// Rows of a table that a search has found, in runs: points of a leaf lie next to each other, so a
-// vector from the first row of a run on and a permutation bring the others, where a gather would
-// load every lane by itself.
+// A search finds rows of a table in runs, since the points of a leaf lie next to each other. One
+// load from the first row of a run and a permutation fetch the others, where a gather would load
+// every lane by itself.
 #if defined(SKYWAVE_KERNELS_RUNS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_RUNS_INL_H_
 #undef SKYWAVE_KERNELS_RUNS_INL_H_
@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 
 class RowRun {
  public:
-  // Rows rows[i], rows[i + 1], ... as far as they lie within a vector from rows[i] on and before
+  // Takes rows[i], rows[i + 1], ... as far as they lie within a vector from rows[i] on and before
   // rows[n]; `rows` is padded.
   HWY_INLINE RowRun(const std::uint32_t* rows, std::uint32_t i, std::uint32_t n) : first_(rows[i]) {
     const auto lanes = static_cast<std::uint32_t>(hn::Lanes(U()));
@@ -27,7 +27,7 @@ class RowRun {
     lane_ = hn::And(lane, SetU(lanes - 1));
   }
   std::uint32_t count() const { return count_; }
-  // Their values of a padded column in the first `count` lanes.
+  // Returns their values of a padded column in the first `count` lanes.
   HWY_INLINE VU Take(const std::uint32_t* column) const {
     return hn::TableLookupLanes(Load(column + first_), hn::IndicesFromVec(U(), lane_));
   }

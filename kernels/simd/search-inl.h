@@ -1,4 +1,4 @@
-// Searches of many uniforms at once in trees of cache lines (SearchTreeView in environment.h).
+// Many uniforms are searched at once in trees of cache lines (SearchTreeView in environment.h).
 #if defined(SKYWAVE_KERNELS_SEARCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_SEARCH_INL_H_
 #undef SKYWAVE_KERNELS_SEARCH_INL_H_
@@ -17,17 +17,17 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Columns of searches in flight. A chunk stays in the first-level cache.
+// These are the columns of the searches in flight. A chunk stays in the first-level cache.
 constexpr std::uint32_t kChunk = 128;
 struct SearchColumns {
   alignas(64) float x[kChunk];                // out: position inside the item found
-  alignas(64) std::uint32_t item[kChunk];     // node on the way; out: item of its tree
+  alignas(64) std::uint32_t item[kChunk];     // current node; out: item of its tree
   alignas(64) std::uint32_t limit[kChunk];    // position on the line of the node, rounded up
-  alignas(64) std::uint32_t skipped[kChunk];  // numbers of children in front that nodes do not have
+  alignas(64) std::uint32_t skipped[kChunk];  // children in front that nodes do not have
   alignas(64) std::uint32_t span[kChunk];     // start of the child, and of the next one << 16
 };
 
-// How many children start below `limit`. A node is one cache line.
+// Counts the children that start below `limit`. A node is one cache line.
 HWY_INLINE std::size_t CountStarts(const SearchNode& node, std::uint32_t limit) {
   const hn::CappedTag<std::int16_t, kNodeFan> d;
   const auto end = hn::Set(d, static_cast<std::int16_t>(limit));
@@ -38,17 +38,17 @@ HWY_INLINE std::size_t CountStarts(const SearchNode& node, std::uint32_t limit) 
   return count;
 }
 
-// Start and end of a child from its span. Behind the last child stands the start of another node,
-// 0.
+// These return the start and the end of a child from its span. After the last child comes the start
+// of another node, 0.
 HWY_INLINE VU SpanStart(VU span) { return hn::And(span, SetU(0xFFFFu)); }
 HWY_INLINE VU SpanEnd(VU span) {
   const VU next = hn::ShiftRight<16>(span);
   return IfThen(hn::Eq(next, SetU(0)), SetU(kNodeMass), next);
 }
 
-// Walks searches [0, n) of trees tree[i] from node[i] at x[i] to a child: its span, and as `item`
-// its number among the children that are there, if a tree leaves out `padding` behind its own.
-// found(i, item) is called for each.
+// Walks searches [0, n) of trees tree[i] at x[i] from node[i] down to a child. Writes its span and,
+// as `item`, its number among the existing children: a tree leaves out `padding` of them at its
+// end. Calls found(i, item) for each.
 template <class Found>
 HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t padding,
                              const std::uint32_t* tree, const std::uint32_t* node, const float* x,
@@ -57,7 +57,7 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t padding,
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VF scaled = hn::Mul(Load(x + i), node_mass);
     Store(scaled, s.x + i);
-    // x < 1 stays so on its way down, but whatever it is, the search stays in the node.
+    // x < 1 stays so on the way down, but whatever it is, the search stays in the node.
     const VU target = hn::Min(ToUnsigned(scaled), SetU(kNodeMass - 1));
     Store(hn::Add(target, SetU(1)), s.limit + i);
     Store(hn::Mul(Load(tree + i), SetU(padding)), s.skipped + i);
@@ -76,13 +76,12 @@ HWY_INLINE void DescendLevel(const SearchNode* nodes, std::uint32_t padding,
   }
 }
 
-// For searches of one tree.
+// This is the tree of every search if there is only one.
 alignas(64) inline constexpr std::uint32_t kFirstTree[kChunk] = {};
 
 // Searches tree[i] at x[i] in [0, 1), and calls found(i, item) as soon as an item is known, which
-// is the time to ask the memory for what belongs to it. A level's nodes are numbered through all
-// trees, so that the child numbers of one level, less what the padding of the level above skips,
-// are node numbers of the next.
+// is the time to prefetch its data. The nodes of a level are numbered across all trees, so the
+// child numbers of one level, less the padding of the trees in front, are node numbers of the next.
 template <class Found>
 HWY_INLINE void Search(const SearchTreeView& trees, const std::uint32_t* tree, const float* x,
                        std::uint32_t n, SearchColumns& s, const Found& found) {

@@ -1,5 +1,5 @@
-// What every kernel file shares: vector types, three-vectors, row compression, bit tricks. Included
-// once per instruction set, from inside foreach_target.
+// Every kernel file shares this: vector types, three-vectors, row compression, bit tricks. It is
+// included once per instruction set, from inside foreach_target.
 //
 // Every lane of every target computes the same bits: no fused multiply-add, no approximate
 // reciprocal, no library function whose rounding could differ. So images do not depend on the
@@ -40,10 +40,10 @@ HWY_INLINE VU Load(const std::uint32_t* from) { return hn::LoadU(U(), from); }
 HWY_INLINE void Store(VF value, float* to) { hn::StoreU(value, F(), to); }
 HWY_INLINE void Store(VU value, std::uint32_t* to) { hn::StoreU(value, U(), to); }
 
-// Lanes i with row + i < n.
+// Selects the lanes i with row + i < n.
 HWY_INLINE MU RowsBelow(std::uint32_t row, std::uint32_t n) { return hn::FirstN(U(), n - row); }
-// Stores the lanes of rows below n only: for in-place work on a slice, behind whose end the rows of
-// another BSDF lie.
+// Stores only the lanes of rows below n, for in-place work on a slice that is followed by the rows
+// of another BSDF.
 HWY_INLINE void StoreBelow(VF value, float* to, std::uint32_t row, std::uint32_t n) {
   if (row + hn::Lanes(F()) > n) {
     const MF inside = hn::RebindMask(F(), RowsBelow(row, n));
@@ -55,12 +55,12 @@ HWY_INLINE void StoreBelow(VF value, float* to, std::uint32_t row, std::uint32_t
 HWY_INLINE VF AsFloat(VU bits) { return hn::BitCast(F(), bits); }
 HWY_INLINE VU AsBits(VF value) { return hn::BitCast(U(), value); }
 HWY_INLINE VI AsInt(VU value) { return hn::BitCast(I(), value); }
-// Exact for values below 2^31.
+// Values have to be below 2^31; from 2^24 on they are rounded.
 HWY_INLINE VF ToFloat(VU value) { return hn::ConvertTo(F(), AsInt(value)); }
-// Truncates; for values in [0, 2^31).
+// Truncates values in [0, 2^31).
 HWY_INLINE VU ToUnsigned(VF value) { return hn::BitCast(U(), hn::ConvertTo(I(), value)); }
 
-// base[index] for float and uint32 tables; indices below 2^31.
+// Gathers base[index] from float and uint32 tables; indices are below 2^31.
 HWY_INLINE VF Gather(const float* base, VU index) {
   return hn::GatherIndex(F(), base, AsInt(index));
 }
@@ -71,7 +71,7 @@ HWY_INLINE VU Gather(const std::uint32_t* base, VU index) {
 HWY_INLINE VF Clamp(VF value, float low, float high) {
   return hn::Min(hn::Max(value, Set(low)), Set(high));
 }
-// sqrt of max(value, 0): for differences that rounding may push below zero.
+// Returns sqrt(max(value, 0)), for differences that rounding may push below zero.
 HWY_INLINE VF SafeSqrt(VF value) { return hn::Sqrt(hn::Max(value, hn::Zero(F()))); }
 HWY_INLINE VF IfThen(MF mask, VF yes, VF no) { return hn::IfThenElse(mask, yes, no); }
 HWY_INLINE VU IfThen(MU mask, VU yes, VU no) { return hn::IfThenElse(mask, yes, no); }
@@ -114,7 +114,7 @@ HWY_INLINE V3 IfThen(MF mask, const V3& yes, const V3& no) {
 HWY_INLINE V3 Normalize(const V3& a) { return Scale(a, hn::Div(Set(1.0f), hn::Sqrt(Dot(a, a)))); }
 HWY_INLINE VF MaxComponent(const V3& a) { return hn::Max(hn::Max(a.x, a.y), a.z); }
 
-// Two unit vectors that complete unit `n` to a right-handed frame (Duff et al. 2017).
+// Two unit vectors s and t complete the unit vector n to a right-handed frame (Duff et al. 2017).
 struct Frame {
   V3 s, t, n;
 };
@@ -134,9 +134,10 @@ HWY_INLINE V3 ToWorld(const Frame& frame, const V3& w) {
   return Add(Add(Scale(frame.s, w.x), Scale(frame.t, w.y)), Scale(frame.n, w.z));
 }
 
-// Moves the lanes of `mask` to the front, in order; what follows them is unspecified. Built once a
-// vector of rows, applied to every column: stable compaction at the price of one permutation each.
-// (Highway 1.0.3's own Compress copies its table to the stack under g++ 12 below AVX-512.)
+// Moves the lanes of `mask` to the front, in order; the lanes after them are unspecified. It is
+// built once per vector of rows and applied to every column: a stable compaction at the price of
+// one permutation each. (Highway 1.0.3's own Compress copies its table to the stack under g++ 12
+// below AVX-512.)
 class RowCompressor {
  public:
   HWY_INLINE explicit RowCompressor(MU mask)

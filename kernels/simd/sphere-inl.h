@@ -1,4 +1,4 @@
-// Directions and points drawn from simple densities, on vectors.
+// These functions draw directions and points from simple densities, on vectors.
 #if defined(SKYWAVE_KERNELS_SPHERE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_SPHERE_INL_H_
 #undef SKYWAVE_KERNELS_SPHERE_INL_H_
@@ -12,7 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// Uniform over the sphere, density 1 / 4 pi.
+// Draws a direction uniformly over the sphere, with density 1 / 4 pi.
 HWY_INLINE V3 UniformSphere(VF u, VF v) {
   const VF z = hn::Sub(Set(1.0f), hn::Mul(Set(2.0f), v));
   // 1 - z^2 = 4 v (1 - v), which does not cancel at the poles.
@@ -22,8 +22,8 @@ HWY_INLINE V3 UniformSphere(VF u, VF v) {
   return {hn::Mul(sine, c), hn::Mul(sine, s), z};
 }
 
-// Over the hemisphere of +z with density cos / pi (P 3-6): a uniform point of the unit disk,
-// lifted.
+// Draws a direction in the hemisphere of +z with density cos / pi (P 3-6): a uniform point of the
+// unit disk, lifted.
 HWY_INLINE V3 CosineHemisphere(VF u, VF v) {
   const VF radius = hn::Sqrt(v);
   VF s, c;
@@ -31,7 +31,8 @@ HWY_INLINE V3 CosineHemisphere(VF u, VF v) {
   return {hn::Mul(radius, c), hn::Mul(radius, s), hn::Sqrt(hn::Sub(Set(1.0f), v))};
 }
 
-// An even point of the unit disc, rings of squares to rings of the disc (Shirley and Chiu 1997).
+// Maps (u, v) to a uniform point of the unit disk, rings of squares to rings of the disk (Shirley
+// and Chiu 1997).
 HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
   const VF a = hn::Sub(hn::Add(u, u), Set(1.0f)), b = hn::Sub(hn::Add(v, v), Set(1.0f));
   const MF steep = hn::Gt(hn::Abs(b), hn::Abs(a));
@@ -45,7 +46,7 @@ HWY_INLINE void SampleDisc(VF u, VF v, VF& x, VF& y) {
   y = IfThen(steep, along, across);
 }
 
-// Its inverse: u and v of a point of the unit disc.
+// Inverts SampleDisc: finds u and v of a point of the unit disk.
 HWY_INLINE void DiscUniforms(VF x, VF y, VF& u, VF& v) {
   const VF radius = hn::Sqrt(hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
   const MF steep = hn::Gt(hn::Abs(y), hn::Abs(x));

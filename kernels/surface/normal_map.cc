@@ -28,24 +28,28 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
   const auto* records = reinterpret_cast<const std::uint32_t*>(maps.records);
   const auto* tangents = reinterpret_cast<const std::uint32_t*>(maps.tangents);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const TexturedLanes<2> textured(maps.records, 0, s, i, n);
+    const TexturedLanes<kLogNormalMapWords> textured(
+        maps.records, SKYWAVE_WORD(NormalMapRecord, texture), s, i, n);
     if (!textured.any) continue;
     const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackNormalTexel);
-    const VU record = hn::ShiftLeft<2>(textured.material);
-    VF scale = AsFloat(Gather(records, hn::Add(record, SetU(1))));
-    const VU per_texel = Gather(records, hn::Add(record, SetU(2)));
+    const VU record = hn::ShiftLeft<kLogNormalMapWords>(textured.material);
+    VF scale =
+        AsFloat(Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, scale)))));
+    const VU per_texel =
+        Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, per_texel))));
     const VF texels = TexelsALength(view, textured.texture, textured.triangle);
     const MF of_lengths = hn::RebindMask(F(), hn::Ne(per_texel, hn::Zero(U())));
     scale = Clamp(IfThen(of_lengths, hn::Mul(scale, texels), scale), -1e6f, 1e6f);
 
-    // The frame of the map on the outer side, about the shading normal.
-    const VU at = hn::ShiftLeft<2>(textured.triangle);
+    // The frame of the map lies on the outer side, about the shading normal.
+    const VU at = hn::ShiftLeft<kLogTangentWords>(textured.triangle);
     const VF b1 = Load(s.u + i), b2 = Load(s.v + i);
     const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
     const V3 t0 = DecodeNormal(Gather(tangents, at));
     const V3 t1 = DecodeNormal(Gather(tangents, hn::Add(at, SetU(1))));
     const V3 t2 = DecodeNormal(Gather(tangents, hn::Add(at, SetU(2))));
-    const VF side = AsFloat(Gather(tangents, hn::Add(at, SetU(3))));
+    const VF side =
+        AsFloat(Gather(tangents, hn::Add(at, SetU(SKYWAVE_WORD(TriangleTangents, side)))));
     const V3 ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
     const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
     const V3 outer = IfThen(back, Neg(ns), ns);

@@ -3,7 +3,7 @@
 namespace skywave {
 namespace {
 
-// A mixing of all bits (Wellons 2018, "lowbias32").
+// Mixes all bits (Wellons 2018, "lowbias32").
 std::uint32_t Mix(std::uint32_t x) {
   x = (x ^ x >> 16) * 0x7feb352du;
   x = (x ^ x >> 15) * 0x846ca68bu;

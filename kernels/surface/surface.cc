@@ -17,8 +17,8 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
                      std::uint32_t n, const SurfaceColumns& s) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   const auto* material_words = reinterpret_cast<const std::uint32_t*>(materials);
-  // A hit is known to some 2^-22 of the coordinates it was computed from, the distance included;
-  // origins are lifted by sixty-four times that.
+  // A hit is accurate to some 2^-22 of the coordinates it was computed from, including the
+  // distance; origins are lifted by sixty-four times that.
   const VF lift_scale = Set(0x1p-16f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU record = hn::ShiftLeft<2>(hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i)));
@@ -36,8 +36,8 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
     const VF w = hn::Sub(hn::Sub(Set(1.0f), u), v);
     const V3 smooth = Normalize(Add(Add(Scale(n0, w), Scale(n1, u)), Scale(n2, v)));
     V3 ns = IfThen(back, Neg(smooth), smooth);
-    // Where the smooth normal looks away from the eye (silhouettes of coarse meshes) or is none,
-    // the geometric one shades.
+    // Where the smooth normal faces away from the eye (silhouettes of coarse meshes) or is not a
+    // number, shading uses the geometric one.
     const MF usable = hn::Gt(Dot(ns, wo), Set(1e-4f));
     const MF flat = hn::RebindMask(F(), hn::TestBit(tag, SetU(kFlatTriangle)));
     ns = IfThen(hn::AndNot(flat, usable), ns, ng);
@@ -50,7 +50,8 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
     const V3 lifted = Add(hit, Scale(ng, lift));
 
     const VU material = hn::And(tag, SetU(kMaterialMask));
-    const Words4 color = GatherWords4(material_words, hn::ShiftLeft<4>(material));
+    static_assert(SKYWAVE_WORD(MaterialRecord, color) == 0);
+    const Words4 color = GatherWords4(material_words, hn::ShiftLeft<kLogMaterialWords>(material));
     Store3({AsFloat(color.w0), AsFloat(color.w1), AsFloat(color.w2)}, s.color_r + i, s.color_g + i,
            s.color_b + i);
     Store3(ng, s.ng_x + i, s.ng_y + i, s.ng_z + i);
@@ -82,10 +83,11 @@ void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const Surfac
     const VU material = hn::IfThenElseZero(RowsBelow(i, n), Load(s.material + i));
     const MF back = hn::RebindMask(F(), hn::TestBit(material, SetU(kBackFace)));
     if (hn::AllFalse(F(), back)) continue;
-    const VU field = hn::ShiftLeft<4>(hn::And(material, SetU(kMaterialMask)));
-    const VF way = hn::IfThenElseZero(back, Load(s.t + i));
+    const VU field = hn::ShiftLeft<kLogMaterialWords>(hn::And(material, SetU(kMaterialMask)));
+    const VF distance = hn::IfThenElseZero(back, Load(s.t + i));
     const auto passes = [&](std::uint32_t channel) HWY_ATTR {
-      return Exp(hn::Neg(hn::Mul(Gather(fields, hn::Add(field, SetU(8 + channel))), way)));
+      const VU word = hn::Add(field, SetU(std::uint32_t(MaterialField::kAbsorption) + channel));
+      return Exp(hn::Neg(hn::Mul(Gather(fields, word), distance)));
     };
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     Store3(IfThen(back, Mul(throughput, {passes(0), passes(1), passes(2)}), throughput),

@@ -1,4 +1,4 @@
-// Surface preparation: from barycentric hits to points that can be shaded.
+// Surface preparation turns barycentric hits into points that can be shaded.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,24 @@
 namespace skywave {
 
 // Fills the second block of rows [0, n) of `surfaces` from the first one (see SurfaceColumns):
-// normals interpolated and turned to wo's side, the point lifted off the surface, the colour.
-// `materials`: table of MaterialRecord.
+// normals are interpolated and turned to wo's side, points lifted off the surface, colours read.
+// `materials` is a table of MaterialRecord.
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
                      std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Writes Varying::kTangent of rows [0, n). `tangents`: one a triangle (EncodeNormal), world space;
-// what of it lies in the surface is the tangent, the frame's own first axis where nothing does.
+// Writes Varying::kTangent of rows [0, n). `tangents` has one per triangle (EncodeNormal), in world
+// space; its projection onto the surface is the tangent, or the frame's own first axis if that is
+// null.
 void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
                      const SurfaceColumns& surfaces);
 
-// Multiplies throughput of rows [0, n) that are seen from inside by what their ray has lost there,
-// exp(-k t) (Beer and Lambert): rows of dielectrics, whose MaterialRecord::k is an absorption.
+// Multiplies throughput of those rows [0, n) that are seen from inside by the transmittance of
+// their ray, exp(-k t) (Beer and Lambert). The rows are of BSDFs with an inside, which have
+// MaterialField::kAbsorption.
 void AbsorbInside(const MaterialRecord* materials, std::uint32_t n, const SurfaceColumns& surfaces);
 
-// A unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014): x in the low half.
-// Off by at most 6.5e-5 radians, near the diagonals.
+// Encodes a unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014), x in the low
+// half. The result is off by at most 6.5e-5 radians, near the diagonals.
 std::uint32_t EncodeNormal(float x, float y, float z);
 
 }  // namespace skywave

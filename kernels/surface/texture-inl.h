@@ -1,4 +1,4 @@
-// Texture lookups on vectors.
+// These functions look up textures on vectors.
 #if defined(SKYWAVE_KERNELS_TEXTURE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SKYWAVE_KERNELS_TEXTURE_INL_H_
 #undef SKYWAVE_KERNELS_TEXTURE_INL_H_
@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A coordinate brought into [0, 1].
+// Brings a coordinate into [0, 1].
 HWY_INLINE VF WrapCoordinate(VF u, VU wrap) {
   const VF one = Set(1.0f);
   const VF repeated = hn::Sub(u, hn::Floor(u));
@@ -25,8 +25,8 @@ HWY_INLINE VF WrapCoordinate(VF u, VU wrap) {
   return IfThen(clamps, Clamp(u, 0.0f, 1.0f), IfThen(mirrors, mirrored, repeated));
 }
 
-// The two texels of a line of `count` between whose centres `at` in [0, 1] lies, and the share of
-// the second one.
+// In a line of `count` texels, `at` in [0, 1] lies between the centres of these two; `share` is
+// that of the second one.
 struct Neighbours {
   HWY_INLINE Neighbours(VF at, VU count, VU wrap) {
     const VF size = ToFloat(count), last = hn::Sub(size, Set(1.0f));
@@ -45,11 +45,11 @@ struct Neighbours {
 
 HWY_INLINE V3 Mix(const V3& a, const V3& b, VF share) { return Add(a, Scale(Sub(b, a), share)); }
 
-// One texture a lane: the words of its record.
+// Reads the words of one texture's record per lane.
 struct TextureLanes {
   HWY_INLINE TextureLanes(const TextureView& view, VU texture)
       : words(reinterpret_cast<const std::uint32_t*>(view.records)),
-        at(hn::ShiftLeft<4>(texture)) {}
+        at(hn::ShiftLeft<kLogTextureWords>(texture)) {}
   HWY_INLINE VU Word(std::uint32_t field) const { return Gather(words, hn::Add(at, SetU(field))); }
   HWY_INLINE VF Number(std::uint32_t field) const { return AsFloat(Word(field)); }
 
@@ -57,13 +57,13 @@ struct TextureLanes {
   VU at;
 };
 
-// Looks up one level of a texture a lane at barycentric (b1, b2) of its triangle. `unpack` makes a
-// V3 of packed texels.
+// Looks up one level of one texture per lane at barycentric (b1, b2) of its triangle. `unpack`
+// turns packed texels into a V3.
 template <class Unpack>
 HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, VU level,
                           VU triangle, VF b1, VF b2, const Unpack& unpack) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU at = hn::ShiftLeft<3>(triangle);
+  const VU at = hn::ShiftLeft<kLogUvWords>(triangle);
   const auto corner = [&](std::uint32_t f)
                           HWY_ATTR { return Gather(corners, hn::Add(at, SetU(f))); };
   const VF b0 = hn::Sub(hn::Sub(Set(1.0f), b1), b2);
@@ -72,16 +72,22 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
                    hn::Mul(corner(f + 4), b2));
   };
   const VF u = interpolate(0), v = interpolate(1);
-  const VF tu = hn::Add(hn::Add(hn::Mul(record.Number(4), u), hn::Mul(record.Number(5), v)),
-                        record.Number(6));
-  const VF tv = hn::Add(hn::Add(hn::Mul(record.Number(7), u), hn::Mul(record.Number(8), v)),
-                        record.Number(9));
+  constexpr std::uint32_t kTransform = SKYWAVE_WORD(TextureRecord, transform);
+  const auto transformed = [&](std::uint32_t row) HWY_ATTR {
+    const VF along_u = hn::Mul(record.Number(row), u), along_v = hn::Mul(record.Number(row + 1), v);
+    return hn::Add(hn::Add(along_u, along_v), record.Number(row + 2));
+  };
+  const VF tu = transformed(kTransform), tv = transformed(kTransform + 3);
 
   const auto* levels = reinterpret_cast<const std::uint32_t*>(view.levels);
-  const VU entry = hn::ShiftLeft<2>(level);
-  const VU first = Gather(levels, entry), columns = Gather(levels, hn::Add(entry, SetU(1))),
-           rows = Gather(levels, hn::Add(entry, SetU(2)));
-  const VU wrap_u = record.Word(2), wrap_v = record.Word(3);
+  const VU entry = hn::ShiftLeft<kLogLevelWords>(level);
+  const auto of_level = [&](std::uint32_t f)
+                            HWY_ATTR { return Gather(levels, hn::Add(entry, SetU(f))); };
+  const VU first = of_level(SKYWAVE_WORD(TextureLevel, first_texel)),
+           columns = of_level(SKYWAVE_WORD(TextureLevel, width)),
+           rows = of_level(SKYWAVE_WORD(TextureLevel, height));
+  const VU wrap_u = record.Word(SKYWAVE_WORD(TextureRecord, wrap_u)),
+           wrap_v = record.Word(SKYWAVE_WORD(TextureRecord, wrap_v));
   const Neighbours x(WrapCoordinate(tu, wrap_u), columns, wrap_u);
   const Neighbours y(WrapCoordinate(tv, wrap_v), rows, wrap_v);
   const auto texel = [&](VU column, VU row) HWY_ATTR {
@@ -92,14 +98,16 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
              Mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
 }
 
-// Texels of level 0 in a length of 1 in the world.
+// Returns the number of texels of level 0 per unit of length in the world.
 HWY_INLINE VF TexelsALength(const TextureView& view, VU texture, VU triangle) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  return hn::Mul(Gather(corners, hn::Add(hn::ShiftLeft<3>(triangle), SetU(6))),
-                 TextureLanes(view, texture).Number(10));
+  const VU density =
+      hn::Add(hn::ShiftLeft<kLogUvWords>(triangle), SetU(SKYWAVE_WORD(TriangleUvs, density)));
+  return hn::Mul(Gather(corners, density),
+                 TextureLanes(view, texture).Number(SKYWAVE_WORD(TextureRecord, texels)));
 }
 
-// The lanes of rows below n whose material has a texture in word `field` of its record of
+// Finds the lanes of rows below n whose material has a texture in word `field` of its record of
 // 2^kLogWords words, and what they look up; the others look up texture 0 at triangle 0.
 template <int kLogWords>
 struct TexturedLanes {
@@ -120,12 +128,12 @@ struct TexturedLanes {
   VU material, texture, triangle;
 };
 
-// Looks up one texture a lane (TexturedLanes), at the level that the ray's cone asks for.
+// Looks up one texture per lane (TexturedLanes), at the level that the ray's cone asks for.
 template <class Textured, class Unpack>
 HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pixel_angle,
                      const SurfaceColumns& s, std::uint32_t i, const Unpack& unpack) {
   const TextureLanes record(view, textured.texture);
-  // Texels in the width of the cone, squared: its logarithm is an exponent, halved.
+  // The number of texels across the cone is squared, so the level is half the exponent.
   const VF cosine = hn::Max(
       Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
       Set(0.01f));
@@ -134,8 +142,10 @@ HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pi
   const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
   const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
   const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));
-  const VU level = hn::Add(record.Word(0), hn::Min(wanted, hn::Sub(record.Word(1), SetU(1))));
-  // Behind the last row may stand anything, which is no place on an image.
+  const VU last = hn::Sub(record.Word(SKYWAVE_WORD(TextureRecord, levels)), SetU(1));
+  const VU level =
+      hn::Add(record.Word(SKYWAVE_WORD(TextureRecord, first_level)), hn::Min(wanted, last));
+  // Padding rows may hold anything, which would be no place on an image.
   const VF b1 = hn::IfThenElseZero(textured.lanes, Load(s.u + i));
   const VF b2 = hn::IfThenElseZero(textured.lanes, Load(s.v + i));
   return LookUpLevel(view, record, level, textured.triangle, b1, b2, unpack);

@@ -14,12 +14,11 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-inline constexpr std::uint32_t kColorField = 11, kRoughnessField = 15;
-
 void TextureColors(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& s) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const TexturedLanes<4> textured(materials, kColorField, s, i, n);
+    const TexturedLanes<kLogMaterialWords> textured(
+        materials, SKYWAVE_WORD(MaterialRecord, color_texture), s, i, n);
     if (!textured.any) continue;
     const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
     const V3 color = Load3(s.color_r + i, s.color_g + i, s.color_b + i);
@@ -50,11 +49,14 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU material =
         hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
-    const VU field = hn::ShiftLeft<4>(material);
-    VF alpha = Gather(fields, hn::Add(field, SetU(3)));
-    VF metallic = Gather(fields, hn::Add(field, SetU(4)));
+    const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
+    const auto field = [&](MaterialField f) HWY_ATTR {
+      return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
+    };
+    VF alpha = field(MaterialField::kAlpha), metallic = field(MaterialField::kMetallic);
     if (view.records != nullptr) {
-      const TexturedLanes<4> textured(materials, kRoughnessField, s, i, n);
+      const TexturedLanes<kLogMaterialWords> textured(
+          materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
       if (textured.any) {
         const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
         const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
@@ -75,13 +77,13 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 namespace {
 
-// std::floor without a call, for values below 2^63.
+// Returns std::floor without a call, for values below 2^63.
 float Floor(float x) {
   const float whole = float(std::int64_t(x));
   return whole > x ? whole - 1 : whole;
 }
 
-// Neighbours of texture-inl.h, with the wrapping before it.
+// This is Neighbours of texture-inl.h, preceded by the wrapping.
 struct ScalarNeighbours {
   ScalarNeighbours(float at, std::uint32_t count, TextureWrap wrap) {
     const float half = at * 0.5f;
@@ -145,7 +147,8 @@ std::uint32_t PackTexel(const float* rgb) {
   for (int c = 0; c < 3; ++c) channel[c] = rgb[c] > 0 ? std::min(rgb[c], float(kMantissa)) : 0.0f;
   const float brightest = std::max({channel[0], channel[1], channel[2]});
   if (!(brightest > 0)) return 0;
-  // The brightest mantissa is at least 2^8, unless rounding lifts it to 2^9.
+  // The brightest mantissa is at least 2^8; rounding may lift it to 2^9, which takes the next
+  // exponent.
   int exponent = std::ilogb(brightest) - int(kMantissaBits - 1) + int(kMaxExponent);
   exponent = std::clamp(exponent, 0, int(kMaxExponent));
   if (std::lround(std::ldexp(brightest, int(kMaxExponent) - exponent)) > long{kMantissa}) {

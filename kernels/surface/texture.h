@@ -1,10 +1,10 @@
-// Image textures: the colours of surfaces, and the parameters of metallic-roughness materials.
+// Image textures give surfaces their colours, and metallic-roughness materials their parameters.
 //
 // Lookups are bilinear in one level of the mip pyramid. The level is that whose texels are as large
 // as a cone of `pixel_angle` over the length of the ray (Akenine-Moller et al. 2021, "Improved
 // Shader and Texture Level of Detail Using Ray Cones", Section 3): the geometric mean of both axes
-// of the ellipse, rounded down. The cone starts anew at every surface, so textures behind mirrors
-// and seen by scattered light are sharper than need be, never more blurred.
+// of the ellipse, rounded down. The cone starts anew at every surface, so textures seen in mirrors
+// or by scattered light are sharper than need be, never more blurred.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace skywave {
 
-// All null in scenes without textures.
+// All pointers are null in scenes without textures.
 struct TextureView {
   const TextureRecord* records = nullptr;
   const TextureLevel* levels = nullptr;
@@ -22,29 +22,31 @@ struct TextureView {
   bool empty() const { return records == nullptr; }
 };
 
-// Multiplies color of rows [0, n) whose material has a colour texture by it. `pixel_angle`: of a
-// pixel as the camera sees it [rad]; 0: always level 0. Padding rows may be written.
+// Multiplies color of rows [0, n) whose material has a colour texture by it. `pixel_angle` is the
+// angle of a pixel as the camera sees it [rad]; at 0 level 0 is always read. Padding rows may be
+// written.
 void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Multiplies color of rows [0, n) by that of the triangle's corners, interpolated. `colors`: three
-// a triangle (PackTexel).
+// Multiplies color of rows [0, n) by that of the triangle's corners, interpolated. `colors` has
+// three per triangle (PackTexel).
 void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Writes Varying::kRoughness of rows [0, n), which are metallic-roughness: that of the material,
-// times roughness texture (green squared and blue) where there is one. `textures` may be empty.
+// Writes Varying::kRoughness of rows [0, n), which are metallic-roughness: the material's
+// parameters times its roughness texture (green squared and blue) if it has one. `textures` may be
+// empty.
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
 
-// The first channel of a texture at barycentric (u, v) of a triangle, at level 0: the bits that
-// lookups by vectors give there.
+// Returns the first channel of a texture at barycentric (u, v) of a triangle, at level 0, with the
+// bits that vector lookups give there.
 float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,
                    float u, float v);
 
-inline constexpr float kBrightestTexel = 511;  // that PackTexel can hold
+inline constexpr float kBrightestTexel = 511;  // largest value that PackTexel can hold
 
-// Three channels of nine bits and an exponent in common: off by at most 2^-9 of the brightest
-// channel. Negative values and NaN become 0, what exceeds kBrightestTexel is that.
+// Packs three channels of nine bits and a common exponent; the error is at most 2^-9 of the
+// brightest channel. Negative values and NaN become 0, larger values kBrightestTexel.
 std::uint32_t PackTexel(const float* rgb);
 
 }  // namespace skywave

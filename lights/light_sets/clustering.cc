@@ -13,20 +13,20 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The nearest partner of a cluster by some measure.
+// A cluster has a nearest partner by some measure.
 struct Partner {
   double measure = kInfinity;
   std::size_t other = 0;
 };
 
-// Samples without frequency count as this much of the largest: they merge first and move nobody,
+// Samples without frequency count as this much of the largest: they merge first and move no other,
 // but still go to their nearest.
 constexpr double kLeastFrequency = 1e-12;
 
-// Clusters that are left, side by side; a merged one is replaced by the last. Each knows its
-// partner of least error among those of more frequency and, if separation matters, its nearest in
-// space; both are kept exact. With partners among all, one sample of little frequency would be
-// everybody's, and its merging would send everybody to search again.
+// Holds the clusters that are left, contiguously; a merged one is replaced by the last. Each knows
+// its partner of least error among those of more frequency and, if separation matters, its nearest
+// in space; both are kept exact. With partners among all, one sample of little frequency would be
+// the partner of all others, and merging it would make all of them search again.
 class PairwiseMerger {
  public:
   PairwiseMerger(std::span<const Vector3> samples, std::span<const double> frequencies,
@@ -45,7 +45,7 @@ class PairwiseMerger {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       identity_[i] = std::uint32_t(i);
       members_[i] = {std::uint32_t(i)};
-      for (std::size_t j = 0; j < i; ++j) Meet(i, j);
+      for (std::size_t j = 0; j < i; ++j) UpdatePartners(i, j);
     }
   }
 
@@ -91,7 +91,7 @@ class PairwiseMerger {
     return Dot(apart, apart);
   }
 
-  // The error of merging i and j, or some number > bound if it is above that. The chord is
+  // Returns the error of merging i and j, or some number > bound if it is above that. The chord is
   // below the angle, which spares most of the arc sines.
   double Error(std::size_t i, std::size_t j, double chord_square, double bound) const {
     const double sum = frequency_[i] + frequency_[j];
@@ -102,8 +102,8 @@ class PairwiseMerger {
     return weight * angle * angle;
   }
 
-  // Lets i and j know each other as partners.
-  void Meet(std::size_t i, std::size_t j) {
+  // Makes i and j each other's partners if they are better than the present ones.
+  void UpdatePartners(std::size_t i, std::size_t j) {
     const double chord_square = ChordSquare(centre_[i], centre_[j]);
     const bool i_is_lighter = frequency_[i] != frequency_[j] ? frequency_[i] < frequency_[j]
                                                              : identity_[i] < identity_[j];
@@ -118,7 +118,7 @@ class PairwiseMerger {
 
   void SearchAgain(std::size_t i) {
     for (std::size_t j = 0; j < size(); ++j) {
-      if (j != i) Meet(i, j);
+      if (j != i) UpdatePartners(i, j);
     }
   }
 
@@ -147,12 +147,12 @@ class PairwiseMerger {
     std::vector<std::size_t> orphans;
     for (std::size_t k = 0; k < size(); ++k) {
       if (k == i) continue;
-      // What is no worse than the partner that k has lost is the best there is: without it, clouds
+      // A partner no worse than the one that k has lost is the best there is: without this, clouds
       // of equal samples would be searched again and again.
       const double error = error_partner_[k].measure, near = near_partner_[k].measure;
       if (lost_error[k]) error_partner_[k].measure = std::nextafter(error, kInfinity);
       if (lost_near[k]) near_partner_[k].measure = std::nextafter(near, kInfinity);
-      Meet(k, i);
+      UpdatePartners(k, i);
       if ((lost_error[k] && error_partner_[k].measure > error) ||
           (lost_near[k] && near_partner_[k].measure > near)) {
         orphans.push_back(k);

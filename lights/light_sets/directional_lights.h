@@ -1,4 +1,4 @@
-// A set of directional lights as kernels read it.
+// Kernels read a set of directional lights in this form.
 #pragma once
 
 #include <array>
@@ -11,7 +11,8 @@
 
 namespace skywave {
 
-// Immutable. Lights are picked with probability proportional to their energy. There may be none.
+// The set is immutable and may be empty. Lights are picked with probability proportional to their
+// energy.
 class DirectionalLights {
  public:
   DirectionalLights(std::span<const DirectionalLight> lights,

@@ -1,5 +1,5 @@
-// From a map, or a stratum of it, to the directional lights that stand for it: the parameters that
-// several strategies share, in one place.
+// Directional lights are built that stand for a map, or a stratum of it. The parameters that
+// several strategies share are in one place here.
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ struct LightOptions {
   LightPosition position = LightPosition::kCentroid;
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
-  ClusterStop stop;  // used where cluster is set
+  ClusterStop stop;  // used if cluster is set
   PenroseParameters penrose;
 };
 
@@ -42,12 +42,12 @@ inline constexpr auto kEnumNames<ClusterFrequency> =
                                             {ClusterFrequency::kMeanLuminance, "F3"}});
 
 // Places lights, clusters and relaxes them as the options say, and gives each the light of its
-// cell. The energy of the lights is the energy of the map. Fewer lights than asked for where texels
-// with energy or clustering allow no more; none for a black map.
+// cell. The energy of the lights is the energy of the map. There are fewer lights than requested if
+// texels with energy or clustering allow no more, and none for a black map.
 LightSet BuildLights(const SphereMap& map, const LightOptions& options);
 
-// The parameters behind LightOptions, for the table of strategies; `kFromParameter` besides for
-// strategies that take lights from any source.
+// Returns the parameters behind LightOptions, for the table of strategies. Strategies that take
+// lights from any source have `kFromParameter` too.
 std::span<const StrategyParameter> LightParameters();
 inline constexpr StrategyParameter kFromParameter = {
     "from", "penrose", "who places the lights: penrose, median-cut or variance-cut"};

@@ -1,5 +1,5 @@
-// Median cut (Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"; T 6.2): rectangles
-// of equal energy.
+// Median cut (Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"; T 6.2) makes
+// rectangles of equal energy.
 #pragma once
 
 #include <vector>
@@ -10,16 +10,16 @@
 namespace skywave {
 
 struct MedianCutParameters {
-  // The longest side by angle on the sphere, widths scaled by the cosine of the latitude of the
-  // region's middle (Debevec); false: by angle in (u, v), as the thesis.
+  // The longest side is found by angle on the sphere, with widths scaled by the cosine of the
+  // latitude of the region's middle (Debevec); false: by angle in (u, v), as in the thesis.
   bool scale_width = true;
 };
 
-// Cuts the map into `count` rectangles: every region in two halves of nearest to equal energy
-// across its longest side, round by round; where count is no power of two, in the last round only
+// Cuts the map into `count` rectangles, round by round: every region into two halves of nearest to
+// equal energy across its longest side; if count is not a power of two, the last round cuts only
 // the regions of most energy. A region in which no cut across the longest side leaves energy on
 // both sides is cut across the other, or, if that fails too, stays whole and another is cut in its
-// place: there are fewer than `count` regions only when fewer texels have energy. A black map has
+// place: there are fewer than `count` regions only if fewer texels have energy. A black map has
 // none. Throws InputError for count < 1.
 std::vector<Region> MedianCut(const SphereMap& map, int count,
                               const MedianCutParameters& parameters = {});

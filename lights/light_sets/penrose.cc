@@ -12,10 +12,11 @@ namespace {
 struct Candidate {
   BornSample born;
   std::uint32_t texel;
-  double mag;  // from which on it is taken
+  double mag;  // the least with which it is taken
 };
 
-// The next of a sequence of well-mixed numbers in [0, 1) (Steele, Lea and Flood 2014, SplitMix).
+// Returns the next of a sequence of well-mixed numbers in [0, 1) (Steele, Lea and Flood 2014,
+// SplitMix).
 double NextUniform(std::uint64_t& state) {
   std::uint64_t z = state += 0x9E3779B97F4A7C15u;
   z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9u;
@@ -23,8 +24,8 @@ double NextUniform(std::uint64_t& state) {
   return double((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-// A rhombus about the map in a generic position: with the map along its axes whole rows of samples
-// would lie on texel borders.
+// A rhombus surrounds the map in a generic position: with the map along its axes whole rows of
+// samples would lie on texel borders.
 struct Seed {
   Complex origin, axis;
   double unit_side;
@@ -67,7 +68,8 @@ class Collector {
   std::vector<Candidate> candidates;
 
  private:
-  // Texels that the triangle touches; a little more, for rounding may put a sample outside it.
+  // Returns the texels that the triangle touches and a little more, since rounding may put a sample
+  // outside it.
   static Region BoxOf(const PlacedTile& tile) {
     const std::array<Complex, 3> p = Corners(tile);
     const auto low = [](double a, double b, double c) {
@@ -107,7 +109,7 @@ std::vector<Candidate> Collect(const MaxPyramid& importance, double mag,
   return std::move(collector.candidates);
 }
 
-// A point of the plane as (u, v): round the seam, back from the edges at the poles.
+// Converts a point of the plane to (u, v): it wraps at the seam and is reflected at the poles.
 void PlaceInMap(Complex p, int width, int height, PenroseSample& sample) {
   double u = p.re / width, v = std::fmod(std::abs(p.im / height), 2.0);
   u -= std::floor(u);
@@ -149,7 +151,8 @@ PenroseSet PenroseSamples(const MaxPyramid& importance, int count,
   if (!(importance.sum > 0)) return {};
   const double area = PenroseRhombusArea(importance.width(), importance.height(), parameters);
   const double deepest = double(Fibonacci(2 * kMaxPenroseLevel));
-  // A few more than asked for: counts differ from the closed form by about their square root.
+  // A few more than requested are collected: counts differ from the closed form by about their
+  // square root.
   double mag = (count + std::sqrt(double(count)) + 2) * area / importance.sum;
   std::vector<Candidate> candidates = Collect(importance, mag, parameters);
   while (candidates.size() < std::size_t(count) && mag * importance.maximum() < deepest) {

@@ -6,8 +6,7 @@
 namespace skywave {
 namespace {
 
-// Recomputed for this project with tools/penrose_corrections; classes that do not occur in a row
-// are 0.
+// The table was computed with tools/penrose_corrections; classes that do not occur in a row are 0.
 constexpr PenroseCorrections kCorrections = {{
     {{
         {0.019597, -0.006422},  {-0.026289, -0.018930}, {-0.012550, -0.361563},
@@ -98,7 +97,7 @@ Complex PenroseCorrection(const PenroseCorrections& table, const BornSample& sam
   const int level = std::clamp(int(std::ceil(t)) - 1, sample.level, kMaxPenroseLevel);
   const double place = std::clamp(t - level, 0.0, 1.0) * kPenroseRows - 0.5;
   const int row = int(std::floor(place));
-  const double share = place - row;  // of the row above
+  const double share = place - row;  // weight of the row above
   if (row < 0) {
     const Complex above = InRow(table, sample, 0, level);
     if (sample.level > level - 1) return above;  // not born yet one level up

@@ -14,14 +14,14 @@ constexpr std::array<std::uint64_t, kFibonacciCount> kFibonacci = [] {
   return f;
 }();
 
-// The two digits that a child adds to the code, as the thesis writes them (T 6.5).
+// A child adds these two digits to the code, as the thesis writes them (T 6.5).
 enum class Digits : std::uint8_t { k00, k01, k10 };
 
 struct Production {
   PenroseTile child;
   Digits digits;
   Complex origin;    // in the parent's basis
-  Complex rotation;  // of the axis, with the shrinking by phi
+  Complex rotation;  // turn of the axis, with the shrinking by phi
 };
 
 struct Rule {
@@ -114,7 +114,7 @@ double LevelAndPhase(double x) {
 
 int StructuralClass(std::uint64_t value, int level) {
   int result = 0;
-  // Greedy division gives the code back, for codes have no two neighbouring ones (Zeckendorf).
+  // Greedy division gives the code back, because codes have no two neighbouring ones (Zeckendorf).
   const int top = 2 * level + 1;
   assert(value < kFibonacci[top + 1]);
   for (int j = top; j > top - 6 && j >= 2; --j) {

@@ -1,4 +1,5 @@
-// From a map to a set of lights by any method: what `skywave probe` offers of this folder.
+// A map is turned into a set of lights by any method; `skywave probe` uses this folder through
+// here.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace skywave {
 
-// "0.54", "variation", "64:10" (64 lights, 10 degrees apart).
+// Parses "0.54", "variation" or "64:10" (64 lights, 10 degrees apart).
 std::optional<StrataRequest> ParseStrata(std::string_view text);
 
 struct LightRequest {
@@ -21,12 +22,12 @@ struct LightRequest {
 
 struct ProbeLights {
   LightSet set;                  // cells over the whole map
-  std::optional<Strata> strata;  // if asked for
+  std::optional<Strata> strata;  // if requested
   Image residual;                // stratum B; empty if there are no strata
   double map_energy = 0, lights_energy = 0, residual_energy = 0;
 };
 
-// The energy of the lights and of the residual add up to that of the map. Throws InputError for
+// The energies of the lights and of the residual add up to that of the map. Throws InputError for
 // requests out of range.
 ProbeLights MakeProbeLights(const SphereMap& map, const LightRequest& request);
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Texel indices by descending luminance, then ascending index. The order of non-negative floats is
-// that of their bits.
+// Returns texel indices by descending luminance, then ascending index. The order of non-negative
+// floats is that of their bits.
 std::vector<std::uint64_t> SortedTexels(const SphereMap& map) {
   std::vector<std::uint64_t> keys(map.texels());
   tbb::parallel_for(std::size_t(0), keys.size(), [&](std::size_t i) {
@@ -29,7 +29,7 @@ std::vector<std::uint64_t> SortedTexels(const SphereMap& map) {
   return keys;
 }
 
-// The strata whose A is sorted[0, count).
+// Returns the strata whose A is sorted[0, count).
 Strata Divide(const SphereMap& map, const std::vector<std::uint64_t>& sorted, std::size_t count) {
   Strata strata;
   strata.in_a.resize(map.texels());
@@ -55,8 +55,8 @@ Strata Divide(const SphereMap& map, const std::vector<std::uint64_t>& sorted, st
   return strata;
 }
 
-// The shortest prefix over which weight(texel, row) adds up to `target`; `noise` forgives the
-// rounding of that sum.
+// Returns the length of the shortest prefix over which weight(texel, row) adds up to `target`;
+// `noise` forgives the rounding of that sum.
 template <class Weight>
 std::size_t PrefixOf(const SphereMap& map, const std::vector<std::uint64_t>& sorted, double target,
                      double noise, const Weight& weight) {

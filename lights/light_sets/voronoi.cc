@@ -23,10 +23,10 @@ struct Candidate {
   std::uint32_t index;
 };
 
-// A circular part of the sphere.
+// A cap is a circular part of the sphere.
 struct Cap {
   Vector3 centre;
-  double sine, cosine;  // of the radius
+  double sine, cosine;  // sine and cosine of the radius
 };
 
 struct Diagram {
@@ -39,8 +39,8 @@ struct Diagram {
   }
 };
 
-// The cap about a tile's middle that holds its texel centres. Of a lat-long rectangle less than
-// half a turn wide, as all tiles are, the farthest point from the middle is a corner.
+// Returns the cap about a tile's middle that holds its texel centres. In a lat-long rectangle less
+// than half a turn wide, as all tiles are, the farthest point from the middle is a corner.
 Cap CapOf(const Diagram& diagram, const Region& tile) {
   const double u = (tile.x0 + tile.x1) / (2.0 * diagram.width);
   const double v = (tile.y0 + tile.y1) / (2.0 * diagram.height);
@@ -55,7 +55,7 @@ Cap CapOf(const Diagram& diagram, const Region& tile) {
   return {centre, std::sin(radius), std::cos(radius)};
 }
 
-// Appends to `kept` those of `candidates` that may own a point of the cap: all but those s for
+// Appends to `kept` those of `candidates` that may own a point of the cap: all except those s for
 // which the whole cap lies on the side of the centre's owner t, dot(p, t - s) > 0 for all p. That
 // is least where p leans from the centre by the radius, straight away from t - s.
 void Filter(std::span<const Candidate> candidates, const Cap& cap, std::vector<Candidate>& kept) {
@@ -89,7 +89,7 @@ void FillLeaf(Diagram& diagram, const Region& tile, std::span<const Candidate> c
   }
 }
 
-// `stack`: candidates of the tile from `first` on, left as found.
+// `stack` holds the candidates of the tile from `first` on and is left as found.
 void FillTile(Diagram& diagram, const Region& tile, std::vector<Candidate>& stack,
               std::size_t first) {
   const std::size_t count = stack.size() - first;
@@ -118,7 +118,7 @@ void FillTile(Diagram& diagram, const Region& tile, std::vector<Candidate>& stac
   }
 }
 
-// Samples in the order of their indices, without exact repetitions, which never win.
+// Returns samples in the order of their indices, without exact repetitions, which never win.
 std::vector<Candidate> DistinctSamples(std::span<const Vector3> samples) {
   std::vector<Candidate> distinct(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) distinct[i] = {samples[i], std::uint32_t(i)};

@@ -1,4 +1,4 @@
-// Voronoi cells of directions over a lat-long map (T 7.1): the sample nearest to every texel.
+// Voronoi cells of directions over a lat-long map (T 7.1) give every texel its nearest sample.
 #pragma once
 
 #include <span>
@@ -7,14 +7,14 @@
 
 namespace skywave {
 
-// For every texel the index of the sample with the largest dot product with the direction of the
-// texel's centre, the lowest index where several are equal: exactly what trying all samples gives.
-// samples: unit vectors in map space, any number, however placed (duplicates, coplanar, one alone);
-// none: every texel is kNoCell.
+// Returns for every texel the index of the sample with the largest dot product with the direction
+// of the texel's centre, the lowest index where several are equal: exactly what trying all samples
+// gives. `samples` are unit vectors in map space, any number, however placed (duplicates, coplanar,
+// one alone); without any, every texel is kNoCell.
 //
 // Tiles of texels are divided down to those of one cell, carrying only the samples that can win
-// somewhere in the tile; the work goes with the length of the cell borders, not with their number
-// times the texels. Parallel; the result does not depend on the threads.
+// somewhere in the tile; the work grows with the length of the cell borders, not with the number of
+// cells times the texels. Runs in parallel; the result does not depend on the threads.
 CellMap VoronoiCells(int width, int height, std::span<const Vector3> samples);
 
 }  // namespace skywave

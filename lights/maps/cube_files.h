@@ -1,4 +1,4 @@
-// A cube map as six files, one a face.
+// A cube map can be stored as six files, one per face.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 namespace skywave {
 
 // "map.exr" names map-right.exr, map-left.exr, map-up.exr, map-down.exr, map-front.exr and
-// map-back.exr: the squares of Projection::kCubeStrip. Throws InputError where a file cannot be
-// read or written, or the six are not squares of one size.
+// map-back.exr: the squares of Projection::kCubeStrip. Throws InputError if a file cannot be read
+// or written, or the six are not squares of one size.
 Image ReadCubeFaces(const std::string& path, const ReadLimits& limits = {});
 void WriteCubeFaces(const std::string& path, const Image& strip);
 

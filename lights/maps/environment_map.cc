@@ -53,7 +53,7 @@ void AngularPosition(const double direction[3], double& x, double& y) {
 
 double RowSolidAngle(int width, int height, int row) {
   const double top = kPi * row / height, bottom = kPi * (row + 1) / height;
-  // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2), which does not cancel.
+  // The identity cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2) does not cancel.
   return 2 * kPi / width * 2 * std::sin((top + bottom) / 2) * std::sin((bottom - top) / 2);
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A face of the cube: direction = middle + a * across + b * rising, a and b in [-1, 1].
+// On a face of the cube direction = middle + a * across + b * rising, with a and b in [-1, 1].
 struct Face {
   Vector3 middle, across, rising;
 };
@@ -27,7 +27,7 @@ constexpr Face kFaces[6] = {
     {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}},  {{0, -1, 0}, {-1, 0, 0}, {0, 0, 1}},
 };
 
-// How faces are laid out: in which column and row each is, and whether it is upside down.
+// A layout gives the column and row of each face, and whether it is upside down.
 struct CubeLayout {
   int columns, rows;
   struct Place {
@@ -88,7 +88,7 @@ ImagePoint PointOfCube(const CubeLayout& layout, const Vector3& d) {
   }
   const CubeLayout::Place& place = layout.place[face];
   const double sign = place.turned ? -1 : 1;
-  // Rounding must not put a point on an edge into the next face of the picture, or beside a cross.
+  // Rounding must not put a point on an edge into the next face of the picture, or outside a cross.
   constexpr double kEdge = 1 - 1e-12;
   const double a = sign * std::clamp(Dot(d, kFaces[face].across) / largest, -kEdge, kEdge);
   const double b = sign * std::clamp(Dot(d, kFaces[face].rising) / largest, -kEdge, kEdge);
@@ -98,7 +98,7 @@ ImagePoint PointOfCube(const CubeLayout& layout, const Vector3& d) {
 // pbrt's light space, in which the square is defined, has x = back, y = left, z = up.
 ImagePoint PointOfOctahedral(const Vector3& d) {
   const double lx = -d.y, ly = -d.x;
-  // r = sqrt(1 - |z|) without cancellation near the poles.
+  // This is sqrt(1 - |z|) without cancellation near the poles.
   const double r = std::hypot(lx, ly) / std::sqrt(1 + std::abs(d.z));
   const double phi =
       std::abs(lx) + std::abs(ly) > 0 ? std::atan2(std::abs(ly), std::abs(lx)) * 2 / kPi : 0;
@@ -122,7 +122,7 @@ Vector3 DirectionOfOctahedral(ImagePoint point) {
   return {-ly, -lx, std::copysign(1 - r * r, signed_distance)};
 }
 
-// Middle of a mirror ball: back. The ball is Lambert's equal-area azimuthal projection.
+// The middle of a mirror ball shows back. The ball is Lambert's equal-area azimuthal projection.
 ImagePoint PointOfMirrorBall(const Vector3& d) {
   const double horizontal = std::hypot(d.x, d.z);
   if (horizontal == 0) return d.y <= 0 ? ImagePoint{0.5, 0.5} : ImagePoint{1, 0.5};
@@ -130,10 +130,10 @@ ImagePoint PointOfMirrorBall(const Vector3& d) {
   return {(1 + d.x * r) / 2, (1 - d.z * r) / 2};
 }
 
-// Integral of the solid angle of a face over [-1, a] x [-1, b], up to a constant.
+// Returns the integral of the solid angle of a face over [-1, a] x [-1, b], up to a constant.
 double CubeCorner(double a, double b) { return std::atan2(a * b, std::sqrt(a * a + b * b + 1)); }
 
-// For disks: Gauss-Legendre inside, a fine grid where the rim cuts the pixel.
+// Disks take Gauss-Legendre quadrature inside and a fine grid where the rim cuts the pixel.
 double DiskPixelSolidAngle(Projection projection, int width, int height, int x, int y) {
   const double nearest_x = std::max({0.0, 2.0 * x / width - 1, 1 - 2.0 * (x + 1) / width});
   const double nearest_y = std::max({0.0, 2.0 * y / height - 1, 1 - 2.0 * (y + 1) / height});
@@ -270,7 +270,7 @@ void CheckProjectionSize(Projection projection, int width, int height) {
 int LatLongHeight(Projection projection, int width, int height) {
   if (projection == Projection::kLatLong) return height;
   if (const CubeLayout* layout = LayoutOf(projection)) return 2 * (width / layout->columns);
-  // An angular map has its width in texels around; a ball and a square have four for three.
+  // An angular map has as many texels around as its width; a ball and a square have four for three.
   const int rows =
       projection == Projection::kAngular ? width / 2 : int(std::int64_t(width) * 2 / 3);
   return std::max(rows, 1);

@@ -1,4 +1,4 @@
-// Where directions lie in the pictures of map files, both ways.
+// Projections map directions to points in the pictures of map files and back.
 //
 // Image points are (u, v) in [0, 1]^2 of the whole picture, u to the right, v down; pixel (i, j) of
 // W x H covers [i, i + 1) / W x [j, j + 1) / H. Directions are unit vectors in map space: x right,
@@ -13,7 +13,7 @@
 //                     right to the right, up up. Equal areas.
 //   horizontal-cross  4:3; left, front, right, back in the middle row, up above and down below
 //   vertical-cross    3:4; left, front, right in the second row, up above and down below front,
-//                     back below down, upside down, so that it goes on where down ends
+//                     back below down, upside down, so that it continues where down ends
 //   cube-strip        6:1; right, left, up, down, front, back, each as in horizontal-cross
 //   octahedral        square of equal areas (Clarberg 2008) as pbrt-v4 reads it: up in the middle,
 //                     down in the corners, back at the middle of the right edge, left at that of
@@ -40,30 +40,30 @@ struct ImagePoint {
   double u, v;
 };
 
-// Every direction has a point; where it has several (the rim of an angular map, the edges of
+// Returns the point of a direction; where it has several (the rim of an angular map, the edges of
 // faces), one of them.
 ImagePoint PointOfDirection(Projection projection, const Vector3& direction);
 
-// Nothing where the picture has no light: outside the disk, beside the arms of a cross.
+// Returns nothing where the picture has no light: outside the disk or the arms of a cross.
 std::optional<Vector3> DirectionOfPoint(Projection projection, ImagePoint point);
 
-// Solid angle per area of the picture at a point [sr]; its integral over the picture is 4 pi. 0
-// where the picture has no light.
+// Returns the solid angle per area of the picture at a point [sr], 0 where the picture has no
+// light. Its integral over the picture is 4 pi.
 double SolidAngleDensity(Projection projection, ImagePoint point);
 
-// Solid angle of pixel (x, y) [sr]: exact where a closed form exists, else to about 1e-6 of a
-// pixel's. The pixels of a picture add up to 4 pi (to 1e-5 where a disk cuts them).
+// Returns the solid angle of pixel (x, y) [sr]: exact where a closed form exists, else to about
+// 1e-6 of a pixel's. The pixels of a picture add up to 4 pi (to 1e-5 where a disk cuts them).
 double PixelSolidAngle(Projection projection, int width, int height, int x, int y);
 
 // Throws InputError, naming the sizes that fit, unless a picture of width x height can be of this
 // projection: crosses and strips are made of square faces. Others may have any size.
 void CheckProjectionSize(Projection projection, int width, int height);
 
-// Rows of the lat-long map of the same angular resolution.
+// Returns the number of rows of the lat-long map of the same angular resolution.
 int LatLongHeight(Projection projection, int width, int height);
 
-// The size that keeps the number of texels of a lat-long map of height `latlong_height` around the
-// equator: what a conversion has if it is given none.
+// Sets the size that keeps the number of texels of a lat-long map of height `latlong_height` around
+// the equator: the default of a conversion.
 void DefaultSize(Projection projection, int latlong_height, int& width, int& height);
 
 }  // namespace skywave

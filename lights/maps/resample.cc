@@ -17,7 +17,7 @@ using Rgb = std::array<double, 3>;
 
 bool IsDisk(Projection p) { return p == Projection::kAngular || p == Projection::kMirrorBall; }
 
-// Half-open range of columns or rows that interpolation may read around a coordinate.
+// Interpolation may read this half-open range of columns or rows around a coordinate.
 struct Range {
   int begin, end;
 };
@@ -34,8 +34,8 @@ class Source {
   // Adds weight * radiance at a point that has light.
   void Add(ImagePoint point, double weight, Rgb& sum) const {
     if (IsDisk(projection_)) {
-      // The centres of the four pixels around a point are up to sqrt(2) pixels away: kept so far
-      // inside, none of them is cut by the rim.
+      // The centres of the four pixels around a point are up to sqrt(2) pixels away: if it is kept
+      // this far inside, the rim cuts none of them.
       const double x = 2 * point.u - 1, y = 2 * point.v - 1, r = std::sqrt(x * x + y * y);
       const double limit = std::max(0.0, 1 - 3.0 / std::min(image_.width, image_.height));
       if (r > limit) {
@@ -62,7 +62,7 @@ class Source {
   void AddTexel(int x, int y, Range columns, Range rows, double weight, Rgb& sum) const {
     if (weight == 0) return;
     if (projection_ == Projection::kLatLong) {
-      // Over a pole the sphere goes on half a turn away.
+      // Beyond a pole the sphere continues half a turn away.
       if (y < 0 || y >= image_.height) {
         y = y < 0 ? -1 - y : 2 * image_.height - 1 - y;
         x += image_.width / 2;
@@ -91,7 +91,7 @@ class Source {
   int face_ = 0;  // side of a cube's face [pixels]; 0: no cube
 };
 
-// Whether the rim of a disk leaves the pixel whole.
+// True if the rim of a disk does not cut the pixel.
 bool IsWhole(const Image& image, int x, int y) {
   for (int corner = 0; corner < 4; ++corner) {
     const double px = 2.0 * (x + (corner & 1)) / image.width - 1;
@@ -101,8 +101,8 @@ bool IsWhole(const Image& image, int x, int y) {
   return true;
 }
 
-// Samples along each side of a target pixel: four, or three for each source pixel that is met
-// there, were both even over the sphere.
+// Returns the number of samples along each side of a target pixel: four, or three for each source
+// pixel along it if both were uniform over the sphere.
 int SamplesAlongSide(const Image& image, int width, int height) {
   constexpr int kLeast = 4, kMost = 64;
   const double ratio = std::sqrt(double(image.width) * image.height / (double(width) * height));

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Integral of sin^2 from a to a + h, without the cancellation of h/2 - (sin 2b - sin 2a) / 4 for
-// narrow rows at the poles.
+// Returns the integral of sin^2 from a to a + h, without the cancellation of h/2 - (sin 2b - sin
+// 2a) / 4 for narrow rows at the poles.
 double SineSquareIntegral(double a, double h) {
   if (h < 0.01) {  // three-point Gauss-Legendre: error below h^7 / 1e4
     const double middle = a + h / 2, offset = h / 2 * std::sqrt(0.6);

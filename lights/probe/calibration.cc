@@ -22,7 +22,7 @@ namespace {
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr int kSide = 3;  // samples along each side of a pixel
 
-// 5 x 7 dots, a row a byte, from the top, leftmost dot 16.
+// A glyph has 5 x 7 dots, one byte per row from the top; the leftmost dot is 16.
 struct Glyph {
   char letter;
   std::uint8_t rows[7];
@@ -33,7 +33,7 @@ constexpr Glyph kGlyphs[] = {{'+', {0, 4, 4, 31, 4, 4, 0}},
                              {'F', {31, 16, 16, 30, 16, 16, 16}},
                              {'U', {17, 17, 17, 17, 17, 17, 14}}};
 
-// Both letters of a name on a grid of 12 x 7 dots; the two columns in the middle stay free.
+// Both letters of a name share a grid of 12 x 7 dots; the two columns in the middle stay free.
 bool IsInk(const char* name, int column, int row) {
   if (column < 0 || column >= 12 || row < 0 || row >= 7 || column == 5 || column == 6) return false;
   const char letter = name[column > 6];

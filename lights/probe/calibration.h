@@ -1,4 +1,4 @@
-// A map that shows which way is which in any renderer.
+// The calibration map shows the axes of a map in any renderer.
 #pragma once
 
 #include <array>
@@ -11,16 +11,16 @@ namespace skywave {
 struct CalibrationAxis {
   const char* name;  // "+R": right, forward, up
   Vector3 direction;
-  std::array<float, 3> radiance;  // of the disk around it
+  std::array<float, 3> radiance;  // radiance of the disk around it
 };
-// Right red, left cyan, forward green, back magenta, up blue, down yellow.
+// Right is red, left cyan, forward green, back magenta, up blue, down yellow.
 extern const CalibrationAxis kCalibrationAxes[6];
 inline constexpr double kCalibrationDiskDegrees = 18;
 
-// Lat-long of width = 2 * height: a grey sky (upper half brighter) with lines every 15 degrees and
-// a disk of kCalibrationDiskDegrees around each axis with its name on it, upright for who stands on
-// the ground; the name of up has its top at the back, that of down at the front. The axes
-// themselves show plain disk.
+// Returns a lat-long map of width = 2 * height: grey (upper half brighter) with lines every 15
+// degrees and a disk of kCalibrationDiskDegrees around each axis with its name on it, upright for a
+// viewer on the ground; the name of up has its top at the back, that of down at the front. The axes
+// themselves show the plain disk.
 Image CalibrationMap(int height);
 
 }  // namespace skywave

@@ -26,7 +26,7 @@ double TotalEnergy(std::span<const DirectionalLight> lights) {
   return total;
 }
 
-// The irradiance as a colour whose largest channel is 1, and the factor.
+// An irradiance is split into a colour whose largest channel is 1 and a factor.
 struct Split {
   double factor;
   std::array<double, 3> color;
@@ -38,7 +38,7 @@ Split SplitColor(const DirectionalLight& light) {
   return split;
 }
 
-// Text of a file name inside a quoted string of the formats here, which all escape alike.
+// Quotes a file name as a string of the formats here, which all escape alike.
 std::string Quoted(std::string_view text) {
   std::string quoted = "\"";
   for (char c : text) {
@@ -63,7 +63,7 @@ std::string AxisName(const Vector3& axis) {
   return "?";
 }
 
-// The comment at the top of every scene text.
+// Returns the comment at the top of every scene text.
 std::string Header(std::span<const DirectionalLight> lights, const ExportOptions& options,
                    const WorldAxes& axes, std::string_view mark, std::string_view units) {
   const std::array<double, 3> total = TotalIrradiance(lights);
@@ -127,7 +127,7 @@ std::string Pbrt(std::span<const DirectionalLight> lights, const ExportOptions& 
         light.irradiance[0], light.irradiance[1], light.irradiance[2], d.x, d.y, d.z);
   }
   if (!options.residual.empty()) {
-    // Light space of pbrt's maps: x back, y left, z up. Columns of the matrix are its axes.
+    // The light space of pbrt's maps has x back, y left, z up. Columns of the matrix are its axes.
     const Vector3 zero, x = zero - axes.forward, y = zero - axes.right, z = axes.up;
     text += fmt::format(
         "# The rest of the map, as an equal-area octahedral square\nAttributeBegin\n"
@@ -205,8 +205,8 @@ std::string Blender(std::span<const DirectionalLight> lights, const ExportOption
   return text;
 }
 
-// Euler angles in degrees, x then y then z as Maya applies them, that turn -z, along which its
-// lights shine, into `shine`. z stays 0.
+// Returns the Euler angles in degrees, x then y then z as Maya applies them, that turn -z, along
+// which its lights shine, into `shine`. z stays 0.
 std::array<double, 3> MayaRotation(const Vector3& shine) {
   const double horizontal = std::hypot(shine.x, shine.z);
   return {std::atan2(shine.y, horizontal) * 180 / kPi,

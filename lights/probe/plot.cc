@@ -18,9 +18,9 @@ using Color = std::array<double, 3>;  // as shown, [0, 1]
 
 constexpr int kSide = 2;  // samples along each side of a pixel
 constexpr Color kBackground = {1, 1, 1};
-constexpr double kLeastStops = -14;  // of the false colours, below the brightest
+constexpr double kLeastStops = -14;  // range of the false colours, below the brightest
 
-// Even steps of lightness from black over blue, violet and orange to pale yellow.
+// The ramp has equal steps of lightness from black through blue, violet and orange to pale yellow.
 constexpr Color kRamp[] = {{0.00, 0.00, 0.03}, {0.11, 0.06, 0.30}, {0.32, 0.07, 0.48},
                            {0.55, 0.14, 0.47}, {0.77, 0.25, 0.36}, {0.93, 0.43, 0.22},
                            {0.99, 0.67, 0.20}, {0.98, 0.91, 0.45}, {1.00, 1.00, 0.85}};
@@ -36,7 +36,7 @@ Color RampColor(double position) {
   return color;
 }
 
-// Axes of the picture of a sphere: towards the eye, to the right and up in the picture.
+// The picture of a sphere has these axes: towards the eye, to the right and up in the picture.
 struct Eye {
   Vector3 towards, right, up;
 };
@@ -50,7 +50,7 @@ Eye EyeOf(PlotView view) {
   return {towards, Cross(up, towards), up};
 }
 
-// Where directions are in the picture, both ways [pixels].
+// Maps directions to points in the picture and back [pixels].
 class Canvas {
  public:
   Canvas(const SphereMap& map, const PlotRequest& request)
@@ -61,7 +61,7 @@ class Canvas {
         eye_(EyeOf(request.view)),
         radius_(request.height / 2.0 - 2) {}
 
-  // Texel under a point of the picture.
+  // Returns the texel under a point of the picture.
   std::optional<std::size_t> Texel(double x, double y) const {
     double u = x / width, v = y / height;
     if (!flat_) {
@@ -75,7 +75,7 @@ class Canvas {
     return std::size_t(row) * map_.width + column;
   }
 
-  // Where a direction is seen, if it is.
+  // Returns the point where a direction is seen, if it is.
   std::optional<std::array<double, 2>> Point(const Vector3& d) const {
     if (flat_) {
       double u, v;
@@ -105,7 +105,7 @@ void Blend(const Color& color, double alpha, Color& target) {
   for (int c = 0; c < 3; ++c) target[c] += alpha * (color[c] - target[c]);
 }
 
-// The map's own colour of a texel.
+// Paints a texel in the map's own colour.
 class Painter {
  public:
   Painter(const SphereMap& map, const PlotRequest& request) : map_(map), request_(request) {
@@ -135,8 +135,8 @@ class Painter {
   double brightest_ = 0, exposure_ = 1;
 };
 
-// Draws a line where `id(texel)` changes from a point to its right or lower neighbour, `width`
-// pixels apart.
+// Draws a line where `id(texel)` changes from a point to its right or lower neighbour, one pixel
+// apart.
 template <class Id>
 void DrawBorders(const Canvas& canvas, const Id& id, const Color& color, double alpha,
                  std::vector<Color>& picture) {
@@ -155,7 +155,7 @@ void DrawBorders(const Canvas& canvas, const Id& id, const Color& color, double 
   });
 }
 
-// A disk with a dark outline, antialiased; across the seam of a flat map too.
+// Draws an antialiased disk with a dark outline, across the seam of a flat map too.
 void DrawDot(const Canvas& canvas, double x, double y, double radius, std::vector<Color>& picture) {
   constexpr double kOutline = 1.3;
   const double reach = radius + kOutline + 1;

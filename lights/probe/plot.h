@@ -1,4 +1,4 @@
-// Pictures of maps with lights, cells and strata on them.
+// Plots are pictures of maps with lights, cells and strata on them.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +14,22 @@ enum class PlotView { kLatLong, kFront, kBack, kLeft, kRight, kUp, kDown };
 struct PlotRequest {
   bool log_color = true;  // false colour of log luminance; false: tone-mapped
   double exposure_stops = 0;
-  // kLatLong: the whole map, twice as wide as high. Others: the sphere seen from outside from that
-  // side, square; up is up (from above: back is up; from below: front is).
+  // kLatLong shows the whole map, twice as wide as high. The others show the sphere in a square,
+  // from outside and from that side; up is at the top (from above: back; from below: front).
   PlotView view = PlotView::kLatLong;
-  int height = 512;  // of the picture [pixels]
-  // What is drawn over the map; null or empty: nothing.
+  int height = 512;  // height of the picture [pixels]
+  // These are drawn over the map, unless they are null or empty.
   const CellMap* cells = nullptr;        // borders
   const Strata* strata = nullptr;        // B is dimmed, the border of A drawn
   std::vector<DirectionalLight> lights;  // dots; the area grows with the energy's logarithm
 };
 
-// 8-bit RGB, rows from the top; sets width and height. Throws InputError for a height below 16 or
-// above 16384.
+// Returns 8-bit RGB, rows from the top; sets width and height. Throws InputError for a height below
+// 16 or above 16384.
 std::vector<std::uint8_t> PlotMap(const SphereMap& map, const PlotRequest& request, int& width,
                                   int& height);
 
-// Every cell in a colour of its own, texel by texel; texels without a cell are black.
+// Returns every cell in a colour of its own, texel by texel; texels without a cell are black.
 std::vector<std::uint8_t> CellColors(const CellMap& cells);
 
 }  // namespace skywave

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// The brightest texel that is not `taken`; false if none has light.
+// Finds the brightest texel that is not `taken`; returns false if none has light.
 bool FindSpot(const SphereMap& map, const std::vector<bool>& taken, BrightSpot& spot) {
   float greatest = 0;
   std::size_t at = 0;

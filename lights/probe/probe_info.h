@@ -1,4 +1,4 @@
-// What there is to know about a map before it lights anything.
+// A map is described before it lights anything.
 #pragma once
 
 #include <array>
@@ -11,25 +11,25 @@ namespace skywave {
 
 struct BrightSpot {
   int x, y;           // brightest texel
-  Vector3 direction;  // of its centre, map space
-  double luminance;   // there
-  double share = 0;   // of the map's energy within kSpotRadiusDegrees of it
+  Vector3 direction;  // to its centre, map space
+  double luminance;   // of that texel
+  double share = 0;   // part of the map's energy within kSpotRadiusDegrees of it
 };
 inline constexpr double kSpotRadiusDegrees = 5;
 
 struct ProbeInfo {
-  int width, height;                       // of the lat-long map
+  int width, height;                       // size of the lat-long map
   double least, greatest, least_positive;  // luminance
   double energy;                           // [luminance * sr]
   std::array<double, 3> mean;              // radiance per channel over the sphere
   std::vector<BrightSpot> spots;           // descending; no two within kSpotRadiusDegrees
-  // The row of the thesis's table 7.1, areas and energies in pixels: of the whole sphere
-  // 2 W H / pi (SphereMap::AreaInPixels). A and B by the greatest variation.
+  // The row of the thesis's table 7.1: areas and energies in pixels, which are 2 W H / pi for the
+  // whole sphere (SphereMap::AreaInPixels), and A and B by the greatest variation.
   double sphere_pixels, energy_pixels, zeta_minimum;
   Strata strata;
 };
 
-// spots: how many at most.
+// Reports at most `spots` bright spots.
 ProbeInfo DescribeMap(const SphereMap& map, int spots = 5);
 
 }  // namespace skywave

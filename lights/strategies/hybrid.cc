@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "kernels/borrowed.h"
 #include "kernels/lights/environment.h"
 #include "kernels/lights/texel_samplers.h"
 #include "lights/strategies/lights.h"
@@ -14,7 +15,23 @@ namespace {
 constexpr std::string_view kDivisions[] = {"variation", "p", "lights"};
 constexpr std::string_view kRests[] = {"importance", "presampled"};
 
-// Luminance of the light times solid angle over A; solid angle alone where that is black.
+struct StratumColumns {
+  float* u;  // in [0, 1)
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.u);
+  }
+};
+
+// What a uniform has left for B once it has not picked a light of A (SplitUniforms). Light samples
+// lend t_far, which nobody writes until they are evaluated.
+struct StratumUniforms : Borrowed<StratumColumns> {
+  StratumUniforms(const LightColumns& samples, std::uint32_t n)
+      : Borrowed({samples.t_far}, n, "StratumUniforms") {}
+};
+
+// Returns luminance of the light times solid angle over A; solid angle alone where that is black.
 std::vector<double> ImportanceOfA(const Texels& light, const SphereMap& map, const Strata& strata) {
   std::vector<double> importance(map.texels());
   double total = 0;
@@ -38,7 +55,7 @@ std::vector<double> ImportanceOfA(const Texels& light, const SphereMap& map, con
 
 HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& options)
     : options_(options) {
-  // The light that samples will find, so that A and B divide exactly that.
+  // A and B divide the light that samples will find, and exactly that.
   const Image held = Texels(map).Held();
   const SphereMap sphere = MakeSphereMap(held);
   const Strata strata = DivideMap(sphere, options.strata);
@@ -48,8 +65,8 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   lights_.emplace(lights.lights, map.map_from_world);
   share_ = sphere.energy > 0 ? float(std::clamp(sphere_a.energy / sphere.energy, 0.0, 1.0)) : 0;
 
-  // As a light an escaped ray sees what random samples could have found: B, and A where its cells
-  // are sampled inside; nothing of what lights stand for.
+  // An escaped ray sees as a light what random samples could have found: B, and A where its cells
+  // are sampled inside, but nothing of what lights stand for.
   const int width = map.latlong.width, height = map.latlong.height;
   if (options.presampled) {
     LightOptions rest = options.lights;
@@ -118,10 +135,12 @@ void HybridStrategy::Sample(const ShadePoints&, const UniformColumns& uniforms, 
   } else if (RestIsDark()) {
     PickDirectional(lights_->records(), lights_->tree(), uniforms.u, n, samples, out);
   } else {
-    // Lights of A below the share of A, samples of B above: B's uniforms lie in t_far meanwhile,
-    // which nobody has written yet.
-    SplitUniforms(uniforms.u, n, share_, out.t_far);
-    SampleRest({.u = out.t_far, .v = uniforms.v}, n, samples * (1 - share_), out);
+    // Uniforms below the share of A pick one of its lights, those above it draw from B.
+    {
+      const StratumUniforms of_b(out, n);
+      SplitUniforms(uniforms.u, n, share_, of_b->u);
+      SampleRest({.u = of_b->u, .v = uniforms.v}, n, samples * (1 - share_), out);
+    }
     PickOverSplit(lights_->records(), lights_->tree(), uniforms.u, n, share_, samples, out);
   }
 }

@@ -24,7 +24,7 @@ std::vector<double> TexelImportance(const Texels& texels) {
 
 namespace {
 
-// Grey texels of the luminance that makes them as important.
+// Returns grey texels of the luminance that makes them as important.
 Image Weights(const EnvironmentMap& map, const std::vector<double>& importance) {
   Image weights(map.latlong.width, map.latlong.height);
   for (int y = 0; y < weights.height; ++y) {

@@ -11,8 +11,8 @@
 namespace skywave {
 namespace {
 
-// Cells of the light that samples will find, so that every texel with light has one. A black map is
-// one cell with something in it.
+// Cuts the light that samples will find into cells, so that every texel with light has one. A black
+// map is one cell with something in it.
 LightSet CutCells(const SphereMap& map, int cells) {
   if (map.energy <= 0)
     return {{DirectionalLight{.direction = {0, 0, 1}, .energy = 1}}, CellMap(map.texels())};
@@ -34,7 +34,7 @@ std::vector<LightCell> MakeLightCells(const SphereMap& map, const LightSet& set,
       nearest[cell] = std::min(nearest[cell], cosine);
     }
   }
-  // From the centre of a texel to its farthest corner.
+  // This is the angle from the centre of a texel to its farthest corner.
   const double half_texel =
       std::hypot(std::numbers::pi / map.width, std::numbers::pi / (2 * map.height));
   std::vector<LightCell> cells;
@@ -83,7 +83,7 @@ ProductStrategy::ProductStrategy(const EnvironmentMap& map, int cells) : texels_
   sampler_.emplace(held.width, held.height, TexelImportance(texels_), set.cell_of_texel,
                    std::uint32_t(cells_.size()));
   density_ = sampler_->DensityInCells(set.cell_of_texel);
-  // Where no light is the density is 0 whatever the cell.
+  // Texels without light have density 0 whatever their cell is.
   cell_of_texel_ = set.cell_of_texel;
   std::replace(cell_of_texel_.begin(), cell_of_texel_.end(), kNoCell, 0u);
 }

@@ -11,7 +11,7 @@ namespace {
 // Surfaces whose candidates are in flight together.
 constexpr std::uint32_t kRows = 256;
 
-// Surfaces of one BSDF, and candidate `index` of `count` that each is offered.
+// Surfaces of one BSDF are each offered candidate `index` of `count`.
 struct CandidateCall {
   const ShadePoints& points;
   SurfaceColumns rows;  // at the chunk

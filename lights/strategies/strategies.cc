@@ -71,7 +71,7 @@ Made MakePresampled(const EnvironmentMap& map, const StrategyValues& values) {
   if (ChoiceValue(values, "mode", kModes) == 0) {
     return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
   }
-  // Cells of the light that samples will find, so that every texel with light has a cell.
+  // The light that samples will find is cut into cells, so that every texel with light has one.
   const Image held = Texels(map).Held();
   const LightSet cells = BuildLights(MakeSphereMap(held), options);
   // A black map has no cells: one that is all of it is sampled uniformly.
@@ -145,7 +145,7 @@ const std::vector<StrategyFactory>& Table() {
   throw OptionError("strategy", "", reason);
 }
 
-// Splits "key=value,key=value" and completes it by defaults.
+// Splits "key=value,key=value" and adds the defaults of all other keys.
 StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text) {
   StrategyValues values;
   for (const StrategyParameter& parameter : factory.parameters) {

@@ -1,6 +1,7 @@
-// A way to light by an illumination map: where its light samples come from and with what density.
+// A strategy lights by an illumination map: it says where light samples come from and with what
+// density.
 //
-// Strategies are interchangeable: each is a file pair strategy_*.{h,cc}, one line in the table of
+// Strategies are interchangeable: each is a file pair of this folder, one line in the table of
 // strategies.cc, and is run through one suite of statistical tests.
 #pragma once
 
@@ -18,7 +19,7 @@
 
 namespace skywave {
 
-// The points that light is sampled for, and what a strategy may want to know of them.
+// The points that light is sampled for, and what a strategy may have to know of them.
 struct ShadePoints {
   const SurfaceColumns& surfaces;
   const SurfaceRanges& ranges;  // rows of each BSDF
@@ -26,7 +27,7 @@ struct ShadePoints {
   const PathColumns& paths;  // for strategies that draw more uniforms than they are given
 };
 
-// How many light samples a surface takes: `fixed` ones whatever the user asks for (each directional
+// A surface takes so many light samples: `fixed` ones whatever the user asks for (each directional
 // light, or each cell, once), then `drawn` random ones. Samples 0..fixed-1 are the fixed ones.
 struct LightPlan {
   std::uint32_t fixed = 0, drawn = 1;
@@ -34,12 +35,12 @@ struct LightPlan {
   std::uint32_t total() const { return fixed + drawn; }
 };
 
-// Which light sample is wanted: number `index` of a plan for `requested` samples.
+// The light sample that is wanted is number `index` of a plan for `requested` samples.
 struct LightCall {
   std::uint32_t index = 0, requested = 1;
   std::uint32_t pair = 0;  // pair of dimensions of its uniforms (kernels/sampler.h)
   float share = 1;         // of the drawn samples; the others go to local lights
-  // Drawn samples that a surface can expect.
+  // A surface can expect so many drawn samples.
   float samples() const { return float(requested) * share; }
 };
 
@@ -54,34 +55,36 @@ class EnvStrategy {
   virtual std::string_view name() const = 0;
   virtual std::size_t table_bytes() const = 0;
 
-  // The samples a surface takes where the user asks for `requested` of them.
+  // Returns the samples that a surface takes where the user asks for `requested` of them.
   virtual LightPlan Plan(std::uint32_t requested) const { return {.drawn = requested}; }
 
   // Draws one light sample for each of surfaces [0, n), which take light samples: writes dir, r, g,
   // b and pdf of `out` (see LightColumns). Densities count all samples of the plan, the drawn ones
-  // as call.samples().
+  // as call.samples(). t_far means nothing before samples are evaluated, and may be borrowed.
   virtual void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
                       LightCall call, const LightColumns& out) const = 0;
 
   // Writes radiance and light_pdf of rows [0, n): what a ray that leaves the scene sees, and the
   // density of light samples in its direction at surface `from` of `points`, all samples of the
   // plan counted, `samples` drawn ones (LightCall::samples) [1/sr]. Radiance that directional
-  // lights stand for is left out, except where pdf is 0: such a ray had no light sample for a
-  // partner, sees the whole map, and its light_pdf is unspecified. Rows with a density left
-  // surfaces that Sample has been called for (of which it may have kept light_norm).
+  // lights stand for is left out, except where pdf is 0: no light sample competes with such a ray,
+  // so it sees the whole map, and its light_pdf is unspecified. Rows with a density left surfaces
+  // that Sample has been called for; it may have kept light_norm of them.
   virtual void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                                const EscapeColumns& rows) const = 0;
 
-  // False: the density misses light that is there (it is zero where radiance is not), so the
-  // strategy is right only together with BSDF sampling.
+  // False means that the density misses light that is there (it is zero where radiance is not), so
+  // the strategy is right only together with BSDF sampling.
   virtual bool complete() const { return true; }
-  // True: samples and densities are those of a surface. Else Sample and EvaluateEscaped do not look
-  // at `points`, so light paths can start with a sample (kernels/light_paths/emission.h).
+  // True means that samples and densities are those of a surface. Otherwise Sample and
+  // EvaluateEscaped do not look at `points`, so light paths can start with a sample
+  // (kernels/light_paths/emission.h).
   virtual bool depends_on_surface() const { return false; }
-  // False: directions that BSDF sampling draws see no light (EvaluateEscaped finds black where pdf
-  // is not 0), so nobody needs to trace them to see the map.
+  // False means that directions which BSDF sampling draws see no light (EvaluateEscaped finds black
+  // where pdf is not 0), so nobody needs to trace them to see the map.
   virtual bool shines_on_bsdf_samples() const { return true; }
-  // False: lights stand for parts of the map, so the expected picture differs from the map's.
+  // False means that lights stand for parts of the map, so the expected picture differs from the
+  // map's.
   virtual bool unbiased() const { return true; }
 };
 
@@ -99,18 +102,17 @@ struct StrategyFactory {
 
 std::span<const StrategyFactory> Strategies();
 
-// Whether light paths can start with the strategy's samples: they need one random sample that
-// depends on no surface and finds all light there is.
+// Returns whether light paths can start with the strategy's samples: they need one random sample
+// that depends on no surface and finds all light there is.
 bool CanEmit(const EnvStrategy& strategy);
 
 // Makes the strategy of a specification "name" or "name:key=value,..."; the map must outlive it.
-// Throws InputError with the
-// names or keys there are, where one is unknown.
+// Throws InputError with the names or keys that there are, where one is unknown.
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
                                           const EnvironmentMap& map);
 
-// The value of `key`, which the factory declares: given or default. Throws InputError for a text
-// that is no such value or out of range.
+// Returns the value of `key`, which the factory declares: given or default. Throws InputError for a
+// text that is no such value or out of range.
 bool BoolValue(const StrategyValues& values, std::string_view key);
 int IntValue(const StrategyValues& values, std::string_view key, int low, int high);
 double NumberValue(const StrategyValues& values, std::string_view key, double low, double high);

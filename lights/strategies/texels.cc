@@ -17,8 +17,8 @@ struct Sums {
   double At(std::uint32_t x, std::uint32_t y) const { return value[std::size_t(y) * width + x]; }
 };
 
-// Share of the first of two weights in units of 1 / kWarpOne: none rounds to 0 or to all unless it
-// is.
+// Returns the share of the first of two weights in units of 1 / kWarpOne. It is 0 or kWarpOne only
+// if one of the weights is 0.
 std::uint16_t Share(double first, double second) {
   if (first + second <= 0 || second <= 0) return std::uint16_t(kWarpOne);
   if (first <= 0) return 0;
@@ -37,7 +37,8 @@ WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
     std::copy_n(&importance[std::size_t(y) * width], width,
                 &pyramid[0].value[std::size_t(y) * pyramid[0].width]);
   }
-  // Up to one region: both sides are halved while they are equal, the longer one before that.
+  // The pyramid ends with one region. Both sides are halved once they are equal, and the longer one
+  // before that.
   while (pyramid.back().width > 1 || pyramid.back().height > 1) {
     const Sums& fine = pyramid.back();
     const std::uint32_t across = fine.width >= fine.height ? 2 : 1;
@@ -54,7 +55,7 @@ WarpStrategy::WarpStrategy(const EnvironmentMap& map) : texels_(map) {
   const auto levels = std::uint32_t(pyramid.size() - 1);
   assert(levels <= kMaxWarpLevels);
   view_.levels = levels;
-  // Down again: the records of each level, and the probability that they give every region.
+  // The way down makes the records of each level, and the probability that they give every region.
   std::vector<double> probability = {1.0};
   for (std::uint32_t l = 0; l < levels; ++l) {
     const Sums &coarse = pyramid[levels - l], &fine = pyramid[levels - l - 1];

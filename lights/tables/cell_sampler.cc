@@ -8,7 +8,7 @@
 namespace skywave {
 namespace {
 
-// Vose's construction for slots [begin, end) with the given weights; keep is in [0, 1].
+// Builds slots [begin, end) with the given weights by Vose's construction; keep is in [0, 1].
 void BuildAlias(const std::vector<double>& weight, std::uint32_t begin, std::uint32_t end,
                 std::vector<AliasSlot>& slots) {
   const std::uint32_t count = end - begin;
@@ -40,7 +40,7 @@ void BuildAlias(const std::vector<double>& weight, std::uint32_t begin, std::uin
 CellSampler::CellSampler(int width, int height, const std::vector<double>& importance,
                          const CellMap& cell_of_texel, std::uint32_t cells)
     : begin_(cells + 1), density_(importance.size()), scale_(cells), tree_(cells, 1) {
-  // Slots: texels with importance, sorted by cell, in map order inside a cell.
+  // Slots are texels with importance, sorted by cell, in map order inside a cell.
   for (std::size_t i = 0; i < importance.size(); ++i) {
     if (cell_of_texel[i] != kNoCell && importance[i] > 0) ++begin_[cell_of_texel[i] + 1];
   }

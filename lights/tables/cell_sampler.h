@@ -10,11 +10,12 @@
 
 namespace skywave {
 
-// Immutable. Inside a cell texels are drawn in proportion to importance[texel]; a cell in
-// proportion to the sum over its texels. Texels of kNoCell are never drawn.
+// This is immutable. Inside a cell texels are drawn in proportion to importance[texel], and cells
+// in proportion to the sum over their texels. Texels of kNoCell are never drawn.
 class CellSampler {
  public:
-  // importance: width * height values >= 0, a cell's not all 0. cells: their number, at least 1.
+  // `importance` has width * height values >= 0, in no cell all 0. `cells` is their number, at
+  // least 1.
   CellSampler(int width, int height, const std::vector<double>& importance,
               const CellMap& cell_of_texel, std::uint32_t cells);
 
@@ -22,9 +23,10 @@ class CellSampler {
   std::size_t bytes() const;
   CellsView view() const;
   SearchTreeView tree() const { return tree_.view(); }
-  // 1 / probability of picking the cell.
+  // Returns 1 / probability of picking the cell.
   float Scale(std::uint32_t cell) const { return scale_[cell]; }
-  // Density of every texel where a cell is picked by its energy, and where it is given [1/sr].
+  // These return the density of every texel [1/sr] if a cell is picked by its energy, and if it is
+  // given.
   const std::vector<float>& density() const { return density_; }
   std::vector<float> DensityInCells(const CellMap& cell_of_texel) const;
 

@@ -10,7 +10,7 @@
 namespace skywave {
 namespace {
 
-// Texels of one row from x0 to x1, which have one cell.
+// Adds the texels of one row from x0 to x1, which have one cell.
 void AddRun(const SphereMap& map, int y, int x0, int x1, CellSums& sums) {
   double rgb[3] = {}, luminance = 0, right = 0, forward = 0, area_right = 0, area_forward = 0;
   const float* pixel = map.image->Pixel(x0, y);
@@ -47,7 +47,8 @@ Vector3 PositionOf(const CellSums& cell, const Vector3& sample, LightPosition po
   return NormalizeOr(cell.energy_moment, cell.energy, centre);
 }
 
-// Where a direction lies on a Hilbert curve (1891) over the equal-area square of the sphere.
+// Returns the position of a direction on a Hilbert curve (1891) over the equal-area square of the
+// sphere.
 std::uint32_t HilbertIndex(const Vector3& direction) {
   constexpr std::uint32_t kSide = 1u << 15;
   const ImagePoint point = PointOfDirection(Projection::kOctahedral, direction);
@@ -56,7 +57,7 @@ std::uint32_t HilbertIndex(const Vector3& direction) {
   std::uint32_t index = 0;
   for (std::uint32_t half = kSide / 2; half > 0; half /= 2) {
     const bool right = (x & half) != 0, below = (y & half) != 0;
-    // The quadrants in the order of a U; the outer two are its mirror images about a diagonal.
+    // The quadrants follow a U; the outer two are its mirror images about a diagonal.
     index = 4 * index + (below ? (right ? 2 : 1) : (right ? 3 : 0));
     x &= half - 1, y &= half - 1;
     if (below) continue;

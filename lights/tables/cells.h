@@ -1,8 +1,8 @@
-// Cells of a map, whoever drew them, and the directional lights that stand for them.
+// A map is cut into cells, whatever made them, and directional lights stand for them.
 //
-// A cell map says of every texel which cell it belongs to. A light carries the irradiance of its
-// cell, the sum of radiance times solid angle (T 7.1), which is what a surface that faces it
-// receives: not radiance, so a light has no size and the lights of a map add up to its energy.
+// A cell map gives the cell of every texel. A light carries the irradiance of its cell, the sum of
+// radiance times solid angle (T 7.1), which is what a surface that faces it receives: not radiance,
+// so a light has no size and the lights of a map add up to its energy.
 #pragma once
 
 #include <array>
@@ -22,12 +22,12 @@ struct DirectionalLight {
   Vector3 direction;                      // towards the light, unit, map space
   std::array<double, 3> irradiance = {};  // on a surface that faces it [radiance * sr]
   double energy = 0;                      // luminance of the irradiance
-  double solid_angle = 0;                 // of its cell [sr]
+  double solid_angle = 0;                 // solid angle of its cell [sr]
 };
 
 struct LightSet {
-  // Every one with energy > 0; along a Hilbert curve over the sphere, so that lights that one
-  // uniform picks by their energy keep the stratification of the points that pick them.
+  // Every light has energy > 0. They follow a Hilbert curve over the sphere, so that lights that
+  // one uniform picks by their energy keep the stratification of the points that pick them.
   std::vector<DirectionalLight> lights;
   CellMap cell_of_texel;  // index of the light that has the texel's energy
 };
@@ -40,33 +40,33 @@ struct CellSums {
   Vector3 area_moment;  // integral of direction
 };
 
-// Sums of cells [0, cells), in parallel, in an order that does not depend on the threads. Texels of
-// kNoCell are left out.
+// Returns the sums of cells [0, cells), computed in parallel, in an order that does not depend on
+// the threads. Texels of kNoCell are left out.
 std::vector<CellSums> SumCells(const SphereMap& map, const CellMap& cell_of_texel,
                                std::size_t cells);
 
-// Where a cell's light stands. The thesis has kSample; kCentroid is several times nearer to the
-// map's irradiance at no cost (SAMPLERS 2).
+// A cell's light stands at one of these positions. The thesis has kSample; kCentroid is several
+// times nearer to the map's irradiance at no cost.
 enum class LightPosition {
-  kSample,    // where the sampler put it: for rectangles their middle in (u, v)
+  kSample,    // the sampler's own: for rectangles their middle in (u, v)
   kCentre,    // mean direction of the cell's area
   kCentroid,  // mean direction of the cell's energy
 };
 
-// One light for each cell that has energy; cells without are dropped and their texels become
-// kNoCell. samples: one unit vector a cell.
+// Makes one light for each cell that has energy; cells without are dropped and their texels become
+// kNoCell. `samples` has one unit vector per cell.
 LightSet LightsOfCells(const SphereMap& map, CellMap cell_of_texel,
                        std::span<const Vector3> samples, LightPosition position);
 
-// Rectangles as cells. They must not overlap; texels outside all of them are kNoCell.
+// These make cells of rectangles, which must not overlap; texels outside all of them are kNoCell.
 CellMap CellsOfRegions(int width, int height, std::span<const Region> regions);
 std::vector<Vector3> RegionCentres(int width, int height, std::span<const Region> regions);
 LightSet LightsOfRegions(const SphereMap& map, std::span<const Region> regions,
                          LightPosition position);
 
-// Voronoi cells of samples (unit vectors) and their lights; before that, `lloyd_steps` times, every
-// sample moves to its cell's energy centroid (Kollig and Keller 2003). Samples whose cell has no
-// energy are dropped, so there can be fewer lights than samples.
+// Makes the Voronoi cells of samples (unit vectors) and their lights; before that, `lloyd_steps`
+// times, every sample moves to its cell's energy centroid (Kollig and Keller 2003). Samples whose
+// cell has no energy are dropped, so there can be fewer lights than samples.
 LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
                        int lloyd_steps = 0);
 

@@ -11,8 +11,8 @@
 namespace skywave {
 namespace {
 
-// Luminance above `base` over the sphere; rows in parallel, their sums in order, whatever the
-// threads.
+// Returns the luminance above `base` over the sphere; rows are summed in parallel and added in
+// order, whatever the threads.
 double EnergyAbove(const Texels& texels, double base) {
   const std::uint32_t width = texels.width(), height = texels.height();
   std::vector<double> sums(height);
@@ -58,7 +58,7 @@ InversionTable::InversionTable(Texels& texels, float base)
       double half[2] = {};
       const std::uint32_t begin = line * kLineTexels, end = std::min(begin + kLineTexels, width);
       for (std::uint32_t column = begin; column < end; ++column) {
-        // The kernel's own rounding: a texel weighs nothing here if it weighs nothing there.
+        // This rounds as the kernel does: a texel weighs nothing here if it weighs nothing there.
         half[(column - begin) / (kLineTexels / 2)] +=
             std::max(0.0f, texels.Luminance(column, row) / texels.unit() - base_);
       }

@@ -1,4 +1,5 @@
-// The trees of a two-dimensional inversion (kernels/lights/environment.h) with their densities.
+// An inversion table holds the trees of a two-dimensional inversion (kernels/lights/environment.h)
+// with their densities.
 #pragma once
 
 #include <vector>
@@ -8,16 +9,16 @@
 
 namespace skywave {
 
-// The luminance that importance sampling subtracts from all texels: `compensate` (0 to 1) times the
-// mean over the sphere. A map that nowhere rises above it has nothing to compensate: then
+// Returns the luminance that importance sampling subtracts from all texels: `compensate` (0 to 1)
+// times the mean over the sphere. A map that nowhere rises above it has nothing to compensate: then
 // `compensate` becomes 0. A black map gets -1, so all its texels weigh the same.
 float BaseLuminance(const Texels& texels, double& compensate);
 
 class InversionTable {
  public:
   // Directions are drawn with a probability proportional to max(0, luminance - base) times solid
-  // angle, except for a rounding that the density knows. Some texel must rise above the base.
-  // `texels` must outlive it, and nobody else make a table of them: their lines get the densities.
+  // angle, except for a rounding that the density includes. Some texel must rise above the base.
+  // `texels` must outlive the table and serve no other one, because their lines get the densities.
   InversionTable(Texels& texels, float base);
 
   InversionView view() const;

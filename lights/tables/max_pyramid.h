@@ -1,4 +1,4 @@
-// The largest value of an image over any rectangle, bounded in constant time.
+// A pyramid of maxima bounds the largest value of an image over any rectangle in constant time.
 #pragma once
 
 #include <vector>
@@ -14,23 +14,24 @@ struct MaxPyramid {
     std::vector<float> value;
   };
   std::vector<Level> levels;
-  double sum = 0;  // of level 0
+  double sum = 0;  // sum over level 0
 
   int width() const { return levels[0].width; }
   int height() const { return levels[0].height; }
   float At(int x, int y) const { return levels[0].value[std::size_t(y) * width() + x]; }
   float maximum() const { return levels.back().value[0]; }
 
-  // Not less than any texel of the rectangle, and the value of some texel less than one rectangle's
-  // side away; 0 for the part outside the image. Reads up to 3 x 3 values.
+  // Returns a bound that is not less than any texel of the rectangle, and is the value of some
+  // texel less than one rectangle's side away; the part outside the image counts as 0. Reads up to
+  // 3 x 3 values.
   float Bound(const Region& rectangle) const;
 };
 
-// values: width * height, finite and not negative (else InputError).
+// `values` has width * height entries. Throws InputError if any is negative or not finite.
 MaxPyramid MakeMaxPyramid(int width, int height, std::vector<float> values);
 
-// The importance of texels for samplers in the plane of the map: luminance times the exact solid
-// angle of the texel, relative to that of the middle row.
+// Returns the importance of texels for samplers in the plane of the map: luminance times the exact
+// solid angle of the texel, relative to that of the middle row.
 MaxPyramid ImportancePyramid(const SphereMap& map);
 
 }  // namespace skywave

@@ -7,7 +7,8 @@
 namespace skywave {
 namespace {
 
-// Integer masses of a node's children: their starts go to the node, the masses to mass[k].
+// Rounds weights to integer masses of a node's children: their starts go to the node, the masses to
+// mass[k].
 void FillNode(const double* weights, std::uint32_t count, SearchNode& node, std::uint32_t* mass) {
   double total = 0;
   for (std::uint32_t k = 0; k < count; ++k) total += weights[k];
@@ -19,8 +20,8 @@ void FillNode(const double* weights, std::uint32_t count, SearchNode& node, std:
       mass[k] = std::max(1u, std::uint32_t(weights[k] / total * kNodeMass + 0.5));
       sum += mass[k];
     }
-    // The largest child takes what rounding left over; it has at least 1 / 32 of the mass, far more
-    // than 32 roundings can be off.
+    // The largest child takes the rest of the rounding; it has at least 1 / 32 of the mass, far
+    // more than 32 roundings can be off.
     std::uint32_t& largest = *std::max_element(mass, mass + kNodeFan);
     largest = std::uint32_t(std::int64_t(largest) + kNodeMass - sum);
   } else {
@@ -49,7 +50,7 @@ SearchTrees::SearchTrees(std::uint32_t items, std::uint32_t trees) : items_(item
 
 void SearchTrees::Set(std::uint32_t tree, const double* weights, std::uint16_t* leaf_mass,
                       double* leaf) {
-  // Weights of the nodes of each level: sums of their children's.
+  // The weight of a node is the sum of its children's.
   std::vector<double> sums[4];
   sums[levels_].assign(weights, weights + items_);
   for (std::uint32_t level = levels_; level-- > 0;) {
@@ -58,7 +59,7 @@ void SearchTrees::Set(std::uint32_t tree, const double* weights, std::uint16_t* 
       sums[level][child / kNodeFan] += sums[level + 1][child];
     }
   }
-  // Probabilities of the nodes of a level, as the integer masses above them make them.
+  // The probabilities of the nodes of a level follow from the integer masses above them.
   std::vector<double> probability = {1.0};
   std::uint32_t mass[kNodeFan];
   for (std::uint32_t level = 0; level < levels_; ++level) {

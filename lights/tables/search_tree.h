@@ -8,15 +8,15 @@
 
 namespace skywave {
 
-// `trees` distributions over `items` items each. Allocated first, then each tree is set on its own,
-// so that rows can be built in parallel.
+// Holds `trees` distributions over `items` items each. They are allocated first, then each tree is
+// set on its own, so that rows can be built in parallel.
 class SearchTrees {
  public:
   SearchTrees(std::uint32_t items, std::uint32_t trees);
 
   // Sets tree `tree` from items() weights >= 0, not all zero unless the tree is never searched.
   // Masses are rounded to multiples of 1 / kNodeMass of their node, at least one where the weight
-  // is positive; what results is written to
+  // is positive; the result is written to
   //   leaf_mass[item]    mass in the leaf, 0..kNodeMass
   //   leaf[item / 32]    probability of the leaf over kNodeMass
   // so that the probability of an item is leaf * leaf_mass exactly as the search draws it.
@@ -30,7 +30,7 @@ class SearchTrees {
  private:
   std::uint32_t items_;
   std::uint32_t levels_;
-  std::uint32_t nodes_[3] = {};  // of one tree, root level first
+  std::uint32_t nodes_[3] = {};  // per tree, root level first
   std::vector<SearchNode> level_[3];
 };
 

@@ -6,7 +6,7 @@
 namespace skywave {
 namespace {
 
-// value(x, y) -> Sums of one texel.
+// value(x, y) returns the Sums of one texel.
 template <int kChannels, class Value>
 SummedAreaTable<kChannels> Build(const SphereMap& map, const Value& value) {
   SummedAreaTable<kChannels> table;

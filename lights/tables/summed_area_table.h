@@ -1,5 +1,5 @@
-// Sums over rectangles of texels in constant time (Crow 1984), in double: a sun of 1e6 beside a
-// sky on an 8k map is beyond float.
+// Sums over rectangles of texels take constant time (Crow 1984). They are in double precision: a
+// sun of 1e6 in a dim sky on an 8k map is beyond float.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// Texels [x0, x1) x [y0, y1).
+// A region holds texels [x0, x1) x [y0, y1).
 struct Region {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
@@ -18,8 +18,8 @@ inline bool operator==(const Region& a, const Region& b) {
   return a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1;
 }
 
-// Rounding leaves a sum wrong by up to kSumNoise of the whole table's: nothing below that is
-// distinguishable from zero.
+// Rounding leaves a sum wrong by up to kSumNoise of the whole table's: nothing below that can be
+// told from zero.
 inline constexpr double kSumNoise = 1e-12;
 
 template <int kChannels>
@@ -39,11 +39,11 @@ struct SummedAreaTable {
   }
 };
 
-// Energy [luminance * sr].
+// Sums energy [luminance * sr].
 SummedAreaTable<1> EnergyTable(const SphereMap& map);
-// Energy and the integral of luminance * direction: right, forward, up.
+// Sums energy and the integral of luminance * direction: right, forward, up.
 SummedAreaTable<4> MomentTable(const SphereMap& map);
-// Radiance times solid angle: red, green, blue.
+// Sums radiance times solid angle: red, green, blue.
 SummedAreaTable<3> IrradianceTable(const SphereMap& map);
 
 }  // namespace skywave

@@ -17,11 +17,11 @@ float PowerOfTwo(int exponent) {  // in [-126, 127]
   return std::bit_cast<float>(std::uint32_t(exponent + 127) << 23);
 }
 
-// Rounds down: what is lost is never negative. All factors are powers of two, so the mantissas are
-// the only rounding.
+// Rounds down, so that the loss is never negative. All factors are powers of two, so the mantissas
+// are the only rounding.
 PackedRadiance Pack(const float* rgb, float inverse_unit) {
   const float brightest = std::max({rgb[0], rgb[1], rgb[2]}) * inverse_unit;
-  // brightest < 2^exponent, as frexp has it.
+  // The exponent field less 126 is the e of frexp: brightest < 2^e.
   const int exponent =
       std::clamp(int(std::bit_cast<std::uint32_t>(brightest) >> 23) - 126 - int(kMantissaBits),
                  -int(kMaxExponent), 0);
@@ -65,15 +65,16 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
   const float brightest = *std::max_element(light.rgb.begin(), light.rgb.end());
   int exponent = 0;
   if (brightest > 0) std::frexp(brightest, &exponent);
-  // Room for a unit above the brightest texel, which takes what its neighbours hand on.
+  // There is room for a unit above the brightest texel, which takes what its neighbours hand on.
   if (std::ldexp(double(brightest), int(kMantissaBits) - exponent) > kMantissas - 2) ++exponent;
   unit_ = std::ldexp(1.0f, std::clamp(exponent - int(kMantissaBits), -90, 119));
   const float most = unit_ * float(kMantissas - 1);
-  // What a texel loses by rounding is handed to the next, so that energy is kept: a bright texel is
-  // off by some thousandths of itself, which would show in the light of the whole map. Rounding is
-  // down, so nothing is ever taken from a texel: a sun spills over, it casts no darkness.
+  // The loss of a texel by rounding is handed to the next, so that energy is kept: a bright texel
+  // is off by some thousandths of itself, which would show in the light of the whole map. Rounding
+  // is downwards, so nothing is ever taken from a texel: a sun spills over but never darkens its
+  // neighbours.
   const float inverse_unit = 1 / unit_;
-  // Packs `wanted` and adds to `lost` what does not fit.
+  // Packs `wanted` and adds the part that does not fit to `lost`.
   const auto pack = [&](PackedRadiance& texel, const float* wanted, float* lost) {
     float room[3], held[3];
     for (int c = 0; c < 3; ++c) room[c] = std::clamp(wanted[c] + lost[c], 0.0f, most);
@@ -88,7 +89,7 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
       pack(packed(i, row), light.Pixel(int(i), int(row)), handed_on[row].data());
     }
   });
-  // The ends of rows hand on to the beginnings of the next ones, where a few texels take it.
+  // The end of a row hands its loss on to the beginning of the next, where a few texels take it.
   const float nothing = 1e-6f * unit_;
   for (std::uint32_t row = 1; row < height_; ++row) {
     const double ratio = RowSolidAngle(int(width_), int(height_), int(row) - 1) /

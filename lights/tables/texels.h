@@ -1,4 +1,4 @@
-// The forms of a map that lookups read: packed as a light, in full precision as it is seen.
+// Lookups read a map in two forms: packed as a light, in full precision as it is seen.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace skywave {
 
-// The map must outlive it, for its pixels are what is seen. Packing rounds each channel
-// down to 9 bits of the brightest channel of its texel (exact for what comes from Radiance files)
-// and hands what is lost on to the next texel, so the light of a map is kept. Texels dimmer than
-// 2^-40 of the brightest become black as lights.
+// The map must outlive this, because its pixels are what is seen. Packing rounds each channel down
+// to 9 bits of the brightest channel of its texel (exact for Radiance files) and hands the loss on
+// to the next texel, so the light of a map is kept. Texels dimmer than 2^-40 of the brightest
+// become black as lights.
 class Texels {
  public:
   explicit Texels(const EnvironmentMap& map) : Texels(map, map.latlong) {}
-  // As a light only `light` shines, a part of the map of its size: what is left of a map after
-  // directional lights have been taken out.
+  // Only `light` acts as a light, a picture of the map's size: the rest of a map after directional
+  // lights have been taken out.
   Texels(const EnvironmentMap& map, const Image& light);
 
-  // Luminance of a texel as the packed form holds it: what light samples find there.
+  // Returns the luminance of a texel as the packed form holds it, which light samples find there.
   float Luminance(std::uint32_t column, std::uint32_t row) const;
 
-  // The whole of it: the map that light samples and escaped rays with a density see.
+  // Returns the map that light samples and escaped rays with a density see.
   Image Held() const;
 
   std::uint32_t width() const { return width_; }
@@ -33,7 +33,7 @@ class Texels {
   std::size_t bytes() const { return lines_.size() * sizeof(TexelLine); }
   EnvironmentView view() const;
 
-  // Row after row; densities and shares are there for an inversion to write, once.
+  // Lines lie row after row; an inversion writes their densities and shares, once.
   std::uint32_t lines_per_row() const { return lines_per_row_; }
   std::vector<TexelLine>& lines() { return lines_; }
 
@@ -50,7 +50,7 @@ class Texels {
   float unit_;
   std::array<float, 9> map_from_world_;
   std::vector<TexelLine> lines_;
-  const float* rgb_;  // the map's
+  const float* rgb_;  // pixels of the map
   std::vector<RowArea> row_area_;
 };
 

@@ -53,7 +53,7 @@ Scene FurnaceScene() {
   return scene;
 }
 
-// A quad of the xz plane that looks along `normal` from `centre`, its sides turned accordingly.
+// Adds a quad centred at `centre` whose normal is the axis-aligned `normal`.
 void PlaceWall(Scene& scene, float half, std::uint32_t material, const glm::vec3& centre,
                const glm::vec3& normal) {
   const glm::vec3 from(0, 1, 0), axis = glm::cross(from, normal);
@@ -68,8 +68,8 @@ void PlaceWall(Scene& scene, float half, std::uint32_t material, const glm::vec3
   Place(scene, std::move(wall), material, centre);
 }
 
-// A room of 4 x 4 x 4, open towards the camera, without a sky: lit by each kind of local light but
-// the distant ones, which would come through no wall.
+// A room of 4 x 4 x 4, open towards the camera, without an environment. It is lit by every kind of
+// local light except distant ones, which would be blocked by the walls.
 Scene LampsScene() {
   Scene scene;
   const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
@@ -104,7 +104,8 @@ Scene LampsScene() {
   return scene;
 }
 
-// Small, so that the light paths of a sky meet it: the scene of a photon map's caustics.
+// The scene is small so that many light paths from the environment hit it; it is the scene for
+// photon-mapped caustics.
 Scene ThreeSpheresScene() {
   Scene scene;
   Place(scene, Quad(2.6f), AddLambert(scene, "slab", {0.62f, 0.58f, 0.52f}), glm::vec3(0));
@@ -118,7 +119,7 @@ Scene ThreeSpheresScene() {
   return scene;
 }
 
-// A sphere with a few waves in its surface; each seed has others.
+// Returns a sphere with a few waves in its surface; each seed gives different waves.
 Mesh Blob(int seed) {
   Mesh blob = Sphere(0.42f, 16);
   const float phase = 1.7f * static_cast<float>(seed);

@@ -1,4 +1,4 @@
-// Scenes that need no file: for a first picture, for tests and for measurements.
+// The built-in scenes need no file: they serve for a first picture, for tests and for measurements.
 #pragma once
 
 #include <span>
@@ -16,8 +16,9 @@ struct BuiltinSceneInfo {
 
 std::span<const BuiltinSceneInfo> BuiltinScenes();
 
-// Complete: meshes, materials, camera, light and settings; right-handed, y up. The same bits each
-// time. Throws InputError that lists the scenes if there is none of that name.
+// Returns a complete scene: meshes, materials, camera, light and settings, right-handed with y up.
+// The result is bit-identical on every call. Throws InputError that lists the scenes if none has
+// that name.
 Scene BuiltinScene(const std::string& name);
 
 }  // namespace skywave

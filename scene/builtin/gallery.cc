@@ -1,4 +1,4 @@
-// The built-in scene "gallery": a still life on a stone terrace in the afternoon sun.
+// The built-in scene "gallery" is a still life on a stone terrace in the afternoon sun.
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -12,7 +12,8 @@
 namespace skywave {
 namespace {
 
-// A round terrace of square tiles with worn edges, the tops at y = 0, and the ground around it.
+// Adds a round terrace of square tiles with worn edges, whose tops are at y = 0, and the ground
+// around it.
 void AddTerrace(Scene& scene) {
   constexpr float kRadius = 8.5f, kTile = 1, kGap = 0.025f, kThickness = 0.12f, kTurn = 27;
   const std::uint32_t light = AddLambert(scene, "light stone", {0.62f, 0.57f, 0.50f});
@@ -34,11 +35,12 @@ void AddTerrace(Scene& scene) {
   Place(scene, Quad(400), ground, {0, -0.75f * kThickness, 0});
 }
 
-// A closed vase with a rim: the outer wall up, the inner wall down. About 1.75 high.
+// Returns a closed vase with a rim, about 1.75 high: the profile goes up the outer wall and down
+// the inner one.
 Mesh Vase() {
   constexpr int kSteps = 96;
   constexpr float kHeight = 1.75f, kWall = 0.035f;
-  const auto radius = [](float t) {  // t in [0, 1] from foot to rim
+  const auto radius = [](float t) {  // t in [0, 1] runs from foot to rim
     const float belly = std::sin(glm::pi<float>() * std::pow(t, 0.75f));
     const float lip = 0.16f * std::pow(t, 14.0f);
     return 0.20f + 0.30f * belly + lip + 0.012f * std::cos(26 * t);
@@ -56,7 +58,7 @@ Mesh Vase() {
   return Revolve(profile, 128);
 }
 
-// A shallow bowl of radius 1 on a small foot, with a wall.
+// Returns a shallow bowl of radius 1 with a wall, on a small foot.
 Mesh Bowl() {
   constexpr int kSteps = 48;
   std::vector<glm::vec2> profile = {{0, 0}, {0.3f, 0}, {0.34f, 0.03f}};
@@ -77,7 +79,7 @@ Mesh Scaled(Mesh mesh, float factor) {
   return mesh;
 }
 
-// A mesh turned upright: its y axis becomes -z.
+// Turns a mesh upright: its y axis becomes -z.
 Mesh Upright(Mesh mesh) {
   TransformMesh(glm::rotate(glm::dmat4(1), glm::half_pi<double>(), glm::dvec3(1, 0, 0)), mesh);
   return mesh;
@@ -103,7 +105,8 @@ Scene GalleryScene() {
   const std::uint32_t mirror = AddMirror(scene, 0.95f);
   const std::uint32_t glass = AddGlass(scene, 1.5f);
 
-  // Back row, from the left: gold knot on a plinth, vase, mirror sphere, blue block.
+  // The back row holds, from the left, a gold knot on a plinth, a vase, a mirror sphere and a blue
+  // block.
   Place(scene, RoundedBox({0.62f, 0.31f, 0.62f}, 0.05f, 6), white, {-1.75f, 0.31f, -0.55f}, 18);
   Place(scene, Upright(TorusKnot(2, 3, 0.40f, 0.19f, 0.105f, 420, 40)), gold,
         {-1.75f, 1.30f, -0.55f}, 24);
@@ -112,7 +115,8 @@ Scene GalleryScene() {
   Place(scene, RoundedBox({0.30f, 0.85f, 0.30f}, 0.04f, 6), blue, {2.65f, 0.85f, -1.35f}, -32);
   AddSphere(scene, 0.26f, yellow, 2.65f, -1.35f, 1.70f);
 
-  // Front row: copper bowl with a fruit, glass sphere, aluminium ring around a red ball.
+  // The front row holds a copper bowl with a fruit, a glass sphere and an aluminium ring around a
+  // red ball.
   Place(scene, Scaled(Bowl(), 0.58f), copper, {-0.95f, 0, 0.62f});
   AddSphere(scene, 0.24f, yellow, -0.98f, 0.56f, 0.05f);
   AddSphere(scene, 0.46f, glass, 0.35f, 0.70f);

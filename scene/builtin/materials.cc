@@ -1,5 +1,5 @@
-// The built-in scene "materials": a sphere of each BSDF, and what the field of "many-materials" is
-// made of.
+// The built-in scene "materials" shows one sphere per BSDF; its materials also cover the objects of
+// "many-materials".
 #include <utility>
 
 #include "scene/builtin/scene_building.h"
@@ -75,7 +75,7 @@ Scene MaterialsScene() {
   Place(scene, Quad(200), AddLambert(scene, "floor", glm::vec3(0.4f)), glm::vec3(0));
   const auto first = std::uint32_t(scene.materials.size());
   for (Material& material : OneOfEachBsdf()) scene.materials.push_back(std::move(material));
-  // Rust on gold.
+  // This one looks like rust on gold.
   scene.materials.push_back({.name = "mixture", .mixture = Mixture{first + 7, first + 1, 0.5f}});
   for (std::uint32_t m = first; m < scene.materials.size(); ++m) {
     const int place = int(m - first), column = place % kColumns, row = place / kColumns;

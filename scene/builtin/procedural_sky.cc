@@ -8,7 +8,8 @@
 namespace skywave {
 namespace {
 
-// Right, up, forward at column x and row y of the map, in texels from the top left corner.
+// Returns the direction (right, up, forward) at column x and row y of the map, in texels from the
+// top left corner.
 glm::dvec3 Direction(const ProceduralSky& sky, double x, double y) {
   const double theta = glm::pi<double>() * y / sky.height;
   const double azimuth = glm::two_pi<double>() * (x / sky.width - 0.5);
@@ -16,7 +17,7 @@ glm::dvec3 Direction(const ProceduralSky& sky, double x, double y) {
           std::sin(theta) * std::cos(azimuth)};
 }
 
-// [sr] of any texel of row y.
+// Returns the solid angle of any texel of row y [sr].
 double TexelSolidAngle(const ProceduralSky& sky, int y) {
   const double row = glm::pi<double>() / sky.height;
   return glm::two_pi<double>() / sky.width * (std::cos(y * row) - std::cos((y + 1) * row));
@@ -24,7 +25,8 @@ double TexelSolidAngle(const ProceduralSky& sky, int y) {
 
 glm::dvec3 SkyRadiance(const ProceduralSky& sky, const glm::dvec3& direction,
                        const glm::dvec3& to_sun) {
-  constexpr double kHazeHeight = 0.18, kGlowAngle = 0.16;  // [1], [radians]: where 1/e is left
+  // Both fall to 1/e over these distances, [1] and [radians].
+  constexpr double kHazeHeight = 0.18, kGlowAngle = 0.16;
   const double haze = std::exp(-std::abs(direction.y) / kHazeHeight);
   const glm::dvec3 away = direction.y >= 0 ? sky.zenith : sky.ground;
   glm::dvec3 radiance = glm::mix(away, glm::dvec3(sky.horizon), haze);
@@ -32,13 +34,13 @@ glm::dvec3 SkyRadiance(const ProceduralSky& sky, const glm::dvec3& direction,
     const double angle = std::acos(std::clamp(glm::dot(direction, to_sun), -1.0, 1.0));
     radiance += glm::dvec3(sky.glow) * std::exp(-angle / kGlowAngle);
   } else {
-    // Ground haze is thinner: the horizon stays a visible line.
+    // Haze is thinner over the ground, so that the horizon stays a visible line.
     radiance = glm::mix(glm::dvec3(sky.ground), radiance, 0.7);
   }
   return radiance;
 }
 
-// The part of the texel inside the disc, by a regular grid of samples.
+// Returns the fraction of the texel inside the disc, estimated on a regular grid of samples.
 double Coverage(const ProceduralSky& sky, int x, int y, const glm::dvec3& to_sun,
                 double cos_radius) {
   constexpr int kGrid = 16;

@@ -1,8 +1,8 @@
-// A clear sky with a small bright sun as a lat-long map: light for the built-in scenes.
+// A clear sky with a small bright sun as a lat-long map lights the built-in scenes.
 //
-// Not a physical model: the radiance goes from a hazy horizon to a blue zenith with the sine of the
-// elevation (as the air's thickness does), with a glow around the sun; below the horizon is ground
-// that fades into the haze. The sun is a disc of even radiance.
+// It is not a physical model: the radiance goes from a hazy horizon to a blue zenith with the sine
+// of the elevation (as the thickness of the air does), with a glow around the sun. Below the
+// horizon the ground fades into the haze. The sun is a disc of uniform radiance.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,9 +13,10 @@ namespace skywave {
 
 struct ProceduralSky {
   int width = 1024, height = 512;  // [pixels]
-  // From the middle of the map towards its right half, and up. [degrees]
+  // The azimuth is measured from the middle of the map towards its right half, the elevation
+  // upwards. [degrees]
   float sun_azimuth_degrees = -118, sun_elevation_degrees = 38;
-  // Much wider than the real sun's half degree: it has to cover some texels.
+  // The sun is much wider than the real half degree because it has to cover some texels.
   float sun_diameter_degrees = 2;
   // Radiance. The sun is about 10^4 times as bright as the sky around it; together they light a
   // grey floor to about 0.5.
@@ -26,9 +27,10 @@ struct ProceduralSky {
   glm::vec3 glow{0.55f, 0.48f, 0.36f};  // added at the sun's rim
 };
 
-// The map: centre forward, right half to the right, row 0 up. The sun's radiance is spread over the
-// texels that its disc touches by the covered part of each, and scaled so that the sum of radiance
-// times solid angle over them is exactly `sun` times the solid angle of the disc.
+// Returns the map: forward is the centre, the right half lies to the right, and row 0 is up. The
+// sun's radiance is spread over the texels that its disc touches, weighted by the covered fraction
+// of each, and scaled so that the sum of radiance times solid angle over them is exactly `sun`
+// times the solid angle of the disc.
 Image MakeProceduralSky(const ProceduralSky& sky);
 
 }  // namespace skywave

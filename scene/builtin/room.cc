@@ -1,4 +1,4 @@
-// The built-in scene "room": an interior that only daylight through one window reaches.
+// The built-in scene "room" is an interior lit only by daylight through one window.
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -9,7 +9,8 @@
 namespace skywave {
 namespace {
 
-// A rectangle in the middle of which `half_u` x `half_v` look.
+// Places a rectangle centred at `centre` whose half sides are `half_u` and `half_v`; it faces
+// `half_u` x `half_v`.
 void PlacePanel(Scene& scene, std::uint32_t material, const glm::dvec3& centre,
                 const glm::dvec3& half_u, const glm::dvec3& half_v) {
   // Quad(1) spans x and z and faces y, which is z cross x.
@@ -20,7 +21,7 @@ void PlacePanel(Scene& scene, std::uint32_t material, const glm::dvec3& centre,
   Place(scene, std::move(panel), material, glm::vec3(0));
 }
 
-// A wall of the plane x = -2 around its window: below, above, behind and in front of it.
+// Builds a wall in the plane x = -2 around its window: below, above, behind and in front of it.
 void PlaceWindowWall(Scene& scene, std::uint32_t material) {
   constexpr double kSill = 0.9, kLintel = 2.1, kBack = -0.5, kFront = 0.9;
   const auto part = [&](double y0, double y1, double z0, double z1) {
@@ -35,8 +36,8 @@ void PlaceWindowWall(Scene& scene, std::uint32_t material) {
 
 }  // namespace
 
-// 4 wide, 2.6 high, 5 deep; the camera stands inside, the sun comes from the left over its
-// shoulder.
+// The room is 4 wide, 2.6 high and 5 deep. The camera stands inside; the sun comes from the left,
+// over its shoulder.
 Scene RoomScene() {
   Scene scene;
   const std::uint32_t white = AddLambert(scene, "plaster", {0.76f, 0.74f, 0.70f});
@@ -58,7 +59,7 @@ Scene RoomScene() {
   Place(scene, Sphere(0.16f), AddMetal(scene, "Cu", 0.15f), {0.3f, 0.91f, -1.2f});
   Place(scene, RoundedBox({0.3f, 0.45f, 0.3f}, 0.03f, 4), white, {1.35f, 0.45f, -1.9f}, 30);
   AddProceduralSky(scene);
-  scene.environments.back().scale = glm::vec3(3);  // as a camera is exposed indoors
+  scene.environments.back().scale = glm::vec3(3);  // the exposure of a camera indoors
   scene.camera = LookAtCamera({0.9f, 1.45f, 2.3f}, {-0.25f, 1.0f, -1.6f}, {0, 1, 0}, 58, false);
   scene.settings = BuiltinSettings(256, 8);
   return scene;

@@ -1,4 +1,4 @@
-// How the built-in scenes are put together: materials by name, meshes by place.
+// The built-in scenes are assembled with these helpers: materials by name, meshes by position.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,27 @@
 
 namespace skywave {
 
-// Each adds a material and returns its index.
+// Each function adds a material and returns its index.
 std::uint32_t AddLambert(Scene& scene, const std::string& name, const glm::vec3& reflectance);
-// `symbol` is one of metals.h; `alpha` the GGX width.
+// `symbol` names one of the metals in metals.h; `alpha` is the GGX width.
 std::uint32_t AddMetal(Scene& scene, const std::string& symbol, float alpha);
 std::uint32_t AddMirror(Scene& scene, float reflectance);
 std::uint32_t AddGlass(Scene& scene, float ior);
 
-// Adds `mesh` turned about y (counter-clockwise seen from above) and then moved.
+// Adds `mesh`, turned about y (counter-clockwise seen from above) and then moved.
 void Place(Scene& scene, Mesh mesh, std::uint32_t material, const glm::vec3& position,
            float turn_degrees = 0);
 
-// The sky of procedural_sky.h, upright, its middle towards -z.
+// Adds the sky of procedural_sky.h, upright, with its middle towards -z.
 void AddProceduralSky(Scene& scene);
 
-// 640 x 480, path tracing.
+// Returns settings for path tracing at 640 x 480.
 RenderSettings BuiltinSettings(int samples_per_pixel, int max_depth);
 
-// A material of each BSDF that is described by parameters alone.
+// Returns one material for each BSDF that parameters alone describe.
 std::vector<Material> OneOfEachBsdf();
 
-// The scenes of builtin.h that have a file of their own.
+// These scenes of builtin.h have files of their own.
 Scene GalleryScene();
 Scene MaterialsScene();
 Scene RoomScene();

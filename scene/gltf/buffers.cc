@@ -16,7 +16,7 @@ namespace {
   throw InputError(InputPosition::File(path), reason);
 }
 
-// Elements of an accessor where they lie.
+// Describes the elements of an accessor in place.
 struct Elements {
   const char* first;
   std::size_t count, stride, component_bytes;

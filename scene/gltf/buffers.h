@@ -1,5 +1,5 @@
-// The numbers in a glTF file's buffers. Nothing that tinygltf hands over is believed: every range
-// is checked against the bytes that are there.
+// Reads the numbers in a glTF file's buffers. Nothing from tinygltf is trusted: every range is
+// checked against the bytes that exist.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -11,16 +11,16 @@
 
 namespace skywave {
 
-// The bytes of a buffer view. Throws InputError(path) if it leaves its buffer.
+// Returns the bytes of a buffer view. Throws InputError(path) if it extends beyond its buffer.
 std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const std::string& path);
 
-// All components of all elements of an accessor as floats, integers that are normalized scaled to
-// [0, 1] or [-1, 1]. Throws InputError(path) unless it has `components` a element, lies within its
-// buffer view, is not sparse, and its numbers are finite.
+// Returns all components of all elements of an accessor as floats, with normalized integers scaled
+// to [0, 1] or [-1, 1]. Throws InputError(path) unless the accessor has `components` components per
+// element, lies within its buffer view, is not sparse and holds finite numbers.
 std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, int components,
                                    const std::string& path);
 
-// Scalars of unsigned integers.
+// Returns scalars of an unsigned integer type.
 std::vector<std::uint32_t> ReadGltfIndices(const tinygltf::Model& model, int accessor,
                                            const std::string& path);
 

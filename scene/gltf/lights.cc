@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kBrightest = 1e18;
 
-// The intensity or irradiance per channel.
+// Returns the intensity or irradiance per channel.
 glm::vec3 Emission(const tinygltf::Light& from, const std::string& path) {
   glm::dvec3 emission(from.intensity);
   for (std::size_t c = 0; c < 3 && c < from.color.size(); ++c) emission[int(c)] *= from.color[c];

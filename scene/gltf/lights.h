@@ -1,6 +1,7 @@
-// glTF's KHR_lights_punctual. Photometric units stay as they are: radiance 1 is a candela a square
-// metre (nit), so a point's candela are its intensity and a sun's lux its irradiance. Scales of
-// nodes change no light, ranges (an aid for renderers that cut lights off) count nothing.
+// Reads glTF's KHR_lights_punctual. Photometric units stay as they are: radiance 1 is one candela
+// per square metre (nit), so candela become a point light's intensity and lux a distant light's
+// irradiance. Node scales do not change a light, and ranges (an aid for renderers that cut lights
+// off) are ignored.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -14,7 +15,7 @@
 namespace skywave {
 
 // Appends the light of a node, if it has one, to scene.lights. Throws InputError(path) for lights
-// that are not there or have no usable numbers.
+// that do not exist or have no usable numbers.
 void AddGltfLight(const tinygltf::Model& model, const tinygltf::Node& node, const glm::dmat4& world,
                   const std::string& path, Scene& scene, Warnings& warnings);
 

@@ -27,7 +27,7 @@ void Warn(Context& context, const std::string& text) {
   AddWarning(context.warnings, InputPosition::File(context.path), text);
 }
 
-// A number of an extension, or what stands for it.
+// Returns a number of an extension, or `otherwise` if it has none.
 double Number(const tinygltf::Value& object, const char* name, double otherwise) {
   if (!object.IsObject() || !object.Has(name) || !object.Get(name).IsNumber()) return otherwise;
   return object.Get(name).GetNumberAsDouble();
@@ -66,7 +66,8 @@ TextureWrap Wrap(int gl) {
   return TextureWrap::kRepeat;
 }
 
-// The matrix of the extension: scaled, turned counter-clockwise in the picture, moved.
+// Returns the matrix of the extension: scale, counter-clockwise rotation in the picture, then
+// translation.
 glm::mat3x2 Transform(const tinygltf::Value& extension) {
   const glm::dvec2 scale = Pair(extension, "scale", {1, 1});
   const glm::dvec2 offset = Pair(extension, "offset", {0, 0});
@@ -76,7 +77,8 @@ glm::mat3x2 Transform(const tinygltf::Value& extension) {
       glm::dmat3x2(c * scale.x, -s * scale.x, s * scale.y, c * scale.y, offset.x, offset.y));
 }
 
-// Nothing where the material has no such texture. `set` becomes the uv set that it uses.
+// Returns nothing if the material has no such texture. `set` receives the uv set that the texture
+// uses.
 template <class Info>
 std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Encoding encoding,
                                         TextureUse use, int& set) {
@@ -110,7 +112,7 @@ std::optional<std::uint32_t> AddTexture(Context& context, const Info& info, Enco
 float Fraction(Context& context, const char* name, double value) {
   if (value >= 0 && value <= 1) return float(value);
   Warn(context, fmt::format("{} {} is clamped to [0, 1]", name, value));
-  return value > 0 ? 1.0f : 0.0f;  // NaN is 0
+  return value > 0 ? 1.0f : 0.0f;  // NaN becomes 0
 }
 
 constexpr std::string_view kExtensions[] = {
@@ -120,7 +122,7 @@ constexpr std::string_view kExtensions[] = {
 
 constexpr const char* kCoatNormals = "clearcoatNormalTexture";
 
-// The object of an extension; none: null.
+// Returns the object of an extension, or null if the material lacks it.
 const tinygltf::Value* Extension(const tinygltf::Material& from, const char* name) {
   const auto found = from.extensions.find(name);
   return found == from.extensions.end() ? nullptr : &found->second;
@@ -139,13 +141,13 @@ glm::vec3 Color(const tinygltf::Value& object, const char* name, const glm::vec3
   return color;
 }
 
-// The index whose reflectance at normal incidence is that of `ior` times `factor`.
+// Returns the index whose reflectance at normal incidence is that of `ior` times `factor`.
 float ScaledIndex(float ior, double factor) {
   const double amplitude = std::sqrt(factor) * (ior - 1) / (ior + 1);
   return float((1 + amplitude) / (1 - amplitude));
 }
 
-// A weaker specular lobe is that of a lower index.
+// A lower index stands in for a weaker specular lobe.
 void SetSpecular(Context& context, const tinygltf::Material& from, Material& material) {
   const tinygltf::Value* const found = Extension(from, "KHR_materials_specular");
   if (found == nullptr) return;
@@ -183,7 +185,8 @@ void AddLayers(Context& context, const tinygltf::Material& from, Material& mater
   }
 }
 
-// The file may give the coat other normals than the base, and does if it gives only the base any.
+// The file may give the coat different normals from the base; it does so as well when it gives
+// normals to the base only.
 void WarnOfCoatNormals(Context& context, const tinygltf::Material& from) {
   const tinygltf::Value& coat = *Extension(from, "KHR_materials_clearcoat");
   const int normals =
@@ -192,9 +195,9 @@ void WarnOfCoatNormals(Context& context, const tinygltf::Material& from) {
   Warn(context, "KHR_materials_clearcoat: the coat is rendered with the normals of the base");
 }
 
-// Of a volume, white light has `attenuationColor` left after `attenuationDistance`.
+// After `attenuationDistance` in a volume, white light has become `attenuationColor`.
 glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
-  const double distance = Number(volume, "attenuationDistance", 0);  // not given: infinite
+  const double distance = Number(volume, "attenuationDistance", 0);  // 0 stands for infinity
   const glm::vec3 color = Color(volume, "attenuationColor", glm::vec3(1));
   glm::vec3 absorption(0);
   for (int c = 0; distance > 0 && c < 3; ++c) {
@@ -204,7 +207,7 @@ glm::vec3 Absorption(Context& context, const tinygltf::Value& volume) {
   return absorption;
 }
 
-// A pane where there is no volume, as the extension has it.
+// Without a volume, the extension describes a thin pane.
 Material Transmission(Context& context, const tinygltf::Material& from, const Material& opaque) {
   const tinygltf::Value* const volume = Extension(from, "KHR_materials_volume");
   const bool solid = volume != nullptr && Number(*volume, "thicknessFactor", 0) > 0;
@@ -236,7 +239,8 @@ void WarnOfWhatIsLeftOut(Context& context, const tinygltf::Material& from) {
   }
 }
 
-// The alpha of factor and base colour texture. `set` becomes the uv set of the texture.
+// Sets opacity from the alpha of factor and base colour texture. `set` receives the uv set of the
+// texture.
 void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Material& material) {
   const bool masked = from.alphaMode == "MASK";
   if (!masked && from.alphaMode != "BLEND") return;
@@ -244,7 +248,7 @@ void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Mate
   const double factor = pbr.baseColorFactor.size() > 3 ? pbr.baseColorFactor[3] : 1;
   material.opacity = Fraction(context, "alpha of baseColorFactor", factor);
   if (masked) {
-    // NaN is 0. More than 1 hides everything, which is valid.
+    // NaN becomes 0. Values above 1 hide everything, which is valid.
     material.opacity_cutoff = float(from.alphaCutoff > 0 ? from.alphaCutoff : 0);
   }
   material.opacity_texture =
@@ -262,7 +266,7 @@ void SetOpacity(Context& context, const tinygltf::Material& from, int& set, Mate
   }
 }
 
-// What the material shines with; `uv_set`: of its other textures, or negative if it has none.
+// Sets the emission. `uv_set` is that of the material's other textures, or negative if it has none.
 void SetEmission(Context& context, const tinygltf::Material& from, int& uv_set,
                  Material& material) {
   double strength = 1;
@@ -311,7 +315,7 @@ Material MakeMaterial(Context& context, const tinygltf::Material& from, int& uv_
   if (const auto ior = from.extensions.find("KHR_materials_ior"); ior != from.extensions.end()) {
     material.ior = float(Number(ior->second, "ior", 1.5));
     if (!(material.ior >= 1 && material.ior <= 100)) {
-      // 0 stands for a coat that reflects everything in old files.
+      // In old files, 0 stands for a coat that reflects everything.
       Warn(context, fmt::format("the index {} is not supported: 1.5 is used", material.ior));
       material.ior = 1.5f;
     }
@@ -366,7 +370,7 @@ GltfMaterials AddGltfMaterials(const tinygltf::Model& model, const std::string& 
     materials.uv_set.push_back(std::max(set, 0));
     materials.uses_tangents.push_back(scene.materials.back().normal_texture.has_value());
   }
-  // Of primitives without a material: all defaults of the schema.
+  // Primitives without a material get all defaults of the schema.
   scene.materials.push_back({.name = "default",
                              .bsdf = BsdfKind::kMetallicRoughness,
                              .reflectance = glm::vec3(1),

@@ -16,7 +16,8 @@ namespace {
   throw InputError(InputPosition::File(path), reason);
 }
 
-// Corners of triangles, by the primitive's mode. In a strip every other triangle is turned.
+// Returns the corners of triangles for the primitive's mode. In a strip, every other triangle has
+// its winding reversed.
 std::vector<glm::uvec3> Connect(const std::vector<std::uint32_t>& indices, int mode) {
   std::vector<glm::uvec3> triangles;
   const std::size_t n = indices.size();
@@ -37,7 +38,7 @@ std::vector<glm::uvec3> Connect(const std::vector<std::uint32_t>& indices, int m
   return triangles;
 }
 
-// An attribute of every vertex, or nothing if the primitive has none.
+// Returns an attribute of every vertex, or nothing if the primitive lacks it.
 std::vector<float> Attribute(const tinygltf::Model& model, const tinygltf::Primitive& primitive,
                              const std::string& name, int components, std::size_t vertices,
                              const std::string& path) {
@@ -59,7 +60,7 @@ std::vector<glm::vec3> Vectors(const std::vector<float>& numbers) {
   return vectors;
 }
 
-// COLOR_0, linear RGB or RGBA, clamped to [0, 1].
+// Reads COLOR_0, linear RGB or RGBA, clamped to [0, 1].
 std::vector<glm::vec3> VertexColors(const tinygltf::Model& model,
                                     const tinygltf::Primitive& primitive, std::size_t vertices,
                                     const std::string& path, Warnings& warnings) {

@@ -1,4 +1,4 @@
-// The triangles of a glTF file.
+// Builds meshes from the triangles of a glTF file.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -12,8 +12,8 @@
 
 namespace skywave {
 
-// One mesh a primitive, not yet transformed. Triangles, strips and fans; primitives without normals
-// are flat, as glTF wants it. Throws InputError(path).
+// Returns one untransformed mesh per primitive: triangles, strips and fans. Primitives without
+// normals are shaded flat, as glTF requires. Throws InputError(path).
 std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
                                  const GltfMaterials& materials, const std::string& path,
                                  Warnings& warnings);

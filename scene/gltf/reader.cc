@@ -27,14 +27,13 @@ namespace fs = std::filesystem;
   throw InputError(InputPosition::File(path), reason);
 }
 
-// ---- Files that the file names: only below its folder ----
-
+// Files are only read from below the glTF file's folder.
 struct Folder {
   fs::path path;
-  std::string refused;  // the first name that leaves it
+  std::string refused;  // the first name outside the folder
 };
 
-// The file of that name, or nothing. tinygltf puts "./" before names, or nothing.
+// Returns the file of that name, or nothing. tinygltf may prefix names with "./".
 std::optional<fs::path> Inside(Folder& folder, const std::string& name) {
   const fs::path relative(name);
   const bool leaves = relative.is_absolute() || name.find('\\') != std::string::npos ||
@@ -53,7 +52,7 @@ bool Exists(const std::string& name, void* user) {
   std::error_code ignored;
   return path && fs::is_regular_file(*path, ignored);
 }
-// The default one hands names to a shell's expansion.
+// The default function passes names through shell expansion.
 std::string KeepPath(const std::string& name, void*) { return name; }
 bool ReadWhole(std::vector<unsigned char>* out, std::string* error, const std::string& name,
                void* user) {
@@ -69,8 +68,8 @@ bool ReadWhole(std::vector<unsigned char>* out, std::string* error, const std::s
   }
 }
 
-// Images stay as they are in the file. Those in buffer views are looked up once their range has
-// been checked: tinygltf has not.
+// Images stay encoded as in the file. Those in buffer views are looked up only once their range has
+// been checked, because tinygltf has not checked it.
 bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
                const unsigned char* bytes, int size, void*) {
   if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
@@ -93,7 +92,7 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
                                                size, "")
                  : loader.LoadASCIIFromString(&model, &error, &warning, bytes.c_str(), size, "");
   } catch (const std::exception& reason) {
-    // Of its JSON parser, on types that it did not expect.
+    // The JSON parser of tinygltf throws this on unexpected types.
     error = reason.what();
   }
   if (!folder.refused.empty()) {
@@ -116,8 +115,6 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   return model;
 }
 
-// ---- Nodes ----
-
 glm::dmat4 LocalTransform(const tinygltf::Node& node) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
   glm::dmat4 matrix(1);
@@ -132,7 +129,7 @@ glm::dmat4 LocalTransform(const tinygltf::Node& node) {
   return matrix;
 }
 
-// The roots of what is shown.
+// Returns the roots of the default scene.
 std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
   if (!model.scenes.empty()) {
     const int scene = std::max(model.defaultScene, 0);
@@ -154,8 +151,8 @@ std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
   return roots;
 }
 
-// glTF's cameras look along -z. Their height is in yfov; Camera's angle is that of the shorter
-// side.
+// glTF's cameras look along -z. Their yfov is the vertical angle; Camera's angle is that of the
+// shorter side.
 Camera MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world, const std::string& path) {
   Camera camera;
   camera.world_from_camera =
@@ -181,7 +178,7 @@ Camera MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world, const s
   return camera;
 }
 
-// Walks the trees below the roots; every node has one parent at most.
+// Walks the trees below the roots; every node has at most one parent.
 void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, const std::string& path,
               std::size_t max_triangles, Scene& scene, Warnings& warnings) {
   struct Visit {

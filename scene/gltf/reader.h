@@ -1,10 +1,11 @@
-// glTF 2.0 files, .gltf and .glb, read by tinygltf.
+// Reads glTF 2.0 files, .gltf and .glb, with tinygltf.
 //
-// Rendered are the triangles of the default scene (the first one, or all nodes without a parent,
-// where the file names none), every instance on its own; its first camera, else none; and materials
-// as in gltf_materials.h. The world is right-handed and y is up; glTF has no light of ours.
-// Buffers and images lie in the file, in data: URIs or in files below its folder: absolute paths
-// and such with .. are refused. Animation, skins, morph targets, points and lines are left out.
+// The reader takes the triangles of the default scene (or the first one, or all nodes without a
+// parent if there is no scene), with every instance as a copy; its first camera, if it has one; its
+// punctual lights; and the materials described in gltf/materials.h. The world is right-handed with
+// y up. Buffers and images lie in the file, in data: URIs or in files below its folder; absolute
+// paths and paths with .. are refused. Animation, skins, morph targets, points and lines are left
+// out.
 #pragma once
 
 #include <string>
@@ -14,12 +15,12 @@
 
 namespace skywave {
 
-// Throws InputError on everything that contradicts itself: indices and ranges outside of what they
-// are of, nodes that are their own ancestors, required extensions that are not known. Warnings say
-// what is not rendered.
+// Throws InputError on any inconsistency: indices and ranges outside their targets, nodes that are
+// their own ancestors, required extensions that are unknown. Warnings name everything that is not
+// rendered.
 Scene ReadGltf(const std::string& path, const ReadOptions& options = {});
 
-// The same from memory; other files are looked up beside `path`.
+// Parses the same from memory; other files are looked up relative to `path`.
 Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOptions& options = {});
 
 }  // namespace skywave

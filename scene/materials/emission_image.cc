@@ -8,9 +8,9 @@
 namespace skywave {
 namespace {
 
-constexpr double kFewest = 16, kMost = 1024;  // points of a mean
+constexpr double kFewest = 16, kMost = 1024;  // number of points of a mean
 
-// A texel as PackTexel keeps it, but for rounding.
+// Returns a texel as PackTexel keeps it, but for rounding.
 glm::vec3 Texel(const Image& image, int x, int y) {
   const float* rgb = image.Pixel(x, y);
   // In this order max turns NaN into 0.
@@ -30,11 +30,11 @@ float Wrap(TextureWrap how, float x) {
   return x;
 }
 
-// The texels [first, last] of a line of `count` that bilinear lookups between two coordinates may
-// see; all of them where the way between them crosses a border that is no end.
 struct TexelRange {
   int first, last;
 };
+// Returns the texels [first, last] of a line of `count` that bilinear lookups between two
+// coordinates may see: all of them where the image repeats in between.
 TexelRange Touched(TextureWrap wrap, double low, double high, int count) {
   if (wrap == TextureWrap::kClamp) {
     low = std::clamp(low, 0.0, 1.0), high = std::clamp(high, 0.0, 1.0);
@@ -72,7 +72,7 @@ EmissionImage::EmissionImage(const Image& image, const Texture& texture)
   }
 }
 
-// The texel that a place lies in.
+// Returns the texel that a place lies in.
 glm::vec3 EmissionImage::Nearest(const glm::vec2& at) const {
   // min and max turn NaN into a number.
   const auto texel = [](float x, int size) {
@@ -82,7 +82,7 @@ glm::vec3 EmissionImage::Nearest(const glm::vec2& at) const {
                texel(Wrap(texture_.wrap_v, at.y), image_.height));
 }
 
-// Whether some texel is not black in the box about a triangle.
+// Returns whether some texel is not black in the box about a triangle.
 bool EmissionImage::IsLit(const std::array<glm::vec2, 3>& at) const {
   const glm::vec2 low = glm::min(at[0], glm::min(at[1], at[2]));
   const glm::vec2 high = glm::max(at[0], glm::max(at[1], at[2]));
@@ -97,7 +97,7 @@ bool EmissionImage::IsLit(const std::array<glm::vec2, 3>& at) const {
 }
 
 glm::vec3 EmissionImage::Mean(const std::array<glm::vec2, 3>& uv) const {
-  // The additive recurrence of the plastic number (Roberts 2018).
+  // The points follow the additive recurrence of the plastic number (Roberts 2018).
   constexpr double kStepX = 0.7548776662466927, kStepY = 0.5698402909980532;
   std::array<glm::vec2, 3> at;
   for (std::size_t i = 0; i < 3; ++i) at[i] = texture_.transform * glm::vec3(uv[i], 1);

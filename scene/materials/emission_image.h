@@ -1,4 +1,4 @@
-// The texture of an emission as lights are made of it: how bright it is where.
+// The texture of an emission as the builder of lights sees it: how bright each triangle is.
 #pragma once
 
 #include <array>
@@ -11,15 +11,15 @@
 
 namespace skywave {
 
-// Refers to `image` and `texture`.
+// An EmissionImage refers to `image` and `texture`, which must outlive it.
 class EmissionImage {
  public:
   EmissionImage(const Image& image, const Texture& texture);
 
-  const glm::vec3& brightest() const { return brightest_; }  // of each channel, texels
-  // The mean over a triangle whose corners have the coordinates `uv`, estimated at points that
-  // cover it evenly. Black only if no lookup in the triangle can see light: where the points have
-  // missed what is bright, it is a small share of the brightest texel.
+  const glm::vec3& brightest() const { return brightest_; }  // largest texel, per channel
+  // Returns the mean over a triangle whose corners have the coordinates `uv`, estimated at points
+  // that cover it evenly. It is black only if no lookup in the triangle can see light: where the
+  // points have missed the bright texels, it is a small share of the brightest one.
   glm::vec3 Mean(const std::array<glm::vec2, 3>& uv) const;
 
  private:
@@ -29,8 +29,8 @@ class EmissionImage {
   const Image& image_;
   const Texture& texture_;
   glm::vec3 brightest_{0.0f};
-  // Texels that are not black in the rows above and the columns left of an edge: (width + 1) x
-  // (height + 1).
+  // The numbers of texels that are not black in the rows above and the columns left of an edge:
+  // (width + 1) x (height + 1).
   std::vector<std::uint32_t> lit_;
 };
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kBins = kMeasuredFloats / 3;
 constexpr std::size_t kHeader = 3 * sizeof(std::int32_t);
 constexpr std::size_t kFileBytes = kHeader + 3 * kBins * sizeof(double);
-// What the numbers of a file are to be multiplied with (the database's own reader).
+// These are the factors of the numbers of a file, as in the database's own reader.
 constexpr double kScale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
 template <class T>
@@ -26,7 +26,7 @@ T At(std::string_view bytes, std::size_t offset) {
   return value;
 }
 
-// Mean of the green values of one half angle over what is seen steeply.
+// Returns the mean of the green values of one half angle over difference angles below 45 degrees.
 double Profile(const MeasuredBrdf& brdf, std::uint32_t half) {
   constexpr std::uint32_t kSteep = kMeasuredDifference / 2;
   double sum = 0;
@@ -42,9 +42,9 @@ double HalfAngle(double bin) {
   return std::numbers::pi / 2 * root * root;
 }
 
-// The width of the GGX lobe that falls to a half where the gloss does, D(h) = 1 / (1 + tan^2 /
-// alpha^2)^2 about, and the share of the gloss in the albedo seen from above, where the half angle
-// is half of that of the light.
+// Fits the width of the GGX lobe, about D(h) = 1 / (1 + tan^2 / alpha^2)^2, so that it falls to a
+// half where the gloss does, and the share of the gloss in the albedo seen from above, where the
+// half angle is half of the light's angle.
 void FitLobe(MeasuredBrdf& brdf) {
   double profile[kMeasuredHalf];
   for (std::uint32_t half = 0; half < kMeasuredHalf; ++half) profile[half] = Profile(brdf, half);

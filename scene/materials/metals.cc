@@ -8,9 +8,9 @@ struct Entry {
   MetalIndex index;
 };
 
-// The measured spectra of Palik, "Handbook of Optical Constants of Solids", in the tables that pbrt
-// and Mitsuba distribute, weighted by the CIE 1931 observer and converted to linear Rec. 709. The
-// rounded results are those of the Tungsten renderer's table of conductors.
+// These are the measured spectra of Palik, "Handbook of Optical Constants of Solids", in the tables
+// that pbrt and Mitsuba distribute, weighted by the CIE 1931 observer and converted to linear
+// Rec. 709. The rounded results are those of the Tungsten renderer's table of conductors.
 constexpr Entry kMetals[] = {
     {"Ag", {{0.15526f, 0.11672f, 0.13838f}, {4.82834f, 3.12225f, 2.14695f}}},
     {"Al", {{1.65746f, 0.88037f, 0.52123f}, {9.22387f, 6.26952f, 4.83700f}}},

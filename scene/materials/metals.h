@@ -12,11 +12,11 @@ struct MetalIndex {
   glm::vec3 k;    // imaginary part
 };
 
-// By chemical symbol: Ag, Al, Au, Cu. Nothing for others.
+// Returns a metal by its chemical symbol, Ag, Al, Au or Cu, and nothing for others.
 std::optional<MetalIndex> FindMetal(std::string_view symbol);
 
-// The metal with eta = 1 that reflects so much at normal incidence, as pbrt-v4 has it. Beyond
-// 0.9999 of a channel it takes that.
+// Returns the metal with eta = 1 that has this reflectance at normal incidence, as pbrt-v4 does.
+// Channels are cut at 0.9999.
 MetalIndex MetalOfReflectance(const glm::vec3& reflectance);
 
 }  // namespace skywave

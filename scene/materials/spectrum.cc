@@ -19,7 +19,7 @@ double Lobe(double x, double centre, double left, double right) {
   return std::exp(-0.5 * t * t);
 }
 
-// The colour matching functions: equations of the multi-lobe fit.
+// Returns the colour matching functions, by the equations of the multi-lobe fit.
 glm::dvec3 Observer(double nm) {
   return {1.056 * Lobe(nm, 599.8, 37.9, 31.0) + 0.362 * Lobe(nm, 442.0, 16.0, 26.7) -
               0.065 * Lobe(nm, 501.1, 20.4, 26.2),
@@ -27,7 +27,7 @@ glm::dvec3 Observer(double nm) {
           1.217 * Lobe(nm, 437.0, 11.8, 36.0) + 0.681 * Lobe(nm, 459.0, 26.0, 13.8)};
 }
 
-// XYZ of `value`(wavelength), Y = 1 for the constant 1.
+// Returns the XYZ of `value`(wavelength), where Y = 1 for the constant 1.
 template <class Value>
 glm::dvec3 Integrate(const Value& value) {
   glm::dvec3 sum(0);
@@ -53,7 +53,8 @@ glm::dvec3 Xyz(SpectrumPairs spectrum) {
   return Integrate([&](double nm) { return ValueAt(spectrum, nm); });
 }
 
-// Relative to its highest value at any wavelength, which Wien's displacement law places.
+// Returns the radiance relative to its highest value at any wavelength, which Wien's displacement
+// law places.
 double Planck(double nm, double kelvin) {
   constexpr double kSecondConstant = 1.438776877e7;  // h c / k [nm K]
   constexpr double kWien = 2.897771955e6;            // [nm K]

@@ -23,12 +23,12 @@ bool RepeatsInUnitSquare(const Texture& texture) {
          t[0].y == 0 && t[1].x == 0 && whole(t[0].x) && whole(t[1].y);
 }
 
-// The texel that stands for one beyond the image.
+// Returns the texel that stands for one beyond the image.
 int Wrap(int i, int size, TextureWrap wrap) {
   return wrap == TextureWrap::kRepeat ? ((i % size) + size) % size : std::clamp(i, 0, size - 1);
 }
 
-// Bilinear between texel centres; `at` is in units of the image.
+// Interpolates bilinearly between texel centres; `at` is in units of the image.
 glm::vec3 Lookup(const Image& image, const Texture& texture, const glm::dvec2& at) {
   const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
   const double fx = x - std::floor(x), fy = y - std::floor(y);

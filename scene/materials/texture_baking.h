@@ -1,4 +1,4 @@
-// Textures that are computed from others: evaluated once, texel by texel, into an image.
+// Textures that are computed from others are evaluated once, texel by texel, into an image.
 #pragma once
 
 #include <cstddef>
@@ -10,28 +10,29 @@
 
 namespace skywave {
 
-// `factor`, times the texture's image where there is one.
+// An operand is `factor`, times the texture's image where there is one.
 struct TextureOperand {
   glm::vec3 factor{1.0f};
   const Texture* texture = nullptr;
 };
 
-// Longest side of an image that is made, and texels of all that a scene may make.
-inline constexpr int kMaxBakedSide = 2048;
+inline constexpr int kMaxBakedSide = 2048;  // longest side of a baked image [texels]
+// The number of texels of all baked images of a scene is at most this.
 inline constexpr std::size_t kMaxBakedTexels = std::size_t{1} << 25;
 
-// A check of a checkerboard has so many texels a side; its edges are as soft as one of them.
+// A check of a checkerboard has this many texels per side; its edges are as soft as one of them.
 inline constexpr int kCheckTexels = 64;
-// 0 in the checks of even, 1 in those of odd floor(s) + floor(t); s and t go from 0 to 2, t
-// upwards.
+// Returns an image that is 0 in the checks of even and 1 in those of odd floor(s) + floor(t); s and
+// t go from 0 to 2, t upwards.
 Image CheckerSelector();
 
-// The texture of `combine`(values of the operands) for every (u, v); adds its image to the scene.
+// Returns the texture of `combine`(values of the operands) for every (u, v), and adds its image to
+// the scene. At least one operand has a texture.
 //
 // Operands that lie alike (same transform and wrap) are combined in their own square, at the size
-// of the largest: exact where sizes are equal. Others are combined over the unit square of (u, v)
-// if each repeats a whole number of times in it, at the size of the finest of them, kMaxBakedSide
-// at most; nothing is returned if one does not. At least one operand has a texture.
+// of the largest, which is exact where sizes are equal. Others are combined over the unit square of
+// (u, v) if each repeats a whole number of times in it, at the size of the finest of them, but at
+// most kMaxBakedSide; if one does not, nothing is returned.
 using CombineTexels = std::function<glm::vec3(std::span<const glm::vec3>)>;
 std::optional<Texture> BakeTexture(std::span<const TextureOperand> operands,
                                    const CombineTexels& combine, Scene& scene);

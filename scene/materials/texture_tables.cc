@@ -14,10 +14,11 @@ namespace skywave {
 namespace {
 
 constexpr std::size_t kMaxTexels = std::size_t{1} << 29;
-// Coordinates beyond this have lost the place within a texel anyway.
+// Coordinates beyond this have lost the position within a texel anyway.
 constexpr float kMaxCoordinate = 1e6f;
 
-// Halves one direction: `stride` between neighbours, `lines` of `count` texels.
+// Halves one direction of an image of `lines` lines of `count` texels, which are its rows or its
+// columns.
 std::vector<double> HalveLines(const std::vector<double>& from, std::size_t count,
                                std::size_t lines, bool along_rows) {
   const std::size_t half = std::max<std::size_t>(count / 2, 1);
@@ -37,7 +38,7 @@ std::vector<double> HalveLines(const std::vector<double>& from, std::size_t coun
   return to;
 }
 
-// Every channel the mean of the three.
+// Sets every channel to the mean of the three.
 Image Grey(Image image) {
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     std::fill_n(&image.rgb[i], 3, (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3);
@@ -45,14 +46,14 @@ Image Grey(Image image) {
   return image;
 }
 
-// Texels of normals, from [0, 1] to [-1, 1].
+// Maps texels of normals from [0, 1] to [-1, 1].
 Image SignedNormals(Image image) {
   for (float& value : image.rgb) value = 2 * value - 1;
   return image;
 }
 
-// Normals of the heights of `texture`, steepened or flattened so that the steepest slope is 1;
-// `slope`: what it was [height a texel].
+// Returns the normals of the heights of `texture`, steepened or flattened so that the steepest
+// slope is 1. `slope` becomes what it was [height per texel].
 Image NormalsOfHeights(const Image& image, const Texture& texture, float& slope) {
   const Image heights = Grey(image);
   const auto at = [&](int x, int y) {
@@ -151,7 +152,7 @@ std::size_t TextureTables::bytes() const {
 
 TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
   TextureTables tables;
-  // What is made of an image depends on its use; that of heights on the wrapping too.
+  // The pyramid of an image depends on its use; that of heights depends on the wrapping, too.
   using Key = std::tuple<std::uint32_t, TextureUse, TextureWrap, TextureWrap>;
   std::map<Key, Pyramid> pyramids;
   for (const Texture& texture : scene.textures) {
@@ -211,7 +212,7 @@ TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corner
     return record;
   }
   if (mesh.uvs.empty()) return record;
-  // Where x of the image grows on the triangle, and where its y does, upwards.
+  // x and y are the directions in which x of the image and its y (upwards) grow on the triangle.
   glm::dvec2 place[3];
   for (int i = 0; i < 3; ++i) {
     place[i] = glm::dmat3x2(texture.transform) * glm::dvec3(mesh.uvs[corners[i]], 1);
@@ -243,7 +244,7 @@ TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners) {
   for (int i = 0; i < 3; ++i) {
     for (int axis = 0; axis < 2; ++axis) {
       const float value = mesh.uvs[corners[i]][axis];
-      // min and max turn NaN into a number.
+      // In this order min and max turn NaN into a number.
       record.uv[i][axis] = std::min(std::max(-kMaxCoordinate, value), kMaxCoordinate);
     }
   }

@@ -1,5 +1,5 @@
-// The images of a scene as kernels read them: mip pyramids, packed, and texture coordinates by
-// triangle.
+// Kernels read the images of a scene from these tables: packed mip pyramids, and texture
+// coordinates by triangle.
 #pragma once
 
 #include <cstdint>
@@ -18,25 +18,26 @@ struct TextureTables {
   std::vector<TextureLevel> levels;
   std::vector<std::uint32_t> texels;
   std::vector<TriangleUvs> uvs;  // by triangle; empty if nobody asks for them
-  // By texture: what the slopes in its texels are multiplied with; 1 but for heights.
+  // The factor of the slopes in its texels, by texture; it is 1 except for heights.
   std::vector<float> slopes;
 
-  TextureView view() const;  // of tables that stay where they are
+  TextureView view() const;  // valid as long as the tables stay where they are
   std::size_t bytes() const;
 };
 
-// Everything but the uvs. Throws InputError(path) for textures that name no image, transforms that
-// are not finite, and more texels than a table can hold.
+// Makes all tables but the uvs. Throws InputError(path) for textures that name no image, transforms
+// that are not finite, and more texels than a table can hold.
 TextureTables MakeTextureTables(const Scene& scene, const std::string& path);
 
-// The uvs and their density of one triangle; `corners` in the order of its record.
+// Returns the uvs and their density of one triangle; `corners` are in the order of its record.
 TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners);
 
-// The axes of `texture` on one triangle: the mesh's tangents, or else by its uvs.
+// Returns the axes of `texture` on one triangle, by the mesh's tangents or else by its uvs.
 TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corners,
                                       const Texture& texture);
 
-// Half of `image` in both directions, at least one texel: each texel is the mean over its area.
+// Returns `image` halved in both directions, to one texel at least: each texel is the mean over its
+// area.
 Image HalfSize(const Image& image);
 
 }  // namespace skywave

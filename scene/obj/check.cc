@@ -13,16 +13,17 @@ namespace {
 // One of the three tables that corners index.
 struct IndexedTable {
   const char* name;
-  std::int64_t count = 0;         // so far
-  std::int64_t greatest = 0;      // index that a face has named
-  std::size_t greatest_line = 0;  // and where
+  std::int64_t count = 0;         // elements read so far
+  std::int64_t greatest = 0;      // the greatest index that a face has used
+  std::size_t greatest_line = 0;  // the line of that face
 };
 
 struct Tables {
   IndexedTable positions{"vertex"}, uvs{"texture vertex"}, normals{"normal"};
 };
 
-// Checks one index of a corner. Positive ones may look ahead, so they are compared at the end.
+// Checks one index of a corner. Positive indices may refer to later elements, so they are compared
+// at the end.
 void CheckIndex(const ObjLines& lines, std::string_view text, IndexedTable& table) {
   std::int32_t index = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), index);
@@ -37,7 +38,7 @@ void CheckIndex(const ObjLines& lines, std::string_view text, IndexedTable& tabl
   if (index > table.greatest) table.greatest = index, table.greatest_line = lines.line;
 }
 
-// v, v/vt, v//vn or v/vt/vn.
+// Checks a corner: v, v/vt, v//vn or v/vt/vn.
 void CheckCorner(const ObjLines& lines, std::string_view corner, Tables& tables) {
   const std::size_t first = corner.find('/');
   CheckIndex(lines, corner.substr(0, first), tables.positions);
@@ -77,7 +78,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
   while (NextStatement(lines, words)) {
     const std::string_view word = words[0];
     if (word == "v") {
-      CheckObjNumbers(lines, words, 3, 7);  // and a weight, a colour or both
+      CheckObjNumbers(lines, words, 3, 7);  // optionally followed by a weight, a colour or both
       ++tables.positions.count;
     } else if (word == "f") {
       CheckFace(lines, words, tables);
@@ -101,7 +102,7 @@ ObjStatements CheckObj(ObjLines& lines, Warnings& warnings) {
         statements.materials.push_back(name);
       }
     } else if (word == "t" || word == "vw") {
-      // Extensions of tinyobjloader, which trusts the counts in them.
+      // These are extensions of tinyobjloader, which trusts the counts in them.
       throw InputError(PositionOf(lines), fmt::format("'{}' is no statement of OBJ", word));
     } else if (word != "o" && word != "g") {
       AddWarning(warnings, PositionOf(lines),

@@ -1,8 +1,8 @@
-// What an OBJ file says, statement by statement, held to the format before tinyobjloader reads it.
+// Checks an OBJ file against the format, statement by statement, before tinyobjloader reads it.
 //
-// tinyobjloader is lenient: a word that is no number becomes 0, a face with an index out of range
-// is left out, and no message of it names a line. So a pass of our own goes first; what it lets
-// through means the same to both.
+// tinyobjloader is lenient: a word that is not a number becomes 0, a face with an index out of
+// range is dropped, and none of its messages names a line. So Skywave makes a pass of its own
+// first; anything that passes it has the same meaning for both.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace skywave {
 
-// Polygons with more corners are refused: cutting ears takes cubic time at worst.
+// Polygons with more corners are refused because ear clipping takes cubic time in the worst case.
 inline constexpr std::size_t kMaxObjCorners = 1024;
 
 struct ObjName {
@@ -23,14 +23,14 @@ struct ObjName {
 };
 
 struct ObjStatements {
-  std::vector<ObjName> libraries;  // of mtllib, as written
-  std::vector<ObjName> materials;  // of usemtl, each once
-  bool has_smoothing = false;      // there is an `s`, so the file says where it is smooth
+  std::vector<ObjName> libraries;  // names after mtllib, as written
+  std::vector<ObjName> materials;  // names after usemtl, each once
+  bool has_smoothing = false;      // there is an `s`, so the file defines where it is smooth
   std::size_t faces = 0;
 };
 
-// Throws InputError with the line on numbers that are none or not finite, indices out of range,
-// faces of fewer than three corners. Warns of statements that are not rendered.
+// Throws InputError with the line for words that are not finite numbers, indices out of range and
+// faces of fewer than three corners. Adds warnings for statements that are not rendered.
 ObjStatements CheckObj(ObjLines& lines, Warnings& warnings);
 
 }  // namespace skywave

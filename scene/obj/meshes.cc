@@ -19,8 +19,8 @@ struct ObjTriangle {
 
   tinyobj::index_t corner[3];
   std::uint32_t material = 0, group = 0;
-  bool has_normals = false;    // of the file, at all corners
-  std::uint32_t computed = 0;  // triangle of SmoothCornerNormals, where it has none
+  bool has_normals = false;    // all corners have a normal in the file
+  std::uint32_t computed = 0;  // index into SmoothCornerNormals' result if it has none
 
   bool smooth() const { return has_normals || computed != kFlat; }
 };
@@ -29,7 +29,7 @@ std::vector<ObjTriangle> CollectTriangles(const tinyobj::attrib_t& attributes,
                                           const std::vector<tinyobj::shape_t>& shapes,
                                           bool has_smoothing, std::size_t materials,
                                           const std::string& path) {
-  // The check before has seen to all of this; a table read at a wrong index would be a crash.
+  // The check before has ensured all of this; reading a table at a wrong index would crash.
   const auto inside = [](int index, std::size_t count) {
     return index >= -1 && static_cast<std::size_t>(index + 1) <= count;
   };
@@ -67,7 +67,7 @@ std::vector<glm::vec3> Positions(const tinyobj::attrib_t& attributes) {
   return positions;
 }
 
-// Three normals for every triangle that is smooth and has none in the file; sets `computed`.
+// Returns three normals for every smooth triangle that has none in the file; sets `computed`.
 std::vector<glm::vec3> ComputeNormals(const std::vector<glm::vec3>& positions, bool has_smoothing,
                                       std::vector<ObjTriangle>& triangles) {
   std::vector<glm::uvec3> corners;
@@ -85,17 +85,17 @@ std::vector<glm::vec3> ComputeNormals(const std::vector<glm::vec3>& positions, b
 
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
-// Makes one vertex of all corners with the same position, normal and texture coordinates.
+// Merges all corners with the same position, normal and texture coordinates into one vertex.
 struct VertexFinder {
   explicit VertexFinder(std::size_t positions) : newest(positions, kNone) {}
-  std::vector<std::uint32_t> newest;  // by position of the file: the vertex made of it last
-  std::vector<std::uint32_t> before;  // by vertex: the one made of the same position before it
+  std::vector<std::uint32_t> newest;  // by position in the file: the vertex made from it last
+  std::vector<std::uint32_t> before;  // by vertex: the previous one made from the same position
   std::vector<std::uint32_t> origin;  // by vertex: its position in the file
 };
 
 std::uint32_t FindOrAddVertex(VertexFinder& finder, std::uint32_t origin, const glm::vec3& position,
                               const glm::vec3* normal, const glm::vec2* uv, Mesh& mesh) {
-  // A chain that is longer is no mesh but an attack; vertices may also be there twice.
+  // Only hostile files have longer chains; for them, vertices may be duplicated.
   constexpr int kLongestChain = 64;
   int length = 0;
   for (std::uint32_t v = finder.newest[origin]; v != kNone && length < kLongestChain;
@@ -117,11 +117,11 @@ void Forget(VertexFinder& finder) {
   finder.before.clear(), finder.origin.clear();
 }
 
-// What all meshes of a file are made of.
+// The data that all meshes of a file share.
 struct Source {
   const tinyobj::attrib_t& attributes;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> computed;  // normals, three a triangle
+  std::vector<glm::vec3> computed;  // normals, three per triangle
 };
 
 glm::vec3 NormalOf(const Source& source, const ObjTriangle& t, int corner) {

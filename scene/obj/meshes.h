@@ -1,4 +1,4 @@
-// From tinyobjloader's corners, each with three indices, to meshes of vertices.
+// Turns tinyobjloader's corners, each with three indices, into meshes of vertices.
 #pragma once
 
 #include <tiny_obj_loader.h>
@@ -11,8 +11,8 @@
 namespace skywave {
 
 // Appends the triangles of `shapes` to the scene, sorted by material and by whether they are
-// smooth. tinyobjloader's material i is the scene's, and none is material 0. `has_smoothing`: the
-// smoothing groups of the shapes mean something.
+// smooth. tinyobjloader's material i is the scene's material i, and triangles without one get
+// material 0. `has_smoothing` tells whether the smoothing groups of the shapes are meaningful.
 void BuildObjMeshes(const tinyobj::attrib_t& attributes,
                     const std::vector<tinyobj::shape_t>& shapes, bool has_smoothing,
                     const std::string& path, Scene& scene);

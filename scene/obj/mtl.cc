@@ -20,14 +20,14 @@
 namespace skywave {
 namespace {
 
-// The statements of one material: where each was given last, and whether with a single number.
+// The line on which a statement of a material was last given, and whether it had a single number.
 struct Statement {
   std::size_t line = 0;
   bool single = false;
 };
 struct Entry {
   std::string name;
-  InputPosition position;  // of newmtl
+  InputPosition position;  // position of newmtl
   std::map<std::string, Statement, std::less<>> statements;
 
   bool Has(std::string_view word) const { return statements.contains(word); }
@@ -48,7 +48,7 @@ bool IsMap(std::string_view word) {
   return word.starts_with("map_") || IsOneOf(word, {"bump", "disp", "decal", "refl", "norm"});
 }
 
-// The statements for the one map of normals or heights.
+// All these statements set the one map of normals or heights.
 constexpr std::array<std::string_view, 4> kReliefMaps = {"norm", "bump", "map_bump", "map_Bump"};
 
 bool IsRenderedMap(std::string_view word) {
@@ -56,7 +56,7 @@ bool IsRenderedMap(std::string_view word) {
          std::find(kReliefMaps.begin(), kReliefMaps.end(), word) != kReliefMaps.end();
 }
 
-// A colour is one number (grey) or three. Spectra are refused by their first word.
+// A colour has one number (grey) or three. Spectra are refused by their first word.
 void CheckStatement(const ObjLines& lines, const std::vector<std::string_view>& words,
                     Warnings& warnings) {
   const std::string_view word = words[0];
@@ -103,14 +103,14 @@ std::vector<Entry> CheckMtl(ObjLines& lines, Warnings& warnings) {
   return entries;
 }
 
-// tinyobjloader leaves 0 in the channels that a grey given by one number does not name.
+// Expands a grey given by one number, because tinyobjloader leaves 0 in the other channels.
 glm::vec3 Color(const float* values, const Entry& entry, std::string_view word) {
   const auto found = entry.statements.find(word);
   const bool grey = found != entry.statements.end() && found->second.single;
   return grey ? glm::vec3(values[0]) : glm::vec3(values[0], values[1], values[2]);
 }
 
-// A reflectance, clamped to [0, 1].
+// Returns a reflectance, clamped to [0, 1].
 glm::vec3 Fraction(const float* values, const Entry& entry, std::string_view word,
                    Warnings& warnings) {
   const glm::vec3 color = Color(values, entry, word);
@@ -148,7 +148,7 @@ Material Conductor(const glm::vec3& normal_reflectance, float alpha) {
           .alpha = std::max(alpha, 1e-3f)};
 }
 
-// The path of the file that the statement `word` names, or nothing.
+// Returns the path of the file that the statement `word` names, or nothing.
 std::optional<std::string> FindMap(std::string name, const Entry& entry, std::string_view word,
                                    Warnings& warnings) {
   if (name.empty()) return std::nullopt;
@@ -173,7 +173,7 @@ std::uint32_t AddMap(std::uint32_t image, TextureUse use, const tinyobj::texture
   return static_cast<std::uint32_t>(textures.scene->textures.size() - 1);
 }
 
-// The texture of map_Kd or map_Ke, or nothing.
+// Returns the texture of map_Kd or map_Ke, or nothing.
 std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_option_t& option,
                                       const Entry& entry, std::string_view word,
                                       TextureFiles& textures, Warnings& warnings) {
@@ -183,7 +183,7 @@ std::optional<std::uint32_t> ColorMap(std::string name, const tinyobj::texture_o
                 textures);
 }
 
-// But for what JPEG does to grey pictures.
+// Tests whether the image is grey, allowing for the artefacts of JPEG.
 bool IsGrey(const Image& image) {
   constexpr float kNoise = 0.05f;
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
@@ -193,13 +193,13 @@ bool IsGrey(const Image& image) {
   return true;
 }
 
-// d times map_d.
+// Opacity is d times map_d.
 void SetOpacity(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
                 Warnings& warnings, Material& material) {
   material.opacity = std::clamp(mtl.dissolve, 0.0f, 1.0f);
   const auto path = FindMap(mtl.alpha_texname, entry, "map_d", warnings);
   if (!path) return;
-  // Many exporters name a picture with an alpha channel and mean that.
+  // Many exporters name a picture with an alpha channel and mean that channel.
   std::uint32_t image = AddTextureImage(textures, *path, Encoding::kAlpha);
   if (IsWhite(textures.scene->images[image])) {
     image = AddTextureImage(textures, *path, Encoding::kLinear);
@@ -208,7 +208,8 @@ void SetOpacity(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles
   material.opacity_texture = AddMap(image, TextureUse::kOpacity, mtl.alpha_texopt, textures);
 }
 
-// A map of normals if it is coloured, as many exporters have it under all names, else of heights.
+// A coloured map holds normals, which many exporters write under all these names; a grey one holds
+// heights.
 void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFiles& textures,
                   Warnings& warnings, Material& material) {
   const bool bumped = mtl.normal_texname.empty();
@@ -225,7 +226,7 @@ void SetNormalMap(const tinyobj::material_t& mtl, const Entry& entry, TextureFil
       AddMap(index, heights ? TextureUse::kHeights : TextureUse::kNormals, option, textures);
   material.normal_scale = option.bump_multiplier;
   if (heights) {
-    constexpr float kHeightOfWhite = 0.01f;  // widths of the image
+    constexpr float kHeightOfWhite = 0.01f;  // fraction of the image's width
     material.height_in_texels = true;
     material.normal_scale *= kHeightOfWhite * float(image.width);
   }
@@ -253,10 +254,10 @@ Material ToMaterial(const tinyobj::material_t& mtl, const Entry& entry, TextureF
     material.alpha = AlphaOfExponent(mtl.shininess);
   }
   material.color_texture = map;
-  // Blender, Mitsuba and tinyobjloader differ in what they take where nothing is said.
+  // Blender, Mitsuba and tinyobjloader use different defaults if Kd is missing.
   material.reflectance = diffuse;
   if (!entry.Has("Kd")) material.reflectance = glm::vec3(entry.Has("map_Kd") ? 0.6f : 0.5f);
-  // Exporters write black for "as the map has it".
+  // Exporters write black to mean that the map alone counts.
   if (map && (!entry.Has("Kd") || IsBlack(diffuse))) material.reflectance = glm::vec3(1);
   return material;
 }

@@ -1,28 +1,26 @@
-// Material libraries of OBJ files as Skywave's materials.
+// Converts material libraries of OBJ files to Skywave's materials.
 //
-//   d < 1/2, illum 6 or 7, or 4 or 9 with d < 1 or Tf   smooth dielectric of index Ni (1.5 if <= 1)
-//   Pm >= 1/2 (metalness)                                conductor: F0 = Kd, alpha = Pr^2
-//   Kd = 0, Ks > 0                                       illum 3 or 5: mirror of Ks; else
-//   conductor:
-//                                                        F0 = Ks, alpha = sqrt(2 / (Ns + 2))
-//   Kd > 0, Ks > 0                                       metallic-roughness without metal: a coat
-//   of
-//                                                        index 1.5 over Kd, alpha as above; how
-//                                                        much Ks is does not count
-//   everything else                                      Lambert of Kd
+//   d < 1/2, illum 6 or 7, or 4 or 9 with d < 1 or Tf
+//                                  smooth dielectric of index Ni (1.5 if <= 1)
+//   Pm >= 1/2 (metalness)          conductor: F0 = Kd, alpha = Pr^2
+//   Kd = 0, Ks > 0, illum 3 or 5   mirror of reflectance Ks
+//   Kd = 0, Ks > 0, other illum    conductor: F0 = Ks, alpha = sqrt(2 / (Ns + 2))
+//   Kd > 0, Ks > 0                 metallic-roughness without metal: a coat of index 1.5 over Kd,
+//                                  alpha as above; the value of Ks is ignored
+//   everything else                Lambert of reflectance Kd
 //
-// d (1 - Tr) is the share of rays that a surface which is no glass stops, and map_d a factor of it:
-// the alpha channel of its file, or else its grey. norm, bump, map_bump and map_Bump are maps of
-// normals where they are coloured, and grey ones (but for norm) of heights: MTL does not say how
-// high white is, here it is bm hundredths of the width of the image.
+// d (1 - Tr) is the fraction of rays that a surface other than glass stops, and map_d multiplies
+// it: the alpha channel of its file, or else its grey. norm, bump, map_bump and map_Bump hold
+// normals if they are coloured; grey ones (except norm) hold heights. MTL does not define how high
+// white is: here it is bm hundredths of the width of the image.
 //
-// Ke is radiance, on both sides (the format does not say; windings of OBJ files are not reliable).
-// Of map_Ke, a factor of it (of 1 where there is no Ke), each triangle takes the mean.
+// Ke is radiance, emitted on both sides (the format does not define the side, and windings of OBJ
+// files are not reliable). map_Ke multiplies it, or stands alone if there is no Ke.
 //
-// map_Kd is multiplied with Kd (1 where there is none, or 0) in the last two, its v upwards; its
-// options -s, -o and -clamp count. A map whose file is missing is left out, with a warning.
+// map_Kd multiplies Kd (or 1 if Kd is missing or 0) in the last two rows, with v upwards; its
+// options -s, -o and -clamp are honoured. A map whose file is missing is left out, with a warning.
 //
-// The width of a lobe with exponent Ns is that of Walter et al. 2007, "Microfacet Models for
+// The width of a lobe with exponent Ns follows Walter et al. 2007, "Microfacet Models for
 // Refraction through Rough Surfaces", Section 5.2.
 #pragma once
 
@@ -35,11 +33,12 @@
 
 namespace skywave {
 
-// The materials in the order of the file, with their names. Throws InputError with the line on
-// numbers that are none. Warns, with the line, of maps and whatever else is not rendered.
+// Returns the materials in the order of the file, with their names. Throws InputError with the line
+// for words that are not numbers. Warnings name, with their lines, maps and anything else that is
+// not rendered.
 std::vector<Material> ReadMtl(const std::string& path, TextureFiles& textures, Warnings& warnings);
 
-// The same from memory; `path` is for messages.
+// Parses the same from memory; `path` appears in messages.
 std::vector<Material> ParseMtl(std::string text, const std::string& path, TextureFiles& textures,
                                Warnings& warnings);
 

@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The files of one mtllib: one name with spaces, or several names. Windows writes backslashes.
+// Returns the files of one mtllib: one name with spaces, or several names. Windows programs write
+// backslashes.
 std::vector<std::string> ResolveLibraries(const ObjName& library, const std::string& path) {
   const fs::path folder = fs::path(path).parent_path();
   std::error_code ignored;
@@ -42,8 +43,8 @@ std::vector<std::string> ResolveLibraries(const ObjName& library, const std::str
   return files;
 }
 
-// Appends the materials of every library to the scene; returns their indices by name. Of two with
-// the same name the first counts.
+// Appends the materials of every library to the scene; returns their indices by name. If a name
+// occurs twice, its first material counts.
 std::map<std::string, int> ReadLibraries(const ObjStatements& statements, const std::string& path,
                                          Scene& scene, Warnings& warnings) {
   std::map<std::string, int> by_name;
@@ -62,8 +63,8 @@ std::map<std::string, int> ReadLibraries(const ObjStatements& statements, const 
   return by_name;
 }
 
-// tinyobjloader asks for libraries by names cut at spaces, and cuts the names of usemtl likewise:
-// it is given the materials that the file uses under the names that it will look for.
+// tinyobjloader cuts the names of libraries and of usemtl at spaces, so it is given the materials
+// that the file uses under the names that it will look up.
 class UsedMaterials : public tinyobj::MaterialReader {
  public:
   std::map<std::string, int> by_name;
@@ -112,7 +113,7 @@ Scene ParseObj(std::string text, const std::string& path, const ReadOptions& opt
   std::vector<tinyobj::shape_t> shapes;
   std::vector<tinyobj::material_t> ignored;
   std::string notes, errors;
-  // A first mtllib, so that materials are known wherever the file names its own.
+  // The first mtllib makes the materials known before the file names any library.
   std::istringstream stream("mtllib used\n" + lines.text);
   if (!tinyobj::LoadObj(&attributes, &shapes, &ignored, &notes, &errors, &stream, &materials,
                         /*triangulate=*/true, /*default_vcols_fallback=*/false)) {

@@ -1,5 +1,5 @@
-// pbrt's lights. RGB is what it says in linear Rec. 709, radiance or intensity as the scene's units
-// have it: none of pbrt-v4's scaling by the spectrum of an illuminant. Spectra: docs/pbrt.md.
+// Reads pbrt's lights. RGB values are linear Rec. 709, radiance or intensity in the scene's units,
+// without pbrt-v4's scaling by the spectrum of an illuminant. docs/pbrt.md explains spectra.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kPi = glm::pi<double>();
 
-// The colour `name`, 1 if there is none, times "scale": a number in pbrt-v4, a colour in pbrt-v3.
+// Returns the colour `name` (default 1) times "scale", which is a number in pbrt-v4 and a colour in
+// pbrt-v3.
 glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_view name) {
   glm::vec3 emission =
       FindColor(parameters, name, reader.color_textures, reader.warnings, SpectrumUse::kEmission)
@@ -27,7 +28,7 @@ glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_v
                  FindColor(parameters, "scale", reader.color_textures, reader.warnings)) {
     emission *= *scale;
   }
-  // Also refuses NaN, and what sums of lights could not hold.
+  // This also refuses NaN, and values so large that sums of lights would overflow.
   if (!glm::all(glm::greaterThanEqual(emission, glm::vec3(0))) ||
       !glm::all(glm::lessThanEqual(emission, glm::vec3(1e18f)))) {
     throw InputError(parameters.position,
@@ -36,8 +37,8 @@ glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_v
   return emission;
 }
 
-// A number that is not negative and replaces the strength of a light; nothing, or negative (pbrt's
-// default), if it does not.
+// Returns a number that replaces the strength of a light, or nothing if it is absent or negative
+// (pbrt's default).
 std::optional<float> Strength(PbrtParameters& parameters, std::string_view name) {
   const auto value = FindFloat(parameters, name);
   if (!value || *value < 0) return std::nullopt;
@@ -48,7 +49,7 @@ std::optional<float> Strength(PbrtParameters& parameters, std::string_view name)
   return value;
 }
 
-// A point of the light's space, in the world.
+// Returns a point of the light's space, transformed to the world.
 glm::dvec3 FindPoint(PbrtReader& reader, PbrtParameters& parameters, std::string_view name,
                      const glm::dvec3& otherwise) {
   glm::dvec3 point = otherwise;
@@ -111,8 +112,9 @@ void DistantLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.lights.push_back(light);
 }
 
-// Columns right, forward, up of a lat-long map in the light's space (see pbrt_reader.h), in the
-// world. Frames are unit vectors: pbrt's directions do not change by a scale either.
+// Returns the right, forward and up axes of a lat-long map in the light's space (see
+// pbrt/reader.h), transformed to the world. The axes are unit vectors because a scale does not
+// change pbrt's directions either.
 glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
   const glm::dmat3 linear(reader.state.to_world);
   glm::dmat3 frame(-linear[1], -linear[0], linear[2]);
@@ -141,7 +143,7 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
     const auto file = FindString(parameters, name);
     if (!file || file->empty()) continue;
     light.map_path = ResolvePbrtPath(reader, *file, parameters.position);
-    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3 has lat-longs
+    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3: lat-long
   }
   light.world_from_map = MapFrame(reader, parameters);
   reader.scene.environments.push_back(std::move(light));
@@ -192,7 +194,7 @@ void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
   light.radiance = Emission(reader, parameters, "L");
   light.two_sided = FindBool(parameters, "twosided").value_or(false);
   light.power = Strength(parameters, "power");
-  // How many light samples there are is said elsewhere.
+  // The command line sets the number of light samples.
   for (const char* name : {"samples", "nsamples"}) FindInt(parameters, name);
   ReportUnused(parameters, reader.warnings);
   reader.state.area_light = light;
@@ -207,7 +209,7 @@ std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const
   if (known != reader.shining_materials.end()) return known->second;
   Material material = reader.scene.materials[plain];
   if (material.opacity == 0) {
-    // pbrt-v4 makes an exception for these.
+    // pbrt-v4 treats these shapes specially.
     AddWarning(reader.warnings, position, "a shape of alpha 0 gives no light");
   }
   material.emission = light.radiance;
@@ -221,7 +223,7 @@ std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const
   }
   const auto index = std::uint32_t(reader.scene.materials.size());
   reader.scene.materials.push_back(std::move(material));
-  // A power is that of each shape, whatever its size.
+  // Each shape emits the given power whatever its area, so the material cannot be shared.
   if (!light.power) reader.shining_materials.emplace(key, index);
   return index;
 }

@@ -25,7 +25,8 @@ void Warn(Context& context, std::string_view text) {
              fmt::format("{}: {}", context.parameters.directive, text));
 }
 
-// A colour that is a fraction of light: clamped to [0, 1], with a warning where that changes it.
+// Returns a colour that is a fraction of light, clamped to [0, 1] with a warning if that changes
+// it.
 std::optional<glm::vec3> FindFraction(Context& context, std::string_view name) {
   const auto color =
       FindColor(context.parameters, name, context.reader.color_textures, context.warnings);
@@ -38,7 +39,7 @@ std::optional<glm::vec3> FindFraction(Context& context, std::string_view name) {
   return clamped;
 }
 
-// The first that is given of a v4 and a v3 name.
+// Returns the first of several alternative names (v4 and v3) that is given.
 glm::vec3 FractionOr(Context& context, std::initializer_list<std::string_view> names,
                      const glm::vec3& fallback) {
   for (const std::string_view name : names) {
@@ -47,7 +48,7 @@ glm::vec3 FractionOr(Context& context, std::initializer_list<std::string_view> n
   return fallback;
 }
 
-// A float, or a texture of one value.
+// Returns a float, or a texture of one value.
 std::optional<float> FindScalar(Context& context, std::string_view name) {
   const auto color =
       FindColor(context.parameters, name, context.reader.float_textures, context.warnings);
@@ -55,7 +56,7 @@ std::optional<float> FindScalar(Context& context, std::string_view name) {
   return color->x;
 }
 
-// The reflectance of a diffuse surface, with its image if it has one.
+// Sets the reflectance of a diffuse surface, with its image if it has one.
 void SetReflectance(Context& context, float fallback, Material& material) {
   for (const std::string_view name : {"reflectance", "Kd"}) {
     const auto texture = FindImageTexture(context.parameters, name, context.reader.color_textures);
@@ -73,8 +74,9 @@ Material Lambert(Context& context) {
   return material;
 }
 
-// sigma: standard deviation of the facets' angles [degrees]. The energy-preserving model has its
-// shape for Oren and Nayar's own ratio B / A of the two terms (1994, "qualitative model").
+// sigma is the standard deviation of the facets' angles [degrees]. The energy-preserving model has
+// the shape of Oren and Nayar's when it uses their ratio B / A of the two terms (1994, "qualitative
+// model").
 float OrenNayarRoughness(float sigma_degrees) {
   const float sigma = sigma_degrees * 0.0174532925f, sigma2 = sigma * sigma;
   const float a = 1 - 0.5f * sigma2 / (sigma2 + 0.33f), b = 0.45f * sigma2 / (sigma2 + 0.09f);
@@ -115,7 +117,7 @@ Material DiffuseTransmission(Context& context) {
   return material;
 }
 
-// pbrt-v3: Kd of both sides, each times its share of the light.
+// In pbrt-v3, Kd applies to both sides, each times its fraction of the light.
 Material Translucent(Context& context) {
   Material material;
   material.bsdf = BsdfKind::kDiffuseTransmission;
@@ -143,7 +145,7 @@ Material Mirror(Context& context) {
   return material;
 }
 
-// The metal of "metal-Cu-eta" (v4) or "spds/Cu.eta.spd" (v3), if it is one that is known.
+// Returns the metal of "metal-Cu-eta" (v4) or "spds/Cu.eta.spd" (v3) if it is known.
 std::optional<MetalIndex> MetalOfSpectrumName(std::string_view name, std::string_view part) {
   constexpr std::string_view kPrefix = "metal-";
   const std::string v4_ending = "-" + std::string(part),
@@ -160,7 +162,7 @@ std::optional<MetalIndex> MetalOfSpectrumName(std::string_view name, std::string
   return std::nullopt;
 }
 
-// `part` is "eta" or "k", the parameter's name `prefix` and that.
+// `part` is "eta" or "k"; the parameter's name is `prefix` followed by it.
 glm::vec3 ConductorIndex(Context& context, const std::string& prefix, const std::string& part,
                          const MetalIndex& fallback) {
   const std::string name = prefix + part;
@@ -178,8 +180,8 @@ glm::vec3 ConductorIndex(Context& context, const std::string& prefix, const std:
   return color.value_or(pick(fallback));
 }
 
-// pbrt's roughness as a GGX width. pbrt-v3 remaps by a polynomial in log(roughness), pbrt-v4 by a
-// square root.
+// Converts pbrt's roughness to a GGX width. pbrt-v3 remaps by a polynomial in log(roughness),
+// pbrt-v4 by a square root.
 float AlphaFromRoughness(float roughness, bool remap, bool v4) {
   if (!remap) return roughness;
   if (v4) return std::sqrt(roughness);
@@ -187,7 +189,7 @@ float AlphaFromRoughness(float roughness, bool remap, bool v4) {
   return 1.62142f + x * (0.819955f + x * (0.1734f + x * (0.0171201f + x * 0.000640711f)));
 }
 
-// GGX widths along and across the direction in which u grows. The names of v4's coatedconductor and
+// GGX widths along and across the direction of increasing u. The names in v4's coatedconductor and
 // coateddiffuse begin with "conductor." or "interface.".
 struct Widths {
   float along, across;
@@ -204,7 +206,7 @@ Widths FindWidths(Context& context, const std::string& prefix, float fallback, b
   const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
   return {AlphaFromRoughness(u, remap, v4), AlphaFromRoughness(v, remap, v4)};
 }
-// For what has no anisotropic kernel.
+// Returns one width for materials without an anisotropic kernel.
 float OneWidth(Context& context, const Widths& widths) {
   if (widths.along != widths.across) {
     Warn(context, fmt::format("anisotropic roughness is not supported here: rendered with the "
@@ -226,7 +228,7 @@ void SetIndex(Context& context, const std::string& prefix, Material& material) {
   material.k = ConductorIndex(context, prefix, "k", copper);
 }
 
-// pbrt's own threshold between rough and specular.
+// pbrt uses the same threshold between rough and specular.
 constexpr float kSmoothWidth = 1e-3f;
 
 Material Conductor(Context& context, bool v4) {
@@ -245,7 +247,7 @@ Material Conductor(Context& context, bool v4) {
   return material;
 }
 
-// The index of a dielectric, checked.
+// Returns the index of a dielectric, checked.
 float DielectricIndex(Context& context, std::initializer_list<std::string_view> names);
 
 Material CoatedConductor(Context& context) {
@@ -263,8 +265,8 @@ Material CoatedConductor(Context& context) {
   return material;
 }
 
-// A diffuse body under a dielectric coat. pbrt's four differ in how the coat is weighted and what
-// it lets through; here it is that of an index.
+// A diffuse body under a dielectric coat. pbrt's four such materials weight the coat and its
+// transmission differently; here the index alone determines both.
 Material Coated(Context& context, bool v4) {
   PbrtParameters& parameters = context.parameters;
   Material material;
@@ -283,7 +285,7 @@ struct NamedGlass {
   std::string_view name;
   float ior;  // at the sodium D line, 589 nm
 };
-// Schott's catalogue; the names are pbrt-v4's.
+// Indices from Schott's catalogue under pbrt-v4's names.
 constexpr std::array kGlasses = {
     NamedGlass{"glass-BK7", 1.5168f},   NamedGlass{"glass-BAF10", 1.6700f},
     NamedGlass{"glass-FK51A", 1.4866f}, NamedGlass{"glass-LASF9", 1.8503f},
@@ -319,13 +321,13 @@ Material Dielectric(Context& context, bool v4) {
   material.reflectance = glm::vec3(1);
   material.ior = DielectricIndex(context, {"eta", "index"});
   const Widths widths = FindWidths(context, "", 0, v4);
-  // Without roughness v3's polynomial still gives a width.
+  // Without roughness, v3's polynomial would still give a width.
   const bool rough = std::any_of(context.parameters.list.begin(), context.parameters.list.end(),
                                  [](const auto& parameter) {
                                    return parameter.name.ends_with("roughness") &&
                                           !parameter.floats.empty() && parameter.floats[0] != 0;
                                  });
-  // A rough surface between equal indices bends nothing, and has no facets that could be told.
+  // A rough surface between equal indices refracts nothing, so its facets are undetermined.
   if (rough && widths.mean() >= kSmoothWidth && std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;
     material.alpha = OneWidth(context, widths);
@@ -346,7 +348,7 @@ Material ThinDielectric(Context& context) {
   return material;
 }
 
-// A BRDF in the MERL format, as pbrt up to version 2 had it.
+// Reads a BRDF in the MERL format, as pbrt did up to version 2.
 Material Measured(Context& context) {
   const auto file = FindString(context.parameters, "filename");
   if (!file || !file->ends_with(".binary")) {
@@ -364,8 +366,8 @@ Material Measured(Context& context) {
   return material;
 }
 
-// v4: "materials" and the share of the second; v3: "namedmaterial1", "namedmaterial2" and the share
-// of the first.
+// pbrt-v4 has "materials" and the share of the second; pbrt-v3 has "namedmaterial1",
+// "namedmaterial2" and the share of the first.
 Material Mix(Context& context) {
   PbrtParameters& parameters = context.parameters;
   std::vector<std::string> names;
@@ -387,7 +389,7 @@ Material Mix(Context& context) {
     }
     rows[i] = *found->second;
   }
-  // A colour in version 3, a float in version 4.
+  // The amount is a colour in version 3 and a float in version 4.
   const PbrtParameter* const texture = Find(context.parameters, {"texture"}, "amount");
   const bool scalar = texture != nullptr && texture->strings.size() == 1 &&
                       !context.reader.color_textures.contains(texture->strings[0]);

@@ -1,4 +1,4 @@
-// pbrt's directives that describe the rendering: they come before WorldBegin.
+// Handles pbrt's directives that describe the rendering; they come before WorldBegin.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace skywave {
 namespace {
 
-// The rest of `Directive "type" parameters`.
+// The arguments of `Directive "type" parameters`.
 struct Implementation {
   std::string type;
   PbrtParameters parameters;
@@ -43,7 +43,8 @@ int RequirePositive(const PbrtParameters& parameters, std::string_view name, int
   return value;
 }
 
-// pbrt's default: [-1, 1] on the shorter side, by the aspect of the film or by the one given.
+// Returns nothing for pbrt's default, [-1, 1] on the shorter side by the aspect of the film;
+// otherwise the window follows "frameaspectratio" or "screenwindow".
 std::optional<ScreenWindow> ReadScreenWindow(PbrtParameters& parameters) {
   std::optional<ScreenWindow> window;
   if (const auto aspect = FindFloat(parameters, "frameaspectratio")) {
@@ -85,8 +86,8 @@ void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
   }
 }
 
-// pbrt-v4's "spherical" and pbrt-v3's "environment", which is its lat-long mapping: the middle of
-// the picture looks along -x, its right half along -z.
+// Reads pbrt-v4's "spherical" camera and pbrt-v3's "environment", which is the lat-long mapping of
+// the former: the middle of the picture looks along -x, its right half along -z.
 void ReadSphericalCamera(PbrtReader& reader, PbrtParameters& parameters, bool v4, Camera& camera) {
   const std::string mapping =
       v4 ? FindString(parameters, "mapping").value_or("equalarea") : "equirectangular";
@@ -126,7 +127,8 @@ void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 }
 
 void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
-  // pbrt-v4: [left right top bottom] in pixels. Fractions are rounded up to pixels again.
+  // pbrt-v4 gives [left right top bottom] in pixels. The fractions computed here are rounded up to
+  // pixels again.
   if (const PbrtParameter* given = Find(parameters, {"integer"}, "pixelbounds")) {
     const std::vector<std::int32_t>& p = given->ints;
     const int width = settings.width.value_or(1280), height = settings.height.value_or(720);
@@ -167,8 +169,8 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     }
   }
   ReadCrop(parameters, settings);
-  // The film's size in millimetres decides nothing for the cameras that are rendered, and 16-bit
-  // output nothing here.
+  // The film's size in millimetres does not affect the supported cameras, and 16-bit output has no
+  // effect here.
   FindFloat(parameters, "diagonal");
   FindBool(parameters, "savefp16");
   if (const auto sensor = FindString(parameters, "sensor"); sensor && *sensor != "cie1931") {
@@ -194,15 +196,15 @@ void ReadSampler(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) 
                                  RequirePositive(parameters, "ysamples", *y);
     samples = static_cast<int>(std::min<std::int64_t>(product, 1 << 30));
   }
-  // Whatever else it says concerns the noise only.
+  // All other parameters affect the noise only.
   Note(reader, parameters, "only the number of samples is taken; the sampler is Skywave's own");
 }
 
-// Stochastic progressive photon mapping: a sample of a pixel is an iteration.
+// In stochastic progressive photon mapping, one sample per pixel is an iteration.
 void ReadPhotons(PbrtReader& reader, PbrtParameters& parameters) {
   RenderSettings& settings = reader.scene.settings;
   settings.photons_each_sample = true;
-  // As pbrt-v3 says it.
+  // These are pbrt-v3's names.
   for (const char* const name : {"iterations", "numiterations"}) {
     const auto found = FindInt(parameters, name);
     if (found) settings.samples_per_pixel = RequirePositive(parameters, name, *found);
@@ -261,7 +263,7 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     Warn(reader, parameters, "is not supported: the default filter is used");
     return;
   }
-  // pbrt-v4 and pbrt-v3 names; both are half the width.
+  // pbrt-v4 and pbrt-v3 use different names for half the width.
   const auto v4_x = FindFloat(parameters, "xradius"), v3_x = FindFloat(parameters, "xwidth");
   const auto v4_y = FindFloat(parameters, "yradius"), v3_y = FindFloat(parameters, "ywidth");
   const auto x = v4_x ? v4_x : v3_x, y = v4_y ? v4_y : v3_y;
@@ -278,7 +280,7 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
   ReportUnused(parameters, reader.warnings);
 }
 
-// Changes nothing in the picture.
+// An accelerator changes nothing in the picture.
 void Accelerator(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   Note(reader, ReadImplementation(reader, source, word).parameters, "is ignored");
 }

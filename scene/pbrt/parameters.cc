@@ -104,7 +104,8 @@ PbrtParameter Declare(const PbrtSource& source, const PbrtToken& token) {
   return parameter;
 }
 
-// A spectrum given by a file becomes its pairs. Other names stay: they may be known ones.
+// Replaces a spectrum given by a file with its pairs. Other names stay because they may be known
+// ones.
 void LoadSpectrumFile(const PbrtSource& source, PbrtParameter& parameter) {
   if (parameter.type != "spectrum" || parameter.strings.size() != 1) return;
   const std::string path = FindPbrtFile(source, parameter.strings[0]);
@@ -168,7 +169,7 @@ const Value& Single(const PbrtParameter& parameter, const std::vector<Value>& va
 }
 
 glm::vec3 ColorOfBlackbody(const PbrtParameter& parameter) {
-  // pbrt-v4: the temperature; pbrt-v3: temperature and scale.
+  // pbrt-v4 gives the temperature; pbrt-v3 gives temperature and scale.
   const std::vector<float>& values = parameter.floats;
   if (values.empty() || values.size() > 2 || !(values[0] > 0)) {
     throw InputError(parameter.position,

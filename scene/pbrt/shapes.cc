@@ -34,8 +34,8 @@ std::vector<glm::vec3> RequirePositions(PbrtParameters& parameters) {
   return positions;
 }
 
-// "indices" in groups of `group`, all of them vertices. pbrt-v4: one group of vertices in their
-// order needs no indices.
+// Returns "indices" in groups of `group`, all of them valid vertices. In pbrt-v4, one group of
+// vertices in order needs no indices.
 std::vector<std::uint32_t> RequireIndices(PbrtParameters& parameters, std::size_t group,
                                           std::string_view groups, std::size_t vertices) {
   const PbrtParameter* found = Find(parameters, {"integer"}, "indices");
@@ -106,7 +106,7 @@ Mesh TriangleMesh(PbrtParameters& parameters) {
   CheckPerVertex(parameters, "N", mesh.normals.size(), mesh.positions.size());
   CheckPerVertex(parameters, "uv", mesh.uvs.size(), mesh.positions.size());
   NormalizeNormals(mesh);
-  // As pbrt, which turns the geometric normal to the side of the shading normals.
+  // pbrt too turns the geometric normal to the side of the shading normals.
   AlignWindingWithNormals(mesh);
   return mesh;
 }
@@ -120,7 +120,7 @@ Mesh PlyMesh(PbrtParameters& parameters,
   try {
     return ReadPly(resolve(*filename));
   } catch (const InputError& error) {
-    // Both places: the mesh's, and that of the scene that asks for it.
+    // The message holds both positions: that in the mesh and that in the scene that names it.
     throw InputError(parameters.position, error.what(), error.exit_code());
   }
 }
@@ -146,7 +146,7 @@ Mesh LoopSubdivisionSurface(PbrtParameters& parameters, std::size_t limit, Warni
   return LoopSubdivide(positions, triangles, levels);
 }
 
-// A number that has to be above zero.
+// Returns a number that must be above zero.
 float FindPositive(PbrtParameters& parameters, std::string_view name, float otherwise) {
   const float value = FindFloat(parameters, name).value_or(otherwise);
   if (!(value > 0)) {
@@ -160,7 +160,7 @@ float FindPhi(PbrtParameters& parameters) {
   return std::min(FindPositive(parameters, "phimax", 360), 360.0f);
 }
 
-// "zmin" and "zmax" in order. Throws InputError if they are one.
+// Holds "zmin" and "zmax" in order. Reading them throws InputError if they are equal.
 struct Range {
   float low, high;
 };
@@ -174,7 +174,7 @@ Range FindRange(PbrtParameters& parameters, float low, float high) {
   return {std::min(z0, z1), std::max(z0, z1)};
 }
 
-// A whole sphere has no poles and no seam, unless texture coordinates need them.
+// A whole sphere is built without poles and seam, unless texture coordinates need them.
 Mesh PbrtSphere(PbrtParameters& parameters, bool needs_uvs) {
   const float radius = FindPositive(parameters, "radius", 1);
   const float phi = FindPhi(parameters);

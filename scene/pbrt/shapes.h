@@ -1,5 +1,5 @@
-// pbrt's shapes as meshes in their own space: trianglemesh, plymesh, loopsubdiv, bilinearmesh,
-// sphere, cylinder, disk.
+// Builds pbrt's shapes as meshes in their own space: trianglemesh, plymesh, loopsubdiv,
+// bilinearmesh, sphere, cylinder, disk.
 #pragma once
 
 #include <functional>
@@ -15,15 +15,14 @@
 namespace skywave {
 
 struct PbrtShapeOptions {
-  bool needs_uvs = false;  // round shapes have texture coordinates, at the price of a seam
-  std::size_t max_triangles = kMaxSubdividedTriangles;  // that one shape may be cut into
+  bool needs_uvs = false;  // gives round shapes texture coordinates, at the price of a seam
+  std::size_t max_triangles = kMaxSubdividedTriangles;  // limit for one shape
 };
 
-// The mesh of `Shape "type"`, outside as pbrt has it before ReverseOrientation; nothing, with a
-// warning, for shapes that are not supported. `resolve` turns a file name in the scene into a path.
-// Throws InputError on wrong counts, indices out of range, missing files and more than
-// kMaxSubdividedTriangles
-// of loopsubdiv.
+// Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
+// that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the
+// scene into a path. Throws InputError on wrong counts, indices out of range, missing files and a
+// loopsubdiv of more than kMaxSubdividedTriangles.
 std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
                                   const std::function<std::string(const std::string&)>& resolve,
                                   const PbrtShapeOptions& options, Warnings& warnings);

@@ -7,7 +7,7 @@
 namespace skywave {
 namespace {
 
-// The texture of the scene, for another use.
+// Adds a copy of a scene texture with a different use.
 std::uint32_t CopyTexture(Scene& scene, std::uint32_t index, TextureUse use) {
   Texture texture = scene.textures[index];
   texture.use = use;
@@ -46,7 +46,7 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
       material.normal_texture = CopyTexture(reader.scene, *heights->image, TextureUse::kHeights);
       material.normal_scale = Mean(heights->value.value_or(glm::vec3(1)));
     } else {
-      // A constant height is no relief; what is not understood is named.
+      // A constant height has no effect; this names values that are not understood.
       FindColor(parameters, name, reader.float_textures, reader.warnings);
     }
   }

@@ -1,18 +1,18 @@
-// What shapes and materials of pbrt files say of holes and relief.
+// Reads alpha, normal maps and height maps of pbrt's shapes and materials.
 #pragma once
 
 #include "scene/pbrt/state.h"
 
 namespace skywave {
 
-// The float or texture "alpha" of a shape: where it is 1 the shape is there, where it is 0 it is
-// not, and rays pass in that share in between. Material `material` as it is for this shape: itself,
-// or a copy.
+// Reads the float or texture "alpha" of a shape: rays hit the shape where it is 1, pass where it is
+// 0, and hit with that probability in between. Returns the material for this shape: `material`
+// itself or a copy of it.
 std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& parameters,
                                     std::uint32_t material);
 
-// The normal map of a material ("normalmap", a file) or its heights ("displacement" or "bumpmap", a
-// texture whose 1 is a length of 1): shapes stay as they are, their normals follow.
+// Reads the normal map of a material ("normalmap", a file) or its heights ("displacement" or
+// "bumpmap", a texture in units of length). Only the shading normals change, not the shapes.
 void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& material);
 
 }  // namespace skywave

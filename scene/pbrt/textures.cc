@@ -1,6 +1,6 @@
-// pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), and scale, mix and checkerboard,
-// which become images (texture_baking.h) unless all they are made of is constant. Others are known
-// by name only: what uses them takes its default, with a warning.
+// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), and scale, mix and
+// checkerboard, which become images (texture_baking.h) unless all their operands are constant.
+// Others are known by name only: parameters that use them take their default, with a warning.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,10 +33,10 @@ TextureWrap Wrap(PbrtReader& reader, PbrtParameters& parameters) {
   return TextureWrap::kClamp;
 }
 
-// How the numbers of 8-bit files are meant, in the words of version 3 or 4.
+// The encoding of 8-bit files, as versions 3 and 4 name it.
 struct TexelEncoding {
   Encoding encoding = Encoding::kSrgb;
-  float gamma = 1;  // numbers are raised to this, after `encoding`
+  float gamma = 1;  // numbers are raised to this power, after `encoding`
 };
 TexelEncoding EncodingOf(PbrtReader& reader, PbrtParameters& parameters, const std::string& path) {
   if (!FindBool(parameters, "gamma").value_or(true)) return {Encoding::kLinear};
@@ -62,7 +62,7 @@ TexelEncoding EncodingOf(PbrtReader& reader, PbrtParameters& parameters, const s
   return {};
 }
 
-// Where (u, v) lie: nothing, with a warning, for mappings that do not use them.
+// The mapping of (u, v), or nothing, with a warning, for mappings that do not use them.
 struct UvMapping {
   glm::vec2 scale, offset;
 };
@@ -85,7 +85,7 @@ PbrtTexture AddTexture(PbrtReader& reader, const Texture& texture, const glm::ve
   return {.value = factor, .image = static_cast<std::uint32_t>(reader.scene.textures.size() - 1)};
 }
 
-// `combine` of textures. What is constant stays so; images are baked.
+// Applies `combine` to textures. A combination of constants stays constant; images are baked.
 PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
                     std::initializer_list<PbrtTexture> textures, const CombineTexels& combine) {
   std::vector<TextureOperand> operands;
@@ -121,7 +121,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters) {
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
   }
-  // How pbrt filters: here the pyramid is always used.
+  // pbrt's choice of filter is ignored: the pyramid is always used.
   FindString(parameters, "filter");
   FindFloat(parameters, "maxanisotropy");
   FindBool(parameters, "trilinear");
@@ -145,7 +145,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters) {
                  });
 }
 
-// What a parameter of a texture is: another one of `textures`, or a colour.
+// Returns the operand of a texture: another one of `textures`, or a colour.
 PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& textures,
                     std::string_view name, float otherwise) {
   if (const auto image = FindImageTexture(parameters, name, textures)) return *image;
@@ -153,14 +153,14 @@ PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, const PbrtTe
   return {.value = color.value_or(glm::vec3(otherwise)), .image = {}};
 }
 
-// tex1 and tex2 in version 3, tex and scale, a float, in version 4.
+// Version 3 has tex1 and tex2, version 4 has tex and scale, a float.
 PbrtTexture Scale(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   const bool v3 = Find(parameters, {"rgb", "color", "xyz", "float", "texture", "spectrum"}, "tex1");
   const PbrtTexture a = Operand(reader, parameters, same, v3 ? "tex1" : "tex", 1),
                     b = v3 ? Operand(reader, parameters, same, "tex2", 1)
                            : Operand(reader, parameters, reader.float_textures, "scale", 1);
   const glm::vec3 factor = a.value.value_or(glm::vec3(1)) * b.value.value_or(glm::vec3(1));
-  // One image needs no other copy.
+  // With a single image, a factor suffices and no copy is needed.
   if (!a.image || !b.image) return {.value = factor, .image = a.image ? a.image : b.image};
   return Combine(reader, parameters, {a, b},
                  [](std::span<const glm::vec3> values) { return values[0] * values[1]; });
@@ -179,7 +179,7 @@ PbrtTexture Mix(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextur
 }
 
 PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
-  FindString(parameters, "aamode");  // how pbrt-v3 filters
+  FindString(parameters, "aamode");  // pbrt-v3's filter
   if (const int dimension = FindInt(parameters, "dimension").value_or(2); dimension != 2) {
     Warn(reader, parameters,
          fmt::format("dimension {} is not supported: its users take their default", dimension));

@@ -15,7 +15,7 @@ bool IsSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' ||
 
 bool EndsWord(char c) { return IsSpace(c) || c == '"' || c == '[' || c == ']' || c == '#'; }
 
-// Messages show this much of a token that may be a whole file.
+// Messages show this much of a token, because a token may be a whole file.
 std::string Excerpt(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   return text.size() <= kLongest ? std::string(text)
@@ -106,7 +106,7 @@ double ParseNumber(const PbrtSource& source, const PbrtToken& token) {
       error == std::errc::invalid_argument) {
     throw InputError(PositionOf(source, token), "a number is expected, not " + Describe(token));
   }
-  // Beyond the range of double, from_chars does not say on which side.
+  // Beyond the range of double, from_chars does not tell overflow from underflow.
   if (error == std::errc::result_out_of_range)
     value = std::strtod(std::string(text).c_str(), nullptr);
   if (!(std::abs(value) <= std::numeric_limits<float>::max())) {

@@ -1,4 +1,4 @@
-// pbrt's transform directives. Each multiplies the current matrix from the right.
+// Handles pbrt's transform directives. Each multiplies the current matrix from the right.
 #include <fmt/format.h>
 
 #include <array>
@@ -12,7 +12,7 @@
 namespace skywave {
 namespace {
 
-// All later uses need the inverse: refuse a matrix without one where it enters.
+// All later uses need the inverse, so a singular matrix is refused as soon as it appears.
 void SetTransform(PbrtReader& reader, const InputPosition& position, std::string_view directive,
                   const glm::dmat4& matrix) {
   const double determinant = glm::determinant(matrix);
@@ -60,7 +60,7 @@ void Rotate(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   Concatenate(reader, source, word, glm::rotate(glm::dmat4(1), glm::radians(n[0]), axis));
 }
 
-// The matrix that LookAt concatenates: from the world to a viewer with x right, y up, z forward in
+// Concatenates LookAt's matrix: from the world to a viewer with x right, y up and z forward in
 // pbrt's left-handed world.
 void LookAt(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   std::array<double, 9> n{};
@@ -74,7 +74,7 @@ void LookAt(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   Concatenate(reader, source, word, glm::inverse(to_world));
 }
 
-// Both list columns, as GLM stores them.
+// pbrt and GLM both list matrices by column.
 glm::dmat4 ReadMatrix(PbrtSource& source, const PbrtToken& word) {
   std::array<double, 16> n{};
   ExpectNumbers(source, word.text, 16, n.data());
@@ -115,7 +115,7 @@ void ReverseOrientation(PbrtReader& reader, PbrtSource&, const PbrtToken&) {
   reader.state.reverse_orientation = !reader.state.reverse_orientation;
 }
 
-// Motion is not rendered: everything stands where it is at the start of the exposure.
+// Motion is not rendered: everything stays where it is at the start of the exposure.
 void ActiveTransform(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const PbrtToken which = NextToken(source);
   if (which.text != "All" && which.text != "StartTime" && which.text != "EndTime") {

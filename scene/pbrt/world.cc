@@ -1,4 +1,4 @@
-// pbrt's directives that describe the world: scopes, materials, shapes, objects, lights.
+// Handles pbrt's directives that describe the world: scopes, materials, shapes, objects, lights.
 #include <fmt/format.h>
 
 #include <utility>
@@ -22,7 +22,7 @@ void OpenScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& wo
   reader.scopes.push_back({std::string(word.text), PositionOf(source, word), reader.state});
 }
 
-// Closes the innermost scope, which `begin` has to have opened; returns the state saved there.
+// Closes the innermost scope, which `begin` must have opened; returns the state saved there.
 PbrtGraphicsState CloseScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
                              std::string_view begin) {
   if (reader.scopes.empty()) {
@@ -192,7 +192,7 @@ void NamedMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word
   reader.state.material = found->second;
 }
 
-// pbrt-v4: parameters for all later directives of a kind, within the scope.
+// pbrt-v4's Attribute gives parameters to all later directives of a kind within the scope.
 void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string kind = ExpectString(source, "the kind of Attribute");
@@ -218,7 +218,7 @@ void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   reader.state.attributes = std::make_shared<const PbrtAttributeMap>(std::move(all));
 }
 
-// `Word "name" parameters`, of which nothing is rendered.
+// Skips `Word "name" parameters`, a directive without effect on the picture.
 void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, fmt::format("the name of {}", word.text));
   ReadParameters(source, PositionOf(source, word), std::string(word.text));

@@ -23,7 +23,7 @@ void AddGround(Scene& scene, const Bounds& bounds) {
   mesh.positions = {centre - right - forward, centre + right - forward, centre + right + forward,
                     centre - right + forward};
   mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-  // right x forward is up in right-handed worlds only.
+  // In right-handed worlds right x forward is up, in left-handed ones it is down.
   if (scene.left_handed) {
     for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   }

@@ -1,13 +1,13 @@
-// A plane for a model that was made without one to stand on.
+// Adds a ground plane to models that come without one.
 #pragma once
 
 #include "scene/scene.h"
 
 namespace skywave {
 
-// Adds a square of grey Lambert under `bounds`, across scene.up_axis and facing up. It reaches far
-// enough to look endless from a camera that frames the bounds, and lies a little lower than they
-// do, so that a model with a flat base does not fight with it.
+// Adds a grey Lambertian square under `bounds`, perpendicular to scene.up_axis and facing up. It is
+// large enough to look endless from a camera that frames the bounds, and lies slightly below them
+// so that it does not coincide with the flat base of a model.
 void AddGround(Scene& scene, const Bounds& bounds);
 
 }  // namespace skywave

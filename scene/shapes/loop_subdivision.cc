@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-// Edge i of a triangle joins corners i and (i + 1) % 3; corner (i + 2) % 3 is opposite.
+// Edge i of a triangle connects corners i and (i + 1) % 3; corner (i + 2) % 3 is opposite.
 struct Edges {
   std::vector<glm::uvec2> vertices;  // per edge
   std::vector<glm::uvec2> sides;     // per edge: 3 * triangle + edge of two triangles, or kNone
   std::vector<std::uint32_t> triangle_count;  // per edge
-  std::vector<std::uint32_t> of_side;         // per 3 * triangle + edge: the edge
+  std::vector<std::uint32_t> of_side;         // per 3 * triangle + edge: index of the edge
 };
 
 bool IsBoundary(const Edges& edges, std::uint32_t edge) { return edges.triangle_count[edge] != 2; }
@@ -47,12 +47,12 @@ Edges FindEdges(const std::vector<glm::uvec3>& triangles) {
   return edges;
 }
 
-// What the masks need of a vertex's neighbours, none of which depends on their order.
+// Sums over a vertex's neighbours for the masks; none depends on their order.
 struct Neighbourhood {
-  std::vector<std::uint32_t> valence;         // edges that end here
-  std::vector<std::uint32_t> boundary_edges;  // of these, boundary ones
-  std::vector<glm::dvec3> sum;                // of the neighbours
-  std::vector<glm::dvec3> boundary_sum;       // of the neighbours along boundary edges
+  std::vector<std::uint32_t> valence;         // number of edges that end here
+  std::vector<std::uint32_t> boundary_edges;  // number of boundary edges among them
+  std::vector<glm::dvec3> sum;                // sum of the neighbours
+  std::vector<glm::dvec3> boundary_sum;       // sum of the neighbours along boundary edges
 };
 
 Neighbourhood GatherNeighbours(const std::vector<glm::dvec3>& positions, const Edges& edges) {
@@ -75,7 +75,7 @@ Neighbourhood GatherNeighbours(const std::vector<glm::dvec3>& positions, const E
   return around;
 }
 
-// Warren's choice of Loop's weight of one neighbour.
+// Returns Warren's choice of Loop's weight of one neighbour.
 double Beta(std::uint32_t valence) { return valence == 3 ? 3.0 / 16 : 3.0 / (8.0 * valence); }
 
 // `interior`(valence) and `boundary` are the weights of one neighbour; the vertex has the rest.
@@ -130,19 +130,19 @@ void SubdivideOnce(std::vector<glm::dvec3>& positions, std::vector<glm::uvec3>& 
   triangles = std::move(children);
 }
 
-// The neighbours of `vertex` in order around it, the sense being that of the triangles at hand.
-// `first` is a side that begins at `vertex`; at a boundary it has to be on the boundary itself.
-// Neighbouring triangles are found through edges, so inconsistent windings do no harm.
+// Collects the neighbours of `vertex` in order around it, in the orientation of the triangles that
+// are visited. `first` is a side that begins at `vertex`; at a boundary it must lie on the boundary
+// itself. Neighbouring triangles are found through edges, so inconsistent windings do no harm.
 void WalkRing(const Edges& edges, std::uint32_t vertex, std::uint32_t first,
               std::vector<std::uint32_t>& ring) {
   ring.clear();
   const std::uint32_t first_edge = edges.of_side[first];
-  std::uint32_t side = first;  // the side of the current triangle by which it was entered
+  std::uint32_t side = first;  // the side by which the current triangle was entered
   while (true) {
     const std::uint32_t t = side / 3;
     const glm::uvec2 ends = edges.vertices[edges.of_side[side]];
     ring.push_back(ends.x == vertex ? ends.y : ends.x);
-    // The triangle's other side at `vertex` is the way out.
+    // The walk leaves through the triangle's other side at `vertex`.
     std::uint32_t out = 3 * t;
     while (out == side || (edges.vertices[edges.of_side[out]].x != vertex &&
                            edges.vertices[edges.of_side[out]].y != vertex)) {
@@ -159,19 +159,20 @@ void WalkRing(const Edges& edges, std::uint32_t vertex, std::uint32_t first,
   }
 }
 
-// The cross product of two tangents, each a left eigenvector of the vertex's subdivision matrix
-// applied to control points (the method of Hoppe et al. 1994).
+// Returns the cross product of two tangents, each a left eigenvector of the vertex's subdivision
+// matrix applied to control points (the method of Hoppe et al. 1994).
 //
-// Inside these are the cosines and sines around the ring. On a boundary with neighbours 0 .. n-1
-// the tangent along it is p[0] - p[n-1]. Across it, the interior rows ask for sin(i theta) with
-// theta = pi / (n - 1) and eigenvalue lambda = 3/8 + cos(theta) / 4; the columns of the two
+// In the interior these are the cosines and sines around the ring. On a boundary with neighbours 0
+// .. n-1 the tangent along it is p[0] - p[n-1]. Across it, the interior rows require sin(i theta)
+// with theta = pi / (n - 1) and eigenvalue lambda = 3/8 + cos(theta) / 4; the columns of the two
 // boundary neighbours (weight a) and of the vertex (weight c) then give
 //   (lambda - 1/2) a = (c + sin theta) / 8,   (lambda - 3/4) c = a + 3/8 sum_i sin(i theta).
 // For n = 4, the regular case, this is the known mask (-1 2 2 -1; -2).
 glm::dvec3 LimitNormal(const std::vector<glm::dvec3>& positions, std::uint32_t vertex,
                        const std::vector<std::uint32_t>& ring, bool boundary) {
   const std::size_t n = ring.size();
-  // Relative to the vertex, so that a far origin costs no digits: the weights sum to zero.
+  // Positions are relative to the vertex, so that a distant origin costs no digits: the weights sum
+  // to zero.
   const auto neighbour = [&](std::size_t i) { return positions[ring[i]] - positions[vertex]; };
   glm::dvec3 s(0), t(0);
   if (!boundary) {
@@ -204,8 +205,9 @@ std::vector<glm::vec3> LimitNormals(const std::vector<glm::dvec3>& positions,
                                     const std::vector<glm::uvec3>& triangles, const Edges& edges,
                                     const Neighbourhood& around,
                                     std::vector<glm::vec3> fallback_normals) {
-  // A side to begin each walk at. A boundary ring has to begin where the triangle, read in its own
-  // winding, has the boundary behind it: then the walk meets the neighbours in the winding's order.
+  // Each walk begins at one of these sides. A boundary ring has to begin where the triangle, read
+  // in its own winding, has the boundary behind it: then the walk visits the neighbours in the
+  // winding's order.
   std::vector<std::uint32_t> first_side(positions.size(), kNone);
   for (std::uint32_t side = 0; side < edges.of_side.size(); ++side) {
     const std::uint32_t vertex = triangles[side / 3][side % 3];
@@ -235,7 +237,7 @@ Mesh LoopSubdivide(const std::vector<glm::vec3>& positions,
                    const std::vector<glm::uvec3>& triangles, int levels) {
   std::vector<glm::dvec3> points(positions.begin(), positions.end());
   Mesh mesh;
-  // A triangle that names a vertex twice has no area and no ring: it leaves the surface as it is.
+  // A triangle that uses a vertex twice has no area and no ring, so it is removed.
   for (const glm::uvec3& t : triangles) {
     if (t.x != t.y && t.y != t.z && t.z != t.x) mesh.triangles.push_back(t);
   }
@@ -243,8 +245,8 @@ Mesh LoopSubdivide(const std::vector<glm::vec3>& positions,
 
   const Edges edges = FindEdges(mesh.triangles);
   const Neighbourhood around = GatherNeighbours(points, edges);
-  // The limit of repeated smoothing: 1 / (n + 3 / (8 beta)) inside, (1 4 1) / 6 of the uniform
-  // cubic B-spline on boundaries.
+  // These weights give the limit of repeated smoothing: 1 / (n + 3 / (8 beta)) inside, (1 4 1) / 6
+  // of the uniform cubic B-spline on boundaries.
   const std::vector<glm::dvec3> limit = SmoothVertices(
       points, around, [](std::uint32_t n) { return 1 / (n + 3 / (8 * Beta(n))); }, 1.0 / 6);
   mesh.positions.assign(limit.begin(), limit.end());

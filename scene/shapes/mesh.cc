@@ -7,7 +7,7 @@ namespace skywave {
 namespace {
 
 glm::dvec3 AreaNormal(const std::vector<glm::vec3>& positions, const glm::uvec3& triangle) {
-  // In double: the squared lengths of tiny meshes would underflow in float.
+  // Doubles are needed because the squared lengths of tiny meshes would underflow in float.
   const glm::dvec3 p0 = positions[triangle.x];
   return glm::cross(glm::dvec3(positions[triangle.y]) - p0, glm::dvec3(positions[triangle.z]) - p0);
 }

@@ -1,4 +1,4 @@
-// Small operations on one Mesh, shared by the readers and the built-in scenes.
+// Provides small operations on one Mesh, shared by the readers and the built-in scenes.
 #pragma once
 
 #include <cstddef>
@@ -9,25 +9,25 @@
 
 namespace skywave {
 
-// Moves the mesh by the affine `to`. Normals follow the inverse transpose; where `to` mirrors, the
-// winding is swapped, so that (p1 - p0) x (p2 - p0) stays on the side that the normals point to.
+// Moves the mesh by the affine `to`. Normals follow the inverse transpose; if `to` mirrors, the
+// winding is swapped so that (p1 - p0) x (p2 - p0) stays on the side that the normals point to.
 void TransformMesh(const glm::dmat4& to, Mesh& mesh);
 
-// Swaps inside and outside: winding and normals.
+// Swaps inside and outside by reversing winding and normals.
 void FlipOrientation(Mesh& mesh);
 
 // Winds every triangle so that its geometric normal is on the side of its vertex normals (if any).
 void AlignWindingWithNormals(Mesh& mesh);
 
-// A unit normal a position: the mean of the adjacent triangles' normals weighted by area. Positions
-// without a triangle of positive area get +z.
+// Returns one unit normal per position: the mean of the adjacent triangles' normals weighted by
+// area. Positions without a triangle of positive area get +z.
 std::vector<glm::vec3> AreaWeightedNormals(const std::vector<glm::vec3>& positions,
                                            const std::vector<glm::uvec3>& triangles);
 
 // Makes every normal unit length; normals of length zero are replaced by AreaWeightedNormals.
 void NormalizeNormals(Mesh& mesh);
 
-// The first position that is NaN or infinite, or positions.size().
+// Returns the first position that is NaN or infinite, or positions.size().
 std::size_t FirstNonFinite(const std::vector<glm::vec3>& positions);
 
 }  // namespace skywave

@@ -13,8 +13,8 @@ struct SurfacePoint {
   glm::dvec2 uv;
 };
 
-// Adds columns x rows quads of `surface`(u, v). Triangles of which two corners are one point, as at
-// poles, are left out.
+// Adds columns x rows quads of `surface`(u, v). Triangles with two coincident corners, as at poles,
+// are left out.
 template <class Surface>
 void AddPatch(int columns, int rows, const Surface& surface, Mesh& mesh) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
@@ -42,7 +42,7 @@ void AddPatch(int columns, int rows, const Surface& surface, Mesh& mesh) {
 
 int Steps(double degrees) { return std::max(1, int(std::ceil(std::abs(degrees) / kPatchDegrees))); }
 
-// (cos, sin) of a share of a turn; a whole turn ends exactly where it begins.
+// Returns (cos, sin) of a fraction of a turn; a whole turn ends exactly where it begins.
 glm::dvec2 OnCircle(double u, double phi_degrees) {
   const double phi = glm::radians(u * phi_degrees);
   return u * phi_degrees == 360 ? glm::dvec2(1, 0) : glm::dvec2(std::cos(phi), std::sin(phi));
@@ -58,7 +58,7 @@ Mesh SpherePatch(float radius, float low, float high, float phi_degrees) {
       Steps(phi_degrees), Steps(glm::degrees(begin - end)),
       [&](double u, double v) {
         const double theta = glm::mix(begin, end, v);
-        // At the poles of pi's rounding there is a point, not a circle.
+        // At the poles, where sin(theta) is zero up to rounding, the circle shrinks to a point.
         const double across = std::abs(std::sin(theta)) < 1e-12 ? 0 : std::sin(theta);
         const glm::dvec2 circle = OnCircle(u, phi_degrees);
         const glm::dvec3 normal(across * circle.x, across * circle.y, std::cos(theta));
@@ -106,7 +106,7 @@ void AddBilinearPatch(const BilinearCorners& corners, const glm::uvec4& patch, M
     return (1 - v) * ((1 - u) * (c[0].*what) + u * (c[1].*what)) +
            v * ((1 - u) * (c[2].*what) + u * (c[3].*what));
   };
-  // The one term that is not linear; rounding is not curvature.
+  // This is the only nonlinear term; rounding must not count as curvature.
   const auto bend = [&](auto SurfacePoint::*what) {
     const auto twist = (c[0].*what) - (c[1].*what) - (c[2].*what) + (c[3].*what);
     return glm::length(twist) > 1e-6 * (glm::length((c[1].*what) - (c[0].*what)) +
@@ -124,7 +124,7 @@ void AddBilinearPatch(const BilinearCorners& corners, const glm::uvec4& patch, M
           normal = glm::cross(glm::mix(along(0, 1), along(2, 3), v),
                               glm::mix(along(0, 2), along(1, 3), u));
         }
-        // Where the patch has no extent; triangles there have no area either.
+        // The patch has no extent here; its triangles have no area either.
         if (normal == glm::dvec3(0)) normal = {0, 0, 1};
         return SurfacePoint{blend(&SurfacePoint::position, u, v), normal,
                             blend(&SurfacePoint::uv, u, v)};

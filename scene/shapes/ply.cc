@@ -17,13 +17,13 @@
 namespace skywave {
 namespace {
 
-// A cursor over the values behind the header, in any of the three formats.
+// A cursor over the values after the header, in any of the three formats.
 struct Data {
   std::string_view bytes;
   const std::string& path;
   PlyFormat format;
   std::size_t next;
-  std::size_t line;  // ascii: of the value read last
+  std::size_t line;  // ascii: line of the value read last
 
   InputPosition Position() const {
     return format == PlyFormat::kAscii ? InputPosition::Line(path, line)
@@ -69,7 +69,7 @@ double ReadAs(const char* bytes, bool swap) {
   return static_cast<double>(value);
 }
 
-// Every type's values are exact in double.
+// The values of every type are exact in double.
 double ReadValue(Data& data, PlyType type) {
   if (data.format == PlyFormat::kAscii) return ReadAscii(data, type);
   const std::size_t size = PlyTypeSize(type);
@@ -120,7 +120,7 @@ void SkipElements(Data& data, const PlyElement& element) {
   }
 }
 
-// Where a vertex property goes: slots 0-2 position, 3-5 normal, 6-7 uv.
+// A vertex property is stored in a slot: 0-2 position, 3-5 normal, 6-7 uv.
 constexpr int kSlots = 8, kNoSlot = -1;
 
 int SlotOf(const PlyProperty& property) {

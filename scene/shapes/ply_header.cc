@@ -31,7 +31,7 @@ struct HeaderLines {
     throw InputError(InputPosition::Line(path, line), reason);
   }
 
-  // The words of the next line.
+  // Returns the words of the next line.
   std::vector<std::string_view> Next() {
     constexpr std::size_t kMaxLine = 4096;  // a binary file must not be read as one long line
     ++line;
@@ -95,8 +95,8 @@ PlyFormat ParseFormat(const HeaderLines& lines, const std::vector<std::string_vi
   lines.Fail("'format ascii|binary_little_endian|binary_big_endian 1.0' is expected");
 }
 
-// The fewest bytes that an element takes: an empty list is its count, an ascii value a digit and a
-// space.
+// Returns the smallest size of an element: an empty list is its count, an ascii value is a digit
+// and a space.
 std::size_t SmallestSize(const PlyElement& element, PlyFormat format) {
   std::size_t size = 0;
   for (const PlyProperty& property : element.properties) {

@@ -1,4 +1,4 @@
-// What a PLY header declares: elements, their properties and their sizes.
+// Parses the declarations of a PLY header: elements, their properties and their sizes.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ bool IsPlyInteger(PlyType type);
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::kFloat;  // of a list: of its items
+  PlyType type = PlyType::kFloat;  // for a list: type of its items
   bool is_list = false;
   PlyType count_type = PlyType::kUint8;  // lists only
 };
@@ -44,8 +44,8 @@ struct PlyHeader {
   std::size_t lines = 0;       // lines of the header, end_header included
 };
 
-// Throws InputError (with the line) on anything that is no header, and on element counts that the
-// rest of `bytes` cannot hold, so that callers may allocate by count.
+// Throws InputError (with the line) on anything that is not a header, and on element counts that
+// the rest of `bytes` cannot hold, so that callers may allocate by count.
 PlyHeader ParsePlyHeader(std::string_view bytes, const std::string& path);
 
 }  // namespace skywave

@@ -11,7 +11,8 @@
 namespace skywave {
 namespace {
 
-// Adds the quad a b c d (in this winding) as two triangles; sides of length zero drop out.
+// Adds the quad a b c d (in this winding) as two triangles; those with a repeated corner are left
+// out.
 void AddQuad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d, Mesh& mesh) {
   if (a != b && b != c && c != a) mesh.triangles.emplace_back(a, b, c);
   if (a != c && c != d && d != a) mesh.triangles.emplace_back(a, c, d);
@@ -23,7 +24,8 @@ struct Icosahedron {
 };
 
 Icosahedron MakeIcosahedron() {
-  const double g = (1 + std::sqrt(5.0)) / 2;  // corners are the cyclic permutations of (0, 1, g)
+  const double g = (1 + std::sqrt(5.0)) / 2;  // the corners are the cyclic permutations of (0, 1,
+                                              // g)
   Icosahedron solid;
   for (int axis = 0; axis < 3; ++axis) {
     for (int signs = 0; signs < 4; ++signs) {
@@ -33,7 +35,7 @@ Icosahedron MakeIcosahedron() {
       solid.corners.push_back(corner);
     }
   }
-  // Faces are the triples at mutual distance 2, wound outwards.
+  // The faces are the triples at mutual distance 2, wound outwards.
   const auto adjacent = [&](std::uint32_t a, std::uint32_t b) {
     return glm::distance(solid.corners[a], solid.corners[b]) < 2.1;
   };
@@ -56,7 +58,7 @@ Mesh Sphere(float radius, int frequency) {
   const Icosahedron solid = MakeIcosahedron();
   const auto n = static_cast<std::uint32_t>(frequency);
   Mesh mesh;
-  // A grid point on an edge is named by its weights at the corners, so that faces share it.
+  // A grid point on an edge is identified by its weights at the corners, so that faces share it.
   using Weights = std::map<std::uint32_t, std::uint32_t>;
   std::map<Weights, std::uint32_t> shared;
   for (const glm::uvec3& face : solid.faces) {
@@ -106,8 +108,8 @@ Mesh Quad(float half_size) {
 }
 
 Mesh RoundedBox(const glm::vec3& half_size, float radius, int segments) {
-  // A lat-long sphere cut open along the three coordinate planes, its octants drawn apart to the
-  // corners of the inner box: the cuts become the flat faces and the cylindrical edges.
+  // A lat-long sphere is cut open along the three coordinate planes and its octants are moved apart
+  // to the corners of the inner box: the cuts become the flat faces and the cylindrical edges.
   const glm::dvec3 inner = glm::dvec3(half_size) - static_cast<double>(radius);
   const auto s = static_cast<std::uint32_t>(segments);
   const std::uint32_t columns = 4 * (s + 1), rows = 2 * (s + 1);
@@ -126,7 +128,7 @@ Mesh RoundedBox(const glm::vec3& half_size, float radius, int segments) {
   };
   std::vector<std::uint32_t> above, row_vertices(columns);
   for (std::uint32_t row = 0; row < rows; ++row) {
-    const bool pole = row == 0 || row + 1 == rows;  // one vertex a quadrant
+    const bool pole = row == 0 || row + 1 == rows;  // one vertex per quadrant
     for (std::uint32_t column = 0; column < columns; ++column) {
       const bool repeated = pole && column % (s + 1) != 0;
       row_vertices[column] = repeated ? row_vertices[column - 1] : add(row, column);
@@ -153,7 +155,7 @@ Mesh Revolve(std::span<const glm::vec2> profile, int segments) {
     const glm::dvec2 along = glm::dvec2(profile[std::min(i + 1, profile.size() - 1)]) -
                              glm::dvec2(profile[i == 0 ? 0 : i - 1]);
     const bool on_axis = profile[i].x == 0;
-    // On the axis a smooth surface is level.
+    // On the axis, a smooth surface is level.
     glm::dvec2 outside = on_axis ? glm::dvec2(0, along.x > 0 ? -1 : 1)
                                  : glm::normalize(glm::dvec2(along.y, -along.x));
     for (std::uint32_t column = 0; column < columns; ++column) {
@@ -188,7 +190,8 @@ Mesh TorusKnot(int p, int q, float major_radius, float minor_radius, float tube_
   for (std::uint32_t ring = 0; ring < n; ++ring) {
     const double t = glm::two_pi<double>() * ring / n;
     const glm::dvec3 tangent = glm::normalize(centre(t + 1e-4) - centre(t - 1e-4));
-    // The frame leans on the direction from the torus's core circle, which closes by itself.
+    // The frame is built from the direction away from the torus's core circle, which closes by
+    // itself.
     const double r = major_radius;
     const glm::dvec3 core(r * std::cos(p * t), 0, -r * std::sin(p * t));
     const glm::dvec3 lean = minor_radius > 0 ? centre(t) - core : core;

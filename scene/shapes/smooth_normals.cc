@@ -6,7 +6,7 @@
 namespace skywave {
 namespace {
 
-// Corner c of triangle i has number 3 i + c. Those at position p are corner[begin[p]] to
+// Corner c of triangle i has number 3 i + c. The corners at position p are corner[begin[p]] to
 // corner[begin[p + 1] - 1].
 struct CornersAtPositions {
   std::vector<std::uint32_t> begin, corner;
@@ -29,15 +29,15 @@ CornersAtPositions FindCorners(std::size_t positions, const std::vector<glm::uve
   return at;
 }
 
-// In double: squares of small lengths would underflow.
+// Computed in double because squares of small lengths would underflow.
 glm::dvec3 UnitOrZero(const glm::dvec3& v) {
   const double length = glm::length(v);
   return length > 0 ? v / length : glm::dvec3(0);
 }
 
 struct Facets {
-  std::vector<glm::dvec3> normal;  // of each triangle, unit; 0 without area
-  std::vector<float> angle;        // of each corner [rad]
+  std::vector<glm::dvec3> normal;  // unit normal per triangle; 0 without area
+  std::vector<float> angle;        // angle per corner [rad]
 };
 
 Facets MeasureFacets(const std::vector<glm::vec3>& positions,

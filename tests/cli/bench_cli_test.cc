@@ -1,5 +1,4 @@
-// skywave bench as its users meet it: the suite, its files, and that there is no score for wrong
-// pictures.
+// Tests skywave bench from the outside: the suite, its files, and that wrong pictures get no score.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,10 +29,10 @@ std::size_t Count(const std::string& text, const std::string& part) {
   return count;
 }
 
-// The page is whole in a browser that finds no host, if there is one.
+// If a browser is installed, the page must be complete in it without any network access.
 void ExpectWholeInABrowser(const std::string& folder, const std::string& name) {
   if (std::system("command -v chromium >/dev/null") != 0) {
-    std::puts("there is no chromium");
+    std::puts("skipped: there is no chromium");
     return;
   }
   const std::string browser =
@@ -50,6 +49,13 @@ void ExpectWholeInABrowser(const std::string& folder, const std::string& name) {
 }
 
 using Bench = Program;
+
+TEST_F(Bench, HelpNamesTheSceneFilesThatItTakes) {
+  const std::string help = Run("bench --help").out;
+  for (const char* const format : {"pbrt", "OBJ", "glTF", "PLY"}) {
+    EXPECT_TRUE(Contains(help, format)) << format;
+  }
+}
 
 TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
   const Result result = Run("bench --repetitions 1 --threads 2 --json a.json");
@@ -139,7 +145,8 @@ TEST_F(Bench, NoScoreForAWrongPicture) {
   EXPECT_EQ(Files(), std::set<std::string>());
 }
 
-// Those of other threads and calls into Embree are the committed ones, which the gate compares.
+// The counters with other threads and calls into Embree must equal the committed ones, which the
+// gate compares.
 TEST_F(Bench, CountersAreTheSameTextForThreadsAndBackends) {
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "the committed counters are of AVX2";
   const Result one = Run("bench --counters --threads 2 --backend single");
@@ -154,7 +161,7 @@ TEST_F(Bench, CountersAreTheSameTextForThreadsAndBackends) {
 struct BadCase {
   std::string arguments;
   int exit_code;
-  std::vector<std::string> message;  // parts of it
+  std::vector<std::string> message;  // expected parts of the message
 };
 
 TEST_F(Bench, BadInputIsToldClearlyAndLeavesNoFile) {

@@ -1,4 +1,5 @@
-"""scripts/bench_compare.py with programs that only pretend to render: no time is measured here."""
+"""Tests scripts/bench_compare.py with programs that only pretend to render, so that no time is
+measured."""
 
 import importlib.util
 import os
@@ -15,8 +16,8 @@ bench_compare = importlib.util.module_from_spec(SPEC)
 sys.dont_write_bytecode = True
 SPEC.loader.exec_module(bench_compare)
 
-# Writes the times of two scenes, `factor` times those of the base, with some noise by run number,
-# and notes its name in a log. `stage`: how many times as long as in the base "light sample" takes.
+# This stub writes the times of two scenes, `factor` times those of the base, with some noise by run
+# number, and logs its name. `stage` scales the time of "light sample" relative to the base.
 STUB = """#!{python}
 import json, os, sys
 folder = os.path.dirname(os.path.abspath(__file__))

@@ -1,4 +1,4 @@
-// The program as its users meet it: help, exit codes, messages, files.
+// Tests the program from the outside: help, exit codes, messages and files.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -81,8 +81,6 @@ class Cli : public Program {
   }
 };
 
-// ---- Help ----
-
 TEST_F(Cli, HelpOfTheProgramNamesTheCommandsAndAFirstOne) {
   const Result result = Run("--help");
   EXPECT_EQ(result.exit_code, 0);
@@ -118,12 +116,10 @@ TEST_F(Cli, StrategiesAreListedWithTheirParameters) {
   }
 }
 
-// ---- Bad input ----
-
 struct BadCase {
   std::string arguments;
   int exit_code;
-  std::vector<std::string> message;  // parts of it
+  std::vector<std::string> message;  // expected parts of the message
 };
 
 TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
@@ -275,13 +271,13 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
       {"render far.ply --env map.exr --integrator bdpt", kExitBadInput, {"vertex 1", "1e18"}},
       {"paths scene.pbrt --integrator vcm", kExitUsage, {"--integrator", "bdpt"}},
       {"paths scene.pbrt --paths 1,2", kExitUsage, {"--paths", "every way"}},
-      {"paths scene.pbrt -o ways.png", kExitUsage, {"ways.png", ".exr"}},
+      {"paths scene.pbrt -o techniques.png", kExitUsage, {"techniques.png", ".exr"}},
       {"paths scene.pbrt --max-depth 9", kExitUsage, {"--max-depth 9", "layers"}},
       {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
       {"bench scene.pbrt --repetitions 0", kExitUsage, {"--repetitions"}},
   };
   std::vector<BadCase> all(std::begin(cases), std::end(cases));
-  // Nothing for light paths to start from, or nowhere to go.
+  // Light paths have no light to start from, or cannot start.
   for (const std::string integrator : {"light", "bdpt", "photon", "vcm"}) {
     const std::string flag = " --integrator " + integrator;
     all.push_back({"render scene.pbrt --env map.exr --env-intensity 0" + flag,
@@ -309,7 +305,7 @@ TEST_F(Cli, BadInputIsToldClearlyAndLeavesNoFile) {
   }
 }
 
-TEST_F(Cli, LayersStandBesideThePicture) {
+TEST_F(Cli, LayersAccompanyThePicture) {
   const std::string picture = "render scene.pbrt --size 6x4 --spp 3 -q";
   ASSERT_EQ(Run(picture + " -o plain.exr").exit_code, 0);
   ASSERT_EQ(Run(picture + " --aovs uv,depth -o layers.exr").exit_code, 0);
@@ -319,7 +315,7 @@ TEST_F(Cli, LayersStandBesideThePicture) {
   std::vector<std::string> names;
   for (const ExrChannel& channel : header.channels) names.push_back(channel.name);
   EXPECT_EQ(names, (std::vector<std::string>{"B", "G", "R", "depth.Z", "uv.A", "uv.U", "uv.V"}));
-  // The command of the header repeats the file, layers included.
+  // The command in the header reproduces the file, layers included.
   std::string command;
   for (const auto& [name, text] : header.strings) command += name == "command" ? text : "";
   ASSERT_EQ(command.find("skywave "), 0u);
@@ -332,7 +328,8 @@ TEST_F(Cli, LayersStandBesideThePicture) {
 
 TEST_F(Cli, ACameraExposesThePng) {
   const std::string picture = "render scene.pbrt --size 6x4 --spp 2 -q";
-  // 1.2 * 2^0 is white, and two stops less than that.
+  // EV100 is 0, so a luminance of 1.2 becomes white; the second picture lowers the exposure by
+  // log2(1.2) stops.
   ASSERT_EQ(Run(picture + " --shutter 1 --f-number 1 -o camera.exr").exit_code, 0);
   ASSERT_EQ(Run(picture + " --exposure=-0.263034 -o stops.exr").exit_code, 0);
   EXPECT_EQ(Bytes("camera.png"), Bytes("stops.png"));
@@ -341,10 +338,10 @@ TEST_F(Cli, ACameraExposesThePng) {
   ASSERT_EQ(Run(picture + " --exposure=-4.263034 -o less.exr").exit_code, 0);
   EXPECT_EQ(Bytes("sum.png"), Bytes("less.png"));
   EXPECT_NE(Bytes("sum.png"), Bytes("stops.png"));
-  EXPECT_EQ(Bytes("sum.exr"), Bytes("stops.exr"));
+  EXPECT_EQ(ReadImage(Path("sum.exr")).rgb, ReadImage(Path("stops.exr")).rgb);
 }
 
-// A flag that cannot do what it is for is told, and only then.
+// A message tells when a flag can have no effect, and only then.
 TEST_F(Cli, SaysWhenThereIsNothingToGuide) {
   const auto notes = [&](const std::string& arguments) {
     const Result result = Run("render " + arguments + " --size 4x3 --spp 1 --guide -o a.exr");
@@ -356,7 +353,7 @@ TEST_F(Cli, SaysWhenThereIsNothingToGuide) {
   EXPECT_FALSE(Contains(notes("furnace --integrator bdpt"), "--guide"));
 }
 
-// What was there before a failure is there after it.
+// A file that existed before a failure survives it.
 TEST_F(Cli, AFailureKeepsTheOldPicture) {
   Put("a.exr", "old");
   EXPECT_NE(Run("render scene.pbrt --env cut.exr -o a.exr").exit_code, 0);
@@ -398,8 +395,8 @@ TEST_F(Cli, SquareMapsOfPbrtFourAreOctahedral) {
   }
 }
 
-// Constants and maps, turned or not: what each of them looks like, added, in every eighth of the
-// sphere. Smooth maps, which lose little where they are interpolated again.
+// Constants and maps, rotated or not, must look like the sum of their parts in every octant of the
+// sphere. The maps are smooth, so that resampling loses little.
 TEST_F(Cli, InfiniteLightsAreSummed) {
   const auto write = [&](const std::string& name, int width, int height) {
     Image map(width, height);
@@ -463,8 +460,6 @@ TEST_F(Cli, BadPixelsOfAMapAreReported) {
   EXPECT_EQ(Run("render good.ply --env bad.pfm --size 4x3 --spp 2 -o a.exr --quiet").err, "");
 }
 
-// ---- What it writes ----
-
 TEST_F(Cli, RenderWritesAnExrAndAPngNamedAfterTheScene) {
   const std::set<std::string> before = Files();
   const Result result = Run("render scene.pbrt --size 5x4 --spp 2");
@@ -525,7 +520,7 @@ std::string Value(const Metadata& metadata, const std::string& name) {
   return "(none)";
 }
 
-// The metadata says how the picture came to be, and its command repeats it to the last byte.
+// The metadata records how the picture was made, and its command reproduces it to the last byte.
 TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
   std::filesystem::create_directory(Path("my maps"));
   std::filesystem::copy_file(Path("map.exr"), Path("my maps/sky's.exr"));
@@ -565,25 +560,27 @@ TEST_F(Cli, TheCommandInThePictureRepeatsIt) {
   }
 }
 
-// Every way to join sub-paths on a sheet, and in layers of its own.
-TEST_F(Cli, PathsShowsEveryWay) {
+// The sheet and the layers show every technique that connects sub-paths.
+TEST_F(Cli, PathsShowsEveryTechnique) {
   const std::string common = "good.ply --env map.exr --ground --size 12x9 --spp 2 --max-depth 2 -q";
-  ASSERT_EQ(Run("paths " + common + " -o ways.exr").exit_code, 0);
+  ASSERT_EQ(Run("paths " + common + " -o techniques.exr").exit_code, 0);
   ASSERT_EQ(Run("render " + common + " --integrator bdpt -o whole.exr").exit_code, 0);
-  EXPECT_TRUE(ReadImage(Path("ways.exr")).rgb == ReadImage(Path("whole.exr")).rgb);
-  const std::string bytes = Bytes("ways.exr");
-  for (const char* const way : {"s0t2", "s0t3", "s1t2", "s2t1", "s0t4", "s1t3", "s2t2", "s3t1"}) {
-    EXPECT_TRUE(Contains(bytes, std::string("unweighted_") + way + ".G")) << way;
-    EXPECT_TRUE(Contains(bytes, std::string("weighted_") + way + ".R")) << way;
+  EXPECT_TRUE(ReadImage(Path("techniques.exr")).rgb == ReadImage(Path("whole.exr")).rgb);
+  const std::string bytes = Bytes("techniques.exr");
+  for (const char* const technique :
+       {"s0t2", "s0t3", "s1t2", "s2t1", "s0t4", "s1t3", "s2t2", "s3t1"}) {
+    EXPECT_TRUE(Contains(bytes, std::string("unweighted_") + technique + ".G")) << technique;
+    EXPECT_TRUE(Contains(bytes, std::string("weighted_") + technique + ".R")) << technique;
   }
   EXPECT_FALSE(Contains(bytes, "weighted_s1t1"));
-  // Four columns and six rows of 12 x 9 with gaps of 2, each picture below its caption.
-  const Image sheet = ReadTexture(Path("ways.png"), Encoding::kSrgb);
+  // The sheet has four columns and six rows of 12 x 9 with gaps of 2, each picture below its
+  // caption.
+  const Image sheet = ReadTexture(Path("techniques.png"), Encoding::kSrgb);
   EXPECT_EQ(sheet.width, 4 * 14 - 2);
   EXPECT_EQ(sheet.height, 6 * 22 - 2);
 }
 
-// A part of the film has the pixels that the whole has there, to the last bit.
+// A crop of the film has exactly the pixels that the whole film has there.
 TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
   for (const std::string camera : {"perspective --lens-radius 0.2", "orthographic", "latlong",
                                    "perspective --integrator photon --photons 300 --guide"}) {
@@ -606,7 +603,7 @@ TEST_F(Cli, ACropIsAPartOfTheWholePicture) {
   }
 }
 
-// pbrt rounds the fractions of a cropwindow up to pixels; a flag comes before the file.
+// pbrt rounds the fractions of a cropwindow up to pixels; a flag overrides the file.
 TEST_F(Cli, ACropWindowOfAPbrtFileIsTaken) {
   const auto with = [&](const std::string& parameters) {
     return "Film \"rgb\" \"integer xresolution\" 9 \"integer yresolution\" 6 " + parameters + "\n" +

@@ -1,4 +1,4 @@
-// skywave converge as its users meet it: figures that agree with each other, files, messages.
+// Tests skywave converge from the outside: consistent figures, files and messages.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,8 @@ bool Contains(const std::string& text, const std::string& part) {
 constexpr char kSmall[] =
     "converge spheres --env sky.pfm --size 32x24 --integrator direct --threads 2 ";
 
-// Darker below the horizon, with a bright patch; no sun that would drown everything else in noise.
+// The map is darker below the horizon and has a bright patch, but no sun whose noise would
+// dominate.
 Image Sky() {
   Image map(16, 8);
   for (int y = 0; y < 8; ++y) {
@@ -89,7 +90,7 @@ TEST_F(Converge, FiguresAgreeWithEachOther) {
       EXPECT_GT(budget.at("error_interval").at(1), error);
       EXPECT_GE(budget.at("seconds"), fastest);
       EXPECT_LE(budget.at("seconds"), slowest);
-      // An error is noise, bias and the noise of the reference.
+      // An error is the sum of noise, bias and the noise of the reference.
       const double bias = budget.at("squared_bias"), variance = budget.at("variance");
       EXPECT_NEAR(bias + variance + json.at("reference").at("mse").get<double>(), error,
                   1e-6 * error);
@@ -125,7 +126,7 @@ TEST_F(Converge, IntegratorsAreComparedByTheLightThatPathSees) {
     const Json& contestant = json.at("strategies").at(i);
     EXPECT_EQ(contestant.at("strategy"), expected[i][0]);
     EXPECT_EQ(contestant.at("integrator"), expected[i][1]);
-    // What surfaces throw at each other is missing from direct light, and nothing else is biased.
+    // Only interreflection is missing from direct light; nothing else is biased.
     EXPECT_EQ(contestant.at("budgets").at(0).at("biased"), i % 2 == 1);
     EXPECT_TRUE(Contains(result.out, std::string(expected[i][1]) + " " + expected[i][0]));
   }
@@ -165,7 +166,8 @@ TEST_F(Converge, WritesCurvesAndAPageThatNeedsNothingElse) {
        at = page.find("data:image/png;base64,iVBORw0KGgo", at + 1)) {
     ++pictures;
   }
-  EXPECT_EQ(pictures, 1u + 2u * 2u);  // reference; picture and error of each strategy
+  EXPECT_EQ(pictures, 1u + 2u * 2u);  // the reference, plus the picture and the error map of each
+                                      // strategy
   for (const char* const outside : {"src=\"http", "href=", "url(", "<script"}) {
     EXPECT_FALSE(Contains(page, outside)) << outside;
   }
@@ -202,7 +204,7 @@ TEST_F(Converge, WarnsOfAReferenceThatIsTooNoisyOrUnknown) {
   ASSERT_NE(hint, std::string::npos) << noisy.err;
   EXPECT_EQ(ReadJson("n.json").at("warnings").size(), 1u);
   EXPECT_TRUE(Contains(Bytes("n.html"), "take more --reference-spp"));
-  // What the warning advises is enough.
+  // The number of samples that the warning advises suffices.
   const std::string advised = noisy.err.substr(noisy.err.find_last_of(' ') + 1);
   EXPECT_EQ(Run(kSmall + rest + "--reference-spp " + advised).err, "");
   ASSERT_EQ(
@@ -242,7 +244,7 @@ TEST_F(Converge, TimeGivesEveryStrategyALadderOfItsOwn) {
 struct BadCase {
   std::string arguments;
   int exit_code;
-  std::vector<std::string> message;  // parts of it
+  std::vector<std::string> message;  // expected parts of the message
 };
 
 TEST_F(Converge, BadInputIsToldClearlyAndLeavesNoFile) {

@@ -1,8 +1,10 @@
-// Exported lights rendered by POV-Ray and Blender, against irradiance computed from the list.
+// Renders exported lights in POV-Ray and Blender and compares them with irradiance computed from
+// the list.
 //
-// A diffuse sphere, convex, so that no shadow falls on what a light sees: its radiance at normal n
-// is rho / pi * sum of E max(0, n . d). POV-Ray agrees to 1 % (its Radiance files have 8 bits),
-// Cycles to 2 % (a faceted sphere, noise). Absent programs skip their test.
+// The scene is a diffuse sphere, which casts no shadow on itself because it is convex: its radiance
+// at normal n is rho / pi * sum of E max(0, n . d). POV-Ray agrees to 1 % (its Radiance files have
+// 8 bits), Cycles to 2 % (faceted sphere, noise). Tests are skipped if the program is not
+// installed.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -25,8 +27,8 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kAlbedo = 0.5;
-constexpr int kPixels = 64;      // of a picture's side
-constexpr double kExtent = 2.2;  // width of what it shows; the sphere has radius 1
+constexpr int kPixels = 64;      // side of a picture
+constexpr double kExtent = 2.2;  // width that a picture shows; the sphere has radius 1
 
 bool IsInstalled(const char* program) {
   return std::system(("command -v " + std::string(program) + " > /dev/null 2>&1").c_str()) == 0;
@@ -42,7 +44,7 @@ class RenderedExport : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
-  // Runs in the folder.
+  // Runs a command in the temporary folder.
   void Execute(const std::string& command) const {
     const std::string whole =
         "cd '" + folder_.string() + "' && " + command + " > log.txt 2>&1 < /dev/null";
@@ -59,7 +61,8 @@ std::vector<DirectionalLight> Lights() {
       .set.lights;
 }
 
-// Mean difference over mean radiance. normal: of the point at (x right, y up, towards the eye).
+// Returns the mean difference over the mean radiance. The view space of normals is x right, y up, z
+// towards the eye.
 double Error(const Image& image, const std::vector<DirectionalLight>& lights, LightFormat format,
              const std::function<Vector3(const Vector3&)>& world_from_view) {
   const WorldAxes axes = AxesOf(format);
@@ -88,7 +91,7 @@ TEST_F(RenderedExport, PovrayShowsTheSameIrradiance) {
   if (!IsInstalled("povray")) GTEST_SKIP() << "povray is not installed";
   const std::vector<DirectionalLight> lights = Lights();
   WriteFileAtomically(File("lights.inc"), ExportLights(lights, {.format = LightFormat::kPovray}));
-  for (const double side : {-1.0, 1.0}) {  // of the camera along z
+  for (const double side : {-1.0, 1.0}) {  // position of the camera along z
     WriteFileAtomically(
         File("scene.pov"),
         "#version 3.7;\nglobal_settings { assumed_gamma 1 }\n#include \"lights.inc\"\n"
@@ -169,7 +172,7 @@ TEST_F(RenderedExport, BlenderShowsTheSameIrradiance) {
   RecordProperty("error", std::to_string(error));
 }
 
-// The rest of a map, as Blender's world, must lie as the lights do.
+// The residual map, as Blender's world, must be oriented like the lights.
 TEST_F(RenderedExport, BlenderShowsTheAxesOfTheRest) {
   if (!IsInstalled("blender")) GTEST_SKIP() << "blender is not installed";
   WriteExr(File("rest.exr"), CalibrationMap(128));
@@ -179,7 +182,7 @@ TEST_F(RenderedExport, BlenderShowsTheAxesOfTheRest) {
   script += "eye.data.angle = math.radians(1)\neye.rotation_mode = 'QUATERNION'\n";
   const WorldAxes axes = AxesOf(LightFormat::kBlender);
   for (int i = 0; i < 6; ++i) {
-    // Blender interpolates the first row with the last, so a pole itself shows both.
+    // Blender interpolates the first row with the last, so the pole itself would show both.
     Vector3 look = kCalibrationAxes[i].direction;
     if (look.z != 0) look.y = 0.06;
     const Vector3 d = axes.ToWorld(look);

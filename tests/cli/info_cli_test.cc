@@ -1,4 +1,4 @@
-// skywave info: what it counts, in the table and in the JSON, and how it refuses.
+// Tests skywave info: its counts in the table and in the JSON, and its error messages.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -65,7 +65,7 @@ TEST_F(Info, CountsAnObjFile) {
   EXPECT_EQ(materials[3].at("bsdf"), "conductor");
   EXPECT_EQ(json.at("lights"), nlohmann::json::array());
   EXPECT_EQ(json.at("not_supported").size(), 1u);
-  // 7 positions, 3 normals and 3 triangles of three words each.
+  // There are 7 positions, 3 normals and 3 triangles of three words each.
   EXPECT_EQ(json.at("bytes").at("meshes"), (7 + 3 + 3) * 12);
   EXPECT_GT(json.at("bytes").at("geometry").get<int>(), 0);
   EXPECT_GE(json.at("seconds").at("load").get<double>(), 0);

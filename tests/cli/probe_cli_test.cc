@@ -1,4 +1,4 @@
-// Every subcommand of `skywave probe` on a small map, and what it says to bad input.
+// Tests every subcommand of `skywave probe` on a small map, and its messages for bad input.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@ class ProbeCommand : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string File(const std::string& name) const { return (folder_ / name).string(); }
-  // The exit code; both streams go to out_.
+  // Returns the exit code; both streams are written to out_.
   int Probe(const std::string& arguments) {
     const int status = std::system(("cd '" + folder_.string() + "' && " + ProgramPath() +
                                     " probe " + arguments + " > out.txt 2>&1")
@@ -102,10 +102,10 @@ TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   }
   ASSERT_EQ(Probe("calibrate -o c.exr --height 256"), 0) << out_;
   const Image map = ReadImage(File("c.exr"));
-  EXPECT_NEAR(map.Pixel(384, 128)[0], 1, 0.01);  // right: red
+  EXPECT_NEAR(map.Pixel(384, 128)[0], 1, 0.01);  // the right is red
   EXPECT_NEAR(map.Pixel(384, 128)[1], 0.05, 0.01);
-  EXPECT_NEAR(map.Pixel(256, 128)[1], 1, 0.01);  // forward: green
-  EXPECT_NEAR(map.Pixel(10, 0)[2], 1, 0.01);     // up: blue
+  EXPECT_NEAR(map.Pixel(256, 128)[1], 1, 0.01);  // forward is green
+  EXPECT_NEAR(map.Pixel(10, 0)[2], 1, 0.01);     // up is blue
 }
 
 TEST_F(ProbeCommand, BadInputIsNamed) {

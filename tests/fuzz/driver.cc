@@ -1,9 +1,8 @@
-// Fuzzing without clang: a reader's corpus, and mutations of it that a seed decides.
+// Fuzzes a reader without clang: with its corpus and with mutations of it that a seed determines.
 //
 //   reader_fuzz READER CORPUS_FOLDER --runs N | --seconds S [--seed K]
 //
-// Prints the number of the run before an input that crashes would be read again with
-// `--seed K --only RUN`.
+// Prints the number of each run. After a crash, `--seed K --only RUN` reads the same input again.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -40,14 +39,14 @@ std::string MutateOnce(std::string bytes, const std::vector<std::string>& corpus
     case 0:  // flip a bit
       if (at < bytes.size()) bytes[at] = char(bytes[at] ^ (1 << Below(random, 8)));
       return bytes;
-    case 1:  // another byte
+    case 1:  // replace a byte
       if (at < bytes.size()) bytes[at] = char(Below(random, 256));
       return bytes;
-    case 2:  // cut
+    case 2:  // truncate
       return bytes.substr(0, at);
-    case 3:  // leave out
+    case 3:  // erase
       return bytes.erase(at, length);
-    case 4:  // repeat, and so nest
+    case 4:  // repeat, and thereby nest
       return bytes.insert(at, bytes.substr(at, length));
     case 5:
       return bytes.insert(at, kTokens[Below(random, std::size(kTokens))]);
@@ -108,7 +107,7 @@ int Main(int count, char** words) {
   for (; run < runs; ++run) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
     if (spent.count() > seconds) break;
-    // Stays on the terminal if the run ends the program.
+    // The line stays on the terminal if this run ends the program.
     std::fprintf(stderr, "\r%s run %llu", arguments[0].c_str(),
                  static_cast<unsigned long long>(run));
     FuzzOnce(*reader, Input(corpus, seed, run));

@@ -1,4 +1,4 @@
-// The entry of clang's libFuzzer, for the reader whose name the build gives in SKYWAVE_FUZZ_READER.
+// The entry point of clang's libFuzzer for the reader that the build names in SKYWAVE_FUZZ_READER.
 #include <algorithm>
 #include <cstdlib>
 

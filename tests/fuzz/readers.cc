@@ -15,7 +15,8 @@
 namespace skywave {
 namespace {
 
-// Small, so that a run finds more than slow inputs. The folder is not there: nothing is included.
+// The limits are small, so that a run finds more than slow inputs. The folder does not exist, so no
+// file is included.
 constexpr ReadOptions kOptions = {.strict = false, .max_triangles = std::size_t{1} << 15};
 constexpr ReadLimits kLimits = {
     .max_width = 1024, .max_height = 1024, .max_pixels = std::size_t{1} << 18};

@@ -1,4 +1,4 @@
-// The readers of files as fuzzers see them: bytes in, a scene or an InputError out.
+// The file readers as fuzzers use them: bytes in, a scene or an InputError out.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@ struct FuzzedReader {
   void (*read)(std::string_view bytes);
 };
 
-// pbrt, spd, ply, gzip, obj, mtl, gltf, hdr, pfm, exr, png, jpeg.
+// Returns pbrt, spd, ply, gzip, obj, mtl, gltf, hdr, pfm, exr, png, jpeg.
 std::span<const FuzzedReader> FuzzedReaders();
 
-// Hands the bytes to the reader. Anything but a result or an InputError is a bug: exceptions leave.
+// Passes the bytes to the reader. Other exceptions than InputError are bugs and propagate.
 void FuzzOnce(const FuzzedReader& reader, std::string_view bytes);
 
 }  // namespace skywave

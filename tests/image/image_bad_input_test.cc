@@ -1,5 +1,5 @@
-// Damaged, cut, hostile and missing files end in an InputError: no crash, no half picture, and no
-// memory beyond what the file itself can account for.
+// Damaged, truncated, hostile and missing files end in an InputError: no crash, no partial picture,
+// and no memory beyond what the size of the file justifies.
 
 #include <ImfMultiPartOutputFile.h>
 #include <ImfOutputPart.h>
@@ -19,7 +19,7 @@ namespace {
 std::atomic<std::size_t> largest_allocation{0};
 }  // namespace
 
-// Not inlined, or g++ takes new and free for a mismatched pair.
+// It is not inlined because g++ would take new and free for a mismatched pair.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   if (size > largest_allocation) largest_allocation = size;
   if (void* const memory = std::malloc(size ? size : 1)) return memory;
@@ -36,13 +36,13 @@ void operator delete[](void* memory, std::size_t) noexcept { operator delete(mem
 namespace skywave {
 namespace {
 
-// [bytes] What reading a file of a few hundred bytes may allocate at once: a damaged width within
+// [bytes] The largest single allocation for a file of a few hundred bytes: a damaged width within
 // the limits can make OpenEXR's buffer of 32 rows this large.
 constexpr std::size_t kSmall = std::size_t{16} << 20;
 
 class BadInput : public ImageFiles {
  protected:
-  // Small valid files, one for every path through the readers.
+  // Returns small valid files, one for every path through the readers.
   std::vector<std::string> ValidFiles() const {
     const Image image = Numbered(11, 5);
     std::vector<std::string> files;
@@ -66,8 +66,8 @@ class BadInput : public ImageFiles {
     return files;
   }
 
-  // Reads `bytes` as a picture; true when it was one. Anything but a whole picture or an InputError
-  // is a failure.
+  // Reads `bytes` as a picture and returns true if it is one. Anything but a whole picture or an
+  // InputError is a failure.
   bool Reads(const std::string& bytes, const ReadLimits& limits = {}) {
     const std::string path = Path("input");
     std::ofstream(path, std::ios::binary) << bytes;
@@ -143,8 +143,8 @@ TEST_F(BadInput, HugeSizesAreRefusedBeforeAnythingIsAllocated) {
   }
 }
 
-// A header and chunk table without fault, for a picture of gigabytes; only the chunks are too
-// short.
+// The header and chunk table are flawless and describe a picture of gigabytes; only the chunks are
+// too short.
 TEST_F(BadInput, ExrOfFewBytesIsNotTakenForAHugePicture) {
   constexpr std::uint32_t kWidth = 32768, kHeight = 8192, kRowsPerChunk = 32;
   const Image image = Numbered(4, 4);
@@ -186,7 +186,7 @@ TEST_F(BadInput, LimitsOfTheCallerHold) {
 TEST_F(BadInput, ErrorsSayWhereInTheFile) {
   EXPECT_FALSE(Reads("PF\n4 nine\n-1\n"));
   EXPECT_NE(message().find("(byte 3)"), std::string::npos) << message();
-  // A run of 100 pixels in a scan line of 8.
+  // The scan line of 8 pixels contains a run of 100.
   EXPECT_FALSE(Reads("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 8\n\x02\x02" +
                      std::string("\0\x08\xe4\x01", 4)));
   EXPECT_NE(message().find("(byte 50)"), std::string::npos) << message();
@@ -212,13 +212,13 @@ TEST_F(BadInput, TextThatIsNoHeader) {
   EXPECT_FALSE(Reads("Pf\n4 4\n-1\n" + std::string(65, '\0'))) << "a byte too many";
 }
 
-// OpenEXR fills the rest of such chunks with whatever its memory held.
+// OpenEXR leaves the rest of such chunks uninitialised.
 TEST_F(BadInput, ExrChunksThatDecodeToTooLittleAreRefused) {
   const Image image(16, 1);
   const auto with_pixels = [&](Imf::Compression compression, const std::string& stored) {
     WriteExrKind(Path("a.exr"), HeaderFor(image, compression), image);
     std::string exr = ReadFile(Path("a.exr"));
-    std::uint64_t chunk = 0;  // the only one; its offset stands right behind the header
+    std::uint64_t chunk = 0;  // the only one; its offset directly follows the header
     for (std::size_t i = exr.size(); i-- > 8;) {
       std::memcpy(&chunk, &exr[i - 8], 8);
       if (chunk == i) break;
@@ -227,7 +227,7 @@ TEST_F(BadInput, ExrChunksThatDecodeToTooLittleAreRefused) {
     std::memcpy(&exr[chunk + 4], &size, 4);
     return exr.substr(0, chunk + 8) + stored;
   };
-  // 16 pixels of 12 bytes: one run of 128 bytes and one of 64, or of 63.
+  // The data has 16 pixels of 12 bytes: one run of 128 bytes and one of 64, or of 63.
   EXPECT_TRUE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 63, 0}))) << message();
   EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 62, 0})));
   EXPECT_FALSE(Reads(with_pixels(Imf::RLE_COMPRESSION, {127, 0, 64, 0})));
@@ -258,7 +258,7 @@ TEST_F(BadInput, RiskyKindsOfExrNeedTrust) {
     ASSERT_TRUE(Reads(ReadFile(Path("a.exr")), trusting)) << message();
     const Image back = ReadImage(Path("a.exr"), trusting);
     ASSERT_EQ(back.rgb.size(), image.rgb.size());
-    // All but PXR24 are lossy; 255 is the largest value of the picture.
+    // All except PXR24 are lossy; 255 is the largest value of the picture.
     const float tolerance = compression == Imf::PXR24_COMPRESSION ? 0 : 64;
     for (std::size_t i = 0; i < image.rgb.size(); ++i) {
       EXPECT_NEAR(back.rgb[i], image.rgb[i], tolerance) << int(compression) << " " << i;
@@ -303,7 +303,7 @@ TEST_F(BadInput, DeepAndSubSampledExrAreRefused) {
   deep[5] = char(deep[5] | 0x08);
   EXPECT_FALSE(Reads(deep));
   EXPECT_NE(message().find("--trust-input"), std::string::npos) << message();
-  // Channel B: name, type, hint, then the sampling rate in x.
+  // Channel B has its name, type and hint, then the sampling rate in x.
   const std::size_t channel_b = exr.find("chlist") + 11;
   ASSERT_EQ(exr[channel_b], 'B');
   exr[channel_b + 10] = 2;
@@ -337,7 +337,7 @@ TEST_F(BadInput, UnwritableOutputLeavesNothingBehind) {
     }
     EXPECT_THROW(WritePng(Path(place) + ".png", 3, 3, rgb), InputError) << place;
   }
-  // A name that OpenEXR keeps for itself, none at all, and one longer than a file can hold.
+  // The names are one that OpenEXR reserves, an empty one, and one longer than a file can hold.
   for (const std::string& name : {std::string("channels"), std::string(), std::string(256, 'n')}) {
     EXPECT_THROW(WriteExr(Path("b.exr"), image, {{name, "text"}}), InputError) << name;
   }

@@ -1,4 +1,4 @@
-// Measures of difference against values worked out by hand.
+// Compares the difference measures with values computed by hand.
 
 #include "image/compare.h"
 
@@ -16,7 +16,7 @@ namespace {
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// Two pixels: the first differs by (1, -2, 0.5), the second not at all.
+// The first of two pixels differs by (1, -2, 0.5), the second not at all.
 Image Measured() {
   Image image(2, 1);
   image.rgb = {2, 1, 0.5f, 4, 4, 4};
@@ -46,7 +46,7 @@ TEST(Compare, MatchesAHandCalculation) {
 }
 
 TEST(Compare, PsnrIsThatOfTheClippedSrgbPictures) {
-  // Clipped and coded, only blue of the first pixel differs: by the code of 0.5.
+  // After clipping and encoding, only blue of the first pixel differs: by the code of 0.5.
   const double code = 1.055 * std::pow(0.5, 1 / 2.4) - 0.055;
   EXPECT_NEAR(Compare(Measured(), Reference()).psnr, 10 * std::log10(6 / (code * code)), 1e-9);
 }
@@ -125,7 +125,8 @@ TEST(ErrorMap, GetsBrighterWithTheRelativeError) {
   EXPECT_GT(brightness(kSteps - 1), 230);
   for (int x = 1; x < kSteps; ++x) EXPECT_GE(brightness(x), brightness(x - 1)) << x;
 
-  // Twice the scale: half the way along the ramp. Above the scale: its end.
+  // At twice the scale the colour is halfway along the ramp; above the scale it is the end of the
+  // ramp.
   const std::vector<std::uint8_t> half = ErrorMap(a, b, 2);
   for (int c = 0; c < 3; ++c) {
     EXPECT_EQ(half[100 * 3 + c], map[50 * 3 + c]);

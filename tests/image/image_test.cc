@@ -1,4 +1,4 @@
-// Pictures come back from every file format as they went in, the right way up.
+// Pictures survive every file format unchanged and upright.
 
 #include "image/image.h"
 
@@ -28,7 +28,7 @@ Image Unusual() {
 TEST_F(ImageFiles, ExrKeepsEveryBit) {
   WriteExr(Path("a.exr"), Unusual());
   ExpectSame(ReadImage(Path("a.exr")), Unusual());
-  WriteExr(Path("b.exr"), Numbered(70, 37));  // several chunks of 16 rows, the last one cut
+  WriteExr(Path("b.exr"), Numbered(70, 37));  // several chunks of 16 rows, the last one incomplete
   ExpectSame(ReadImage(Path("b.exr")), Numbered(70, 37));
 }
 
@@ -66,7 +66,7 @@ TEST_F(ImageFiles, ExrMetadataComesBack) {
   WriteExr(Path("a.exr"), Numbered(4, 4), metadata);
   EXPECT_EQ(ReadExrMetadata(Path("a.exr")), metadata);
   ExpectSame(ReadImage(Path("a.exr")), Numbered(4, 4));
-  // In the order of the file, which OpenEXR sorts by name.
+  // The order is that of the file, which OpenEXR sorts by name.
   WriteExr(Path("b.exr"), Numbered(4, 4), {{"z", "1"}, {"y", "2"}});
   EXPECT_EQ(ReadExrMetadata(Path("b.exr")), (Metadata{{"y", "2"}, {"z", "1"}}));
 }
@@ -151,7 +151,7 @@ TEST_F(ImageFiles, PfmKeepsEveryBit) {
 }
 
 TEST_F(ImageFiles, PfmInBothByteOrdersAndGrey) {
-  // Two rows of one pixel; the file starts with the lower one.
+  // The picture has two rows of one pixel; the file starts with the lower one.
   const std::string little("\0\0\x80\x3f\0\0\0\x40", 8);  // 1, 2
   const std::string big("\x3f\x80\0\0\x40\0\0\0", 8);
   for (const std::string& file :
@@ -182,7 +182,8 @@ TEST_F(ImageFiles, RgbeIsExactWhereItCan) {
 TEST_F(ImageFiles, RgbeKeepsRuns) {
   Image image(700, 1);
   for (int x = 0; x < image.width; ++x) {
-    // Runs of 1 to 300 pixels, among them those where coding as a run starts and stops to pay.
+    // The runs have 1 to 300 pixels, including the lengths at which run coding starts and stops to
+    // pay.
     const int run = x < 3 ? 0 : x < 7 ? 1 : x < 10 ? 2 : x < 138 ? 3 : x < 400 ? 4 : x;
     for (int c = 0; c < 3; ++c) image.Pixel(x, 0)[c] = float(128 + run % 100);
   }
@@ -228,7 +229,8 @@ TEST_F(ImageFiles, RgbeDecodesAsDocumented) {
 }
 
 TEST_F(ImageFiles, RgbeOfEveryOrientation) {
-  // A picture of two columns and three rows, the red channel numbered by rows: 0 1 / 2 3 / 4 5.
+  // The picture has two columns and three rows, with the red channel numbered by rows: 0 1 / 2 3 /
+  // 4 5.
   const std::pair<const char*, std::vector<int>> kCases[] = {
       {"-Y 3 +X 2", {0, 1, 2, 3, 4, 5}}, {"-Y 3 -X 2", {1, 0, 3, 2, 5, 4}},
       {"+Y 3 +X 2", {4, 5, 2, 3, 0, 1}}, {"+Y 3 -X 2", {5, 4, 3, 2, 1, 0}},
@@ -245,7 +247,8 @@ TEST_F(ImageFiles, RgbeOfEveryOrientation) {
 }
 
 TEST_F(ImageFiles, RgbeOfTheOldRunLengthCoding) {
-  // Pixel 5, three more of it, pixel 7, and 0x104 more in two bytes of count, the lowest first.
+  // The line holds pixel 5, three more of it, pixel 7, and 0x104 more with a count of two bytes,
+  // the lowest first.
   const std::string pixels{
       "\x05\0\0\x88\x01\x01\x01\x03\x07\0\0\x88\x01\x01\x01\x04\x01\x01\x01\x01", 20};
   const Image image = ReadImage(Put("a.hdr", RgbeFile("-Y 1 +X 265", pixels)));

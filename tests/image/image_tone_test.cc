@@ -1,4 +1,4 @@
-// What happens to a picture on its way to 8 bits: repair, tone mapping and PNG.
+// Tests the conversion of a picture to 8 bits: repair, tone mapping and PNG.
 
 #include <png.h>
 
@@ -20,7 +20,7 @@ Image Grey(const std::vector<float>& values) {
   return image;
 }
 
-// The bytes of one channel, after checking that all three are alike.
+// Returns the bytes of one channel after checking that all three are equal.
 std::vector<int> MapGrey(const std::vector<float>& values, const ToneMapping& mapping) {
   const std::vector<std::uint8_t> rgb = ToneMap(Grey(values), mapping);
   std::vector<int> grey;
@@ -45,8 +45,8 @@ TEST(RepairRadiance, CountsPixelsByTheirWorstChannel) {
 }
 
 TEST(ToneMap, ClippedValuesFollowSrgb) {
-  // 12.92 * 0.001 * 255 = 3.29; 0.18 -> 117.6; 0.2140411 is half of the code range -> 127.5;
-  // 0.5 -> 187.5 and a little.
+  // 12.92 * 0.001 * 255 = 3.29; 0.18 -> 117.6; 0.2140411 is half of the code range -> 127.5; 0.5 ->
+  // slightly above 187.5.
   EXPECT_EQ(MapGrey({0, 0.001f, 0.18f, 0.2141f, 0.5f, 1, 7}, {}),
             (std::vector<int>{0, 3, 118, 128, 188, 255, 255}));
   EXPECT_EQ(MapGrey({-1, kNan, -kInf, kInf}, {}), (std::vector<int>{0, 0, 0, 255}));
@@ -65,7 +65,7 @@ TEST(PhotographicExposure, FollowsTheFormula) {
   const PhotographicExposure sunny = {.iso = 100, .shutter_seconds = 0.01f, .f_number = 16};
   EXPECT_NEAR(ExposureValue100(sunny), 14.6439, 1e-4);
   EXPECT_NEAR(std::exp2(-ExposureStops(sunny)), 30720, 1);
-  // A stop more: twice the time, twice the speed, or the f-number over the square root of two.
+  // One stop more is twice the time, twice the speed, or the f-number over the square root of two.
   for (const PhotographicExposure& brighter :
        {PhotographicExposure{.iso = 100, .shutter_seconds = 0.02f, .f_number = 16},
         PhotographicExposure{.iso = 200, .shutter_seconds = 0.01f, .f_number = 16},
@@ -75,7 +75,7 @@ TEST(PhotographicExposure, FollowsTheFormula) {
 }
 
 TEST(ToneMap, FilmicValuesFollowTheFit) {
-  // (2.51 x^2 + 0.03 x) / (2.43 x^2 + 0.59 x + 0.14): 0.18 -> 0.26695, 1 -> 0.80380.
+  // (2.51 x^2 + 0.03 x) / (2.43 x^2 + 0.59 x + 0.14) maps 0.18 to 0.26695 and 1 to 0.80380.
   const ToneMapping filmic = {.curve = ToneCurve::kFilmic};
   EXPECT_EQ(MapGrey({0, 0.18f, 1, 1e4f, 1e30f, kInf, kNan, -1}, filmic),
             (std::vector<int>{0, 141, 232, 255, 255, 255, 0, 0}));

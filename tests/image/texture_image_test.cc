@@ -1,8 +1,8 @@
-// PNG and JPEG pictures as textures: what they hold, and damaged ones.
+// Reads PNG and JPEG pictures as textures, valid and damaged ones.
 #include <gtest/gtest.h>
 
 #include <cstdio>
-// jpeglib.h needs FILE.
+// jpeglib.h needs FILE from this header.
 #include <jpeglib.h>
 
 #include <cmath>
@@ -96,7 +96,7 @@ TEST(TextureImages, EveryPrefixIsRefused) {
   for (const std::string& file :
        {EncodeJpeg(17, 9, rgb, false), EncodeJpeg(17, 9, rgb, true), EncodePng(17, 9, rgb)}) {
     EXPECT_NO_THROW(DecodeTexture("a", file, Encoding::kSrgb));
-    // The last 16 bytes of a PNG say nothing of its pixels: the check sum and IEND.
+    // The last 16 bytes of a PNG, the check sum and IEND, do not affect its pixels.
     const std::size_t end = file[0] == '\x89' ? file.size() - 16 : file.size() - 1;
     for (std::size_t length = 0; length < end; ++length) {
       EXPECT_THROW(DecodeTexture("a", std::string_view(file).substr(0, length), Encoding::kSrgb),

@@ -1,5 +1,5 @@
-// Where light arrives: the two halves of multiple importance sampling make a whole, and every path
-// gets its own.
+// Tests accumulation: the two halves of multiple importance sampling add up to the whole, and every
+// path receives its own light.
 
 #include "kernels/accumulate.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// The same direction, once as a light sample and once as a BSDF sample.
+// Each direction is evaluated once as a light sample and once as a BSDF sample.
 TEST(Accumulate, WeightsOfLightAndBsdfSamplesSumToOne) {
   constexpr std::uint32_t kRows = 1000;
   const Vec normal = Unit({0.2, -0.6, 0.7});
@@ -34,7 +34,7 @@ TEST(Accumulate, WeightsOfLightAndBsdfSamplesSumToOne) {
       for (std::uint32_t i = 0; i < kRows; ++i) {
         wi[i] = random.DirectionAbout(normal);
         Put(wi[i], i, lights->dir_x, lights->dir_y, lights->dir_z);
-        // Densities count the samples.
+        // Densities include the number of samples.
         lights->pdf[i] = light_samples * float(std::pow(10, random.Between(-3, 3)));
         lights->r[i] = lights->g[i] = lights->b[i] = 2;
       }
@@ -53,7 +53,7 @@ TEST(Accumulate, WeightsOfLightAndBsdfSamplesSumToOne) {
       AddEscapedRadiance(escaped, kRows, mis, paths);
       for (std::uint32_t i = 0; i < kRows; ++i) {
         if (Dot(wi[i], normal) < 1e-3) continue;
-        // Both over what they would be without their weights.
+        // Both weights are the result divided by what it would be unweighted.
         const double integrand = 2.0 * values->r[i];
         const double light_weight = lights->r[i] * light_pdf[i] / integrand;
         const double bsdf_weight = paths->r[i] * values->pdf[i] / integrand;
@@ -76,12 +76,12 @@ class AccumulateRows : public testing::Test {
       escaped_->throughput_b[i] = 0;
       escaped_->radiance_r[i] = float(i), escaped_->radiance_g[i] = 2;
       escaped_->radiance_b[i] = 1e6f;
-      // Rows without a density see all of the light, whatever stands in light_pdf.
+      // Rows without a density receive all of the light, whatever light_pdf holds.
       escaped_->pdf[i] = i % 3 == 0 ? 0.0f : float(random.Between(0.01, 10));
       escaped_->light_pdf[i] = i % 3 == 0   ? std::numeric_limits<float>::quiet_NaN()
                                : i % 5 == 0 ? 0.0f
                                             : float(random.Between(0.01, 10));
-      // Every path once, in a scattered order.
+      // Every path occurs once, in a scattered order.
       to_[i] = escaped_->path[i] = (i * 517u) % kFullWave;
       lights_->r[i] = 1, lights_->g[i] = float(i), lights_->b[i] = 0.5f;
       lights_->t_far[i] = i % 4 == 0 ? kInfinity : i % 4 == 1 ? -kInfinity : i % 4 == 2 ? -1 : 0;
@@ -138,7 +138,7 @@ TEST_F(AccumulateRows, OnlyUnoccludedLightArrives) {
   });
 }
 
-// A closed ray may hold anything.
+// The value of an occluded row may be arbitrary.
 TEST_F(AccumulateRows, OccludedRowsMayBeNan) {
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
     if (lights_->t_far[i] < 0) lights_->r[i] = std::numeric_limits<float>::quiet_NaN();

@@ -1,5 +1,5 @@
-// BSDFs asked both ways, for sub-paths that meet: the density back is that of the exchanged roles,
-// the value back is what reciprocity demands.
+// Evaluates BSDFs in both directions, as connected sub-paths need: the reverse density is the
+// density with exchanged roles, and the reverse value obeys reciprocity.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,9 +28,10 @@ SurfaceRanges RangesOf(BsdfKind kind, std::uint32_t n) {
   return ranges;
 }
 
-// One material seen along random pairs of directions, half of them near the mirror's.
+// One material seen along random pairs of directions, half of them near the mirror direction.
 struct Pairs {
-  // `bent`: shading normals off the geometric ones, which are at random; else both are z.
+  // With `bent`, geometric normals are random and shading normals deviate from them; otherwise both
+  // are z.
   Pairs(const MaterialCase& of, bool bent, std::uint32_t seed)
       : material(of),
         wo(kRows),
@@ -71,8 +72,8 @@ struct Pairs {
   BothDirections seen;
 };
 
-// What a path that comes from wi makes of the same point: normals that face it, and the other face
-// if that is another one.
+// The expected values are those of a path that arrives from wi at the same point: its normals face
+// wi, and it sees the other face if wi is on that side.
 TEST(BothDirections, BackwardsIsForwardsWithExchangedRoles) {
   std::uint32_t seed = 1;
   for (const MaterialCase& material : DenseCases()) {
@@ -86,7 +87,7 @@ TEST(BothDirections, BackwardsIsForwardsWithExchangedRoles) {
       std::vector<bool> nothing(kRows);
       for (std::uint32_t i = 0; i < kRows; ++i) {
         const double side = Dot(pairs.wi[i], pairs.ng[i]) < 0 ? -1 : 1;
-        // Nothing comes from below where nothing passes through.
+        // Nothing arrives from below a surface that transmits nothing.
         nothing[i] = side < 0 && !Transmits(material);
         const Vec ns = Get(i, facing->x, facing->y, facing->z);
         exchanged.Set(i, side * ns, side * pairs.ng[i], pairs.wi[i]);
@@ -154,8 +155,8 @@ TEST(BothDirections, DensityBackIsTheFormulas) {
   EXPECT_GT(compared, 10000u);
 }
 
-// f(wo, wi) = f(wi, wo), and over an interface of indices f / n^2 on the side that radiance goes to
-// (Veach 1997, eq. 5.14).
+// f(wo, wi) = f(wi, wo); across an interface, f / n^2 with the index on the side to which radiance
+// goes is reciprocal (Veach 1997, eq. 5.14).
 TEST(BothDirections, ValuesAreReciprocal) {
   std::uint32_t seed = 201;
   for (const MaterialCase& material : DenseCases()) {

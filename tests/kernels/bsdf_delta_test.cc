@@ -1,5 +1,5 @@
-// BSDFs without a density: where they send light and how much of it, against optics in double; and
-// what scattering does for every BSDF.
+// Compares BSDFs without a density, their directions and throughputs, with optics in double; also
+// tests what scattering does for every BSDF.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ MaterialCase Glass(float ior) {
   return {"glass", BsdfKind::kDielectric, {.color = {1, 0.5f, 0.25f}, .ior = ior}};
 }
 
-// A normal and an eye that sees it at exactly cosine 1 too.
+// Returns an eye direction that also attains cosine 1 exactly.
 Vec EyeAt(double cosine) { return cosine == 1 ? kNormal : AtAngle(kNormal, cosine); }
 
 TEST(Mirror, ReflectsByFresnel) {
@@ -51,7 +51,7 @@ TEST(Mirror, ReflectsByFresnel) {
   }
 }
 
-// At cosine 1 both polarisations of Fresnel's formula are 0 / 0 for the index that stands for a
+// At cosine 1, both polarisations of Fresnel's formula are 0 / 0 for the index that represents a
 // perfect mirror.
 TEST(Mirror, PerfectMirrorSeenHeadOnLosesNothing) {
   MaterialRecord record = {.color = {1, 1, 1}};
@@ -62,7 +62,7 @@ TEST(Mirror, PerfectMirrorSeenHeadOnLosesNothing) {
   EXPECT_EQ(rays->throughput_r[0], 1);
 }
 
-// The lobe is chosen by lobe.u: over an even grid of it the shares of the lobes are Fresnel's.
+// lobe.u chooses the lobe: over a regular grid of it, the fractions of the lobes follow Fresnel.
 TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
   constexpr std::uint32_t kGrid = 4096;
   ScatterRows uniforms(kGrid, 3);
@@ -76,7 +76,7 @@ TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
           rows.surfaces->material[i] = 1 | (inside ? kBackFace : 0);
         }
         soa::Table<RayColumns> rays(kGrid);
-        // Every sample goes on: what is not reflected is refracted.
+        // Every sample survives: light that is not reflected is refracted.
         ASSERT_EQ(rows.kernels.scatter(rows.surfaces, rows.materials(), uniforms.view(), kGrid, {},
                                        rays, 0),
                   kGrid);
@@ -102,11 +102,11 @@ TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
           reflections += reflects;
           ASSERT_EQ(rays->pdf[i], 0);
           ASSERT_LT(Angle(wi, reflects ? mirrored : refracted), 3e-6 / std::sqrt(cosine));
-          // Radiance over the squared index is what refraction keeps.
+          // Refraction preserves radiance over the squared index.
           const double weight = reflects ? 1 : ratio * ratio;
           ASSERT_NEAR(rays->throughput_r[i], weight, 1e-6 * weight);
           ASSERT_NEAR(rays->throughput_b[i], weight / 4, 1e-6 * weight);
-          // It leaves from its own side, as far from the surface as on the other.
+          // The ray leaves on its own side, at the same distance from the surface as on the other.
           const Vec expected = reflects ? front : front - 2 * 0x1p-10 * kNormal;
           ASSERT_LT(Length(origin - expected), 1e-6 * (1 + Length(front)));
         }
@@ -118,7 +118,8 @@ TEST(Glass, ReflectsAndRefractsByFresnelAndSnell) {
   }
 }
 
-// Both faces at once: 2 R / (1 + R) comes back, the rest goes straight on, unbent and unscaled.
+// Both faces are handled at once: 2 R / (1 + R) is reflected, the rest continues straight and
+// unscaled.
 TEST(ThinGlass, ReflectsTwiceAndBendsNothing) {
   constexpr std::uint32_t kGrid = 4096;
   ScatterRows uniforms(kGrid, 3);
@@ -150,7 +151,7 @@ TEST(ThinGlass, ReflectsTwiceAndBendsNothing) {
   }
 }
 
-// A shading normal that would send the reflection below the surface gives way to the geometric one.
+// If a shading normal would reflect below the surface, the geometric normal is used instead.
 TEST(Mirror, BentNormalsKeepTheReflectionAbove) {
   constexpr std::uint32_t kRows = 2000;
   const float none[3] = {0, 0, 0};
@@ -184,8 +185,6 @@ TEST(Bsdfs, DeltaOnesStandBehindTheOthers) {
   }
 }
 
-// ---- Scattering, for every BSDF ----
-
 class AnyBsdf : public testing::TestWithParam<std::uint32_t> {
  protected:
   AnyBsdf() : rows_(Material(), kFullWave, kNormal, kNormal) {
@@ -211,7 +210,7 @@ class AnyBsdf : public testing::TestWithParam<std::uint32_t> {
   ShadingRows rows_;
 };
 
-TEST_P(AnyBsdf, DeltaIsNeverMet) {
+TEST_P(AnyBsdf, DeltaValuesAreZero) {
   if (!rows_.kernels.delta) GTEST_SKIP();
   const auto values = rows_.Evaluate(std::vector<Vec>(kFullWave, kNormal));
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
@@ -219,7 +218,7 @@ TEST_P(AnyBsdf, DeltaIsNeverMet) {
   }
 }
 
-// Rays in the order of their surfaces, behind those that were there.
+// Rays are appended in the order of their surfaces, after the existing ones.
 TEST_P(AnyBsdf, AppendsRaysInOrder) {
   const ScatterRows uniforms(kFullWave, 53);
   soa::Table<RayColumns> all(kFullWave);
@@ -252,8 +251,8 @@ TEST_P(AnyBsdf, AppendsRaysInOrder) {
   });
 }
 
-// A path goes on with probability min(1, largest throughput), and what goes on makes up for the
-// rest.
+// A path survives with probability min(1, largest throughput), and the survivors compensate for the
+// others.
 TEST_P(AnyBsdf, RouletteKeepsTheMean) {
   constexpr std::uint32_t kGrid = 1024;
   ScatterRows uniforms(kFullWave, 55);

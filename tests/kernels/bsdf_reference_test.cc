@@ -1,6 +1,6 @@
-// Kernels of BSDFs with a density against scalar double arithmetic: values and densities against
-// the oracle's formulae, directions drawn against the same draw in double, and the table of the
-// conductor against a quadrature that knows nothing of visible normals.
+// Compares the kernels of BSDFs with a density with scalar double arithmetic: values and densities
+// with the oracle's formulae, sampled directions with the same sampling in double, and the
+// conductor's table with a quadrature that does not use visible normals.
 
 #include <gtest/gtest.h>
 
@@ -69,11 +69,12 @@ TEST(BsdfReference, ValuesAndDensities) {
   }
 }
 
-// The other BSDFs against their formulae, along all pairs of directions and near the mirror's.
+// The other BSDFs are compared with their formulae along random pairs of directions, half of them
+// near the mirror direction.
 TEST(BsdfReference, Formulae) {
-  const Vec normal = {0, 0, 1};  // whose frame is the world's
+  const Vec normal = {0, 0, 1};  // its frame is the world's
   for (const MaterialCase& material : DenseCases()) {
-    // Of these the oracle knows albedos that no table has rounded (ValuesAndDensities).
+    // The oracle has unrounded albedos for these (ValuesAndDensities).
     using enum BsdfKind;
     if (material.kind == kLambert || material.kind == kConductor ||
         material.kind == kMetallicRoughness) {
@@ -102,7 +103,8 @@ TEST(BsdfReference, Formulae) {
         if (std::fabs(wis[i].z) < 1e-2 || (wis[i].z < 0 && !transmits)) continue;
         const FormulaValue exact = BsdfFormula(material, turned(wos[i]), turned(wis[i]));
         if (!exact.known) continue;
-        // Floats know directions to 1e-7, and a narrow lobe's value changes by that over its width.
+        // Float directions have errors of 1e-7, and the value of a narrow lobe changes by that over
+        // its width.
         const double tolerance = 3e-4 + 1e-5 / LobeWidth(material);
         const double floor = 1e-6 * largest;
         const float rgb[3] = {seen->r[i], seen->g[i], seen->b[i]};
@@ -117,8 +119,9 @@ TEST(BsdfReference, Formulae) {
   }
 }
 
-// A visible normal by the spherical cap of Dupuy and Benyoub 2023, or a cosine direction where the
-// lobe of multiple scattering is chosen; in a frame of its own, so heights are compared.
+// The direction follows from a visible normal by the spherical cap of Dupuy and Benyoub 2023, or
+// from the cosine if the lobe of multiple scattering is chosen; that has a frame of its own, so
+// heights are compared.
 TEST(BsdfReference, DirectionsDrawn) {
   const Vec normal = {0, 0, 1};
   for (const MaterialCase& material : Materials()) {
@@ -167,7 +170,8 @@ TEST(BsdfReference, DirectionsDrawn) {
   }
 }
 
-// E(mu) by half vectors distributed as D(h) cos: integral of G2 (wo.h) / (cos_o h.z).
+// Computes E(mu) with half vectors distributed as D(h) cos: the integral of G2 (wo.h) / (cos_o
+// h.z).
 double Albedo(double alpha, double mu, int radii, int turns) {
   const Vec wo = {std::sqrt(1 - mu * mu), 0, mu};
   const auto lambda = [&](double z) {

@@ -1,4 +1,4 @@
-// What the loops over rows do, for every BSDF with a density.
+// Tests the loops over rows for every BSDF with a density.
 
 #include "kernels/bsdf/bsdf.h"
 
@@ -19,7 +19,7 @@ const std::vector<MaterialCase>& Materials() { return DenseCases(); }
 
 class DenseBsdfRows : public testing::TestWithParam<std::size_t> {
  protected:
-  // Random surfaces, half of them with a bent shading normal, and random light samples.
+  // Creates random surfaces, half of them with a bent shading normal, and random light samples.
   DenseBsdfRows()
       : rows_(material_, kFullWave, {0, 0, 1}, {0, 0, 1}), lights_(kFullWave), wi_(kFullWave) {
     Random random(41);
@@ -59,7 +59,8 @@ TEST_P(DenseBsdfRows, NothingIsReflectedThroughTheSurface) {
   const auto values = rows_.Evaluate(wi_);
   const SurfaceColumns& s = rows_.surfaces;
   std::uint32_t below = 0;
-  // Powers and exponentials end in zeros of float, facets that refract in those that cannot.
+  // Powers and exponentials underflow to zero, and refracting facets do not exist for every
+  // direction.
   const bool ends = material_.kind >= BsdfKind::kDiffuseTransmission;
   for (std::uint32_t i = 0; i < kFullWave; ++i) {
     const double g = Dot(Get(i, s.ng_x, s.ng_y, s.ng_z), wi_[i]);
@@ -73,7 +74,7 @@ TEST_P(DenseBsdfRows, NothingIsReflectedThroughTheSurface) {
       ASSERT_GT(values->pdf[i], 0);
     }
   }
-  // Where light passes through, only the two normals' wedge is left.
+  // For transmissive surfaces, only the wedge between the two normals remains.
   EXPECT_GT(below, TransmissionRatio(material_) ? kFullWave / 64 : kFullWave / 3);
   soa::Table<RayColumns> rays(kFullWave);
   const ScatterRows uniforms(kFullWave, 43);
@@ -87,7 +88,7 @@ TEST_P(DenseBsdfRows, NothingIsReflectedThroughTheSurface) {
     const double h = Dot(Get(from, s.ns_x, s.ns_y, s.ns_z), wi);
     ASSERT_GT(g * h, -1e-6);
     ASSERT_TRUE(g > -1e-6 || TransmissionRatio(material_));
-    // It leaves from the side that it goes to.
+    // The ray leaves on the side to which it goes.
     const Vec front = {double(from), 2, 3};
     const Vec ng = Get(from, s.ng_x, s.ng_y, s.ng_z);
     const Vec origin = Get(i, rays->org_x, rays->org_y, rays->org_z);
@@ -96,7 +97,8 @@ TEST_P(DenseBsdfRows, NothingIsReflectedThroughTheSurface) {
   }
 }
 
-// Shadow rays start on the side of their light, however often they change it, and scattering knows.
+// Shadow rays start on the side of their light, even if the side changes repeatedly, and scattering
+// accounts for it.
 TEST_P(DenseBsdfRows, OriginsFollowTheLight) {
   const SurfaceColumns& s = rows_.surfaces;
   for (int sample = 0; sample < 3; ++sample) {
@@ -151,7 +153,7 @@ TEST_P(DenseBsdfRows, LightSamplesAreWeighted) {
                                  factor * s.throughput_b[i] * values->b[i] * lights_->b[i]};
         const float gain[3] = {lights->r[i], lights->g[i], lights->b[i]};
         for (int c = 0; c < 3; ++c) {
-          // Eight roundings of 2^-24; what underflows is 0.
+          // The tolerance covers eight roundings of 2^-24; tiny values underflow to 0.
           ASSERT_NEAR(gain[c], exact[c], 5e-7 * exact[c] + 1e-30) << "row " << i;
         }
         const bool counts = exact[0] + exact[1] + exact[2] > 1e-30;
@@ -161,7 +163,7 @@ TEST_P(DenseBsdfRows, LightSamplesAreWeighted) {
         } else if (exact[0] + exact[1] + exact[2] == 0) {
           ASSERT_LT(lights->t_far[i], 0);
         }
-        // The ray itself stays.
+        // The ray itself remains unchanged.
         ASSERT_EQ(lights->dir_x[i], lights_->dir_x[i]);
       }
       EXPECT_GT(open, LobeWidth(material_) > 0.05 ? 100u : 10u);

@@ -1,4 +1,4 @@
-// BSDFs that have a density: sampling, evaluation and energy agree with each other.
+// Tests that sampling, evaluation and energy of BSDFs with a density agree.
 
 #include "kernels/bsdf/bsdf.h"
 
@@ -21,14 +21,15 @@ namespace {
 const std::vector<MaterialCase>& Materials() { return DenseCases(); }
 const double kCosines[] = {1.0, 0.9, 0.6, 0.3, 0.1, 0.02};
 
-// Two normals: one whose frame is the world's, one in the lower half.
+// The frame of the first normal is the world's; the second one points into the lower half.
 const Vec kNormals[] = {{0, 0, 1}, Unit({0.5, -0.3, -0.7})};
 
-// The hemisphere of wi, cut into cells by the half vector h of wi and wo, about the normal: its
-// azimuth and q(r) = (r / (r + width) + r / (r + 1)) / 2, r = tangent of its angle. With width =
-// alpha the first summand resolves the GGX lobe, however narrow and however grazing wo; the second
-// one resolves what is diffuse. Where light passes through, the other hemisphere is cut likewise:
-// by the facet that refracts wo to wi (`ratio`: index near over far) or, with ratio 1, mirrored.
+// Divides the hemisphere of wi into cells by the half vector h of wi and wo about the normal: by
+// its azimuth and by q(r) = (r / (r + width) + r / (r + 1)) / 2, where r is the tangent of its
+// angle. With width = alpha, the first summand resolves the GGX lobe, however narrow the lobe and
+// however grazing wo; the second one resolves diffuse parts. For transmissive surfaces the other
+// hemisphere is divided likewise: by the facet that refracts wo to wi (`ratio`: near index over far
+// index) or, with ratio 1, by the mirrored cells.
 class HalfVectorCells {
  public:
   static constexpr int kBins = 16;  // along each side
@@ -54,8 +55,8 @@ class HalfVectorCells {
         const auto bin = std::size_t(a / finer * kBins + b / finer);
         if (ratio) AddBelow(h, toward, dh, bin + kBins * kBins);
         if (toward <= 0 || Dot(wi, n_) <= 0) continue;
-        // dh = cos^3 dslope, dslope = r dr dphi, and dwi = 4 (wo . h) dh (Walter et al. 2007,
-        // eq. 14).
+        // dh = cos^3 dslope, dslope = r dr dphi, and dwi = 4 (wo . h) dh (Walter et al. 2007, eq.
+        // 14).
         directions_.push_back(wi);
         solid_angles_.push_back(4 * toward * dh);
         bins_.push_back(bin);
@@ -84,7 +85,8 @@ class HalfVectorCells {
   void AddBelow(Vec h, double toward, double dh, std::size_t bin) {
     const double sine2 = ratio_ * ratio_ * (1 - toward * toward);
     if (toward <= 0 || (ratio_ != 1 && sine2 >= 1)) return;
-    // Snell, and dwi = dh (ratio wo . h + wi . h)^2 / |wi . h| (Walter et al. 2007, eq. 17).
+    // This is Snell's law, and dwi = dh (ratio wo . h + wi . h)^2 / |wi . h| (Walter et al. 2007,
+    // eq. 17).
     const double inside = -std::sqrt(1 - sine2);
     Vec wi = (ratio_ * toward + inside) * h - ratio_ * wo_;
     double dwi = dh * std::pow(ratio_ * toward + inside, 2) / -inside;
@@ -94,7 +96,7 @@ class HalfVectorCells {
     solid_angles_.push_back(dwi);
     bins_.push_back(bin);
   }
-  // The inverse of q(r), from a quadratic equation, and dq/dr.
+  // Tangent() inverts q(r) by a quadratic equation; Slope() is dq/dr.
   double Tangent(double q) const {
     const double b = (1 - 2 * q) * (1 + width_);
     const double root = std::sqrt(b * b + 16 * (1 - q) * q * width_);
@@ -122,14 +124,14 @@ class DenseBsdf : public testing::TestWithParam<Case> {
   }
 };
 
-// Counts in cells against the density, the samples that go below the horizon in a cell of their
-// own: they are all that the density, integrated over the hemisphere, lacks.
+// Compares counts in cells with the density. Samples below the horizon have a cell of their own:
+// they account for everything that the integral of the density over the hemisphere lacks.
 TEST_P(DenseBsdf, ScatterFollowsTheDensity) {
   constexpr std::uint32_t kSamples = 30000;
   for (const Vec normal : kNormals) {
     const Vec wo = AtAngle(normal, cosine_);
-    // Phong's lobe is round about the mirror direction: at grazing angles a long one of half
-    // vectors.
+    // Phong's lobe is round about the mirror direction, so at grazing angles it is elongated in
+    // half vectors.
     const bool grazing = material_.kind == BsdfKind::kPhong && cosine_ < 0.1;
     const HalfVectorCells cells(normal, wo, LobeWidth(material_), grazing ? 48 : 16,
                                 TransmissionRatio(material_));
@@ -162,7 +164,7 @@ TEST_P(DenseBsdf, ScatterFollowsTheDensity) {
   }
 }
 
-// The kernels' frame about a normal (Duff et al. 2017), turned to the tangent, in double.
+// The kernels' frame about a normal (Duff et al. 2017), rotated to the tangent, in double.
 class TangentFrame {
  public:
   TangentFrame(Vec n, double turn) : n_(n) {
@@ -178,7 +180,7 @@ class TangentFrame {
   Vec s_, t_, n_;
 };
 
-// What multiplications and polynomials lose beside the directions.
+// Rounding errors of multiplications and polynomials, excluding those of the directions.
 constexpr double kArithmetic = 1e-5;
 
 TEST_P(DenseBsdf, WeightIsValueOverDensity) {
@@ -198,10 +200,11 @@ TEST_P(DenseBsdf, WeightIsValueOverDensity) {
       ASSERT_NEAR(Length(directions[i]), 1, 1e-5);
       const double height = Dot(directions[i], normal);
       ASSERT_TRUE(height > 0 || TransmissionRatio(material_));
-      // A direction at the very horizon keeps only an absolute precision.
+      // A direction near the horizon has only an absolute precision.
       if (std::fabs(height) < 1e-3) continue;
-      // Both are the formula at directions that differ by roundings: five a component from the
-      // frame to the world, five back, and as many again in the vectors of the frame.
+      // Both values are the formula at directions that differ by rounding: five errors per
+      // component from the frame to the world, five back, and as many again in the vectors of the
+      // frame.
       const Vec eye = frame.To(wo), light = frame.To(directions[i]);
       const FormulaValue exact = BsdfFormula(material_, eye, light);
       if (!exact.known) continue;
@@ -230,14 +233,15 @@ INSTANTIATE_TEST_SUITE_P(All, DenseBsdf,
                                           testing::Range(std::size_t{0}, std::size(kCosines))),
                          CaseName);
 
-// Directional albedo: mean weight over a Kronecker sequence (error some 1e-4).
+// Computes the directional albedo as the mean weight over a Kronecker sequence (error about 1e-4).
 std::array<double, 3> Albedo(const MaterialCase& material, double cosine) {
   constexpr std::uint32_t kSamples = 20000;
   const Vec normal = {0, 0, 1};
   const ShadingRows rows(material, kSamples, normal, AtAngle(normal, cosine));
   const ScatterRows uniforms(kSamples);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
-    // Powers of the root of x^4 = x + 1, the generalised golden ratio of three dimensions.
+    // The steps are inverse powers of the root of x^4 = x + 1, the generalised golden ratio for
+    // three dimensions.
     const auto point = [&](double step) {
       const double x = 0.5 + i * step;
       return float(std::min(x - std::floor(x), 1 - 0x1p-24));
@@ -252,7 +256,7 @@ std::array<double, 3> Albedo(const MaterialCase& material, double cosine) {
   std::array<double, 3> sum = {};
   const double ratio = TransmissionRatio(material).value_or(1);
   for (std::uint32_t i = 0; i < alive; ++i) {
-    // Energy, not radiance: without the squared index ratio.
+    // Energy, unlike radiance, has no factor of the squared index ratio.
     const double scale = rays->dir_z[i] < 0 ? 1 / (ratio * ratio) : 1;
     sum[0] += scale * rays->throughput_r[i], sum[1] += scale * rays->throughput_g[i];
     sum[2] += scale * rays->throughput_b[i];
@@ -270,9 +274,10 @@ TEST(BsdfEnergy, LambertReflectsItsColor) {
   }
 }
 
-// A furnace: a conductor that absorbs nothing reflects everything, at every width and angle. What
-// Kulla and Conty's lobe misses is what its table of 32 x 32 interpolates wrongly: measured at most
-// 0.48 % from cosine 0.1 up (at alpha 0.017) and 1.7 % below (at alpha 0.004, cosine 0.015).
+// This is a furnace test: a conductor that absorbs nothing reflects everything, at every width and
+// angle. The error of Kulla and Conty's lobe comes from interpolation in its 32 x 32 table: at most
+// 0.48 % from cosine 0.1 up (at alpha 0.017) and 1.7 % below (at alpha 0.004, cosine 0.015) were
+// measured.
 TEST(BsdfEnergy, WhiteConductorLosesNothing) {
   for (int a = 0; a <= 40; ++a) {
     const float alpha = float(0.001 + 0.999 * (a / 40.0) * (a / 40.0));
@@ -284,8 +289,8 @@ TEST(BsdfEnergy, WhiteConductorLosesNothing) {
   }
 }
 
-// White bodies under their coat, white metals and all mixes of them are furnaces too, of any index;
-// the coat alone, over black, gives back less than it gets.
+// White bodies under their coat, white metals and all their mixtures pass the furnace test too, for
+// any index; the coat alone, over black, reflects less than it receives.
 TEST(BsdfEnergy, WhiteMetallicRoughnessLosesNothing) {
   for (const float metallic : {0.0f, 0.3f, 1.0f}) {
     for (const float ior : {1.0f, 1.5f, 2.2f}) {
@@ -310,7 +315,7 @@ TEST(BsdfEnergy, WhiteMetallicRoughnessLosesNothing) {
   EXPECT_LT(coat, 0.05);
 }
 
-// Rough white clay, and a sheet that absorbs nothing.
+// The materials are rough white clay and a sheet that absorbs nothing.
 TEST(BsdfEnergy, WhiteDiffuseSurfacesLoseNothing) {
   for (const double cosine : kCosines) {
     for (const float roughness : {0.0f, 0.3f, 1.0f}) {
@@ -323,8 +328,9 @@ TEST(BsdfEnergy, WhiteDiffuseSurfacesLoseNothing) {
   }
 }
 
-// What single scattering of facets keeps is what their formula keeps, in double, summed over cells:
-// kernels are off it by the errors of both sums, some 1e-4 each. Narrow lobes keep nearly all.
+// The energy of single-scattering facets must be that of their formula, summed over cells in
+// double. The kernels deviate by the errors of both sums, about 1e-4 each. Narrow lobes keep nearly
+// all energy.
 TEST(BsdfEnergy, FacetsKeepWhatTheirFormulaKeeps) {
   std::vector<MaterialCase> cases;
   for (const float alpha : {0.02f, 0.3f}) {
@@ -367,7 +373,7 @@ TEST(BsdfEnergy, NoMaterialReflectsMoreThanItGets) {
   }
 }
 
-// Gold's albedo at a smooth surface is Fresnel's reflectance, computed here in complex numbers.
+// At a smooth surface, gold's albedo is its Fresnel reflectance, computed here in complex numbers.
 TEST(BsdfEnergy, SmoothGoldReflectsByFresnel) {
   const MaterialRecord gold = GoldConductor(0.001f);
   for (const double cosine : kCosines) {
@@ -388,7 +394,7 @@ TEST(BsdfValue, IsReciprocal) {
     std::vector<Vec> wi(kPairs), wo(kPairs);
     for (std::uint32_t i = 0; i < kPairs; ++i) {
       wo[i] = random.DirectionAbout(normal);
-      // Half of the pairs near the mirror direction, where narrow lobes are.
+      // Half of the pairs are near the mirror direction, where narrow lobes are.
       const Vec mirror = 2 * Dot(normal, wo[i]) * normal - wo[i];
       const double spread = LobeWidth(material) * random.Between(0, 3);
       wi[i] =
@@ -407,16 +413,16 @@ TEST(BsdfValue, IsReciprocal) {
   }
 }
 
-// Transmission: f n_i^2 is symmetric when near and far change places (Veach 1997, eq. 5.14). The
-// formula is, to the last digits of double; the kernel is off it by what rounding its directions
-// does to the formula. Next to total reflection that is much: 1 - F goes with the root of a
-// difference of numbers near 1 there.
+// For transmission, f n_i^2 is symmetric under exchange of near and far (Veach 1997, eq. 5.14). The
+// formula fulfils this to the last digits of double; the kernel deviates by the effect that
+// rounding of its directions has on the formula. Near total internal reflection this effect is
+// large because 1 - F behaves like the root of a difference of numbers near 1.
 TEST(BsdfValue, TransmissionIsReciprocal) {
   constexpr std::uint32_t kPairs = 2000;
   for (const MaterialCase& material : Materials()) {
     const auto ratio = TransmissionRatio(material);
     if (!ratio) continue;
-    const Vec normal = {0, 0, 1};  // whose frame is the world's
+    const Vec normal = {0, 0, 1};  // its frame is the world's
     MaterialCase other = material;
     other.back = !material.back;
     Random random(39);
@@ -433,7 +439,7 @@ TEST(BsdfValue, TransmissionIsReciprocal) {
     for (std::uint32_t i = 0; i < kPairs; ++i) {
       const double cos_i = std::fabs(wi[i].z), cos_o = wo[i].z;
       if (cos_i < 1e-2 || cos_o < 1e-2) continue;
-      // Of the other side, z is towards the eye.
+      // On the other side, z points towards the eye.
       const auto turned = [](Vec w) { return Vec{w.x, -w.y, -w.z}; };
       const FormulaValue there_exact = BsdfFormula(material, wo[i], wi[i]);
       const FormulaValue back_exact = BsdfFormula(other, turned(wi[i]), turned(wo[i]));
@@ -453,9 +459,9 @@ TEST(BsdfValue, TransmissionIsReciprocal) {
   }
 }
 
-// GGX in double, from the formulas of the papers: D (Walter et al. 2007, eq. 33), Lambda (Heitz
-// 2014, eq. 72), height-correlated G2 and G1, without the multiple-scattering lobe, which a black
-// factor switches off.
+// Computes GGX in double from the formulas of the papers: D (Walter et al. 2007, eq. 33), Lambda
+// (Heitz 2014, eq. 72), height-correlated G2, and G1, without the multiple-scattering lobe, which a
+// black factor switches off.
 TEST(BsdfValue, SingleScatteringMatchesTheFormula) {
   constexpr std::uint32_t kRows = 2000;
   for (const float alpha : {0.01f, 0.1f, 0.5f, 1.0f}) {

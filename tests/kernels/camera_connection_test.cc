@@ -1,5 +1,5 @@
-// Connections to the camera against the rays that it begins: the same way back, and as many splats
-// as there is film.
+// Compares connections to the camera with the camera's own rays: they must reverse them, and splats
+// must cover the film exactly.
 
 #include "kernels/light_paths/camera_connection.h"
 
@@ -28,7 +28,7 @@ const CameraCase kCases[] = {{CameraKind::kPerspective, false},  {CameraKind::kP
                              {CameraKind::kLatLong, false},      {CameraKind::kEqualArea, false},
                              {CameraKind::kFisheye, false}};
 
-// Oblique, left-handed and scaled.
+// The camera is oblique, left-handed and scaled.
 Camera CameraOf(const CameraCase& c) {
   Camera camera = LookAtCamera({1, 2, 3}, {-4, 1.5f, 8}, {0.1f, 1, 0.2f}, 70, true);
   for (int i = 0; i < 3; ++i) camera.world_from_camera[i] *= 1.5f;
@@ -84,14 +84,14 @@ TEST_P(CameraConnections, GoBackAlongCameraRays) {
   ConnectCamera(view_, c.points, c.lens, n, c.lights, c.cameras);
   std::uint32_t seen = 0;
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (rays->t_far[i] < 0) continue;  // outside of the fisheye's circle
+    if (rays->t_far[i] < 0) continue;  // outside the fisheye's circle
     ++seen;
     ASSERT_NEAR(c.lights->t_far[i], distance[i], 1e-5 * distance[i]) << "row " << i;
     const Vec dir = Get(i, rays->dir_x, rays->dir_y, rays->dir_z);
     ASSERT_LT(Length(Get(i, c.lights->dir_x, c.lights->dir_y, c.lights->dir_z) + dir), 5e-6);
     const double x = paths->pixel[i] % kWidth + double(film->u[i]);
     const double y = double(paths->pixel[i] / kWidth) + film->v[i];
-    // Next to a pole a step sideways is none.
+    // Near a pole, a horizontal shift hardly changes the direction.
     const double across = camera_.kind == CameraKind::kLatLong ? std::sin(kPi * y / kHeight) : 1;
     ASSERT_NEAR((c.cameras->x[i] - x) * across, 0, 2e-3) << "row " << i;
     ASSERT_NEAR(c.cameras->y[i], y, 2e-3) << "row " << i;
@@ -114,20 +114,22 @@ TEST_P(CameraConnections, SeeNothingBehindThem) {
   EXPECT_GT(c.lights->t_far[2], 0);
 }
 
-// Points spread over area that hides all else see, by importance and cosine, the whole film once.
+// Points on an area that covers the whole view must, weighted by importance and cosine, count the
+// whole film exactly once.
 TEST_P(CameraConnections, ImportanceIsPixelsOverArea) {
   constexpr std::uint32_t kPoints = 200000;
   Connected c(kPoints);
   Random random(311);
   const Vec origin = Axis(3), forward = Unit(Axis(2));
   const Vec s = Unit(Cross(forward, {0.2, 0.9, 0.1})), t = Cross(forward, s);
-  constexpr double kRadius = 4, kSide = 32;  // of a sphere, or of a square across the view
+  constexpr double kRadius = 4, kSide = 32;  // the sphere's radius, or the side of a square across
+                                             // the view
   std::vector<Vec> normals(kPoints);
   for (std::uint32_t i = 0; i < kPoints; ++i) {
     c.lens->u[i] = random.Float(), c.lens->v[i] = random.Float();
     Vec point;
     if (plane()) {
-      // Tilted: cosines are not those of the axis.
+      // The square is tilted, so that its cosines differ from those of the axis.
       const Vec tilted = Unit(s + 0.3 * forward);
       normals[i] = Cross(tilted, t);
       point = origin + 7 * forward + random.Between(-0.5, 0.5) * kSide * tilted +
@@ -190,8 +192,6 @@ INSTANTIATE_TEST_SUITE_P(All, CameraConnections, testing::Range(std::size_t{0}, 
                            return std::string(kCaseNames[row.param]);
                          });
 
-// ---- Pixels ----
-
 struct FilterCase {
   PixelFilter filter;
   float radius;
@@ -202,7 +202,8 @@ const FilterCase kFilters[] = {{PixelFilter::kBox, 0.5f},
                                {PixelFilter::kGaussian, 1.5f},
                                {PixelFilter::kBlackmanHarris, 1.5f}};
 
-// The density of offsets that camera rays have, by their own table: over a cell around `offset`.
+// Returns the density of the offsets of camera rays by their own table, in the cell around
+// `offset`.
 double DensityOf(const std::vector<float>& offsets, double offset) {
   for (std::size_t k = 0; k + 1 < offsets.size(); ++k) {
     if (offset >= offsets[k] && offset < offsets[k + 1]) {
@@ -227,7 +228,8 @@ TEST(FilterDensities, AreThoseOfTheOffsets) {
   }
 }
 
-// One film position, an even grid of uniforms: every pixel gets its filter's weight there.
+// For one film position and a regular grid of uniforms, every pixel receives its filter's weight
+// there.
 TEST(ChoosePixels, SharesASplatByTheFilters) {
   constexpr std::uint32_t kGrid = 128, n = kGrid * kGrid;
   Camera camera;
@@ -262,8 +264,8 @@ TEST(ChoosePixels, SharesASplatByTheFilters) {
   }
 }
 
-// Splats that are even over the film, and over what surrounds it, make an even picture, on the
-// film's rim too.
+// Uniform splats over the film and its surroundings must give a uniform picture, also at the edges
+// of the film.
 TEST(ChoosePixels, MakesEvenSplatsAnEvenPicture) {
   constexpr std::uint32_t n = 400000;
   constexpr int width = 12, height = 8;

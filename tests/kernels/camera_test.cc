@@ -1,4 +1,5 @@
-// Camera rays against double arithmetic, films of awkward sizes, and the pixel filters.
+// Compares camera rays with double arithmetic, on films of awkward sizes, and tests the pixel
+// filters.
 
 #include "kernels/camera.h"
 
@@ -17,7 +18,7 @@ namespace {
 
 const std::vector<float> kNoOffsets(kFilterCells + 1, 0.0f);
 
-// A camera from which the film position can be read: direction (x, y, 1) * scale.
+// Returns a camera whose rays reveal the film position: direction (x, y, 1) * scale.
 CameraView FlatCamera(std::uint32_t width, float scale, const float* offsets) {
   return {.origin = {1, 2, 3},
           .corner = {0, 0, 1},
@@ -88,7 +89,7 @@ TEST(Camera, DirectionsMatchDoubleArithmetic) {
     // The field of view is that of the shorter side.
     const double pixel = 2 * std::tan(37 * kPi / 360) / std::min(width, height);
     for (std::uint32_t i = 0; i < n; ++i) {
-      // A box filter: the uniform itself.
+      // With a box filter, the offset is the uniform number itself.
       const double x = paths->pixel[i] % view.width + double(film->u[i]);
       const double y = paths->pixel[i] / view.width + double(film->v[i]);
       const Vec exact =
@@ -125,13 +126,11 @@ TEST(Camera, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
-// ---- Filters ----
-
 struct FilterCase {
   PixelFilter filter;
   float radius;
 };
-// The filters' definitions, unnormalised, at x in [-1, 1] radii.
+// Returns the unnormalised filter at x in [-1, 1] radii.
 double Weight(PixelFilter filter, double x) {
   switch (filter) {
     case PixelFilter::kBox:
@@ -163,8 +162,8 @@ TEST(Filters, SamplesFollowTheFilter) {
       ASSERT_LE(std::fabs(offsets[i]), c.radius);
       ASSERT_NEAR(offsets[i], -offsets[kFilterCells - i], 1e-4 * c.radius) << "cell " << i;
     }
-    // Bins of equal shares of the filter, each 32 cells of the table: inside a cell offsets are
-    // interpolated, which shows in the thin tails only.
+    // The bins are equal parts of the filter, each 32 cells of the table: within a cell offsets are
+    // interpolated, which matters in the thin tails only.
     constexpr std::uint32_t kSamples = 100000;
     constexpr int kBins = kFilterCells / 32, kSteps = 100000;
     std::vector<double> cumulative(kSteps + 1);

@@ -1,4 +1,4 @@
-// Rays that leave lights: where and in which directions, how densely, and how much they carry.
+// Tests the rays that leave lights: their origins, directions, densities and flux.
 
 #include "kernels/light_paths/emission.h"
 
@@ -20,7 +20,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t kSamples = 40000;
 const SceneSphere kSphere = {.center = {1, -2, 3}, .radius = 5};
 
-// One light of each kind, in the order of the kinds, then a triangle that shines on both sides.
+// Returns one light of each kind, in the order of the kinds, then a two-sided triangle.
 std::vector<LocalLight> Lights() {
   const auto light = [](LocalLightKind kind, std::initializer_list<float> emission) {
     LocalLight l = {.kind = kind};
@@ -50,7 +50,7 @@ std::vector<LocalLight> Lights() {
 }
 enum Row { kOneSided, kBothSides, kPoint, kSpot, kDistant };
 
-// What a light sends out in the red channel, by hand.
+// Returns the power of a light in the red channel, computed by hand.
 double PowerOf(std::uint32_t row) {
   const LocalLight light = Lights()[row];
   const double e = light.emission[0];
@@ -62,7 +62,7 @@ double PowerOf(std::uint32_t row) {
     case kPoint:
       return 4 * kPi * e;
     case kSpot:
-      // The falloff is symmetric in the cosine: half of what lies between the cones.
+      // The falloff is symmetric in the cosine, so the range between the cones contributes half.
       return 2 * kPi * e * (1 - 0.5 * (0.95 + 0.7));
     default:
       return kPi * 25 * e;
@@ -87,7 +87,7 @@ struct Emitted {
   soa::Table<HitColumns> places;
 };
 
-// Rays of light `row` alone, which half of all uniforms pick.
+// Returns rays of light `row` alone, which half of all uniforms select.
 Emitted EmitOf(std::uint32_t row, std::uint32_t n, std::uint32_t seed) {
   const std::vector<LocalLight> lights = Lights();
   const std::uint32_t first[] = {0, kChoiceUnits / 2};
@@ -101,7 +101,7 @@ Emitted EmitOf(std::uint32_t row, std::uint32_t n, std::uint32_t seed) {
   return e;
 }
 
-// Cells of two numbers in [0, 1) that ought to be uniform and independent.
+// Tests whether pairs of numbers in [0, 1) are uniform and independent by counting in cells.
 testing::AssertionResult AreUniform(
     std::uint32_t n, const std::function<std::pair<double, double>(std::uint32_t)>& at) {
   constexpr int kSide = 12;
@@ -123,7 +123,8 @@ double Turn(Vec d, Vec axis) {
   return std::atan2(Dot(d, t), Dot(d, s)) / (2 * kPi) + 0.5;
 }
 
-// On the disk before the sphere: the area inside the radius, and the azimuth.
+// Returns the position on the disk in front of the sphere: the area fraction within the radius, and
+// the azimuth.
 std::pair<double, double> OnDisk(Vec origin, Vec towards) {
   const Vec from = origin - Of(kSphere.center);
   const Vec across = from - Dot(from, towards) * towards;
@@ -137,12 +138,12 @@ TEST_P(LightRays, CarryThePowerOfTheLight) {
   const Emitted e = EmitOf(row, kSamples, 201);
   Moments flux;
   for (std::uint32_t i = 0; i < kSamples; ++i) flux.Add(e.rays->throughput_r[i]);
-  // Half of the paths get it, so they carry twice as much.
+  // Half of the paths select the light, so they carry twice its power.
   EXPECT_TRUE(
       AgreesWith(flux.mean(), flux.standard_error(), 2 * PowerOf(row), SidakLevel(5), 1e-5));
 }
 
-TEST_P(LightRays, AreWhatTheRecordSays) {
+TEST_P(LightRays, MatchTheRecord) {
   const std::uint32_t row = GetParam();
   const LocalLight light = Lights()[row];
   const Emitted e = EmitOf(row, kSamples, 203);
@@ -193,13 +194,13 @@ TEST_P(LightRays, AreWhatTheRecordSays) {
   }
 }
 
-TEST_P(LightRays, LeaveAsDenselyAsTheySay) {
+TEST_P(LightRays, LeaveWithTheReportedDensity) {
   const std::uint32_t row = GetParam();
   const LocalLight light = Lights()[row];
   const Emitted e = EmitOf(row, kSamples, 205);
   const Vec normal = Unit(Cross(Of(light.axis), Of(light.edge))), axis = Of(light.axis);
   if (row == kOneSided || row == kBothSides) {
-    // A square over the triangle, even where its points are (Turk's first map).
+    // A triangle maps to a square with uniform density (the inverse of Turk's first map).
     EXPECT_TRUE(AreUniform(kSamples, [&](std::uint32_t i) {
       const double a = e.places->u[i], b = e.places->v[i];
       return std::pair(a + b < 1 ? std::pow(1 - a, 2) : 0, b / std::max(1 - a, 1e-9));
@@ -210,7 +211,7 @@ TEST_P(LightRays, LeaveAsDenselyAsTheySay) {
       if (row == kOneSided) return std::pair(cosine > 0 ? area : 2, Turn(d, normal));
       return std::pair(cosine > 0 ? 0.5 * area : 1 - 0.5 * area, Turn(d, normal));
     }));
-    // Where from says nothing of where to.
+    // Position and direction are independent.
     EXPECT_TRUE(AreUniform(kSamples, [&](std::uint32_t i) {
       return std::pair(std::pow(1 - double(e.places->u[i]), 2), Turn(e.Direction(i), normal));
     }));
@@ -219,7 +220,7 @@ TEST_P(LightRays, LeaveAsDenselyAsTheySay) {
   if (row == kDistant) {
     for (std::uint32_t i = 0; i < kSamples; ++i) {
       ASSERT_LT(Length(e.Direction(i) + axis), 1e-6);
-      // Outside of the sphere.
+      // The origin is outside the sphere.
       ASSERT_GT(Dot(e.Origin(i) - Of(kSphere.center), axis), 5 - 1e-5);
     }
     EXPECT_TRUE(AreUniform(kSamples, [&](std::uint32_t i) { return OnDisk(e.Origin(i), axis); }));
@@ -241,7 +242,8 @@ INSTANTIATE_TEST_SUITE_P(All, LightRays, testing::Range(0u, 5u),
                            return std::string(kLightNames[row.param]);
                          });
 
-// All of them at once: each gets what it is picked for, and the rest is left to the sky.
+// With all lights together, each is selected as often as the choice demands, and the rest is left
+// to the environment.
 TEST(LightRaysOfAll, ArePickedAsTheChoiceHasIt) {
   const std::vector<LocalLight> lights = Lights();
   const std::uint32_t first[] = {0,
@@ -276,7 +278,7 @@ TEST(LightRaysOfAll, ArePickedAsTheChoiceHasIt) {
   }
 }
 
-// Light samples of a sky: some with a density, some directional, some that found nothing.
+// Light samples of an environment: some have a density, some are directional, some found nothing.
 struct EnvironmentSamples {
   explicit EnvironmentSamples(std::uint32_t n) : samples(n) {
     Random random(221);
@@ -289,13 +291,13 @@ struct EnvironmentSamples {
   soa::Table<LightColumns> samples;
 };
 
-TEST(EnvironmentRays, AreWhatTheSamplesAre) {
-  const EnvironmentSamples sky(kSamples);
+TEST(EnvironmentRays, MatchTheSamples) {
+  const EnvironmentSamples environment(kSamples);
   const auto disk = RandomUniforms(kSamples, 222);
   Emitted e(kSamples);
-  EmitFromEnvironment(kSphere, sky.samples, disk, kSamples, e.rays, e.emission);
+  EmitFromEnvironment(kSphere, environment.samples, disk, kSamples, e.rays, e.emission);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
-    const LightColumns& s = sky.samples;
+    const LightColumns& s = environment.samples;
     const Vec towards = Get(i, s.dir_x, s.dir_y, s.dir_z);
     ASSERT_EQ(Length(e.Direction(i) + towards), 0);
     ASSERT_GT(Dot(e.Origin(i) - Of(kSphere.center), towards), 5 - 1e-5);
@@ -315,8 +317,8 @@ TEST(EnvironmentRays, AreWhatTheSamplesAre) {
       AreUniform(kSamples, [&](std::uint32_t i) { return OnDisk(e.Origin(i), -e.Direction(i)); }));
 }
 
-// Light from far away is as near as the box lets it be, and the same light: on the lines that it
-// would have come along.
+// Environment rays may start as close as the box permits, but on the same lines and with the same
+// light.
 TEST(EnvironmentRays, BeginWhereTheyEnterTheBox) {
   SceneSphere boxed = kSphere;
   const double low[3] = {-3, -0.1, -3.9}, high[3] = {3, 0.4, 3.9};
@@ -324,18 +326,19 @@ TEST(EnvironmentRays, BeginWhereTheyEnterTheBox) {
     boxed.low[axis] = boxed.center[axis] + float(low[axis]);
     boxed.high[axis] = boxed.center[axis] + float(high[axis]);
   }
-  const EnvironmentSamples sky(kSamples);
+  const EnvironmentSamples environment(kSamples);
   const auto disk = RandomUniforms(kSamples, 222);
   Emitted from_disk(kSamples), from_box(kSamples);
-  EmitFromEnvironment(kSphere, sky.samples, disk, kSamples, from_disk.rays, from_disk.emission);
-  EmitFromEnvironment(boxed, sky.samples, disk, kSamples, from_box.rays, from_box.emission);
+  EmitFromEnvironment(kSphere, environment.samples, disk, kSamples, from_disk.rays,
+                      from_disk.emission);
+  EmitFromEnvironment(boxed, environment.samples, disk, kSamples, from_box.rays, from_box.emission);
   std::uint32_t entered = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const Vec dir = from_disk.Direction(i), before = from_disk.Origin(i);
-    const Vec way = from_box.Origin(i) - before;
+    const Vec shift = from_box.Origin(i) - before;
     ASSERT_EQ(Length(from_box.Direction(i) - dir), 0);
-    ASSERT_LT(Length(way - Dot(way, dir) * dir), 1e-5) << "row " << i;
-    ASSERT_GE(Dot(way, dir), -1e-5);
+    ASSERT_LT(Length(shift - Dot(shift, dir) * dir), 1e-5) << "row " << i;
+    ASSERT_GE(Dot(shift, dir), -1e-5);
     ASSERT_EQ(from_box.emission->pdf[i], from_disk.emission->pdf[i]);
     double enters = 0, leaves = 10;
     const double org[3] = {before.x, before.y, before.z}, along[3] = {dir.x, dir.y, dir.z};
@@ -345,14 +348,14 @@ TEST(EnvironmentRays, BeginWhereTheyEnterTheBox) {
       enters = std::max(enters, std::min(a, b)), leaves = std::min(leaves, std::max(a, b));
     }
     if (enters >= leaves) continue;
-    ASSERT_NEAR(Dot(way, dir), enters, 1e-5 / std::fabs(dir.y)) << "row " << i;
+    ASSERT_NEAR(Dot(shift, dir), enters, 1e-5 / std::fabs(dir.y)) << "row " << i;
     ++entered;
   }
   EXPECT_GT(entered, kSamples / 10);
 }
 
 TEST(Emission, BitsDoNotDependOnTargetOrNumberOfRows) {
-  const EnvironmentSamples sky(kFullWave);
+  const EnvironmentSamples environment(kFullWave);
   const std::vector<LocalLight> lights = Lights();
   const std::uint32_t first[] = {0,
                                  kChoiceUnits / 8,
@@ -364,7 +367,7 @@ TEST(Emission, BitsDoNotDependOnTargetOrNumberOfRows) {
   const auto pick = RandomUniforms(kFullWave, 231), aim = RandomUniforms(kFullWave, 232);
   const auto emit = [&](std::uint32_t n) {
     Emitted e(kFullWave);
-    EmitFromEnvironment(kSphere, sky.samples, aim, n, e.rays, e.emission);
+    EmitFromEnvironment(kSphere, environment.samples, aim, n, e.rays, e.emission);
     EmitFromLocalLights(view, {.first = first, .share = 0.75f}, kSphere, pick, aim, n, e.rays,
                         e.emission, e.places);
     return e.Bits(n);

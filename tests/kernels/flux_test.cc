@@ -1,4 +1,5 @@
-// Transport of flux: what light paths carry over a surface against what camera paths carry back.
+// Tests the transport of flux: compares the throughput of light paths at a surface with that of
+// camera paths in reverse.
 
 #include "kernels/light_paths/flux.h"
 
@@ -22,19 +23,19 @@ std::vector<MaterialCase> AllCases() {
   return cases;
 }
 
-// Index near over far; 1 where nothing is refracted.
+// Returns the near index over the far index, or 1 if nothing is refracted.
 double Ratio(const MaterialCase& material) {
   if (!Bsdfs()[std::size_t(material.kind)].refracts) return 1;
   return material.back ? double(material.record.ior) : 1.0 / material.record.ior;
 }
 
-// The kernel that divides by the squared ratio is told a float's ratio.
+// The kernel that divides by the squared ratio receives the ratio as a float.
 constexpr double kRounding = 1e-5;
 
 class Flux : public testing::TestWithParam<std::size_t> {
  protected:
   Flux() : material_(AllCases()[GetParam()]), rows_(material_, kFullWave, kNormal, kNormal) {}
-  // Surfaces seen by some cosine from some directions; normals apart by `bend`.
+  // Creates surfaces seen from random directions; shading normals deviate by `bend`.
   void Bend(double bend) {
     Random random(71);
     for (std::uint32_t i = 0; i < kFullWave; ++i) {
@@ -51,7 +52,7 @@ class Flux : public testing::TestWithParam<std::size_t> {
                                    policy, rays, 0);
     return rays;
   }
-  // Veach 1997, eq. 5.19 and eq. 5.14, in double.
+  // Returns the factor of Veach 1997, eq. 5.19 and eq. 5.14, in double.
   double Factor(std::uint32_t row, Vec wi) const {
     const SurfaceColumns& s = rows_.surfaces;
     const Vec ns = Get(row, s.ns_x, s.ns_y, s.ns_z), ng = Get(row, s.ng_x, s.ng_y, s.ng_z);
@@ -65,7 +66,7 @@ class Flux : public testing::TestWithParam<std::size_t> {
   ShadingRows rows_;
 };
 
-// Where the normals are one, only refraction tells flux from radiance.
+// If the two normals are equal, flux and radiance differ by refraction only.
 TEST_P(Flux, OnFlatNormalsIsRadiance) {
   Bend(0);
   std::uint32_t n = 0, m = 0, through = 0;
@@ -98,7 +99,7 @@ TEST_P(Flux, OnBentNormalsHasVeachsFactor) {
     const Vec wi = RayDirection(flux, i);
     double factor = Factor(from, wi);
     if (rows_.kernels.delta) {
-      // They act about the geometric normal where the reflection would go into the surface.
+      // Delta BSDFs use the geometric normal if the reflection would go into the surface.
       const SurfaceColumns& s = rows_.surfaces;
       const Vec ns = Get(from, s.ns_x, s.ns_y, s.ns_z), wo = Get(from, s.wo_x, s.wo_y, s.wo_z);
       const double toward = Dot(2 * Dot(ns, wo) * ns - wo, kNormal);
@@ -106,7 +107,7 @@ TEST_P(Flux, OnBentNormalsHasVeachsFactor) {
       const double ratio = Dot(kNormal, wi) < 0 ? Ratio(material_) : 1;
       if (toward < 0) factor = 1 / (ratio * ratio);
     }
-    // Floats know a cosine to some 2^-22.
+    // A cosine in floats has an error of about 2^-22.
     const SurfaceColumns& surfaces = rows_.surfaces;
     const double grazing =
         std::min(std::fabs(Dot(wi, kNormal)),
@@ -119,7 +120,7 @@ TEST_P(Flux, OnBentNormalsHasVeachsFactor) {
   EXPECT_GT(most, material_.kind == BsdfKind::kThinDielectric ? 0.1 : 0.3);
 }
 
-// The value that connections use is the one that scattering divides by its density.
+// The value that connections use must be the one that scattering divides by its density.
 TEST_P(Flux, OfConnectionsIsThatOfScattering) {
   if (rows_.kernels.delta) GTEST_SKIP();
   Bend(0.4);
@@ -137,14 +138,14 @@ TEST_P(Flux, OfConnectionsIsThatOfScattering) {
   for (std::uint32_t row = 0; row < kFullWave; ++row) {
     const std::uint32_t i = ray_of[row];
     if (i == kFullWave) continue;
-    // Mirror-like lobes: the direction's last bits count.
+    // For mirror-like lobes, the last bits of the direction matter.
     const double drawn = double(rays->throughput_r[i]) * rays->pdf[i];
     ASSERT_NEAR(values->r[row], drawn, 0.02 * drawn + 1e-4 * rays->pdf[i]) << "row " << row;
   }
 }
 
-// What light along -a becomes along b, by its flux, is what the eye at b sees of light from a, by
-// radiance: the same measure of light paths, f |cos| |cos|, from both ends (Veach 1997, 5.3.2).
+// The flux of light from -a scattered to b must equal the radiance of light from a seen at b: both
+// ends have the same measure of light paths, f |cos| |cos| (Veach 1997, 5.3.2).
 TEST_P(Flux, IsTheAdjointOfRadiance) {
   if (rows_.kernels.delta) GTEST_SKIP();
   Random random(77);
@@ -162,7 +163,7 @@ TEST_P(Flux, IsTheAdjointOfRadiance) {
     while (std::fabs(Dot(b[i], ns)) < 0.05 || Dot(b[i], ns) * Dot(b[i], kNormal) < 0);
     through[i] = Dot(b[i], kNormal) < 0;
     if (!through[i] && i % 2 == 0) {
-      // Near the mirror direction, where narrow lobes are.
+      // This direction is near the mirror direction, where narrow lobes are.
       const Vec mirror = 2 * Dot(ns, a[i]) * ns - a[i];
       const Vec near =
           Unit(mirror + LobeWidth(material_) * random.Between(0, 2) * random.Direction());
@@ -192,7 +193,7 @@ TEST_P(Flux, IsTheAdjointOfRadiance) {
   EXPECT_EQ(transmitted > 0, rows_.kernels.transmits);
 }
 
-// Flux has a unit: roulette asks what the surface leaves of it.
+// Flux has a unit, so roulette depends only on the surface's relative attenuation.
 TEST_P(Flux, RouletteIsThatOfTheSurface) {
   Bend(0.2);
   std::uint32_t n = 0, m = 0;
@@ -239,8 +240,8 @@ TEST_P(Flux, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
-// Normals that would look away from where a path comes from are turned towards it, on either side.
-TEST(FaceNormals, FaceWhoeverLooks) {
+// Normals that would face away from the incoming direction are turned towards it, on either side.
+TEST(FaceNormals, FaceTheViewer) {
   ShadingRows rows(ExampleOf(BsdfKind::kLambert), kFullWave, kNormal, kNormal);
   Random random(83);
   std::vector<Vec> shading(kFullWave), dirs(kFullWave);
@@ -267,7 +268,7 @@ TEST(FaceNormals, FaceWhoeverLooks) {
   EXPECT_GT(turned, kFullWave / 20);
 }
 
-// Origins go to the side of the connection, and back.
+// Origins move to the side of the connection, and back.
 TEST(MoveToSide, FollowsTheConnection) {
   for (const std::uint32_t n : kRowCounts) {
     ShadingRows rows(ExampleOf(BsdfKind::kDiffuseTransmission), kFullWave, kNormal, kNormal);

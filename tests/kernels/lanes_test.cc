@@ -1,4 +1,5 @@
-// SIMD lanes: counted by hand for small cases, and tied to what else a render counts.
+// Compares counts of SIMD lanes with small cases worked out by hand and with the other counters of
+// a render.
 #include "wavefront/rays/lanes.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +53,7 @@ TEST(Lanes, AreThoseOfTheQueues) {
   ExpectLanes(Of(lanes, Kernel::kIntersect), 40, 40, 48);
   ExpectLanes(Of(lanes, Kernel::kMoveEscaped), 10, 40, 48);
   ExpectLanes(Of(lanes, Kernel::kEscape), 10, 16, 16);
-  ExpectLanes(Of(lanes, Kernel::kMoveHits), 30, 3 * 40, 3 * 48);  // a walk for each queue
+  ExpectLanes(Of(lanes, Kernel::kMoveHits), 30, 3 * 40, 3 * 48);  // one pass per queue
   ExpectLanes(Of(lanes, Kernel::kSurface), 30, 32, 32);
   CountLighting(ranges, 7, 5, lanes);
   ExpectLanes(Of(lanes, Kernel::kLightSample), 21, 24, 32);
@@ -103,7 +104,7 @@ TEST_P(LanesOfARender, AgreeWithItsRaysAndNotWithItsThreads) {
   EXPECT_EQ(Of(lanes, Kernel::kShadow).active, rays(RayKind::kShadow));
   EXPECT_GT(Of(lanes, Kernel::kAccumulate).active, 0u);
   EXPECT_LT(Of(lanes, Kernel::kAccumulate).active, rays(RayKind::kShadow));
-  // What is hit and shaded is neither escaped nor lost.
+  // A ray that hits and is shaded is neither escaped nor lost.
   EXPECT_LE(Of(lanes, Kernel::kMoveHits).active + Of(lanes, Kernel::kEscape).active,
             Of(lanes, Kernel::kIntersect).active);
   EXPECT_EQ(Of(lanes, Kernel::kMoveHits).active, Of(lanes, Kernel::kSurface).active);

@@ -1,4 +1,4 @@
-// Local lights as kernels sample and meet them, against references in double.
+// Compares sampling and intersection of local lights with references in double.
 #include "kernels/lights/local_lights.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// One light of every kind and a mesh of three triangles, one without area; each has a colour of its
-// own. The last mesh shines on both sides; the first not at all.
+// Returns one light of every kind and a mesh of three triangles, one of them without area; each
+// light has a different colour. The last mesh is two-sided; the first does not emit.
 Scene LitScene() {
   Scene scene;
   const std::uint32_t dark = AddLambert(scene, "dark", glm::vec3(0.5f));
@@ -89,14 +89,12 @@ soa::Table<SurfaceColumns> RandomSurfaces(std::uint32_t n, std::uint32_t seed) {
   return surfaces;
 }
 
-// ---- Choice ----
-
 TEST_F(LocalLightKernels, AChoiceFollowsPowerToAUnit) {
-  ASSERT_EQ(view_.count, 5u);  // two of three triangles that shine have an area
+  ASSERT_EQ(view_.count, 5u);  // two of the three emitting triangles have an area
   EXPECT_EQ(view_.alone.first[0], 0u);
   EXPECT_EQ(view_.alone.first[view_.count], kChoiceUnits);
   EXPECT_EQ(view_.alone.share, 1);
-  // The power of each kind by hand; `radius` is 2.
+  // The power of each kind is computed by hand; `radius` is 2.
   const double lum_one = 0.2125 * 3 + 0.7154 + 0.0721 * 2, lum_both = 0.2125 + 7 * 0.7154 + 0.03605;
   const double area_one = 0.5 * 2 * std::sqrt(4.25),
                area_both = 0.5 * Length(Cross({1, 1, 0}, {0, 1, 2}));
@@ -155,7 +153,7 @@ TEST(LocalLightTables, AScenesWithoutThemHasNone) {
   EXPECT_EQ(lights.bytes(), 0u);
 }
 
-// Both triangles of a square whose texture is red in the lower left half and black elsewhere.
+// The square's texture is red in the lower left half and black elsewhere.
 TEST(LocalLightTables, MeanOfTheTextureIsTheirPower) {
   constexpr int kSide = 64;
   Scene scene;
@@ -177,8 +175,8 @@ TEST(LocalLightTables, MeanOfTheTextureIsTheirPower) {
   const Geometry geometry(scene, "test", 1);
   const LocalLights lights(scene, geometry, "test", 1, 0);
   const LocalLightView view = lights.view();
-  // The first triangle lies in the black half: it is no light. The last one sees the edge of the
-  // light, so it must be one, however dim.
+  // The first triangle lies in the black half, so it is not a light. The last one touches the edge
+  // of the bright half, so it must be a light, however dim.
   ASSERT_EQ(view.count, 3u);
   EXPECT_EQ(view.light_of_triangle[0], kNoLight);
   for (std::uint32_t i = 0; i < 3; ++i) {
@@ -186,7 +184,7 @@ TEST(LocalLightTables, MeanOfTheTextureIsTheirPower) {
     EXPECT_EQ(view.emission_texture[i], 1u);
     EXPECT_EQ(view.lights[i].emission[0], 2);
   }
-  // Coordinates beyond the square are those inside it: the same triangle stays dark.
+  // Coordinates beyond the unit square wrap around: the same triangle stays dark.
   for (const float turns : {3.0f, -2.0f}) {
     Scene beyond = scene;
     for (glm::vec2& uv : beyond.meshes[0].uvs) uv += turns;
@@ -201,9 +199,8 @@ TEST(LocalLightTables, MeanOfTheTextureIsTheirPower) {
   EXPECT_GE(lights.brightest(), 1.6f);
 }
 
-// ---- Samples ----
-
-// The first and the last uniform of every light pick it, and nobody picks beyond a share.
+// The first and the last uniform of every light select it, and none is selected beyond the choice's
+// share.
 TEST_F(LocalLightKernels, UniformsAtTheEndsOfALightPickIt) {
   std::vector<std::uint32_t> first(view_.alone.first, view_.alone.first + view_.count + 1);
   for (std::uint32_t& f : first) f = f / 2 + (&f - first.data());  // a share of about a half
@@ -301,7 +298,7 @@ TEST_F(LocalLightKernels, SamplesAreTheSameOnEveryTarget) {
   });
 }
 
-// A scene of one triangle, and surfaces that all lie at one point.
+// A scene of one triangle, with all surfaces at one point.
 struct OneTriangle {
   OneTriangle(bool two_sided) {
     const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0.5f));
@@ -309,7 +306,7 @@ struct OneTriangle {
     scene.materials[lamp].emits_on_both_sides = two_sided;
     Mesh mesh;
     mesh.positions = {{0.2f, -0.5f, 1}, {1.3f, 0.1f, 1.4f}, {-0.4f, 1.1f, 0.8f}};
-    mesh.triangles = {{0, 2, 1}};  // shines downwards
+    mesh.triangles = {{0, 2, 1}};  // emits downwards
     mesh.material = lamp;
     scene.meshes = {mesh};
     geometry = std::make_unique<Geometry>(scene, "test", 1);
@@ -320,7 +317,7 @@ struct OneTriangle {
   LocalLights lights;
 };
 
-// Solid angle of a triangle from the origin (Van Oosterom and Strackee 1983).
+// Returns the solid angle of a triangle from the origin (Van Oosterom and Strackee 1983).
 double SolidAngle(Vec a, Vec b, Vec c) {
   const double la = Length(a), lb = Length(b), lc = Length(c);
   const double over = std::abs(Dot(a, Cross(b, c)));
@@ -343,7 +340,7 @@ TEST(LocalLightDensity, InverseDensitiesSumToTheSolidAngle) {
                          SolidAngle(a, a + Of(light.axis), a + Of(light.edge)), 1e-3, 1e-5));
 }
 
-// Cells of equal area get equal counts.
+// Cells of equal area receive equal counts.
 TEST(LocalLightDensity, PointsAreUniformOverTheTriangle) {
   const OneTriangle one(false);
   const LocalLightView view = one.lights.view();
@@ -375,10 +372,9 @@ TEST(LocalLightDensity, PointsAreUniformOverTheTriangle) {
   EXPECT_TRUE(MatchesExpected(counts, expected, 1e-3, /*strays=*/5));
 }
 
-// ---- Rays that meet lights ----
-
-// Rays along light samples: those that hit a triangle find the density that they were drawn with.
-TEST_F(LocalLightKernels, MetTrianglesHaveTheDensityOfTheirSamples) {
+// Rays are traced along light samples: those that hit a triangle must find the density with which
+// they were drawn.
+TEST_F(LocalLightKernels, HitTrianglesHaveTheDensityOfTheirSamples) {
   constexpr float kSamples = 3;
   for (const std::uint32_t n : kRowCounts) {
     const auto surfaces = RandomSurfaces(n, 31);
@@ -395,9 +391,9 @@ TEST_F(LocalLightKernels, MetTrianglesHaveTheDensityOfTheirSamples) {
       rays->throughput_b[i] = float(3 * i);
       rays->pdf[i] = 0.5f, rays->path[i] = n - i, rays->from[i] = 7 * i;
       const std::uint32_t light = LightAt(UnitOf(uniforms->u[i]));
-      hits->geom[i] = kNoHit, hits->triangle[i] = 123456789;  // stale where nothing is hit
+      hits->geom[i] = kNoHit, hits->triangle[i] = 123456789;  // stale data for a miss
       if (view_.lights[light].kind != LocalLightKind::kTriangle) continue;
-      // What does not shine is hit as well.
+      // Triangles that do not emit are hit as well.
       const bool dark = i % 3 == 0;
       hits->geom[i] = 0;
       hits->triangle[i] = dark ? 0 : light == 3 ? 1 : 3;
@@ -407,26 +403,26 @@ TEST_F(LocalLightKernels, MetTrianglesHaveTheDensityOfTheirSamples) {
       if (!dark && samples->pdf[i] > 0) expected.push_back(i);
     }
     ForEachTarget([&] {
-      soa::Table<EscapeColumns> met(n);
-      FillWithGarbage(met.columns(), n);
+      soa::Table<EscapeColumns> emitter_hits(n);
+      FillWithGarbage(emitter_hits.columns(), n);
       const std::uint32_t count =
-          IntersectEmitters(view_, view_.alone, rays, hits, n, kSamples, met);
+          IntersectEmitters(view_, view_.alone, rays, hits, n, kSamples, emitter_hits);
       ASSERT_EQ(count, expected.size());
       for (std::uint32_t k = 0; k < count; ++k) {
         const std::uint32_t i = expected[k];
-        ASSERT_EQ(met->path[k], rays->path[i]);
-        ASSERT_EQ(met->from[k], rays->from[i]);
-        ASSERT_EQ(met->pdf[k], 0.5f);
-        ASSERT_EQ(met->dir_x[k], rays->dir_x[i]);
-        ASSERT_EQ(met->dir_y[k], rays->dir_y[i]);
-        ASSERT_EQ(met->dir_z[k], rays->dir_z[i]);
-        ASSERT_EQ(met->throughput_r[k], float(i));
-        ASSERT_EQ(met->throughput_g[k], float(2 * i));
-        ASSERT_EQ(met->throughput_b[k], float(3 * i));
-        ASSERT_EQ(met->radiance_r[k], samples->r[i]);
-        ASSERT_EQ(met->radiance_g[k], samples->g[i]);
-        ASSERT_EQ(met->radiance_b[k], samples->b[i]);
-        ASSERT_NEAR(met->light_pdf[k], samples->pdf[i], 1e-3 * samples->pdf[i]);
+        ASSERT_EQ(emitter_hits->path[k], rays->path[i]);
+        ASSERT_EQ(emitter_hits->from[k], rays->from[i]);
+        ASSERT_EQ(emitter_hits->pdf[k], 0.5f);
+        ASSERT_EQ(emitter_hits->dir_x[k], rays->dir_x[i]);
+        ASSERT_EQ(emitter_hits->dir_y[k], rays->dir_y[i]);
+        ASSERT_EQ(emitter_hits->dir_z[k], rays->dir_z[i]);
+        ASSERT_EQ(emitter_hits->throughput_r[k], float(i));
+        ASSERT_EQ(emitter_hits->throughput_g[k], float(2 * i));
+        ASSERT_EQ(emitter_hits->throughput_b[k], float(3 * i));
+        ASSERT_EQ(emitter_hits->radiance_r[k], samples->r[i]);
+        ASSERT_EQ(emitter_hits->radiance_g[k], samples->g[i]);
+        ASSERT_EQ(emitter_hits->radiance_b[k], samples->b[i]);
+        ASSERT_NEAR(emitter_hits->light_pdf[k], samples->pdf[i], 1e-3 * samples->pdf[i]);
       }
     });
     if (n == kFullWave) {
@@ -435,20 +431,21 @@ TEST_F(LocalLightKernels, MetTrianglesHaveTheDensityOfTheirSamples) {
   }
 }
 
-TEST(LocalLightMeeting, OneSidedTrianglesAreDarkFromBehind) {
+TEST(LocalLightIntersection, OneSidedTrianglesAreDarkFromBehind) {
   for (const bool two_sided : {false, true}) {
     const OneTriangle one(two_sided);
     soa::Table<RayColumns> rays(2);
     soa::Table<HitColumns> hits(2);
     for (std::uint32_t i = 0; i < 2; ++i) {
-      rays->dir_z[i] = i == 0 ? 1.0f : -1.0f;  // from below, from above
+      rays->dir_z[i] = i == 0 ? 1.0f : -1.0f;  // first from below, then from above
       rays->t_far[i] = 1;
       hits->ng_x[i] = 0, hits->ng_y[i] = 0, hits->ng_z[i] = -1;
     }
-    soa::Table<EscapeColumns> met(2);
+    soa::Table<EscapeColumns> emitter_hits(2);
     const LocalLightView view = one.lights.view();
-    EXPECT_EQ(IntersectEmitters(view, view.alone, rays, hits, 2, 1, met), two_sided ? 2u : 1u);
-    EXPECT_EQ(met->dir_z[0], 1);
+    EXPECT_EQ(IntersectEmitters(view, view.alone, rays, hits, 2, 1, emitter_hits),
+              two_sided ? 2u : 1u);
+    EXPECT_EQ(emitter_hits->dir_z[0], 1);
   }
 }
 

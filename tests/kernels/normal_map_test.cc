@@ -1,4 +1,5 @@
-// Normal maps: a constant one is a tilted normal, whatever the mesh, its side and its coordinates.
+// Tests normal maps: a constant map gives a tilted normal, whatever the mesh, its side and its
+// coordinates.
 #include "kernels/surface/normal_map.h"
 
 #include <gtest/gtest.h>
@@ -36,8 +37,8 @@ TEST(PackNormalTexel, IsOffByAtMostATenthOfADegreeAndExactWhereFlat) {
   }
 }
 
-// A square in the plane y = 0 whose uvs grow along x and against z, as Quad's, turned by `world`,
-// seen in its middle from `wo`; the bent normal.
+// A square in the plane y = 0 whose uvs increase along x and against z, like Quad's. Bent() returns
+// its shading normal at `place` as seen from `wo`.
 struct Relief {
   Scene scene;
   explicit Relief(TextureUse use, const Image& image) {
@@ -47,7 +48,7 @@ struct Relief {
     scene.materials[0].normal_texture = 0;
     Place(scene, Quad(1), 0, {0, 0, 0});
   }
-  // Directions of the image's axes on Quad.
+  // Returns the direction of the image's axis `step` on the mesh.
   static glm::vec3 Axis(const Mesh& mesh, glm::vec2 step) {
     const glm::uvec3& t = mesh.triangles[0];
     const glm::mat2 uv(mesh.uvs[t.y] - mesh.uvs[t.x], mesh.uvs[t.z] - mesh.uvs[t.x]);
@@ -88,7 +89,7 @@ TEST(NormalMaps, AConstantOneTiltsAlongTheAxesOfTheImage) {
         glm::dmat4 world = glm::rotate(glm::dmat4(1), 0.7, glm::dvec3(0.3, 1, 0.2));
         if (mirrored) world = glm::scale(world, glm::dvec3(-1, 2, 1));
         TransformMesh(world, mesh);
-        // In OBJ and pbrt v goes upwards, and the transform turns it.
+        // In OBJ and pbrt, v points upwards, and the transform flips it.
         relief.scene.textures[0].transform =
             upwards ? glm::mat3x2(1, 0, 0, -1, 0, 1) : glm::mat3x2(1, 0, 0, 1, 0, 0);
         relief.scene.meshes = {mesh};
@@ -129,7 +130,7 @@ TEST(NormalMaps, TangentsOfTheFileComeBeforeThoseOfTheCoordinates) {
   ExpectNear(relief.Bent({0, 1, 0}), {0, 1, 0});
 }
 
-// A ramp of heights: as steep in the world as it says, whatever the size of square and image.
+// A ramp of heights must have its slope in world units, whatever the size of square and image.
 TEST(NormalMaps, HeightsAreLengthsOfTheWorld) {
   for (const auto& [width, half_size] : {std::pair{16, 1.0f}, {64, 1.0f}, {16, 3.0f}}) {
     Image ramp(width, width);

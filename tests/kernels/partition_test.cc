@@ -1,4 +1,4 @@
-// Queues: every ray in the right one, once, in order, with all it needs.
+// Tests the queues: every ray is in the right one, once, in order, with all its data.
 
 #include "kernels/partition.h"
 
@@ -21,11 +21,11 @@ class Partition : public testing::Test {
   Partition() : rays_(kFullWave), hits_(kFullWave), triangles_(100) {
     Random random(91);
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
-      // The flags beside the kind must not disturb it.
+      // The other bits of the tag must not affect the kind.
       triangles_[i].tag = (random.Word() & (kMaterialMask | kFlatTriangle)) | i % kBsdfKinds
                                                                                   << kKindShift;
     }
-    // Columns of different values everywhere.
+    // All columns hold distinct values.
     std::uint32_t next = 1;
     RayColumns rays = rays_;
     RayColumns::ForEachColumn(rays, [&](auto*& column) { Number(column, next); });
@@ -34,7 +34,7 @@ class Partition : public testing::Test {
     for (std::uint32_t i = 0; i < kFullWave; ++i) {
       const bool hit = i < 40 ? i % 2 == 0 : random.Float() < 0.7f;
       hits.geom[i] = hit ? 0 : kNoHit;
-      // A miss leaves what was there, far outside the table.
+      // A miss leaves stale data, far outside the table.
       hits.triangle[i] = hit ? random.Word() % std::uint32_t(triangles_.size()) : 0x3FFFFFFFu;
       rays.pdf[i] = random.Float() < 0.5f ? 0.0f : 1.5f;
     }
@@ -47,7 +47,7 @@ class Partition : public testing::Test {
     if (hits_->geom[row] == kNoHit) return kMissQueue;
     return triangles_[hits_->triangle[row]].tag >> kKindShift;
   }
-  // Rows below n of a queue, in order.
+  // Returns the rows of a queue that are below n, in order.
   std::vector<std::uint32_t> RowsOf(std::uint32_t queue, std::uint32_t n, bool only_sparse) const {
     std::vector<std::uint32_t> rows;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -72,13 +72,13 @@ class Partition : public testing::Test {
   std::vector<std::uint32_t> queue_ = std::vector<std::uint32_t>(PaddedRows(kFullWave));
 };
 
-// On rows of all triangles, whose BSDFs are `present`.
+// Checks rows of all triangles, whose BSDFs are `present`.
 void Partition::ExpectQueues(BsdfSet present) {
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
       for (const bool only_sparse : {false, true}) {
         std::fill(queue_.begin(), queue_.end(), 0xDEADBEEFu);
-        // Counts are added to what is there.
+        // Counts are added to the existing ones.
         std::array<std::uint32_t, kBsdfKinds + 1> count;
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) count[k] = 10 * (k + 1);
         ClassifyHits(hits_, triangles_.data(), present, only_sparse ? rays_->pdf : nullptr, n,
@@ -94,7 +94,7 @@ void Partition::ExpectQueues(BsdfSet present) {
         std::size_t wanted = 0;
         for (std::uint32_t k = 0; k <= kMissQueue; ++k) wanted += count[k] - 10 * (k + 1);
         EXPECT_EQ(queued, wanted);
-        // Whole vectors are written; what is behind n of the last one is in no queue.
+        // Whole vectors are written; rows from n to the end of the last one are in no queue.
         for (std::uint32_t i = n; i < (n + kPadRows - 1) / kPadRows * kPadRows; ++i) {
           ASSERT_GT(queue_[i], kMissQueue) << "padding row " << i;
         }
@@ -105,7 +105,7 @@ void Partition::ExpectQueues(BsdfSet present) {
 
 TEST_F(Partition, ClassifiesAndCounts) { ExpectQueues(kAll); }
 
-// Nobody looks at records then.
+// With one BSDF, the triangle records are not read.
 TEST_F(Partition, ClassifiesWhereThereIsOneBsdf) {
   constexpr std::uint32_t kKind = 5;
   for (TriangleRecord& triangle : triangles_) {
@@ -114,7 +114,7 @@ TEST_F(Partition, ClassifiesWhereThereIsOneBsdf) {
   ExpectQueues(BsdfSet{1} << kKind);
 }
 
-// Queues of BSDFs that are not announced are not counted: that is what it is for.
+// Queues of BSDFs that are not announced are not counted, which is the purpose of the argument.
 TEST_F(Partition, CountsThoseThatArePresent) {
   std::array<std::uint32_t, kBsdfKinds + 1> all = {}, some = {};
   ClassifyHits(hits_, triangles_.data(), kAll, nullptr, kFullWave, queue_.data(), all.data());
@@ -126,7 +126,7 @@ TEST_F(Partition, CountsThoseThatArePresent) {
   EXPECT_EQ(some[kMissQueue], all[kMissQueue]);
 }
 
-// A mixture of which the second material is a mixture: three shares.
+// The second material of the mixture is itself a mixture, so there are three shares.
 TEST(Mixtures, AreChosenByTheirShares) {
   constexpr std::uint32_t kFar = 0x3FFFFFFFu;
   std::vector<TriangleRecord> triangles(7);

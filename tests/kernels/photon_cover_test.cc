@@ -1,5 +1,5 @@
-// The cells of a disk of photons: rays aim at the middles of the cells that photons are sorted
-// into.
+// Tests the cells of a photon disk: rays aim at the centres of the cells into which photons are
+// sorted.
 #include "kernels/light_paths/photon_cover.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ PhotonDisk TiltedDisk() {
           .height = 0.2f};
 }
 
-// All cells see the plane of the disk, those of `seen` count.
+// All cells see the plane of the disk, but only those in `seen` count.
 DiskSurface Flat(const PhotonDisk& disk, std::uint32_t seen) {
   DiskSurface surface = {.seen = seen};
   for (std::uint32_t i = 0; i < kDiskCells; ++i) {
@@ -36,7 +36,7 @@ DiskSurface Flat(const PhotonDisk& disk, std::uint32_t seen) {
   return surface;
 }
 
-// One photon where each ray meets the plane of the disk.
+// Places one photon where each ray hits the plane of the disk.
 struct Targets {
   soa::Table<RayColumns> rays{kDiskCells};
   std::vector<float> x, y, z;
@@ -56,7 +56,7 @@ struct Targets {
     std::fill_n(photons->dir, kDiskCells, up);
     Find(disk);
   }
-  // Along the normal.
+  // Moves a photon along the normal.
   void Move(const PhotonDisk& disk, std::uint32_t photon, float distance) {
     x[photon] += distance * disk.normal[0], y[photon] += distance * disk.normal[1];
     z[photon] += distance * disk.normal[2];
@@ -74,7 +74,7 @@ struct Targets {
   }
 };
 
-TEST(PhotonCover, RaysMeetTheirCells) {
+TEST(PhotonCover, RaysHitTheirCells) {
   for (const std::int64_t target : TestedTargets()) {
     const TargetScope scope(target);
     for (const PhotonKernel kernel : kKernels) {
@@ -92,7 +92,7 @@ TEST(PhotonCover, RaysMeetTheirCells) {
   }
 }
 
-// Rings hold half of the kernel each, and the middle of a ring half of that.
+// Each ring holds half of the kernel, and its middle radius splits that in half.
 TEST(PhotonCover, RaysLieAsTheKernelWeighs) {
   const double squares[3][2] = {
       {0.25, 0.75}, {0.326352 * 0.326352, 0.673648 * 0.673648}, {1 - std::sqrt(0.75), 0.5}};
@@ -106,7 +106,7 @@ TEST(PhotonCover, RaysLieAsTheKernelWeighs) {
   }
 }
 
-TEST(PhotonCover, DoubtsWhatIsNotWhole) {
+TEST(PhotonCover, RejectsIncompleteDisks) {
   const PhotonDisk disk = TiltedDisk();
   const PhotonKernel kernel = PhotonKernel::kEpanechnikov;
   Targets at(disk, kernel);
@@ -132,7 +132,7 @@ TEST(PhotonCover, DoubtsWhatIsNotWhole) {
   EXPECT_FALSE(whole(kDiskCells)) << "a photon on the next floor";
 }
 
-// Seen is a layer, not all that is behind it; what bends smoothly is one.
+// Only the visible layer counts, not everything behind it; a smoothly curved surface is one layer.
 TEST(PhotonCover, LeavesOutWhatIsBehindTheSeenLayer) {
   for (const std::int64_t target : TestedTargets()) {
     const TargetScope scope(target);
@@ -145,7 +145,7 @@ TEST(PhotonCover, LeavesOutWhatIsBehindTheSeenLayer) {
     for (std::uint32_t i = 0; i < kDiskCells; ++i) {
       EXPECT_EQ(std::isinf(at.found->distance2[i]), i == 3 || i == 4) << "photon " << i;
     }
-    // Where the layer is lower, the lower photon is on it.
+    // If the layer is lower, the lower photon lies on it.
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       float* const column[3] = {surface.x, surface.y, surface.z};
       for (std::uint32_t i = 0; i < kDiskCells; ++i) column[axis][i] = -0.2f * disk.normal[axis];

@@ -1,4 +1,4 @@
-// Neighbors become light: each its own photon, however they lie in the map.
+// Neighbours are converted to light: each uses its own photon, wherever it lies in the map.
 #include "kernels/light_paths/photons.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::uint32_t kPhotons = 500;
 
-// Runs of all lengths, up and down, with gaps and alone; the last rows of the map, too.
+// Returns runs of all lengths, with and without gaps, and isolated rows, including the last rows of
+// the map.
 std::vector<std::uint32_t> Neighbors(std::uint32_t n, unsigned seed) {
   Random random(seed);
   std::vector<std::uint32_t> rows = {kPhotons - 1, 0, kPhotons - 2};

@@ -1,5 +1,5 @@
-// Strategies that look at the BSDF of the surfaces they draw for: what they estimate is the light
-// that the surface reflects, computed here by summing BSDF times map over the sphere.
+// Tests strategies that use the BSDF of the surfaces for which they draw: their estimate must be
+// the reflected light, computed here by summing BSDF times map over the sphere.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ const std::vector<std::string>& Specifications() {
   return all;
 }
 
-// Paths of different pixels, one a row, and the rows of one material that they hit.
+// One path of a different pixel per row, and the rows of one material that they hit.
 struct Hits {
   explicit Hits(const MaterialCase& material)
       : shading(material, kRows, kNormal, AtAngle(kNormal, 0.6)),
@@ -61,7 +61,7 @@ struct Hits {
 
 double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
 
-// Sum of value times radiance over the sphere.
+// Returns the sum of value times radiance over the sphere.
 double ReflectedLight(const EnvironmentMap& map, const MaterialCase& material, const Hits& hits) {
   const MapCells cells(map, 512);
   const Image held = HeldMap(map);
@@ -85,7 +85,7 @@ double ReflectedLight(const EnvironmentMap& map, const MaterialCase& material, c
   return sum;
 }
 
-// Mean over the rows of light sample `index` of a plan for two.
+// Returns the mean over the rows of light sample `index` in a plan for two.
 Moments Estimate(const EnvStrategy& strategy, const Hits& hits, std::uint32_t index) {
   soa::Table<LightColumns> out(kRows);
   strategy.Sample(hits.Points(), RandomUniforms(kRows, 40 + index), kRows,
@@ -117,7 +117,7 @@ TEST(Product, EstimatesTheReflectedLight) {
         const auto strategy = MakeStrategy(specification, map);
         for (const std::uint32_t index : {0u, 1u}) {
           const Moments moments = Estimate(*strategy, hits, index);
-          // Where hardly any sample meets the light the mean is not normal.
+          // If hardly any sample finds the light, the mean is not normally distributed.
           if (moments.standard_error() > 0.05 * exact) continue;
           ++judged;
           EXPECT_TRUE(AgreesWith(moments.mean(), moments.standard_error(), exact, SidakLevel(tests),
@@ -131,8 +131,8 @@ TEST(Product, EstimatesTheReflectedLight) {
   EXPECT_GT(judged, tests * 9 / 10);
 }
 
-// What product sampling is for: on a diffuse surface under a map that is brightest below the
-// horizon its variance is a thirtieth or less of that of sampling by the map alone.
+// On a diffuse surface under a map that is brightest below the horizon, the variance of product
+// sampling is at most a thirtieth of that of sampling by the map alone.
 TEST(Product, DrawsNoLightBelowTheHorizon) {
   Image image(64, 32);
   for (int y = 0; y < image.height; ++y) {
@@ -149,7 +149,7 @@ TEST(Product, DrawsNoLightBelowTheHorizon) {
   EXPECT_LT(product.standard_error(), 0.18 * importance.standard_error());
 }
 
-// The density that is seen is the one that is drawn, for every BSDF, also where rows that left
+// The evaluated density must be the sampling density for every BSDF, also if rows that left
 // different surfaces are mixed with rows without a density.
 TEST(Product, DensitySeenIsTheOneDrawn) {
   for (const MaterialCase& material : Materials()) {
@@ -170,7 +170,7 @@ TEST(Product, DensitySeenIsTheOneDrawn) {
       if (i % 11 == 3) continue;
       apart += std::fabs(rows->light_pdf[i] - out->pdf[i]) > 1e-3f * out->pdf[i];
     }
-    // Directions on the border of two texels.
+    // A few directions lie on the border of two texels.
     EXPECT_LE(apart, kRows / 500) << material.name;
   }
 }

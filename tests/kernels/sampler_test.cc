@@ -1,5 +1,5 @@
-// Random numbers: the documented hashes against a scalar transcription with real direction numbers,
-// and the properties that rendering relies on.
+// Compares random numbers, the documented hashes, with a scalar transcription that uses real
+// direction numbers, and tests the properties on which rendering relies.
 
 #include "kernels/sampler.h"
 
@@ -15,7 +15,7 @@
 namespace skywave {
 namespace {
 
-// ---- Burley 2020, scalar ----
+// The following functions transcribe Burley 2020 in scalar code.
 
 std::uint32_t Reverse(std::uint32_t x) {
   std::uint32_t reversed = 0;
@@ -23,8 +23,8 @@ std::uint32_t Reverse(std::uint32_t x) {
   return reversed;
 }
 
-// First and second coordinate of a Sobol' point by direction numbers: 2^31 / 2^j, and those of the
-// primitive polynomial x + 1, v_j = v_(j-1) xor v_(j-1) / 2.
+// Returns the first or second coordinate of a Sobol' point by direction numbers: 2^31 / 2^j, and
+// those of the primitive polynomial x + 1, v_j = v_(j-1) xor v_(j-1) / 2.
 std::uint32_t Sobol(std::uint32_t index, int dimension) {
   std::uint32_t direction = 1u << 31, point = 0;
   for (; index != 0; index >>= 1) {
@@ -67,8 +67,6 @@ Point Reference(std::uint32_t pixel_seed, std::uint32_t sample, std::uint32_t pa
           unit(OwenScramble(Sobol(shuffled, 1), v_seed))};
 }
 
-// ---- Points by the kernel ----
-
 std::vector<Point> Draw(const std::vector<std::uint32_t>& seeds,
                         const std::vector<std::uint32_t>& samples, std::uint32_t pair,
                         SampleIndexing indexing = {}) {
@@ -82,7 +80,7 @@ std::vector<Point> Draw(const std::vector<std::uint32_t>& seeds,
   for (std::uint32_t i = 0; i < n; ++i) points[i] = {out->u[i], out->v[i]};
   return points;
 }
-// Samples [first, first + n) of one pixel.
+// Returns samples [first, first + n) of one pixel.
 std::vector<Point> DrawPixel(std::uint32_t seed, std::uint32_t first, std::uint32_t n,
                              std::uint32_t pair, SampleIndexing indexing = {}) {
   std::vector<std::uint32_t> samples(n);
@@ -121,7 +119,7 @@ TEST(Sampler, RowsAreIndirectAndOfAnyNumber) {
   std::vector<std::uint32_t> rows(PaddedRows(kFullWave), 0xFFFFFFFFu);
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
-      // Rows behind n point nowhere.
+      // Rows from n on hold invalid indices.
       std::fill(rows.begin(), rows.end(), 0x7FFFFFFFu);
       for (std::uint32_t i = 0; i < n; ++i) rows[i] = (i * 7919u) % kPaths;
       soa::Table<UniformColumns> out(kFullWave);
@@ -135,7 +133,7 @@ TEST(Sampler, RowsAreIndirectAndOfAnyNumber) {
   });
 }
 
-// 2^k points, one in every elementary interval of area 2^-k.
+// Expects 2^k points, one in every elementary interval of area 2^-k.
 void ExpectNet(const std::vector<Point>& points) {
   int k = 0;
   while (1u << k < points.size()) ++k;
@@ -162,7 +160,7 @@ TEST(Sampler, AlignedBlocksAreNets) {
   }
 }
 
-// n light samples a hit are points of one sequence.
+// The n light samples of a hit are points of one sequence.
 TEST(Sampler, StridedSamplesAreNetsTogether) {
   constexpr std::uint32_t kStride = 8, kSamples = 16;
   std::vector<Point> together;
@@ -173,14 +171,14 @@ TEST(Sampler, StridedSamplesAreNetsTogether) {
     EXPECT_EQ(points[0].u, plain[0].u);
   }
   ExpectNet(together);
-  // Those of one sample too.
+  // The light samples of a single camera sample form a net too.
   std::vector<Point> one;
   for (std::uint32_t j = 0; j < kStride; ++j)
     one.push_back(DrawPixel(99, 5, 1, 3, {kStride, j})[0]);
   ExpectNet(one);
 }
 
-// Counts of two coordinates in 16 x 16 cells against independence.
+// Compares counts of two coordinates in 16 x 16 cells with independence.
 testing::AssertionResult AreIndependent(const std::vector<float>& a, const std::vector<float>& b) {
   constexpr int kSide = 16;
   std::vector<double> observed(kSide * kSide);
@@ -200,7 +198,7 @@ std::vector<float> V(const std::vector<Point>& points) {
   return values;
 }
 
-// Sample `sample` of every pixel of a picture.
+// Returns sample `sample` of every pixel of a picture.
 std::vector<Point> DrawPicture(std::uint32_t sample, std::uint32_t pair, std::uint32_t shift_x,
                                std::uint32_t frame_seed) {
   std::vector<std::uint32_t> seeds;
@@ -226,9 +224,8 @@ TEST(Sampler, PixelsPairsAndFramesAreIndependent) {
   }
 }
 
-// In a pixel, over its samples: pairs have an order of their own. Points of nets are not
-// independent of each other, so it is the correlation of a pixel that is a sample, one of many
-// pixels'.
+// Within a pixel, each pair has its own order of samples. Points of nets are not independent of
+// each other, so the correlation of one pixel is a single observation, and there are many pixels.
 TEST(Sampler, PairsOfAPixelAreUncorrelated) {
   constexpr std::uint32_t kPixels = 1000, kSamples = 64;
   for (std::uint32_t pair = 1; pair <= 6; ++pair) {
@@ -259,13 +256,13 @@ TEST(Sampler, PixelsHaveSeedsOfTheirOwn) {
   for (std::uint32_t y = 0; y < 512; ++y) {
     for (std::uint32_t x = 0; x < 512; ++x) seeds.insert(PixelSeed(x, y, 0));
   }
-  // Of 2^18 random words of 32 bits some 8 meet another.
+  // Among 2^18 random words of 32 bits, about 8 collide.
   EXPECT_GT(seeds.size(), 512u * 512u - 40);
   EXPECT_NE(PixelSeed(1, 0, 0), PixelSeed(0, 1, 0));
   EXPECT_NE(PixelSeed(0, 0, 0), PixelSeed(0, 0, 1));
 }
 
-TEST(Sampler, PairsOfAPathDoNotMeet) {
+TEST(Sampler, PairsOfAPathAreDistinct) {
   std::set<std::uint32_t> pairs = {kFilmPair, kLensPair};
   EXPECT_EQ(pairs.size(), 2u);
   for (std::uint32_t bounce = 0; bounce < 50; ++bounce) {

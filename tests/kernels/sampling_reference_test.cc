@@ -1,5 +1,6 @@
-// Every kernel that draws light samples against the same draw in scalar double arithmetic, one row
-// at a time: the texel or light that a uniform picks, the direction inside it, radiance, density.
+// Compares every kernel that draws light samples with the same sampling in scalar double
+// arithmetic, row by row: the texel or light that a uniform selects, the direction inside it,
+// radiance and density.
 
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ namespace skywave {
 namespace {
 
 constexpr std::uint32_t kRows = 3000;
-constexpr float kSamples = 3;  // densities count this many
+constexpr float kSamples = 3;  // densities include this number of samples
 
 const EnvironmentMap& Map() {
   static const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[1].map_from_world};
@@ -42,7 +43,7 @@ std::vector<double> Importance(const Image& light) {
   return importance;
 }
 
-// Item of a tree at position x in [0, 1), and where in the item.
+// Returns the item of a tree at position x in [0, 1); x receives the position within the item.
 std::uint32_t WalkTree(const SearchTreeView& view, std::uint32_t tree, double& x) {
   std::uint32_t item = 0;
   for (std::uint32_t level = 0; level < view.levels; ++level) {
@@ -61,8 +62,8 @@ struct Drawn {
   double fx, fy, pdf;
 };
 
-// Rows of `out` against draw(u, v). A uniform within rounding of a border may fall on either side
-// of it: such rows are few.
+// Compares rows of `out` with draw(u, v). A uniform within rounding of a border may fall on either
+// side of it; such rows are few.
 void ExpectDrawn(const std::function<void(const UniformColumns&, const LightColumns&)>& kernel,
                  const std::function<Drawn(double u, double v)>& draw, double rounding) {
   const Image held = HeldMap(Map());
@@ -125,7 +126,7 @@ TEST(SamplingReference, Inversion) {
       3e-4);
 }
 
-// The pyramid of the densities that are reported: where they are right, so are the splits.
+// The test uses the pyramid of the reported densities: if those are right, so are the splits.
 TEST(SamplingReference, Warp) {
   const auto strategy = MakeStrategy("warp", Map());
   const Image held = HeldMap(Map());
@@ -179,8 +180,6 @@ TEST(SamplingReference, Warp) {
       2e-3);
 }
 
-// ---- Cells ----
-
 struct Cells {
   Cells() : texels(Map()) {
     const Image held = texels.Held();
@@ -189,7 +188,7 @@ struct Cells {
     }
     sampler.emplace(held.width, held.height, Importance(held), map, 19);
   }
-  // A texel of `cell` at (x, y) by its alias table; pdf: inside the cell.
+  // Returns a texel of `cell` at (x, y) by its alias table; the pdf is conditional on the cell.
   Drawn InCell(std::uint32_t cell, double x, double y) const {
     const CellsView view = sampler->view();
     const std::uint32_t begin = view.begin[cell], count = view.begin[cell + 1] - begin;
@@ -237,8 +236,6 @@ TEST(SamplingReference, OneCell) {
   }
 }
 
-// ---- Directions that no map decides ----
-
 TEST(SamplingReference, SphereAndCosine) {
   const auto uniforms = RandomUniforms(kRows, 6);
   soa::Table<SurfaceColumns> surfaces(kRows);
@@ -256,7 +253,7 @@ TEST(SamplingReference, SphereAndCosine) {
                       {sine * std::cos(2 * kPi * u), sine * std::sin(2 * kPi * u), z}),
                 1e-6);
       ASSERT_NEAR(sphere->pdf[i], kSamples / (4 * kPi), 1e-7);
-      // About the normal only height is agreed upon; the azimuth is any frame's.
+      // The azimuth depends on the choice of frame, so only heights about the normal are compared.
       const Vec normal = Get(i, surfaces->ns_x, surfaces->ns_y, surfaces->ns_z);
       const Vec drawn = Get(i, cosine->dir_x, cosine->dir_y, cosine->dir_z);
       ASSERT_NEAR(Dot(normal, drawn), std::sqrt(1 - v), 1e-6);
@@ -273,8 +270,6 @@ TEST(SamplingReference, SphereAndCosine) {
     }
   });
 }
-
-// ---- Directional lights ----
 
 std::vector<DirectionalLight> SomeLights() {
   std::vector<DirectionalLight> lights;
@@ -319,7 +314,7 @@ TEST(SamplingReference, DirectionalLights) {
       if (uniforms->u[i] < kShare) {
         double y = uniforms->u[i] / double(kShare);
         const LightRecord& other = lights[WalkTree(lights.tree(), 0, y)];
-        // Within rounding of a border between two lights.
+        // This is within rounding of a border between two lights.
         if (y < 1e-4 || y > 1 - 1e-4) continue;
         ExpectLight(split, i, other, 1 / (double(other.probability) * kSamples * kShare));
       } else {
@@ -330,8 +325,6 @@ TEST(SamplingReference, DirectionalLights) {
     }
   });
 }
-
-// ---- Product sampling ----
 
 TEST(SamplingReference, CellsArePickedByTheirSums) {
   constexpr std::uint32_t kCount = 37;
@@ -369,7 +362,7 @@ TEST(SamplingReference, CellsArePickedByTheirSums) {
   });
 }
 
-// The weight as kernels/bsdf/bsdf.h says it, in double.
+// Returns the weight defined in kernels/bsdf/bsdf.h, in double.
 double CellWeight(const MaterialCase& material, const LightCell& cell, Vec normal, Vec wo) {
   const Vec wi = {cell.dir[0], cell.dir[1], cell.dir[2]};
   const double height = Dot(normal, wi);
@@ -465,8 +458,6 @@ TEST(SamplingReference, CellsAreFoundAndScaled) {
   });
 }
 
-// ---- Resampling ----
-
 TEST(SamplingReference, Reservoirs) {
   constexpr CandidateCounts kCounts = {.map = 3, .bsdf = 2};
   constexpr int kCandidates = 5;
@@ -518,7 +509,7 @@ TEST(SamplingReference, Reservoirs) {
       ASSERT_NEAR(reservoirs->sum[i], r.sum, 1e-5 * r.sum);
       const LightColumns& kept = candidates[std::size_t(r.kept)];
       if (out->dir_x[i] != kept.dir_x[i]) {
-        ++other;  // a choice within rounding
+        ++other;  // the choice is within rounding
         continue;
       }
       const double worth = r.sum / (r.target * kSamples);

@@ -1,4 +1,4 @@
-// Surface preparation against a double reference: normals, sides, lifted origins, colours.
+// Compares surface preparation with a double reference: normals, sides, lifted origins and colours.
 
 #include "kernels/surface/surface.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 std::uint32_t Encode(Vec n) { return EncodeNormal(float(n.x), float(n.y), float(n.z)); }
 
-// Octahedral decoding in double (Cigolle et al. 2014).
+// Decodes an octahedral normal in double (Cigolle et al. 2014).
 Vec Decode(std::uint32_t packed) {
   const double x = std::int16_t(packed & 0xFFFFu) / 32767.0,
                y = std::int16_t(packed >> 16) / 32767.0;
@@ -24,7 +24,7 @@ Vec Decode(std::uint32_t packed) {
   return Unit({std::copysign(1 - std::fabs(y), x), std::copysign(1 - std::fabs(x), y), z});
 }
 
-// Random directions, the axes, the folds of the octahedron and the lower half.
+// Returns random directions, the axes, the folds of the octahedron and the lower half.
 std::vector<Vec> Normals() {
   Random random(111);
   std::vector<Vec> normals;
@@ -74,7 +74,7 @@ TEST(EncodeNormal, IsOffByAtMost65Microradians) {
     Put(normals[i], i, s.wo_x, s.wo_y, s.wo_z);
     Put(3 * normals[i], i, s.ng_x, s.ng_y, s.ng_z);
   }
-  // The kernels decode what was encoded.
+  // The kernels decode the encoded normals.
   rows.Prepare(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     const Vec ns = Get(i, s.ns_x, s.ns_y, s.ns_z);
@@ -90,7 +90,7 @@ TEST(EncodeNormal, KeepsTheAxes) {
   }
 }
 
-// Random hits of every kind: smooth and flat, from both sides, with normals that look away.
+// Random hits of every kind: smooth and flat, from both sides, with normals that face away.
 class PreparedRows : public testing::Test {
  protected:
   struct Hit {
@@ -158,7 +158,7 @@ TEST_F(PreparedRows, MatchTheReference) {
         const Vec ns = back ? -Unit(sum) : Unit(sum);
         const double side = Dot(ns, hit.wo);
         const bool uses_geometric = hit.flat || side <= 1e-4;
-        // Sums of normals that cancel keep only an absolute precision.
+        // Sums of normals that cancel have only an absolute precision.
         const double tolerance = 2e-6 / Length(sum);
         if (hit.flat || std::fabs(side - 1e-4) > tolerance) {
           const Vec expected = uses_geometric ? ng : ns;
@@ -182,8 +182,8 @@ TEST_F(PreparedRows, MatchTheReference) {
   });
 }
 
-// The origin of rays that leave lies in front of the plane of the hit, by more than the hit is
-// known to and by little as seen from afar; two lifts behind it lies the other side.
+// The origin of outgoing rays lies in front of the hit's plane: by more than the error of the hit,
+// but by little relative to the distance. Two lifts below the origin is the other side.
 TEST_F(PreparedRows, OriginsAreLiftedToTheSideOfTheEye) {
   Load(kFullWave);
   rows_.Prepare(kFullWave);
@@ -197,7 +197,7 @@ TEST_F(PreparedRows, OriginsAreLiftedToTheSideOfTheEye) {
     const double rounding = 4e-7 * (hit.t + Length(hit.origin));
     ASSERT_GT(s.lift[i], 0);
     ASSERT_NEAR(height, s.lift[i], rounding) << "row " << i;
-    // Where the hit was computed from far away it is known less well.
+    // A hit computed from far away is less accurate.
     ASSERT_GT(height, 4 * rounding * std::min(1.0, scale / (hit.t + Length(hit.origin))))
         << "row " << i;
     ASSERT_LT(s.lift[i], 1e-4 * scale);
@@ -214,7 +214,7 @@ TEST_F(PreparedRows, BitsDoNotDependOnTarget) {
   });
 }
 
-// Smooth normals that cancel to nothing leave the geometric one.
+// If smooth normals cancel, the geometric normal is used.
 TEST(PrepareSurfaces, OppositeNormalsFallBack) {
   Rows rows(1);
   const SurfaceColumns& s = rows.surfaces;
@@ -228,8 +228,8 @@ TEST(PrepareSurfaces, OppositeNormalsFallBack) {
   EXPECT_EQ(s.ns_z[0], 1);
 }
 
-// The part of the triangle's tangent that lies in the surface, by its angle in the kernels' frame,
-// whose first axis a tangent along it tells.
+// Tests the part of the triangle's tangent that lies in the surface, as the cosine and sine of its
+// angle in the kernels' frame.
 TEST(Tangents, LieInTheSurface) {
   constexpr std::uint32_t kRows = 1000;
   soa::Table<SurfaceColumns> surfaces(kRows);
@@ -252,7 +252,7 @@ TEST(Tangents, LieInTheSurface) {
           ASSERT_EQ(s.varying_0[i] + s.varying_1[i], 18) << "row " << i << " of " << n;
           continue;
         }
-        // Duff et al. 2017.
+        // The frame follows Duff et al. 2017.
         const Vec m = normals[i];
         const double sign = std::copysign(1.0, m.z), a = -1 / (sign + m.z);
         const Vec x = {1 + sign * m.x * m.x * a, sign * m.x * m.y * a, -sign * m.x};
@@ -263,7 +263,7 @@ TEST(Tangents, LieInTheSurface) {
       }
     }
   });
-  // Along the normal there is none.
+  // A tangent along the normal has no such part, so the first axis of the frame is used.
   tangents[s.triangle[0]] = Encode(normals[0]);
   Put(Decode(tangents[s.triangle[0]]), 0, s.ns_x, s.ns_y, s.ns_z);
   PrepareTangents(tangents.data(), 1, surfaces);
@@ -271,8 +271,9 @@ TEST(Tangents, LieInTheSurface) {
   EXPECT_EQ(s.varying_1[0], 0);
 }
 
-// Rows seen from behind lose exp(-k t), the others and those behind the last nothing.
-TEST(Absorption, IsThatOfTheWayInside) {
+// Rows seen from inside are attenuated by exp(-k t); the others and those after the last row are
+// unchanged.
+TEST(Absorption, IsThatOfTheLengthInside) {
   constexpr std::uint32_t kRows = 1000;
   soa::Table<SurfaceColumns> surfaces(kRows);
   const SurfaceColumns& s = surfaces;
@@ -294,11 +295,11 @@ TEST(Absorption, IsThatOfTheWayInside) {
       AbsorbInside(materials.data(), n, surfaces);
       for (std::uint32_t i = 0; i < kRows; ++i) {
         const MaterialRecord& material = materials[s.material[i] & kMaterialMask];
-        const double way = i < n && i % 3 == 0 ? s.t[i] : 0;
+        const double length = i < n && i % 3 == 0 ? s.t[i] : 0;
         const float* const seen[3] = {s.throughput_r, s.throughput_g, s.throughput_b};
         for (int c = 0; c < 3; ++c) {
-          // An exponent of up to 35 is rounded to 2^-24 of it.
-          const double expected = 0.7f * std::exp(-material.k[c] * way);
+          // An exponent of up to 35 is rounded to 2^-24 of its value.
+          const double expected = 0.7f * std::exp(-material.k[c] * length);
           ASSERT_NEAR(seen[c][i], expected, 5e-6 * expected) << "row " << i << " of " << n;
         }
       }

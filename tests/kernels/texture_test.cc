@@ -1,5 +1,5 @@
-// Texture lookups against a double reference that shares nothing with the kernel but the records,
-// and the tables they read.
+// Compares texture lookups with a double reference that shares only the records with the kernel,
+// and tests the tables that they read.
 
 #include "kernels/surface/texture.h"
 
@@ -22,7 +22,7 @@
 namespace skywave {
 namespace {
 
-// The value of a packed texel, by its definition.
+// Returns the value of a packed texel by its definition.
 std::array<double, 3> Unpack(std::uint32_t packed) {
   const double scale = std::ldexp(1.0, int(packed >> 27) - 31);
   return {(packed & 511) * scale, (packed >> 9 & 511) * scale, (packed >> 18 & 511) * scale};
@@ -67,7 +67,7 @@ TEST(HalfSize, IsTheMeanOverTheArea) {
     EXPECT_NEAR(half_mean / half.rgb.size(), mean / image.rgb.size(), 1e-6)
         << width << " x " << height;
   }
-  // Three texels to one and a half: the middle one counts for both.
+  // Three texels become one and a half: the middle one counts for both.
   Image line(3, 1);
   line.rgb = {0, 0, 0, 1, 1, 1, 4, 4, 4};
   EXPECT_NEAR(HalfSize(line).rgb[0], 5.0 / 3, 1e-6);
@@ -76,8 +76,8 @@ TEST(HalfSize, IsTheMeanOverTheArea) {
   EXPECT_NEAR(HalfSize(five).rgb[0], (0 + 1 + 0.5 * 2) / 2.5, 1e-6);
 }
 
-// Images of several sizes, wrapped in all ways and laid by random transforms, on random triangles
-// at random distances.
+// Images of several sizes, with all wrap modes and random transforms, on random triangles at random
+// distances.
 class TextureRows : public testing::Test {
  protected:
   static constexpr std::uint32_t kTextures = 9, kTriangles = 300;
@@ -123,7 +123,8 @@ class TextureRows : public testing::Test {
     }
   }
 
-  // What row i sees in a texture, in double. `certain`: false where rounding may choose a level.
+  // Returns what row i sees in a texture, in double. `certain` becomes false if rounding may affect
+  // the level.
   glm::dvec3 Reference(std::uint32_t i, std::uint32_t index, bool& certain) const {
     const SurfaceColumns& s = surfaces_;
     const TriangleUvs& t = tables_.uvs[s.triangle[i]];
@@ -140,7 +141,7 @@ class TextureRows : public testing::Test {
     const double texels = s.t[i] * kAngle * t.density * scale / std::sqrt(cosine);
     const double wanted = std::max(0.0, std::log2(texels));
     certain = wanted == 0 || std::abs(wanted - std::round(wanted)) > 1e-4;
-    // The pyramid, made again.
+    // The pyramid is rebuilt here.
     Image level = image;
     for (int k = 0; k < int(wanted) && (level.width > 1 || level.height > 1); ++k) {
       level = HalfSize(level);
@@ -230,7 +231,8 @@ TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
   });
 }
 
-// Behind the last row a table may hold whatever other stages have left there: no place on an image.
+// Rows after the last one may hold leftovers of other stages, which are not valid positions on an
+// image.
 TEST_F(TextureRows, PlacesBehindTheLastRowAreNotLookedUp) {
   constexpr std::uint32_t kRows = 3;
   const SurfaceColumns& s = surfaces_;
@@ -274,7 +276,7 @@ TEST_F(TextureRows, ColoursOfVerticesAreInterpolated) {
                 green += b[c] * double(Unpack(corner[c])[1]);
           }
         }
-        // Rounding of three products and sums of numbers below 1.
+        // The tolerance covers the rounding of three products and sums of numbers below 1.
         ASSERT_NEAR(s.color_r[i], 0.9f * red, 5e-7) << n << " rows, row " << i;
         ASSERT_NEAR(s.color_g[i], 0.5f * green, 5e-7) << n << " rows, row " << i;
       }
@@ -282,7 +284,8 @@ TEST_F(TextureRows, ColoursOfVerticesAreInterpolated) {
   });
 }
 
-// In the order of the record, also where that is turned; white where a mesh has none.
+// Vertex colours follow the order of corners in the record, also if that is reversed; meshes
+// without colours are white.
 TEST(TextureTables, ColoursOfVerticesGoWithTheirCorners) {
   Scene scene;
   Mesh mesh = Quad(1);
@@ -313,7 +316,7 @@ TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
   scene.images.emplace_back(1, 1);
   scene.textures = {{}};
   Mesh mesh = Quad(1);
-  // Against its normals, as a mirrored instance may be wound.
+  // The winding opposes the normals, as in a mirrored instance.
   for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   Place(scene, mesh, AddLambert(scene, "floor", glm::vec3(1)), glm::vec3(0));
   EXPECT_TRUE(Geometry(scene, "test").textures().empty());
@@ -328,7 +331,7 @@ TEST(TextureTables, TrianglesThatAreTurnedTakeTheirCoordinatesAlong) {
       EXPECT_EQ(view.uvs[t].uv[i][0], mesh.uvs[corners[i]].x);
       EXPECT_EQ(view.uvs[t].uv[i][1], mesh.uvs[corners[i]].y);
     }
-    EXPECT_NEAR(view.uvs[t].density, 0.5, 1e-6);  // a length of 2 in the world is one of uv
+    EXPECT_NEAR(view.uvs[t].density, 0.5, 1e-6);  // a length of 2 in the world is one unit of uv
   }
 }
 

@@ -1,5 +1,5 @@
-// Lights of cells: energy is conserved for every method, map and count; positions and degenerate
-// cells.
+// Tests lights of cells: every method conserves energy for every map and count; also tests
+// positions and degenerate cells.
 
 #include "lights/tables/cells.h"
 
@@ -104,7 +104,7 @@ TEST(Cells, EveryMethodConservesEnergyOnEveryMapAndCount) {
           EXPECT_NEAR(0.2125 * e[0] + 0.7154 * e[1] + 0.0721 * e[2], light.energy,
                       1e-6 * light.energy);
         }
-        // Every texel with light belongs to a light, and no texel to one that does not exist.
+        // Every lit texel belongs to a light, and no texel to a light that does not exist.
         ASSERT_EQ(set.cell_of_texel.size(), map.texels());
         for (std::size_t i = 0; i < map.texels(); ++i) {
           if (set.cell_of_texel[i] == kNoCell) {
@@ -168,7 +168,7 @@ TEST(Cells, SumsMatchAPlainLoop) {
 }
 
 TEST(Cells, PositionsAreSampleCentreAndCentroid) {
-  // A quarter of the sphere with all its light in one texel.
+  // All light of this quarter of the sphere comes from one texel.
   Image image(64, 32);
   image.Pixel(40, 12)[1] = 1;
   const SphereMap map = MakeSphereMap(image);
@@ -181,7 +181,7 @@ TEST(Cells, PositionsAreSampleCentreAndCentroid) {
   };
   const Vector3 middle = DirectionOfUv(0.75, 0.25);
   EXPECT_LT(AngleBetween(direction(LightPosition::kSample), middle), 1e-12);
-  // The centroid of the quarter up and right: equal parts of both.
+  // The centroid of the quarter up and right has equal parts of both.
   EXPECT_LT(AngleBetween(direction(LightPosition::kCentre), NormalizeOr({1, 0, 1}, 1, {})), 1e-12);
   EXPECT_LT(AngleBetween(direction(LightPosition::kCentroid), map.TexelCentre(40, 12)), 1e-3);
 }
@@ -220,7 +220,7 @@ TEST(Cells, LloydStepsDrawLightsToTheirEnergy) {
     }
     return sum;
   };
-  // One step is what its definition says.
+  // One step must follow its definition.
   const auto cells = SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
   std::vector<Vector3> moved;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -237,8 +237,8 @@ TEST(Cells, LloydStepsDrawLightsToTheirEnergy) {
   EXPECT_LT(five, one);
 }
 
-// One number that picks a light moves over the sphere without jumps: a list in any other order
-// (that of the samples, say) has a mean step of a quarter turn.
+// A number that selects a light moves over the sphere without jumps: a list in any other order (for
+// example that of the samples) has a mean step of a quarter turn.
 TEST(Cells, NeighboursInTheListAreNeighboursOnTheSphere) {
   const Image image = [] {
     Image constant(128, 64);

@@ -1,4 +1,4 @@
-// Pairwise clustering against a search over all pairs at every step.
+// Compares pairwise clustering with a search over all pairs at every step.
 
 #include "lights/light_sets/clustering.h"
 
@@ -54,7 +54,7 @@ Plain BruteForce(std::vector<Vector3> c, std::vector<double> f, const ClusterSto
   return {c, f};
 }
 
-// Clouds, so that there is something to merge.
+// The samples form clouds, so that there is something to merge.
 std::vector<Vector3> Samples(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -106,7 +106,7 @@ TEST(Clustering, MembersMakeTheirClusters) {
   std::uint32_t next = 0;
   for (std::size_t i = 0; i < 200; ++i) {
     const std::uint32_t cluster = clusters.cluster_of_sample[i];
-    ASSERT_LE(cluster, next);  // numbered by their first sample
+    ASSERT_LE(cluster, next);  // clusters are numbered by their first sample
     if (cluster == next) ++next;
     sum[cluster] += weights[i];
   }
@@ -126,7 +126,7 @@ TEST(Clustering, SeparationHoldsForAllPairs) {
 }
 
 TEST(Clustering, FrequenciesDecideWhoMerges) {
-  // A close bright pair and a distant dim pair.
+  // The samples are a close bright pair and a distant dim pair.
   const std::vector<Vector3> samples = {DirectionOfUv(0.5, 0.5), DirectionOfUv(0.51, 0.5),
                                         DirectionOfUv(0.1, 0.5), DirectionOfUv(0.15, 0.5)};
   const std::vector<CellSums> cells = {

@@ -1,5 +1,4 @@
-// Illumination maps: what a direction sees, how maps are resampled and packed, what sizes they
-// take.
+// Tests illumination maps: look-ups along directions, resampling, packing and accepted sizes.
 
 #include "kernels/lights/environment.h"
 
@@ -20,7 +19,8 @@
 namespace skywave {
 namespace {
 
-// Radiance along directions: pdf 0 is the camera's, interpolated view, pdf 1 that of the texels.
+// Returns the radiance along directions: pdf 0 gives the interpolated view of the camera, pdf 1 the
+// texels.
 soa::Table<EscapeColumns> LookUp(const EnvironmentMap& map, const std::vector<Vec>& directions,
                                  float pdf) {
   const auto n = std::uint32_t(directions.size());
@@ -34,7 +34,7 @@ soa::Table<EscapeColumns> LookUp(const EnvironmentMap& map, const std::vector<Ve
   return rows;
 }
 
-// Bilinear between texel centres; columns wrap, the rows at the poles repeat.
+// Interpolates bilinearly between texel centres; columns wrap, the rows at the poles repeat.
 double Interpolated(const Image& image, double u, double v, int channel) {
   const double x = u * image.width - 0.5, y = v * image.height - 0.5;
   const int x0 = int(std::floor(x)), y0 = int(std::floor(y));
@@ -47,7 +47,7 @@ double Interpolated(const Image& image, double u, double v, int channel) {
          fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
 }
 
-// Everywhere, and densely at the poles and on both sides of the seam.
+// Directions are spread everywhere, and densely at the poles and on both sides of the seam.
 std::vector<Vec> Directions(const std::array<float, 9>& map_from_world) {
   Random random(61);
   std::vector<Vec> directions;
@@ -100,8 +100,8 @@ TEST(EnvironmentLookup, InterpolationMatchesTheReference) {
         double u, v;
         const Vec rounded = Get(i, rows->dir_x, rows->dir_y, rows->dir_z);
         MapPosition(orientation.map_from_world, rounded, u, v);
-        // An azimuth is known to 3e-7 / sin theta, worth that many texels of gradient. At the very
-        // pole it is not known at all.
+        // The azimuth has an error of 3e-7 / sin theta, which multiplies the gradient of the
+        // texels. At the pole itself it is undefined.
         const double sine = std::sin(kPi * v);
         const double texels =
             3e-7 * (image.width / (2 * kPi * std::max(sine, 1e-9)) + image.height);
@@ -127,7 +127,8 @@ TEST(EnvironmentLookup, AxesLookWhereTheyShould) {
       pixel[0] = float(x), pixel[1] = float(y), pixel[2] = 1;
     }
   }
-  // Right +x, forward +y, up +z: the centre of the image is forward, its right half to the right.
+  // Right is +x, forward +y, up +z: the centre of the image is forward, its right half to the
+  // right.
   const EnvironmentMap map = {image, {1, 0, 0, 0, 1, 0, 0, 0, 1}};
   const auto rows = LookUp(map,
                            {Unit({0.1, 1, 0.1}),
@@ -173,15 +174,13 @@ TEST(EnvironmentLookup, RowsMayMixBothViewsAndTargetsAgree) {
   });
 }
 
-// ---- Packing ----
-
 const std::array<float, 9> kUpright = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 TEST(EnvironmentPacking, KeepsTheEnergyOfEveryMap) {
   for (const NamedMap& named : AdversarialMaps()) {
     const Image held = HeldMap({named.latlong, kUpright});
     const auto mean = SphereMean(named.latlong), kept = SphereMean(held);
-    // The rounding of one texel, down to 2^-8 of it, may be left over.
+    // The rounding error of one texel, down to 2^-8 of it, may remain.
     double largest_row = 0;
     for (int row = 0; row < held.height; ++row) {
       largest_row = std::max(largest_row, RowSolidAngle(held.width, held.height, row));
@@ -194,7 +193,8 @@ TEST(EnvironmentPacking, KeepsTheEnergyOfEveryMap) {
   }
 }
 
-// Rounded down to nine bits of the brightest channel of a texel, plus as much from those before it.
+// A texel is rounded down to nine bits of its brightest channel, and inherits an error of the same
+// size from its predecessors.
 TEST(EnvironmentPacking, StaysNearTheMap) {
   for (const char* name :
        {"Ramp", "ThreeByTwo", "OneByOne", "TwoByOne", "Constant", "Odd", "Black"}) {
@@ -207,14 +207,14 @@ TEST(EnvironmentPacking, StaysNearTheMap) {
   }
 }
 
-// A sun hands its remainder to its neighbour and takes nothing from anyone.
+// A sun passes its remainder to its neighbour and takes nothing from other texels.
 TEST(EnvironmentPacking, CastsNoDarkness) {
   for (const NamedMap& named : AdversarialMaps()) {
     const Image held = HeldMap({named.latlong, kUpright});
     const double brightest = *std::max_element(named.latlong.rgb.begin(), named.latlong.rgb.end());
     for (std::size_t i = 0; i < held.rgb.size(); i += 3) {
       const float* pixel = &named.latlong.rgb[i];
-      // One unit of the texel's own exponent, or of the smallest there is.
+      // This is one unit of the texel's own exponent, or of the smallest exponent.
       const double unit = std::max(
           std::max({held.rgb[i], held.rgb[i + 1], held.rgb[i + 2]}) * 0x1p-8, brightest * 0x1p-39);
       for (std::size_t c = 0; c < 3; ++c) {
@@ -247,8 +247,6 @@ TEST(EnvironmentPacking, TakesTheLargestAndSmallestFloats) {
   }
 }
 
-// ---- Shapes and projections ----
-
 TEST(EnvironmentMap, RowsAddUpToTheSphere) {
   for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {2, 1}, {1024, 512}, {37, 1001}}) {
     double sum = 0;
@@ -259,7 +257,7 @@ TEST(EnvironmentMap, RowsAddUpToTheSphere) {
     }
     EXPECT_NEAR(sum, 4 * kPi, 1e-11);
   }
-  // Half a sphere above the equator; a tiny cap has pi r^2.
+  // Half the sphere lies above the equator; a tiny cap has area pi r^2.
   EXPECT_NEAR(RowSolidAngle(1, 2, 0), 2 * kPi, 1e-14);
   const double radius = kPi / 100000;
   EXPECT_NEAR(RowSolidAngle(1, 100000, 0) / (kPi * radius * radius), 1, 1e-9);
@@ -299,7 +297,7 @@ TEST(EnvironmentMap, ShapeTellsTheProjection) {
   }
 }
 
-// An angular map painted from a function of the direction in the map (right, forward, up).
+// Paints an angular map from a function of the direction in the map (right, forward, up).
 Image PaintAngular(int side, const std::function<std::array<double, 3>(Vec)>& radiance) {
   Image image(side, side);
   for (int py = 0; py < side; ++py) {
@@ -307,7 +305,7 @@ Image PaintAngular(int side, const std::function<std::array<double, 3>(Vec)>& ra
       const double x = 2 * (px + 0.5) / side - 1, y = 1 - 2 * (py + 0.5) / side;
       const double r = std::hypot(x, y);
       if (r > 1) {
-        // Never to be read.
+        // These pixels must never be read.
         for (int c = 0; c < 3; ++c) image.Pixel(px, py)[c] = 1e9f;
         continue;
       }
@@ -335,21 +333,21 @@ TEST(AngularMap, DirectionsLandWhereTheyShould) {
   expect({-1, 0, 0}, -0.5, 0);         // left
   expect({0, 0, 1}, 0, 0.5);           // up
   expect(Unit({0, 1, -1}), 0, -0.25);  // half down
-  expect(Unit({1, -1, 0}), 0.75, 0);   // half behind
+  expect(Unit({1, -1, 0}), 0.75, 0);   // halfway to the back
   EXPECT_NEAR(std::hypot(at({0, -1, 0}).first, at({0, -1, 0}).second), 1,
-              1e-12);  // behind: the rim
+              1e-12);  // backward: the rim
 }
 
-TEST(AngularMap, BecomesTheSameSky) {
-  const auto sky = [](Vec d) {
+TEST(AngularMap, BecomesTheSameEnvironment) {
+  const auto environment = [](Vec d) {
     return std::array<double, 3>{2 + d.x, 2 + d.y, 2 + d.z};  // right, forward, up
   };
-  const Image latlong = ToLatLong(PaintAngular(256, sky), Projection::kAngular);
+  const Image latlong = ToLatLong(PaintAngular(256, environment), Projection::kAngular);
   ASSERT_EQ(latlong.width, 256);
   ASSERT_EQ(latlong.height, 128);
   for (int y = 0; y < latlong.height; ++y) {
     for (int x = 0; x < latlong.width; ++x) {
-      // A pixel is the mean over its area: points of equal shares of it, in the cosine too.
+      // A pixel is the mean over its area: the points are uniform in azimuth and cosine.
       constexpr int kSide = 8;
       std::array<double, 3> exact = {};
       Vec d;
@@ -359,10 +357,11 @@ TEST(AngularMap, BecomesTheSameSky) {
         const double cosine = top + (bottom - top) * (s / kSide + 0.5) / kSide;
         d = WorldDirection(kUpright, (x + (s % kSide + 0.5) / kSide) / latlong.width,
                            std::acos(cosine) / kPi);
-        for (int c = 0; c < 3; ++c) exact[c] += sky(d)[c] / (kSide * kSide);
+        for (int c = 0; c < 3; ++c) exact[c] += environment(d)[c] / (kSide * kSide);
       }
-      // Behind the viewer directions are kept a pixel and a half inside the rim, pi * 3 / 256 off.
-      // The mean over a texel at a pole lies further from the pole than the texel's middle.
+      // Near the backward direction, look-ups stay a pixel and a half inside the rim, an error of
+      // pi * 3 / 256. At a pole, the mean over a texel lies farther from the pole than the texel's
+      // centre.
       const bool pole = y == 0 || y == latlong.height - 1;
       const double tolerance = d.y < -0.98 ? 0.05 : pole ? 5e-3 : 2e-3;
       for (int c = 0; c < 3; ++c) {
@@ -377,11 +376,11 @@ TEST(AngularMap, BecomesTheSameSky) {
 TEST(AngularMap, KeepsTheEnergyOfALamp) {
   const Vec lamp = Unit({0.5, 0.4, 0.7});
   const double radius = 0.15;
-  const auto sky = [&](Vec d) {
+  const auto environment = [&](Vec d) {
     const double level = Angle(d, lamp) < radius ? 1000 : 0;
     return std::array<double, 3>{level, level, level};
   };
-  const Image latlong = ToLatLong(PaintAngular(400, sky), Projection::kAngular);
+  const Image latlong = ToLatLong(PaintAngular(400, environment), Projection::kAngular);
   const double exact = 1000 * (1 - std::cos(radius)) / 2;
   EXPECT_NEAR(SphereMean(latlong)[0] / exact, 1, 0.01);
 }

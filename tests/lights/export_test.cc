@@ -1,4 +1,4 @@
-// Exported lights parse back; the six axes lie where every format's convention has them.
+// Exported lights parse back, and the six axes follow the convention of every format.
 #include "lights/probe/export_lights.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ DirectionalLight MakeLight(const Vector3& direction, double r, double g, double 
   return {direction, {r, g, b}, Luminance(rgb), 0.1};
 }
 
-// All numbers of a line from `from` on, in order.
+// Returns all numbers of a line from `from` on, in order.
 std::vector<double> Numbers(const std::string& line, std::size_t from = 0) {
   std::vector<double> numbers;
   for (std::size_t i = from; i < line.size();) {
@@ -50,7 +50,7 @@ struct Parsed {
   std::array<double, 3> irradiance;
 };
 
-// Maya turns about x, then y, then z; a light shines along -z of its own.
+// Maya rotates about x, then y, then z; a light shines along its own -z.
 Vector3 MayaLight(double x_degrees, double y_degrees) {
   const double x = x_degrees * kPi / 180, y = y_degrees * kPi / 180;
   const Vector3 after_x = {0, std::sin(x), -std::cos(x)};
@@ -59,7 +59,7 @@ Vector3 MayaLight(double x_degrees, double y_degrees) {
   return -1.0 * shine;
 }
 
-// Reads the lights as the renderer would, by its units and conventions.
+// Reads the lights as the renderer would, with its units and conventions.
 std::vector<Parsed> Parse(LightFormat format, const std::string& text) {
   std::vector<Parsed> lights;
   std::istringstream lines(text);
@@ -146,7 +146,7 @@ TEST(ExportLights, AxesFollowEveryConvention) {
   }
 }
 
-// The worlds are those in which skywave itself lays maps.
+// The format's world must be the one in which skywave itself orients maps.
 TEST(ExportLights, AxesAreThoseOfTheRenderer) {
   for (LightFormat format : kScenes) {
     const bool left_handed = format == LightFormat::kPbrt || format == LightFormat::kPovray;

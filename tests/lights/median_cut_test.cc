@@ -1,4 +1,4 @@
-// Median cut and variance cut: exact cover, even energy, any count, hopeless maps.
+// Tests median cut and variance cut: exact cover, even energy, any count and degenerate maps.
 
 #include "lights/light_sets/median_cut.h"
 
@@ -40,7 +40,7 @@ void ExpectExactCover(const SphereMap& map, const std::vector<Region>& regions) 
   EXPECT_TRUE(std::all_of(covered.begin(), covered.end(), [](int n) { return n == 1; }));
 }
 
-TEST(Cuts, CoverEveryMapOnceWithTheCountAskedFor) {
+TEST(Cuts, CoverEveryMapOnceWithTheRequestedCount) {
   for (const auto& [name, image] : test::AdversarialMaps()) {
     SCOPED_TRACE(name);
     const SphereMap map = MakeSphereMap(image);
@@ -94,8 +94,8 @@ TEST(MedianCut, CutsTheLongestSideOnTheSphere) {
   const auto halves = MedianCut(map, 2);
   EXPECT_EQ(halves[0], (Region{0, 0, 32, 32}));  // 2 pi wide, pi high
   EXPECT_EQ(halves[1], (Region{32, 0, 64, 32}));
-  // A lit polar band, 64 x 8 texels: 2 pi wide in (u, v), but no wider than pi sin(pi / 8) = 0.38
-  // pi by the scaled rule of a region of whole height; the second cut tells the rules apart.
+  // The lit polar band of 64 x 8 texels is 2 pi wide in (u, v), but at most pi sin(pi / 8) = 0.38
+  // pi wide by the scaled rule; the second cut distinguishes the rules.
   Image band(64, 32);
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 64; ++x) band.Pixel(x, y)[1] = 1;
@@ -122,7 +122,7 @@ TEST(MedianCut, ASunInOneTexelIsOneRegionOfIts) {
 }
 
 TEST(VarianceCut, VarianceIsTheMeanSquareDistanceFromTheCentroid) {
-  // Two equal lights at a right angle: |S|^2 = 2, so 2 - 2 / 2.
+  // Two equal lights at a right angle have |S|^2 = 2, which gives 2 - 2 / 2.
   EXPECT_NEAR(SphericalVariance({2, 1, 1, 0}), 1, 1e-15);
   EXPECT_EQ(SphericalVariance({3, 3, 0, 0}), 0);
   EXPECT_EQ(SphericalVariance({0, 0, 0, 0}), 0);
@@ -152,7 +152,7 @@ TEST(VarianceCut, FirstCutIsTheBestOfAll) {
   }
   const auto regions = VarianceCut(map, 2);
   EXPECT_NEAR(variance(regions[0]) + variance(regions[1]), best, 1e-9 * best);
-  // The next cut goes to the region of larger variance.
+  // The next cut divides the region of larger variance.
   const auto three = VarianceCut(map, 3);
   const Region& kept = variance(regions[0]) > variance(regions[1]) ? regions[1] : regions[0];
   EXPECT_EQ(std::count(three.begin(), three.end(), kept), 1);

@@ -1,4 +1,4 @@
-// The Penrose tiling against its theorems, and the sampler against the importance it is given.
+// Tests the Penrose tiling against its theorems, and the sampler against the given importance.
 
 #include "lights/light_sets/penrose.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// All tiles of one level.
+// Returns all tiles of one level.
 std::vector<PlacedTile> Tiling(int level) {
   const auto seed = SeedRhombus({0.3, -0.2}, Polar(1, 17));
   std::vector<PlacedTile> tiles(seed.begin(), seed.end());
@@ -114,7 +114,7 @@ TEST(PenroseTiling, IsEdgeToEdge) {
       ++edges[{std::min(a, b), std::max(a, b)}];
     }
   }
-  // Edges on the border of the rhombus have one triangle, all others two.
+  // Edges on the border of the rhombus have one triangle, all others have two.
   int border = 0;
   double border_length = 0;
   for (const auto& [edge, triangles] : edges) {
@@ -172,7 +172,7 @@ TEST(PenroseTiling, SamplesKeepValueAndPlace) {
   EXPECT_EQ(found, old.size());
 }
 
-// Digits as the production rules add them, to be compared with greedy division.
+// Compares the digits that the production rules add with greedy division.
 void CheckCodes(const PlacedTile& tile, std::uint64_t code, int depth) {
   if (IsSample(tile)) {
     if (code == 0) return;
@@ -197,7 +197,7 @@ void CheckCodes(const PlacedTile& tile, std::uint64_t code, int depth) {
     ASSERT_TRUE(added == 0 || added == Fibonacci(2 * n + 1) || added == Fibonacci(2 * n));
     std::uint64_t digits = 0;
     if (added == Fibonacci(2 * n + 1)) digits = 2;
-    // At level 1 the two new digits weigh F(3) = 2 and F(2) = 1, so the sum tells them apart.
+    // At level 1 the two new digits weigh F(3) = 2 and F(2) = 1, so the sum distinguishes them.
     if (added == Fibonacci(2 * n)) digits = 1;
     CheckCodes(children[i], code | digits << (2 * n - 2), depth - 1);
   }
@@ -370,7 +370,7 @@ TEST(Penrose, ATinySunGetsItsShare) {
 }
 
 TEST(Penrose, PlacesWrapInUAndReflectInV) {
-  // All importance in the first and last columns and rows: displaced samples leave the map.
+  // All importance lies in the first and last columns and rows, so displaced samples leave the map.
   std::vector<float> values(64 * 32, 0.0f);
   for (int y = 0; y < 32; ++y) values[y * 64] = values[y * 64 + 63] = 1;
   for (int x = 0; x < 64; ++x) values[x] = values[31 * 64 + x] = 1;
@@ -385,7 +385,7 @@ TEST(Penrose, PlacesWrapInUAndReflectInV) {
       across = std::min(across, 64 - across);
       EXPECT_LT(across, 12);
       EXPECT_LT(std::abs(s.v * 32 - (y + 0.5)), 12);
-      EXPECT_LT(s.v, 1 - 1e-9);  // reflected, not pressed against the edge
+      EXPECT_LT(s.v, 1 - 1e-9);  // reflected, not clamped to the edge
     }
   }
   EXPECT_GT(wrapped, 5);
@@ -416,8 +416,8 @@ TEST(Penrose, RefusesBadParameters) {
   EXPECT_TRUE(PenroseSamplesAtMag(pyramid, 0).samples.empty());
 }
 
-// Counts in a coarse grid over the map against the importance there. Blue noise is more even than
-// Poisson's, so chi-square stays well below its degrees of freedom.
+// Compares counts in a coarse grid over the map with the importance there. Blue noise is more even
+// than Poisson noise, so chi-square stays well below its degrees of freedom.
 TEST(Penrose, DensityIsProportionalToImportance) {
   constexpr int kWidth = 512, kHeight = 256, kGridX = 16, kGridY = 8, kCount = 16000;
   for (const bool relax : {false, true}) {
@@ -451,9 +451,10 @@ TEST(Penrose, DensityIsProportionalToImportance) {
   }
 }
 
-// Mean power of the frequencies below half of sqrt(count) cycles a side; 1 for white noise.
+// Returns the mean power of the frequencies below half of sqrt(count) cycles per side; 1 for white
+// noise.
 double LowPower(const std::vector<Complex>& points, double density) {
-  // A Hann window keeps the leak of the border out of the low frequencies.
+  // A Hann window prevents the border from leaking into the low frequencies.
   double norm = 0;
   std::vector<double> weight;
   for (Complex p : points) {
@@ -466,7 +467,7 @@ double LowPower(const std::vector<Complex>& points, double density) {
   for (int ky = 0; ky <= limit; ++ky) {
     for (int kx = -int(limit); kx <= limit; ++kx) {
       const double f = std::hypot(kx, ky);
-      if (f < 3 || f > limit) continue;  // the window's own spectrum
+      if (f < 3 || f > limit) continue;  // the spectrum of the window itself
       Complex amplitude;
       for (std::size_t i = 0; i < points.size(); ++i) {
         const double phase = 2 * kPi * (kx * points[i].re + ky * points[i].im);
@@ -551,7 +552,7 @@ TEST(PenroseCorrections, AreTheTablesInTheMiddleOfItsRows) {
 }
 
 TEST(PenroseCorrections, AreContinuousInImportance) {
-  // No jump where rows or levels meet, for samples that are old enough on both sides.
+  // There is no jump where rows or levels meet, for samples that are old enough on both sides.
   for (const PlacedTile& t : Tiling(4)) {
     if (!IsSample(t)) continue;
     const int birth = BirthLevel(t.value);

@@ -1,5 +1,5 @@
-// Every projection both ways, where the six axes lie, solid angles, and conversions that keep
-// light.
+// Tests every projection in both directions, the positions of the six axes, solid angles, and
+// conversions that conserve light.
 #include "lights/maps/projections.h"
 
 #include <gtest/gtest.h>
@@ -21,8 +21,8 @@ constexpr double kPi = std::numbers::pi;
 
 std::string Name(Projection projection) { return std::string(ToString(projection)); }
 
-// A smooth sky with three different channels, and a picture of it.
-std::array<double, 3> Sky(const Vector3& d) {
+// A smooth environment with three different channels, and a picture of it.
+std::array<double, 3> Environment(const Vector3& d) {
   return {2 + d.x + d.y * d.z, 1.5 + d.y, 2 + std::cos(3 * d.z) + d.x * d.y};
 }
 Image Paint(Projection projection, int width, int height) {
@@ -30,7 +30,7 @@ Image Paint(Projection projection, int width, int height) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const auto d = DirectionOfPoint(projection, {(x + 0.5) / width, (y + 0.5) / height});
-      for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = d ? float(Sky(*d)[c]) : 1e9f;
+      for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = d ? float(Environment(*d)[c]) : 1e9f;
     }
   }
   return image;
@@ -86,7 +86,7 @@ TEST(Projections, PointsComeBack) {
   }
 }
 
-// The written contract (docs/probe.md): right, left, forward, back, up, down.
+// The documented convention (docs/probe.md) lists right, left, forward, back, up, down.
 TEST(Projections, AxesLandAtTheDocumentedPlaces) {
   const Vector3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   struct Expected {
@@ -121,7 +121,7 @@ TEST(Projections, AxesLandAtTheDocumentedPlaces) {
     for (int i = 0; i < 6; ++i) {
       const ImagePoint point = PointOfDirection(expected.projection, axes[i]);
       const bool down_corner = expected.projection == Projection::kOctahedral && i == 5;
-      if (down_corner) {  // any corner
+      if (down_corner) {  // any corner will do
         EXPECT_NEAR(std::abs(point.u - 0.5), 0.5, 1e-12);
         EXPECT_NEAR(std::abs(point.v - 0.5), 0.5, 1e-12);
         continue;
@@ -135,8 +135,8 @@ TEST(Projections, AxesLandAtTheDocumentedPlaces) {
   }
 }
 
-// A step to the image's right and one down near a point turn the same way round in all projections,
-// as seen from inside.
+// Seen from inside, a step to the image's right and a step down have the same orientation in all
+// projections except two.
 TEST(Projections, OnlyBallAndSquareAreMirrored) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.02, 0.98);
@@ -150,9 +150,9 @@ TEST(Projections, OnlyBallAndSquareAreMirrored) {
       if (!d || !right || !down) continue;
       double side = Dot(Cross(*right - *d, *down - *d), *d);
       if (projection == Projection::kMirrorBall || projection == Projection::kOctahedral) {
-        side = -side;  // a reflection, and as pbrt has it
+        side = -side;  // the ball is a reflection, and the square follows pbrt
       }
-      // Right x down points away from the eye: along the view.
+      // Right x down points away from the eye, along the view.
       ASSERT_GT(side, 0) << Name(projection) << " " << point.u << " " << point.v;
       ASSERT_NEAR(side / (step * step) / SolidAngleDensity(projection, point), 1, 0.01)
           << Name(projection);
@@ -160,8 +160,8 @@ TEST(Projections, OnlyBallAndSquareAreMirrored) {
   }
 }
 
-// The octahedral square against the formulae of pbrt-v4's lat-long converter: phi = atan2(y, x)
-// from 0, theta from +z, in its light space.
+// Compares the octahedral square with the formulae of pbrt-v4's lat-long converter: phi = atan2(y,
+// x) from 0, theta from +z, in its light space.
 TEST(Projections, OctahedralIsWhatPbrtMakesOfALatLong) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> uniform;
@@ -196,7 +196,7 @@ TEST(Projections, PixelsAddUpToTheSphere) {
   }
 }
 
-TEST(Resample, BetweenAllProjectionsTheSkyStaysTheSame) {
+TEST(Resample, BetweenAllProjectionsTheEnvironmentStaysTheSame) {
   for (Projection from : ValuesOf<Projection>()) {
     int width, height;
     DefaultSize(from, 96, width, height);
@@ -222,10 +222,10 @@ TEST(Resample, BetweenAllProjectionsTheSkyStaysTheSame) {
           }
           ++pixels;
           for (int c = 0; c < 3; ++c)
-            squares += std::pow(result.Pixel(x, y)[c] - Sky(*d)[c], 2) / 3;
+            squares += std::pow(result.Pixel(x, y)[c] - Environment(*d)[c], 2) / 3;
         }
       }
-      // A disk is coarse where its rim is one direction.
+      // The mirror ball is coarse near its rim, which represents a single direction.
       const bool ball = from == Projection::kMirrorBall || to == Projection::kMirrorBall;
       EXPECT_LT(std::sqrt(squares / pixels), ball ? 0.04 : 0.012) << Name(from) << " " << Name(to);
     }
@@ -237,7 +237,7 @@ TEST(Resample, OddSizesAndSinglePixelsKeepLight) {
     const auto energy = SphereIntegral(map.image, Projection::kLatLong);
     for (Projection to : ValuesOf<Projection>()) {
       for (int size : {1, 5, 31}) {
-        // A small disk has no pixel that its rim leaves whole: it is read in its middle only.
+        // All pixels of a small disk are cut by the rim, so only its middle is read.
         const bool disk = to == Projection::kAngular || to == Projection::kMirrorBall;
         if (disk && size < 31 && map.name == "one lit texel") continue;
         int width = size, height = size == 5 ? 3 : size;
@@ -265,15 +265,15 @@ TEST(Resample, AConstantStaysConstant) {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         if (!DirectionOfPoint(to, {(x + 0.5) / width, (y + 0.5) / height})) continue;
-        // Scaling a disk's cut pixels to exact energy moves a constant by 1e-5.
+        // Scaling the cut pixels of a disk to exact energy changes a constant by 1e-5.
         ASSERT_NEAR(result.Pixel(x, y)[1], 0.75, 3e-5) << Name(to);
       }
     }
   }
 }
 
-// Before the final scaling a sun must already be where and nearly as bright as it was: its centroid
-// and its share of the light.
+// Even before the final scaling, a sun must keep its position and nearly its brightness: its
+// centroid and its share of the light.
 TEST(Resample, ASunStaysInPlace) {
   const Image image = test::SunMap(256, 128, 1e4f);
   const SphereMap before = MakeSphereMap(image);

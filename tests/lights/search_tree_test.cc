@@ -42,7 +42,7 @@ struct Built {
   SearchTrees trees;
   std::vector<std::uint16_t> leaf_mass;
   std::vector<double> leaf;
-  // As reported.
+  // Returns the reported probability.
   double Probability(std::uint32_t item) const { return leaf[item / kNodeFan] * leaf_mass[item]; }
 };
 Built Build(const std::vector<double>& weights) {
@@ -53,7 +53,8 @@ Built Build(const std::vector<double>& weights) {
   return built;
 }
 
-// Probability of an item by the masses on its way through the tree: what a search draws.
+// Returns the probability with which a search draws an item, by the masses along its path through
+// the tree.
 double WalkedProbability(const SearchTreeView& view, std::uint32_t tree, std::uint32_t item) {
   double probability = 1;
   for (std::uint32_t level = 0; level < view.levels; ++level) {
@@ -80,8 +81,8 @@ TEST(SearchTrees, ReportWhatTheSearchDraws) {
         ASSERT_NEAR(p, WalkedProbability(built.trees.view(), 0, i), 1e-14 * p) << "item " << i;
         ASSERT_EQ(p > 0, weights.values[i] > 0) << "item " << i;
         ASSERT_LE(built.leaf_mass[i], kNodeMass);
-        // An item of a share s of its node is off by one part in s * kNodeMass a level, or gets the
-        // least mass there is; the largest child also takes what its 31 siblings leave over.
+        // An item with a share s of its node deviates by one part in s * kNodeMass per level, or
+        // gets the smallest mass; the largest child also takes the rest left by its 31 siblings.
         const double exact = weights.values[i] / total;
         if (exact > 0.01) {
           ASSERT_NEAR(p / exact, 1, 0.02) << "item " << i;
@@ -110,7 +111,7 @@ TEST(SearchTrees, NodesAreMonotone) {
   }
 }
 
-// Trees that share tables do not see each other.
+// Trees that share tables do not affect each other.
 TEST(SearchTrees, TreesAreIndependent) {
   constexpr std::uint32_t kItems = 1100, kTrees = 3;
   SearchTrees trees(kItems, kTrees);

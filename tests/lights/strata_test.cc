@@ -1,4 +1,4 @@
-// Strata: prefixes of the sorted texels by fraction, by lights and by maximum variation.
+// Tests strata: prefixes of the sorted texels by fraction, by lights and by maximum variation.
 
 #include "lights/light_sets/strata.h"
 
@@ -71,7 +71,7 @@ TEST(Strata, LightsTakeTheRoomOfTheirCaps) {
     const Strata strata = StrataByLights(map, lights, separation);
     EXPECT_GE(strata.solid_angle_a, lights * cap - 1e-9);
     EXPECT_LE(strata.solid_angle_a, lights * cap + map.solid_angle[64]);
-    // T 7.15 in its own words: W H / pi N (1 - cos(alpha / 2)) pixels.
+    // The formula of T 7.15 is W H / pi N (1 - cos(alpha / 2)) pixels.
     EXPECT_NEAR(map.AreaInPixels(strata.solid_angle_a),
                 256 * 128 / kPi * lights * (1 - std::cos(separation / 2)), 1);
   }
@@ -79,13 +79,13 @@ TEST(Strata, LightsTakeTheRoomOfTheirCaps) {
 }
 
 TEST(Strata, MaximumVariationFindsTheKneeOfTwoLevels) {
-  // Ten bright texels on a dim map: the two trapezia fit when A is the ten.
+  // With ten bright texels on a dim map, the two trapezia fit when A consists of the ten.
   Image image = test::ConstantMap(64, 32, 0.01f);
   for (int x = 10; x < 20; ++x) image.Pixel(x, 16)[1] = 100;
   const SphereMap map = MakeSphereMap(image);
   double zeta = 0;
   const Strata strata = StrataByVariation(map, &zeta);
-  // zeta falls off a cliff at the first dim texel, the smallest minimiser.
+  // zeta drops sharply at the first dim texel, the smallest minimiser.
   EXPECT_EQ(strata.texels_a, 11u);
   EXPECT_GT(strata.p, 0.5);
   const double dim = map.luminance[0], bright = map.luminance[16 * 64 + 10];

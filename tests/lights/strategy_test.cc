@@ -1,5 +1,5 @@
-// One suite for all strategies: what a strategy promises decides which checks it goes through. A
-// new strategy gets them by a line in Subjects(); one without a line fails EveryStrategyIsTested.
+// One suite for all strategies: the promises of a strategy decide which checks it undergoes. A line
+// in Subjects() adds a new strategy; a missing line fails EveryStrategyIsTested.
 
 #include "lights/strategies/strategy.h"
 
@@ -24,19 +24,20 @@ namespace {
 
 struct Subject {
   std::string specification;
-  // Directions have a density, which EvaluateEscaped reports: histograms and integrals are checked.
+  // Directions have a density that EvaluateEscaped reports, so histograms and integrals are
+  // checked.
   bool has_density = true;
   // The mean of radiance * g / pdf is the integral of radiance * g where the density is positive.
   bool unbiased = true;
   // The density is positive wherever there is light to reflect (see EnvStrategy::complete).
   bool complete = true;
-  // Positive below the horizon of the surface too.
+  // The density is positive below the horizon of the surface too.
   bool whole_sphere = true;
-  // Monotone in both uniforms: well-distributed points stay well distributed.
+  // The mapping is monotone in both uniforms: well-distributed points stay well distributed.
   bool stratified = true;
-  // No samples at all where a surface reflects none of the map's light.
+  // There are no samples where a surface reflects none of the map's light.
   bool for_reflection = false;
-  // Relative error of densities that two formulae compute.
+  // Relative difference between densities from two formulae.
   float precision = 2e-6f;
 };
 
@@ -51,7 +52,7 @@ const std::vector<Subject>& Subjects() {
       {.specification = "alias", .stratified = false},
       {.specification = "presampled:lights=40", .stratified = false},
       {.specification = "presampled:lights=40,mode=fixed", .has_density = false, .unbiased = false},
-      // Cells are picked by differences of sums and seen with the terms of the sums.
+      // Cells are selected by differences of sums but evaluated by the terms of the sums.
       {.specification = "product:cells=30",
        .whole_sphere = false,
        .stratified = false,
@@ -83,17 +84,18 @@ const std::vector<Subject>& Subjects() {
 
 const Vec kNormal = Unit({0.3, 0.8, 0.5});
 constexpr std::uint32_t kSamples = 40000;
-constexpr double kRounding = 2e-6;  // of a direction and of its way back to the map [rad]
+constexpr double kRounding = 2e-6;  // error of a direction and of its transformation to the map
+                                    // [rad]
 
-// Surfaces of one normal.
+// Returns surfaces with one normal.
 soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {
   soa::Table<SurfaceColumns> surfaces(rows);
   for (std::uint32_t i = 0; i < rows; ++i) PutSurface(normal, i, surfaces);
   return surfaces;
 }
 
-// What a ray along `directions` sees, as one that has a light sample for a partner: it left row 0
-// of `surfaces`, or the row of its own number.
+// Evaluates rays along `directions` that compete with a light sample; they left row 0 of
+// `surfaces`, or the row of their own number.
 soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceColumns& surfaces,
                                    const std::vector<Vec>& directions, bool row_by_row) {
   soa::Table<EscapeColumns> rows(std::uint32_t(directions.size()));
@@ -111,8 +113,6 @@ soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceCol
 }
 
 double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
-
-// ---- Every strategy, on every map, in every orientation ----
 
 using Case = std::tuple<std::size_t, std::size_t, std::size_t>;
 
@@ -156,11 +156,11 @@ TEST_P(StrategyOnMap, DensityIntegratesToOne) {
     }
     return;
   }
-  // Densities that are constant in a texel are summed without error, others by the midpoint rule.
+  // Densities that are constant within a texel are summed exactly, others by the midpoint rule.
   EXPECT_NEAR(integral, 1, subject_.whole_sphere ? 1e-5 : 2e-4);
 }
 
-// What a ray that BSDF sampling drew is weighed against: every sample of the plan once.
+// The sum of all densities of the plan is the weight against which BSDF samples compete.
 TEST_P(StrategyOnMap, DensitiesOfThePlanAddUpToItsSamples) {
   if (!strategy_->unbiased() || !strategy_->shines_on_bsdf_samples() || !subject_.whole_sphere) {
     GTEST_SKIP();
@@ -233,7 +233,7 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
     const float* texel = image.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
                                      std::clamp(int(v * image.height), 0, image.height - 1));
     const float density_error = std::fabs(samples->pdf[i] - seen->light_pdf[i]);
-    // A cosine keeps an absolute precision, near the horizon too.
+    // A cosine has an absolute precision, near the horizon too.
     const bool same = density_error <= subject_.precision * samples->pdf[i] +
                                            (subject_.whole_sphere ? 0 : 2e-7f) &&
                       samples->r[i] == seen->radiance_r[i] &&
@@ -274,10 +274,11 @@ TEST_P(StrategyOnMap, EstimatesAreUnbiased) {
       moments.Add(response(Get(i, samples->dir_x, samples->dir_y, samples->dir_z)) *
                   Weighted(samples->r[i], samples->g[i], samples->b[i]) / samples->pdf[i]);
     }
-    // Too few samples that count (a sun that uniform samples hardly meet) are not normal.
+    // If too few samples count (a sun that uniform samples rarely hit), the mean is not normally
+    // distributed.
     if (second > 0 && kSamples * integral * integral < 50 * second) continue;
     const double variance = std::max(0.0, second - integral * integral);
-    // Cells at the horizon are in or out as a whole.
+    // Cells at the horizon are counted as a whole or not at all.
     const double rounding = (reflected || !subject_.whole_sphere ? 1e-3 : 1e-5) * integral;
     EXPECT_TRUE(
         AgreesWith(moments.mean(), std::sqrt(variance / kSamples), integral, Level(), rounding))
@@ -285,8 +286,8 @@ TEST_P(StrategyOnMap, EstimatesAreUnbiased) {
   }
 }
 
-// All samples of the plan together, each divided by its density or, of a directional light, as it
-// is: the light of the map, and for unbiased strategies also of any part of it.
+// All samples of the plan together, each divided by its density (directional lights by 1), must
+// give the light of the map, and for unbiased strategies also the light of any part of it.
 TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
   constexpr std::uint32_t kRequested = 2;
   const LightPlan plan = strategy_->Plan(kRequested);
@@ -327,12 +328,13 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
       sums[1][i] += light * response(direction);
     }
   }
-  // Lights carry the energy of the map, random samples what packing has kept of it.
+  // Lights carry the energy of the map, random samples the energy that packing has kept.
   for (const int kind : {0, 1}) {
     if (kind == 1 && !subject_.unbiased) continue;
     Moments moments;
     for (const double sum : sums[kind]) moments.Add(sum);
-    // Where hardly any sample meets the light (a sun under uniform samples) the mean is not normal.
+    // If hardly any sample finds the light (a sun under uniform samples), the mean is not normally
+    // distributed.
     if (moments.standard_error() > 0.03 * exact[kind]) continue;
     EXPECT_TRUE(AgreesWith(moments.mean(), moments.standard_error(), exact[kind], Level(),
                            2e-4 * exact[kind] + std::fabs(whole - exact[0])))
@@ -365,8 +367,6 @@ INSTANTIATE_TEST_SUITE_P(All, StrategyOnMap,
                                           testing::Range(std::size_t{0}, AdversarialMaps().size()),
                                           testing::Range(std::size_t{0}, Orientations().size())),
                          CaseName);
-
-// ---- Every strategy ----
 
 class StrategyAlone : public testing::TestWithParam<std::size_t> {
  protected:
@@ -406,7 +406,7 @@ TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
   strategy->Sample(LambertPoints(surfaces, kFullWave), uniforms, kFullWave, {}, full);
   ForEachTarget([&] {
     for (const std::uint32_t n : kRowCounts) {
-      // Garbage behind row n must neither be read as a row nor crash a gather.
+      // Garbage after row n must neither be read as a row nor crash a gather.
       soa::Table<UniformColumns> some(kFullWave);
       soa::Table<SurfaceColumns> some_surfaces(kFullWave);
       soa::Table<LightColumns> out(kFullWave);
@@ -418,7 +418,8 @@ TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
         PutSurface(kNormal, i, some_surfaces);
       }
       strategy->Sample(LambertPoints(some_surfaces, n), some, n, {}, out);
-      for (std::uint32_t i = 0; i < n; ++i) out->t_far[i] = full->t_far[i];  // the BSDF's
+      // the BSDF writes this column
+      for (std::uint32_t i = 0; i < n; ++i) out->t_far[i] = full->t_far[i];
       EXPECT_EQ(ColumnBits(out.columns(), n), ColumnBits(full.columns(), n)) << n << " rows";
 
       soa::Table<EscapeColumns> rows(kFullWave);
@@ -444,7 +445,8 @@ TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
 // well behaved for every density.
 double Smooth(Vec direction) { return std::exp(Dot(kNormal, direction)); }
 
-// Root mean square over `seeds` pixels of the error of the mean of Smooth over n samples.
+// Returns the root mean square, over `seeds` pixels, of the error of the mean of Smooth over n
+// samples.
 double MeanError(const EnvStrategy& strategy, const SurfaceColumns& surfaces, std::uint32_t n,
                  std::uint32_t seeds, double exact) {
   double squares = 0;
@@ -490,7 +492,7 @@ TEST_P(StrategyAlone, KeepsStratification) {
   const double fine = MeanError(*strategy, surfaces, 4096, 64, exact);
   RecordProperty("error_64", std::to_string(coarse));
   RecordProperty("error_4096", std::to_string(fine));
-  // Independent points: a factor of 8.
+  // Independent points would give a factor of 8.
   EXPECT_GT(coarse / fine, 16) << coarse << " with 64 samples, " << fine << " with 4096";
 }
 
@@ -502,8 +504,6 @@ INSTANTIATE_TEST_SUITE_P(All, StrategyAlone, testing::Range(std::size_t{0}, Subj
                            }
                            return name;
                          });
-
-// ---- The table ----
 
 TEST(Strategies, EveryStrategyIsTested) {
   for (const StrategyFactory& factory : Strategies()) {
@@ -523,7 +523,7 @@ TEST(Strategies, CompensationGivesUpCompleteness) {
   const EnvironmentMap sun = {AdversarialMap("Sun"), Orientations()[0].map_from_world};
   EXPECT_FALSE(MakeStrategy("importance:compensate=1", sun)->complete());
   EXPECT_TRUE(MakeStrategy("importance:compensate=0", sun)->complete());
-  // A constant map has nothing above its mean: it is sampled as it is.
+  // A constant map has nothing above its mean, so it is sampled unchanged.
   const EnvironmentMap flat = {AdversarialMap("Constant"), Orientations()[0].map_from_world};
   EXPECT_TRUE(MakeStrategy("importance:compensate=1", flat)->complete());
 }

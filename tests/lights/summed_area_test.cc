@@ -1,4 +1,4 @@
-// The view of a map that all builders share, and its summed-area tables, against plain sums.
+// Compares the view of a map that all builders share, and its summed-area tables, with plain sums.
 
 #include "lights/tables/summed_area_table.h"
 
@@ -35,7 +35,7 @@ TEST(SphereMap, SolidAnglesAndDirectionsCoverTheSphere) {
     EXPECT_NEAR(Length(moment), 0, 1e-9);
   }
   const Image image = test::ConstantMap(1024, 512, 1);
-  EXPECT_NEAR(MakeSphereMap(image).AreaInPixels(4 * kPi), 333772.72, 1);  // T table 7.1
+  EXPECT_NEAR(MakeSphereMap(image).AreaInPixels(4 * kPi), 333772.72, 1);  // (T table 7.1)
 }
 
 TEST(SphereMap, DirectionIntegralsMatchFineSampling) {
@@ -59,7 +59,7 @@ TEST(SphereMap, DirectionIntegralsMatchFineSampling) {
 TEST(SphereMap, NarrowPolarRowsDoNotCancel) {
   const Image image = test::ConstantMap(4, 8192, 1);
   const SphereMap map = MakeSphereMap(image);
-  // Beside the pole the integral of sin^2 is h^3 / 3.
+  // Next to the pole the integral of sin^2 is h^3 / 3.
   const double h = kPi / 8192, expected = 2 * std::sin(kPi / 4) * h * h * h / 3;
   EXPECT_NEAR(map.horizontal_integral[0] / expected, 1, 1e-6);
   EXPECT_NEAR(map.horizontal_integral[8191] / expected, 1, 1e-6);

@@ -1,4 +1,4 @@
-// Voronoi cells against trying every sample at every texel.
+// Compares Voronoi cells with a search over all samples at every texel.
 
 #include "lights/light_sets/voronoi.h"
 
@@ -93,7 +93,7 @@ TEST(Voronoi, EqualsBruteForceOnDegenerateSets) {
     hemisphere.push_back(d);
   }
   ExpectBruteForce(128, 64, hemisphere);
-  for (double sign : {1.0, -1.0}) {  // ties along whole rows and columns of texels
+  for (double sign : {1.0, -1.0}) {  // gives ties along whole rows and columns of texels
     axes.push_back({sign, 0, 0});
     axes.push_back({0, sign, 0});
     axes.push_back({0, 0, sign});

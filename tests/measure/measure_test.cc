@@ -1,5 +1,5 @@
-// Figures of repeated measurements: against values worked out by hand, and against made-up pictures
-// of which bias and variance are known.
+// Compares statistics of repeated measurements with values computed by hand, and with artificial
+// pictures of known bias and variance.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// ---- Figures ----
-
 TEST(Statistics, MatchAHandCalculation) {
   const std::vector<double> values = {1, 2, 4, 9};
   EXPECT_DOUBLE_EQ(Mean(values), 4);
@@ -29,7 +27,7 @@ TEST(Statistics, MatchAHandCalculation) {
   EXPECT_DOUBLE_EQ(Quantile(values, 0.5), 3);
 }
 
-// Quantiles of 3 and 40 degrees of freedom as printed in tables.
+// The quantiles must agree with printed tables.
 TEST(Statistics, StudentQuantilesAreThoseOfTheTables) {
   EXPECT_NEAR(StudentQuantile(1), 12.706, 1e-3);
   EXPECT_NEAR(StudentQuantile(3), 3.182, 1e-3);
@@ -40,7 +38,7 @@ TEST(Statistics, StudentQuantilesAreThoseOfTheTables) {
 }
 
 TEST(Statistics, IntervalOfAMeanIsEvenOnALogarithmicScale) {
-  // Mean 4, standard error 1, three degrees of freedom less than the values: 3.1824 / 4.
+  // The mean is 4, its standard error 1; the quantile of three degrees of freedom is 3.1824.
   const std::vector<double> values = {4 - std::sqrt(6.0), 4, 4, 4 + std::sqrt(6.0)};
   const Interval interval = MeanInterval(values);
   EXPECT_NEAR(interval.low, 4 * std::exp(-3.1824 / 4), 1e-9);
@@ -49,7 +47,7 @@ TEST(Statistics, IntervalOfAMeanIsEvenOnALogarithmicScale) {
   EXPECT_EQ(MeanInterval(std::vector<double>{0, 0}).high, 0);
 }
 
-// The interval holds the true mean in 95 of 100 experiments.
+// The interval contains the true mean in 95 of 100 experiments.
 TEST(Statistics, IntervalsCoverTheMeanAsOftenAsTheySay) {
   std::mt19937 random(1);
   std::lognormal_distribution<double> draw(0, 0.3);
@@ -66,7 +64,7 @@ TEST(Statistics, IntervalsCoverTheMeanAsOftenAsTheySay) {
 }
 
 TEST(Crossing, IsInterpolatedOnLogarithmicScales) {
-  // Error 1 / time, so the level 0.05 is met at 20, between the points.
+  // The error is 1 / time, so the level 0.05 is reached at 20, between the points.
   const std::vector<CurvePoint> curve = {{1, 1}, {10, 0.1}, {100, 0.01}};
   const Crossing crossing = FindCrossing(curve, 0.05);
   EXPECT_EQ(crossing.kind, Crossing::kInside);
@@ -74,7 +72,7 @@ TEST(Crossing, IsInterpolatedOnLogarithmicScales) {
   EXPECT_NEAR(FindCrossing(curve, 0.1).x, 10, 1e-9);
   EXPECT_EQ(FindCrossing(curve, 0.1).kind, Crossing::kInside);
   EXPECT_NEAR(FindCrossing(curve, 0.01).x, 100, 1e-9);
-  // A curve of another slope: error 1 / time^2.
+  // This curve has another slope: error 1 / time^2.
   EXPECT_NEAR(FindCrossing(std::vector<CurvePoint>{{1, 1}, {100, 1e-4}}, 0.25).x, 2, 1e-9);
 }
 
@@ -95,9 +93,7 @@ TEST(Crossing, CountsOnlyWhatStaysBelow) {
   EXPECT_LT(crossing.x, 8);
 }
 
-// ---- Bias and variance ----
-
-// One channel of one pixel worth of numbers in every channel.
+// Returns a picture of one pixel with the same value in every channel.
 Image Grey(float value) {
   Image image(1, 1);
   image.rgb = {value, value, value};
@@ -120,7 +116,7 @@ TEST(SplitError, MatchesAHandCalculation) {
   const ErrorSplit relative = SplitError(pictures, reference, ErrorMeasure::kRelativeMse);
   EXPECT_DOUBLE_EQ(relative.squared_bias, squared_bias / 2.26);
   EXPECT_DOUBLE_EQ(relative.variance, 4 / 2.26);
-  // A reference that was read knows its noise on average, or not at all.
+  // A reference that was read from a file knows its mean noise, or nothing.
   Reference read = reference;
   read.half_difference = Image();
   EXPECT_DOUBLE_EQ(SplitError(pictures, read, ErrorMeasure::kMse).squared_bias, squared_bias);
@@ -129,7 +125,7 @@ TEST(SplitError, MatchesAHandCalculation) {
                    squared_bias + 0.25);
 }
 
-// Pictures of noise about a gradient. Both kinds of pixels take part: quiet ones and loud ones.
+// Pictures of noise on a gradient, with both quiet and noisy pixels.
 class Noise {
  public:
   explicit Noise(unsigned seed) : random_(seed) {}
@@ -141,7 +137,7 @@ class Noise {
     }
     return picture;
   }
-  // Of Picture(), averaged over pixels: 1/7 have 9 times the variance.
+  // Returns the variance of Picture(), averaged over pixels: 1/7 of them have 9 times the variance.
   static double Variance(double sigma) { return sigma * sigma * (1200 + 8 * 172) / 1200.0; }
 
  private:
@@ -174,7 +170,7 @@ TEST(SplitError, EstimatesNoBiasWithoutBiasAndKnowsItsOwnSpread) {
     z.push_back(split.squared_bias / split.squared_bias_error);
     biased += split.biased();
   }
-  // Mean 0 and variance 1, each within four standard errors.
+  // The mean is 0 and the variance 1, each within four standard errors.
   EXPECT_NEAR(Mean(z), 0, 4 / std::sqrt(double(kExperiments)));
   EXPECT_NEAR(SampleVariance(z), 1, 4 * std::sqrt(2.0 / kExperiments));
   EXPECT_LE(biased, 4);
@@ -191,15 +187,14 @@ TEST(SplitError, IsNotMisledByOneBrightPixel) {
     if (i == 2) picture.rgb[600] = 1e3f;
     pictures.Add(picture);
   }
-  // Its own square, 7000 and 11 in the mean, cancels; its product with the noise of others stays.
+  // The mean square of the reference's noise (7000 and 11) cancels; its product with other noise
+  // remains.
   const ErrorSplit split = SplitError(pictures, reference, ErrorMeasure::kMse);
   EXPECT_NEAR(split.squared_bias, 0, 0.5);
   EXPECT_FALSE(split.biased());
 }
 
-// ---- Time to a target ----
-
-// Errors of `cost` / time, the same in every repeat.
+// Returns errors of `cost` / time, the same in every repeat.
 CurveRuns ExactRuns(double cost, int rungs, int repeats) {
   CurveRuns runs;
   for (int rung = 0; rung < rungs; ++rung) {
@@ -236,7 +231,7 @@ TEST(TargetSummary, TakesAGivenTarget) {
   EXPECT_EQ(SummarizeTarget({ExactRuns(1, 6, 2)}, 3).times[0].interval.high, 0);
 }
 
-// A minute in which everything took longer cancels in the ratio, not in the times.
+// A minute in which everything took longer cancels in the ratio, but not in the times.
 TEST(TargetSummary, PairsTheRepeatsOfAllCurves) {
   CurveRuns a = ExactRuns(1, 6, 5), b = a;
   for (std::size_t rung = 0; rung < 6; ++rung) {
@@ -263,8 +258,6 @@ TEST(Median, OfTheTimesIsWhatACurveHas) {
   EXPECT_EQ(curve[1].x, 5);
   EXPECT_EQ(curve[1].y, 2);
 }
-
-// ---- Budgets and seeds ----
 
 TEST(Ladder, DoublesUpToItsEnd) {
   EXPECT_EQ(DoublingLadder(1), (std::vector<std::uint32_t>{1}));

@@ -1,4 +1,4 @@
-// Curves as SVG: well-formed, everything inside, nothing lost.
+// Tests curves as SVG: well-formed, complete, and within the picture.
 #include "measure/plot.h"
 
 #include <gtest/gtest.h>
@@ -67,7 +67,7 @@ TEST(Svg, LabelsEveryPowerOfTen) {
   }
 }
 
-// Coordinates of all marks lie in the picture, and logarithms decide where.
+// The coordinates of all marks lie in the picture and follow the logarithm.
 TEST(Svg, PlacesPointsOnLogarithmicAxes) {
   LogPlot plot;
   plot.series = {{"a", {{1, 1}, {10, 0.1}, {100, 0.01}}}};
@@ -78,11 +78,11 @@ TEST(Svg, PlacesPointsOnLogarithmicAxes) {
     xs.push_back(std::stod((*it)[1]));
     ys.push_back(std::stod((*it)[2]));
   }
-  ASSERT_EQ(xs.size(), 4u);  // the last is the legend's
+  ASSERT_EQ(xs.size(), 4u);  // the last belongs to the legend
   EXPECT_NEAR(xs[1] - xs[0], xs[2] - xs[1], 0.11);
   EXPECT_NEAR(ys[1] - ys[0], ys[2] - ys[1], 0.11);
   EXPECT_GT(xs[1], xs[0]);
-  EXPECT_GT(ys[1], ys[0]);  // downwards
+  EXPECT_GT(ys[1], ys[0]);  // y grows downwards
   for (double x : xs) EXPECT_TRUE(x > 0 && x < 900) << x;
 }
 
@@ -98,7 +98,7 @@ TEST(Svg, LeavesOutWhatHasNoPlaceOnLogarithmicAxes) {
   EXPECT_EQ(Count(before, "inf"), 0u);
 }
 
-// Two repetitions may leave an endless interval: the curve has to remain readable.
+// Two repetitions may give an unbounded interval; the curve must remain readable.
 TEST(Svg, EndlessWhiskersDoNotSqueezeTheCurve) {
   LogPlot plot = TwoCurves();
   plot.series[0].points[0].low = 1e-300;

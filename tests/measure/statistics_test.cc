@@ -1,4 +1,4 @@
-// The statistical tests themselves: known p-values, and the power to fail.
+// Tests the statistical tests themselves: known p-values, and the power to reject.
 
 #include "tests/support/statistics.h"
 
@@ -20,7 +20,7 @@ TEST(Statistics, IncompleteGammaHasKnownValues) {
     EXPECT_NEAR(UpperRegularizedGamma(3, x), std::exp(-x) * (1 + x + x * x / 2),
                 1e-11 * UpperRegularizedGamma(3, x) + 1e-15);
   }
-  // Percentiles of the chi-square distribution (Abramowitz and Stegun, table 26.8).
+  // These are percentiles of the chi-square distribution (Abramowitz and Stegun, table 26.8).
   EXPECT_NEAR(ChiSquarePValue(3.841458820694124, 1), 0.05, 1e-12);
   EXPECT_NEAR(ChiSquarePValue(18.30703805327515, 10), 0.05, 1e-12);
   EXPECT_NEAR(ChiSquarePValue(149.4492526602962, 100), 0.001, 1e-5);

@@ -1,4 +1,5 @@
-// The suite of skywave bench: pictures are told apart, and figures follow from what was measured.
+// Tests the suite of skywave bench: pictures are distinguished, and figures follow from the
+// measurements.
 #include "measure/suite.h"
 
 #include <gtest/gtest.h>
@@ -78,14 +79,14 @@ TEST(CheckPicture, OtherInstructionSetsStayWithinBounds) {
   EXPECT_LT(BlockDifference(scene.expected, Render(scene, request)), 0.1 * kPictureBound);
 }
 
-// Figures from times that are known.
+// Returns a result with known times.
 SuiteResult Result(double render) {
   SuiteResult result;
   result.speed.first.stats.samples = 2000000;
   result.speed.first.stats.rays = {2000000, 3000000, 1000000};
   result.speed.render = {render, render * 10, render / 10};
   result.speed.scaling = {{1, {render * 3, render * 2, render}}, {2, {render}}};
-  // Calls 0 and 1: camera, bounce, shadow.
+  // Calls 0 and 1 have times for camera, bounce and shadow rays.
   result.speed.replay[0][0] = {{{0.1, 0.1, 9}, {0.2}, {0.2}}};
   result.speed.replay[0][1] = {{{0.2}, {0.3}, {0.1, 0.1, 0.9}}};
   result.speed.replay[2][0] = {{{0.05}, {0.05}, {0.1}}};
@@ -110,7 +111,7 @@ TEST(Speed, RaysOfAKindAreThoseOfTheRenderWhileTracingAndRaw) {
   const Speed speed = Result(0.5).speed;
   EXPECT_DOUBLE_EQ(speed.mrays_per_second(RayKind::kCamera), 4);
   EXPECT_DOUBLE_EQ(speed.mrays_per_second(RayKind::kShadow), 2);
-  // Half a second of each of two threads.
+  // Each of two threads spends half a second.
   EXPECT_DOUBLE_EQ(speed.traced_mrays_per_second(RayKind::kCamera), 8);
   EXPECT_DOUBLE_EQ(speed.traced_mrays_per_second(RayKind::kBounce), 6);
   EXPECT_DOUBLE_EQ(speed.raw_mrays_per_second(RayKind::kCamera), 20);
@@ -123,7 +124,7 @@ TEST(Speed, RaysOfAKindAreThoseOfTheRenderWhileTracingAndRaw) {
 
 TEST(Summarize, TakesGeometricMeansOfWhatEverySceneHas) {
   std::vector<SuiteResult> results = {Result(0.5), Result(2)};
-  EXPECT_NEAR(Summarize(results).msamples_per_s, 2, 1e-12);  // of 4 and 1
+  EXPECT_NEAR(Summarize(results).msamples_per_s, 2, 1e-12);  // geometric mean of 4 and 1
   EXPECT_NEAR(Summarize(results).embree_fraction, 0.4, 1e-12);
   EXPECT_NEAR(Summarize(results).scaling_2, 2, 1e-12);
   results[1].speed.scaling.clear();
@@ -137,7 +138,7 @@ TEST(MeasureSpeed, KeepsEveryRepetition) {
   EXPECT_EQ(speed.render.size(), 3u);
   EXPECT_EQ(speed.stages.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
-    // All tracing is that of rays of some kind.
+    // All tracing belongs to some kind of rays.
     const double stages = speed.stages.at(i)[std::uint32_t(Stage::kIntersect)] +
                           speed.stages.at(i)[std::uint32_t(Stage::kShadow)];
     EXPECT_NEAR(speed.traces.at(i)[0] + speed.traces.at(i)[1] + speed.traces.at(i)[2], stages,
@@ -171,7 +172,7 @@ TEST(Bars, AreAsLongAsTheirValues) {
                           .bars = {{"one", {1, 3}}, {"two", {2, -1}}, {"three", {NAN, 0}}}};
   const std::string svg = Svg(chart);
   EXPECT_TRUE(IsWellFormedXml(svg)) << svg;
-  // 634 pixels for 4: quarters, three quarters, and half of them for the second bar.
+  // 634 pixels stand for 4: a quarter, three quarters, and half of them for the second bar.
   for (const char* const width : {"width=\"158.50\"", "width=\"475.50\"", "width=\"317.00\""}) {
     EXPECT_NE(svg.find(width), std::string::npos) << width << "\n" << svg;
   }

@@ -1,6 +1,6 @@
-// One picture by all integrators: a table of lights, materials and cameras, in which paths from the
-// camera are what others are held to. Unbiased ones have the same expectation; progressive ones
-// come nearer with every pass.
+// Every integrator must render the same picture: a table of lights, materials and cameras, in which
+// paths from the camera are the reference. Unbiased integrators have the same expectation;
+// progressive ones come closer with every pass.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -18,7 +18,7 @@ namespace {
 
 struct Row {
   const char* name;
-  int lights;  // the map alone, an area light alone, both
+  int lights;  // the map alone, an area light alone, or both
   BsdfKind bsdf;
   float alpha;
   float lens;  // radius
@@ -39,7 +39,7 @@ constexpr Row kRows[] = {
     {"BothMirror", kEnvironment | kLamp, kMirror, 0, 0.1f},
 };
 constexpr int kRuns = 12;
-constexpr std::uint32_t kPasses = 16;  // of those that converge
+constexpr std::uint32_t kPasses = 16;  // for integrators that converge
 const double kLevel = SidakLevel(2 * std::size(kRows));
 
 JobRequest Request(const Row& row, Integrator integrator, std::uint32_t samples) {
@@ -56,15 +56,15 @@ PictureEstimate Estimate(const Scene& scene, const JobRequest& request, int runs
       3);
 }
 
-// The floor before the balls: what mirrors and glass throw on it and none of them.
+// The camera sees the floor in front of the balls: light from mirrors and glass, but not the balls.
 Scene WithoutBalls(Scene scene) {
   scene.camera = LookAtCamera({0.1f, 2.2f, 2.4f}, {0.1f, 0, 1.5f}, {0, 1, 0}, 25, false);
   return scene;
 }
 
-// The mean of three pictures of so many passes: under the lamp the light of one is off by 1 % or 2
-// %, which is noise. AreaCorrection are whole but where photons are seen directly, so at edges
-// large ones darken.
+// Takes the mean of three pictures with the given number of passes, because under the lamp the
+// light of one is noisy by 1 % or 2 %. Disks are taken whole unless photons are seen directly, so
+// large disks darken edges.
 PictureEstimate Progressive(const Scene& scene, JobRequest request, std::uint32_t gather,
                             std::uint32_t passes) {
   const bool merges = request.integrator == Integrator::kVcm;
@@ -91,7 +91,7 @@ TEST_P(Agreement, OfAllIntegrators) {
   const PictureEstimate bdpt = Estimate(scene, Request(row, Integrator::kBdpt, 24), kRuns);
   EXPECT_TRUE(SamePicture(bdpt, paths, kLevel)) << "bdpt";
 
-  // Light paths see nothing in mirrors and through glass.
+  // Light paths are not seen in mirrors or through glass.
   const bool delta = std::uint32_t(row.bsdf) >= kFirstDeltaBsdf;
   const Scene floor = WithoutBalls(scene);
   const PictureEstimate light =
@@ -100,22 +100,23 @@ TEST_P(Agreement, OfAllIntegrators) {
       delta ? Estimate(floor, Request(row, Integrator::kPath, 96), kRuns) : paths;
   EXPECT_TRUE(SamePicture(light, seen, kLevel)) << "light";
 
-  struct Way {
+  struct Setup {
     const char* name;
     Integrator integrator;
     std::uint32_t gather;
   };
-  for (const Way way : {Way{"photon", Integrator::kPhoton, 0},
-                        Way{"photon with a final gather", Integrator::kPhoton, 1},
-                        Way{"vcm", Integrator::kVcm, 0}}) {
-    const JobRequest request = Request(row, way.integrator, 1);
-    const PictureEstimate picture = Progressive(scene, request, way.gather, kPasses);
-    const double first = RelativeDifference(Progressive(scene, request, way.gather, 1), paths);
+  for (const Setup setup : {Setup{"photon", Integrator::kPhoton, 0},
+                            Setup{"photon with a final gather", Integrator::kPhoton, 1},
+                            Setup{"vcm", Integrator::kVcm, 0}}) {
+    const JobRequest request = Request(row, setup.integrator, 1);
+    const PictureEstimate picture = Progressive(scene, request, setup.gather, kPasses);
+    const double first = RelativeDifference(Progressive(scene, request, setup.gather, 1), paths);
     const double last = RelativeDifference(picture, paths), mean = MeanOf(picture) / MeanOf(paths);
-    std::printf("%s: %.4f after a pass, %.4f at the end, mean %.4f\n", way.name, first, last, mean);
-    EXPECT_LT(last, 0.6 * first) << way.name;
-    EXPECT_LT(last, 0.04) << way.name;
-    EXPECT_NEAR(mean, 1, way.integrator == Integrator::kVcm ? 0.01 : 0.02) << way.name;
+    std::printf("%s: %.4f after a pass, %.4f at the end, mean %.4f\n", setup.name, first, last,
+                mean);
+    EXPECT_LT(last, 0.6 * first) << setup.name;
+    EXPECT_LT(last, 0.04) << setup.name;
+    EXPECT_NEAR(mean, 1, setup.integrator == Integrator::kVcm ? 0.01 : 0.02) << setup.name;
   }
 }
 INSTANTIATE_TEST_SUITE_P(Each, Agreement, testing::ValuesIn(kRows),

@@ -1,4 +1,4 @@
-// Surfaces with holes: what a ray meets, what passes, and that nobody else pays.
+// Tests surfaces with alpha: which rays hit, which pass, and that opaque scenes pay nothing.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,8 +31,8 @@ double MeanOf(const Image& image) {
   return sum / double(image.rgb.size());
 }
 
-// Black sheets of the given material, all over the film of a camera that looks down on them from
-// y = 2, under a sky of 1.
+// Returns black sheets of the given opacity that fill the film of a camera looking down on them
+// from y = 2, under a constant environment of 1.
 Scene Sheets(int count, float opacity) {
   Scene scene;
   const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
@@ -43,10 +43,10 @@ Scene Sheets(int count, float opacity) {
   return scene;
 }
 
-// Five standard deviations of a mean of that many independent trials.
+// Returns five standard deviations of a mean of that many independent trials.
 double Tolerance(double p, double trials) { return 5 * std::sqrt(p * (1 - p) / trials); }
 
-TEST(Holes, SheetsLetTheirProductPass) {
+TEST(Alpha, SheetsLetTheirProductPass) {
   for (const auto& [count, opacity] : {std::pair{1, 0.5f}, {1, 0.9f}, {2, 0.5f}, {3, 0.3f}}) {
     const double passes = std::pow(1.0 - opacity, count);
     EXPECT_NEAR(MeanOf(Picture(Sheets(count, opacity), 32, 64)), passes,
@@ -57,8 +57,8 @@ TEST(Holes, SheetsLetTheirProductPass) {
   EXPECT_EQ(MeanOf(Picture(Sheets(2, 0), 8, 4)), 1);
 }
 
-// Every pixel, not only their mean: sheets do not show one pattern.
-TEST(Holes, SamplesOfAPixelAreIndependent) {
+// The test covers every pixel, not only the mean, because sheets must not share one pattern.
+TEST(Alpha, SamplesOfAPixelAreIndependent) {
   const int n = 24;
   const std::uint32_t samples = 100;
   const Image image = Picture(Sheets(2, 0.5f), n, samples);
@@ -67,18 +67,18 @@ TEST(Holes, SamplesOfAPixelAreIndependent) {
     const double z = (image.rgb[3 * std::size_t(i)] - 0.25) / std::sqrt(0.25 * 0.75 / samples);
     squares += z * z;
   }
-  // Chi-square with n^2 degrees of freedom: its standard deviation is sqrt(2) n.
+  // Chi-square with n^2 degrees of freedom has a standard deviation of sqrt(2) n.
   EXPECT_NEAR(squares / (n * n), 1, 5 * std::sqrt(2.0) / n);
 }
 
-// A white floor sees the sky through a sheet above the camera: its light halves.
-TEST(Holes, ShadowsAreAsDeepAsTheSheet) {
+// A white floor sees the environment through a sheet above the camera, which halves its light.
+TEST(Alpha, ShadowsAreAsDeepAsTheSheet) {
   for (const bool direct : {false, true}) {
     Scene scene;
     const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
     scene.materials[black].opacity = 0.5f;
     Place(scene, Quad(1), AddLambert(scene, "white", glm::vec3(1)), {0, 0, 0});
-    // Nothing of the sky goes around it: a dome.
+    // A dome blocks all light that would bypass the sheet.
     Place(scene, Sphere(5, 4), black, {0, 0, 0});
     scene.camera = LookAtCamera({0, 1, 0}, {0, 0, 0}, {0, 0, -1}, 60, false);
     SetConstantLight(scene, 1);
@@ -91,15 +91,16 @@ TEST(Holes, ShadowsAreAsDeepAsTheSheet) {
       const RenderJob job(scene, request);
       Film film = job.MakeFilm();
       RenderFrame(job.frame(), film);
-      // Four times the cosine of a direction on the sphere, or 0: the variance of five coins.
+      // A sample is four times the cosine of a direction on the sphere, or 0: its variance is that
+      // of five coins.
       EXPECT_NEAR(MeanOf(film.Resolve(64)), 0.5, Tolerance(0.5, 16 * 16 * 64 / 5.0))
           << direct << mis;
     }
   }
 }
 
-// Squares of a mask are there or not, to the last pixel: 2 x 2 of them, four by four pixels each.
-TEST(Holes, MasksAreExact) {
+// Squares of a mask are exact to the pixel: 2 x 2 of them, four by four pixels each.
+TEST(Alpha, MasksAreExact) {
   Scene scene;
   const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
   scene.images = {Checkers(2, 1, 0)};
@@ -110,7 +111,7 @@ TEST(Holes, MasksAreExact) {
   scene.camera = LookAtCamera({0, 1, 0}, {0, 0, 0}, {0, 0, -1}, 90, false);
   SetConstantLight(scene, 1);
   const Image image = Picture(scene, 8, 16);
-  // Coordinates repeat, so edges between squares are the same as those of the sheet.
+  // Coordinates repeat, so edges between squares are like those of the sheet.
   int there = 0;
   for (int y = 0; y < 8; ++y) {
     for (int x = 0; x < 8; ++x) {
@@ -124,7 +125,7 @@ TEST(Holes, MasksAreExact) {
   EXPECT_EQ(there, 32);
 }
 
-TEST(Holes, ScalarLookupsHaveTheBitsOfVectors) {
+TEST(Alpha, ScalarLookupsHaveTheBitsOfVectors) {
   Random random(71);
   Scene scene;
   Image image(7, 5);
@@ -153,7 +154,7 @@ TEST(Holes, ScalarLookupsHaveTheBitsOfVectors) {
   }
 }
 
-TEST(Holes, AnswersDependOnKeyAndTriangleAlone) {
+TEST(Alpha, AnswersDependOnKeyAndTriangleAlone) {
   const std::vector<TriangleRecord> triangles(50);
   const OpacityRecord records[] = {{.factor = 0.3f, .cutoff = -1}};
   const OpacityView view = {.triangles = triangles.data(), .records = records, .textures = {}};
@@ -171,9 +172,9 @@ TEST(Holes, AnswersDependOnKeyAndTriangleAlone) {
   EXPECT_NEAR(both / n, 0.09, Tolerance(0.09, n));
 }
 
-// A floor of constant light under a sheet that shines, seen from beside it: the sheet gives what
-// its opacity leaves of it, whether its light is found by light samples or by chance.
-TEST(Holes, LightsShineWhereTheyAre) {
+// A floor is lit by an emitting sheet only: the sheet contributes in proportion to its opacity,
+// whether its light is found by light samples or by chance.
+TEST(Alpha, LightsEmitInProportionToIt) {
   const auto floor = [](float opacity, bool squares, bool mis, Integrator integrator) {
     Scene scene;
     const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
@@ -186,7 +187,8 @@ TEST(Holes, LightsShineWhereTheyAre) {
       scene.materials[lamp].opacity_texture = 0;
       scene.materials[lamp].opacity_cutoff = 0.5f;
     }
-    // Before the lamp, so that the order of the meshes is not that of the triangles.
+    // The lamp precedes the floor, so that the order of the meshes differs from that of the
+    // triangles.
     Place(scene, Quad(0.5f), lamp, {0, 1, 0});
     Place(scene, Quad(1), AddLambert(scene, "white", glm::vec3(0.8f)), {0, 0, 0});
     scene.camera = LookAtCamera({0, 0.9f, 0}, {0, 0, 0}, {0, 0, -1}, 60, false);
@@ -210,8 +212,9 @@ TEST(Holes, LightsShineWhereTheyAre) {
   }
 }
 
-// Of the mixture the opacity counts, of the parts the rest; tables have a row for every variant.
-TEST(Holes, MixturesHaveThem) {
+// Opacity comes from the mixture, everything else from its parts; tables have a row for every
+// variant.
+TEST(Alpha, MixturesHaveIt) {
   Scene scene;
   const std::uint32_t black = AddLambert(scene, "black", glm::vec3(0));
   scene.images = {Plain(NormalColor({0.3f, 0, 1}))};
@@ -237,13 +240,13 @@ TEST(Holes, MixturesHaveThem) {
   }
 }
 
-TEST(Holes, OpaqueScenesHaveOneGeometryAndNoKeys) {
+TEST(Alpha, OpaqueScenesHaveOneGeometryAndNoKeys) {
   Scene scene = Sheets(2, 1);
   const Geometry opaque(scene, "test");
   EXPECT_FALSE(opaque.has_alpha());
   const RenderJob job(scene, SmallRequest(4, 4, 1));
   EXPECT_FALSE(job.frame().tracer.first_with_alpha);
-  AddLambert(scene, "holes", glm::vec3(1));
+  AddLambert(scene, "alpha", glm::vec3(1));
   scene.materials[1].opacity = 0.5f;
   Place(scene, Quad(1), 1, {0, 1, 0});
   std::swap(scene.meshes.front(), scene.meshes.back());

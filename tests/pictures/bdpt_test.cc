@@ -1,5 +1,5 @@
-// Bidirectional paths against paths from the camera: pictures with the same expectation, whatever
-// shines, whatever it falls on and whatever sees it.
+// Compares bidirectional paths with paths from the camera: pictures have the same expectation for
+// all lights, materials and cameras.
 #include <gtest/gtest.h>
 
 #include <ostream>
@@ -18,7 +18,7 @@ namespace skywave {
 namespace {
 
 constexpr int kRuns = 12;
-// Pictures that this program compares.
+// This many comparisons of pictures share the level of the test program.
 const double kLevel = SidakLevel(60);
 
 JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
@@ -73,7 +73,7 @@ TEST(Bdpt, EveryDepthIsThatOfPaths) {
   }
 }
 
-// Lenses and every kind of camera.
+// Tests lenses and every kind of camera.
 TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
   const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLamp);
   for (const CameraKind kind : kCameraKinds) {
@@ -88,8 +88,8 @@ TEST(Bdpt, EveryCameraSeesWhatPathsSee) {
   }
 }
 
-// Surfaces that rays pass by chance, a lamp among them.
-TEST(Bdpt, VeilsAreThoseOfPaths) {
+// Some surfaces, among them a lamp, let rays pass by chance.
+TEST(Bdpt, SurfacesWithAlphaAreThoseOfPaths) {
   Material veil = Of(BsdfKind::kLambert);
   veil.opacity = 0.4f;
   Scene scene = MattRoom(veil, kEnvironment | kLamp | kPoint);
@@ -99,17 +99,17 @@ TEST(Bdpt, VeilsAreThoseOfPaths) {
   EXPECT_TRUE(SameAsPaths(scene, Request(Integrator::kBdpt, 4), kRuns, kLevel));
 }
 
-std::vector<SubpathLengths> WaysOf(std::uint32_t surfaces) {
+std::vector<SubpathLengths> TechniquesOf(std::uint32_t surfaces) {
   std::vector<SubpathLengths> techniques;
   for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
-    const SubpathLengths way = {.light = light, .eye = surfaces + 2 - light};
-    if (light != 1 || way.eye != 1) techniques.push_back(way);
+    const SubpathLengths technique = {.light = light, .eye = surfaces + 2 - light};
+    if (light != 1 || technique.eye != 1) techniques.push_back(technique);
   }
   return techniques;
 }
 
-// Surfaces that are far from each other: connections unweighted have no bounded variance in
-// corners.
+// The surfaces are far from each other, because unweighted connections in corners have unbounded
+// variance.
 Scene Apart(const Material& material) {
   Scene scene;
   Place(scene, Facetted(Quad(3)), AddLambert(scene, "floor", {0.7f, 0.6f, 0.5f}), glm::vec3(0));
@@ -123,23 +123,23 @@ Scene Apart(const Material& material) {
   return scene;
 }
 
-// Where no BSDF and no light is a delta distribution, each way to join sub-paths is an estimate of
-// all there is of its paths.
-TEST(Bdpt, EveryWayAloneFindsAllLight) {
+// If no BSDF and no light is a delta distribution, each technique alone estimates all light of its
+// path length.
+TEST(Bdpt, EveryTechniqueAloneFindsAllLight) {
   for (const BsdfKind kind : {BsdfKind::kLambert, BsdfKind::kRoughDielectric}) {
     const RenderJob job(Apart(Of(kind, 0.5f)), Request(Integrator::kBdpt, 3));
-    // Three surfaces can be facets of one ball of glass, with corners between them.
+    // Three surfaces can be facets of one glass ball, with corners between them.
     for (std::uint32_t surfaces = 1; surfaces <= (kind == BsdfKind::kLambert ? 3 : 2); ++surfaces) {
       PictureEstimate expected;
       std::uint32_t seed = 100;
-      for (const SubpathLengths& way : WaysOf(surfaces)) {
-        SCOPED_TRACE(std::to_string(way.light) + "," + std::to_string(way.eye));
+      for (const SubpathLengths& technique : TechniquesOf(surfaces)) {
+        SCOPED_TRACE(std::to_string(technique.light) + "," + std::to_string(technique.eye));
         FrameView frame = job.frame();
-        frame.options.subpath_lengths = way;
+        frame.options.subpath_lengths = technique;
         frame.options.mis = false;
         const PictureEstimate alone =
             MeanOfBlocks(EstimateFromEngine(job, frame, kRuns, seed += 100), 6);
-        if (way.light == 0) {
+        if (technique.light == 0) {
           expected = alone;
         } else {
           EXPECT_TRUE(SamePicture(alone, expected, kLevel));
@@ -149,12 +149,12 @@ TEST(Bdpt, EveryWayAloneFindsAllLight) {
   }
 }
 
-TEST(Bdpt, WeightedWaysAddUpToThePicture) {
+TEST(Bdpt, WeightedTechniquesAddUpToThePicture) {
   const RenderJob job(MattRoom(Of(BsdfKind::kDielectric), kEnvironment | kLocal),
                       Request(Integrator::kBdpt, 4));
-  const auto render = [&](const std::optional<SubpathLengths>& way) {
+  const auto render = [&](const std::optional<SubpathLengths>& technique) {
     FrameView frame = job.frame();
-    frame.options.subpath_lengths = way;
+    frame.options.subpath_lengths = technique;
     Film film = job.MakeFilm();
     RenderFrame(frame, film);
     return film.Resolve(frame.options.samples_per_pixel).rgb;
@@ -162,8 +162,8 @@ TEST(Bdpt, WeightedWaysAddUpToThePicture) {
   const std::vector<float> picture = render(std::nullopt);
   std::vector<double> sum(picture.size());
   for (std::uint32_t surfaces = 0; surfaces <= 4; ++surfaces) {
-    for (const SubpathLengths& way : WaysOf(surfaces)) {
-      const std::vector<float> part = render(way);
+    for (const SubpathLengths& technique : TechniquesOf(surfaces)) {
+      const std::vector<float> part = render(technique);
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
     }
   }
@@ -186,7 +186,7 @@ TEST(Bdpt, WhatItCannotDoIsRefused) {
     r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2};
     r.integrator = Integrator::kPath;
   });
-  // Of four surfaces, one more than the depth.
+  // These lengths connect four surfaces, one more than the depth.
   refused([](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 2, .eye = 4}; });
   refused(
       [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = ~0u, .eye = ~0u}; });

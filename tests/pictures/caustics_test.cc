@@ -1,5 +1,5 @@
-// Caustics of lights without extent: what a ball of glass gathers on a floor, seen directly, where
-// paths from the lights find it, and in a mirror, where only photons and merged vertices do.
+// Tests caustics of lights without extent: the light that a glass ball focuses on a floor, seen
+// directly, where light paths find it, and in a mirror, where only photons and merged vertices do.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,9 +17,10 @@ namespace skywave {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kIor = 1.5, kHeight = 1.8;  // of the ball of radius 1, and its centre
-constexpr double kWindow = 1.3;              // half of the floor that is seen
-constexpr float kAlbedo = 0.02f;             // dark: light is not thrown up to the ball again
+constexpr double kIor = 1.5, kHeight = 1.8;  // index of the ball of radius 1, and height of its
+                                             // centre
+constexpr double kWindow = 1.3;              // half of the visible floor
+constexpr float kAlbedo = 0.02f;             // dark, so that hardly any light returns to the ball
 constexpr double kElevation = 20 * kPi / 180;
 constexpr float kMirror = 2.2f;  // the plane z = -kMirror, up to a height of kMirrorTop
 constexpr float kMirrorTop = 1.3f;
@@ -49,9 +50,9 @@ PunctualLight LightOf(Source source) {
   return {};
 }
 
-// Everything is the same for z and -z but the mirror, so light on the floor is. In it a camera
-// sees the floor as another one would from the other side; it is too low to throw the light of the
-// source, or much of what the ball reflects, on what is seen.
+// Apart from the mirror, the scene is symmetric in z, and so is the light on the floor. In the
+// mirror, a camera sees the floor as another camera would from the opposite side; the mirror is too
+// low to reflect light of the source, or much light from the ball, onto the visible floor.
 Scene CausticScene(Source source, bool in_mirror) {
   Scene scene;
   Place(scene, Facetted(Quad(2)), AddLambert(scene, "floor", glm::vec3(kAlbedo)), glm::vec3(0));
@@ -66,7 +67,7 @@ Scene CausticScene(Source source, bool in_mirror) {
       p = {p.x, 0.5f * kMirrorTop * (1 + p.z / 1.6f), -kMirror};
     }
     Place(scene, mirror, AddMirror(scene, 1), glm::vec3(0));
-    // Before the mirror, where the ball is behind the camera.
+    // The camera is in front of the mirror, and the ball is behind the camera.
     eye = {0, kMirror * sine / cosine + 0.8f * sine, -kMirror + 0.8f * cosine};
     target = {0, kMirror * sine / cosine, -kMirror};
   }
@@ -87,13 +88,13 @@ JobRequest Request(Integrator integrator, std::uint32_t samples, bool in_mirror 
 
 PictureEstimate Blocks(const PictureEstimate& picture) { return MeanOfBlocks(picture, 3); }
 
-// The reference: paths from the light, without bias.
+// The reference consists of unbiased light paths.
 PictureEstimate Reference(const Scene& scene) {
   return Blocks(EstimateFromEngine(RenderJob(scene, Request(Integrator::kLight, 128)), kRuns, 100));
 }
 
-// Difference of a picture of `passes` passes from `expected`. The first radius is large enough to
-// blur.
+// Returns the difference of a picture of `passes` passes from `expected`. The first radius is large
+// enough to blur.
 double DifferenceOf(const Scene& scene, bool in_mirror, Integrator integrator, std::uint32_t passes,
                     const PictureEstimate& expected) {
   JobRequest request = Request(integrator, 4 * passes, in_mirror);
@@ -109,9 +110,7 @@ double MeanOf(const PictureEstimate& picture, std::size_t channel) {
   return MeanOfBlocks(picture, std::max(picture.width, picture.height)).mean[channel];
 }
 
-// ---- The sun through the ball, by ray optics ----
-
-// Reflectance of glass for unpolarised light (Fresnel).
+// Returns the reflectance of glass for unpolarised light (Fresnel).
 double Reflectance(double cos_i) {
   const double cos_t = std::sqrt(1 - (1 - cos_i * cos_i) / (kIor * kIor));
   const double s = (cos_i - kIor * cos_t) / (cos_i + kIor * cos_t);
@@ -119,32 +118,34 @@ double Reflectance(double cos_i) {
   return 0.5 * (s * s + p * p);
 }
 
-// The part of a circle of this radius about the middle that is in the window.
+// Returns the fraction of a circle of this radius about the middle that lies in the window.
 double ShareInWindow(double radius) {
   radius = std::fabs(radius);
   if (radius <= kWindow) return 1;
   return radius < kWindow * std::numbers::sqrt2 ? 1 - 4 / kPi * std::acos(kWindow / radius) : 0;
 }
 
-// Mean radiance of the window under a sun of irradiance 1: what misses the ball, and circle by
-// circle what goes through it or off its upper side, in the plane of the ray and the axis.
+// Returns the mean radiance of the window under a sun of irradiance 1: the light that misses the
+// ball and, circle by circle, the light that passes through it or reflects from its upper side, in
+// the plane of the ray and the axis.
 double ExactMean() {
   constexpr int kSteps = 20000;
-  double power = 0;  // in the window [of the irradiance]
+  double power = 0;  // in the window [times the irradiance]
   for (int i = 0; i < kSteps; ++i) {
     const double b = (i + 0.5) / kSteps, circle = 2 * kPi * b / kSteps;
     const double in = std::asin(b), out = std::asin(b / kIor);
     const double reflected = Reflectance(std::cos(in));
-    // Angles of the point where it leaves from the top, and of its ray from straight down.
+    // `leaves` is the angle of the exit point from the top, `turn` the angle of the exit ray from
+    // straight down.
     const double leaves = in + kPi - 2 * out, turn = 2 * (in - out);
     if (std::cos(turn) > 0) {
-      const double way = (kHeight + std::cos(leaves)) / std::cos(turn);
-      const double share = ShareInWindow(std::sin(leaves) - way * std::sin(turn));
+      const double distance = (kHeight + std::cos(leaves)) / std::cos(turn);
+      const double share = ShareInWindow(std::sin(leaves) - distance * std::sin(turn));
       power += circle * (1 - reflected) * (1 - reflected) * share;
     }
     if (std::cos(2 * in) < 0) {
-      const double way = (kHeight + std::cos(in)) / -std::cos(2 * in);
-      power += circle * reflected * ShareInWindow(std::sin(in) + way * std::sin(2 * in));
+      const double distance = (kHeight + std::cos(in)) / -std::cos(2 * in);
+      power += circle * reflected * ShareInWindow(std::sin(in) + distance * std::sin(2 * in));
     }
   }
   const double area = 4 * kWindow * kWindow;
@@ -157,8 +158,6 @@ TEST(Caustics, OfASunAreAsBrightAsRayOpticsHasThem) {
     EXPECT_NEAR(MeanOf(picture, c) / (3 - double(c)) / ExactMean(), 1, 0.004) << "channel " << c;
   }
 }
-
-// ---- All that can ----
 
 class CausticsOf : public testing::TestWithParam<Source> {};
 

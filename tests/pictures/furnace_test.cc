@@ -1,4 +1,4 @@
-// The white furnace by rendering: what absorbs nothing vanishes in constant light.
+// Renders the white furnace: an object that absorbs nothing vanishes in constant light.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,8 +25,8 @@ struct FurnaceCase {
   std::string name;
   Material material;
   bool smooth;
-  // What the mean over the ball, and any block of 4 x 4 pixels, may be off 1 beyond noise. 0 but
-  // for what the comments say.
+  // The allowed deviations from 1, beyond noise, of the mean over the ball and of any block of 4 x
+  // 4 pixels. They are 0 except as explained at Cases().
   double mean_error, block_error;
 };
 void PrintTo(const FurnaceCase& test, std::ostream* out) { *out << test.name; }
@@ -37,10 +37,10 @@ Material White(BsdfKind bsdf, float alpha = 0.1f) {
 
 class Furnace : public testing::TestWithParam<FurnaceCase> {};
 
-// A ball that fills most of the film.
+// Returns a ball that fills most of the film.
 Scene FurnaceOf(const FurnaceCase& test) {
   Scene scene;
-  // The first two are what mixtures are made of.
+  // The first two are the parts of the mixtures.
   scene.materials = {White(BsdfKind::kLambert), White(BsdfKind::kMirror), test.material};
   const Mesh ball = Sphere(1, 12);
   Place(scene, test.smooth ? ball : Facetted(ball), 2, glm::vec3(0));
@@ -54,8 +54,8 @@ TEST_P(Furnace, BallVanishes) {
   for (const char* const strategy : {"importance", "cosine"}) {
     SCOPED_TRACE(strategy);
     JobRequest request = SmallRequest(24, 24, 64);
-    // Total reflection keeps some light in facetted glass for thousands of bounces: 0.25 % of the
-    // picture for more than 100.
+    // Total internal reflection keeps some light in faceted glass for thousands of bounces: 0.25 %
+    // of the picture takes more than 100.
     request.max_depth = 4000;
     request.strategy = strategy;
     const RenderJob job(FurnaceOf(test), request);
@@ -76,12 +76,12 @@ TEST_P(Furnace, BallVanishes) {
   }
 }
 
-// What is lost, and why (bounds are measured deviations, rounded up):
-// - Smooth normals: directions above the interpolated normal's plane but below the triangle's, or
-//   the other way round, reflect nothing (kernels/bsdf/bsdf.h), at silhouettes mostly.
-//   SmoothNormalsLoseLessOnFinerMeshes shows that it is the mesh.
-// - Conductors: the table of the albedo is interpolated; the multiple-scattering lobe returns that
-//   much too little or too much. Worst near alpha = 0.05, between two rows.
+// Light is lost for these reasons (the bounds are measured deviations, rounded up):
+// - Smooth normals: directions above the plane of the interpolated normal but below the triangle's,
+//   or vice versa, reflect nothing (kernels/bsdf/bsdf.h), mostly at silhouettes. The test
+//   SmoothNormals.LoseLessOnFinerMeshes shows that the mesh is the cause.
+// - Conductors: the table of the albedo is interpolated, and the multiple-scattering lobe returns
+//   too little or too much by the same amount, at worst near alpha = 0.05, between two rows.
 std::vector<FurnaceCase> Cases() {
   constexpr double kSmoothMean = 2.5e-4, kSmoothBlock = 8e-4;
   std::vector<FurnaceCase> cases;
@@ -112,8 +112,9 @@ std::vector<FurnaceCase> Cases() {
 INSTANTIATE_TEST_SUITE_P(White, Furnace, testing::ValuesIn(Cases()),
                          [](const auto& test) { return test.param.name; });
 
-// A slab of the index of air: what it takes is what the way through it costs (Beer and Lambert).
-TEST(AbsorbingGlass, TakesWhatItsThicknessDoes) {
+// A slab with the index of air absorbs according to the length of the path through it (Beer and
+// Lambert).
+TEST(AbsorbingGlass, AbsorbsByItsThickness) {
   const glm::vec3 absorption(0.7f, 0, 2.5f);
   for (const BsdfKind bsdf : {BsdfKind::kDielectric, BsdfKind::kLambert}) {
     Scene scene;
@@ -130,7 +131,7 @@ TEST(AbsorbingGlass, TakesWhatItsThicknessDoes) {
     const RenderJob job(scene, SmallRequest(4, 4, 16));
     const PictureEstimate whole = MeanOfBlocks(EstimateFromEngine(job, 2, 5), 4);
     for (int c = 0; c < 3; ++c) {
-      // The middle ray crosses 0.8 at a slope of 3 in 5.
+      // The central ray crosses 0.8 at a slope of 3 in 5.
       const double passes = bsdf == BsdfKind::kLambert ? 1 : std::exp(-absorption[c] * 0.8 * 5 / 3);
       EXPECT_NEAR(whole.mean[c] / kRadiance, passes, bsdf == BsdfKind::kLambert ? 0.05 : 1e-3);
     }
@@ -146,7 +147,7 @@ TEST(SmoothNormals, LoseLessOnFinerMeshes) {
     SetConstantLight(scene, kRadiance);
     scene.camera = LookAtCamera({0, 0, 4}, glm::vec3(0), {0, 1, 0}, 28, false);
     JobRequest request = SmallRequest(24, 24, 64);
-    request.strategy = "cosine";  // exact but for what is lost
+    request.strategy = "cosine";  // exact except for the losses
     const RenderJob job(scene, request);
     const PictureEstimate whole = MeanOfBlocks(EstimateFromEngine(job, kRuns, 5), 24);
     const double loss = 1 - whole.mean[0] / kRadiance;

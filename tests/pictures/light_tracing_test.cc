@@ -1,4 +1,4 @@
-// Light tracing against closed forms, and against path tracing where both can see the light.
+// Compares light tracing with closed forms, and with path tracing where both can see the light.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kRuns = 12;
-// Pictures that this program compares.
+// This many comparisons of pictures share the level of the test program.
 const double kLevel = SidakLevel(40);
 
-// A rectangle at `centre` that shines downwards.
+// Adds a rectangle at `centre` that emits downwards.
 void AddLamp(Scene& scene, float side, const glm::vec3& centre, const glm::vec3& radiance,
              bool both_sides = false) {
   const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
@@ -40,14 +40,14 @@ std::uint32_t AddGloss(Scene& scene, float alpha) {
   return std::uint32_t(scene.materials.size() - 1);
 }
 
-// A floor, a facetted ball and a glossy one of smooth normals, a leaf that light shines through.
+// Returns a floor, a faceted ball, a glossy ball with smooth normals, and a translucent leaf.
 Scene Things() {
   Scene scene;
   Place(scene, Quad(4), AddLambert(scene, "floor", {0.5f, 0.55f, 0.6f}), glm::vec3(0));
   Place(scene, Facetted(Sphere(0.8f, 3)), AddLambert(scene, "red", {0.8f, 0.3f, 0.2f}),
         {-0.85f, 0.8f, 0}, 20);
-  // Fine: where smooth normals look away from the eye, paths from either end do what they can, and
-  // that is not the same.
+  // The mesh is fine because paths from the two ends differ where smooth normals face away from the
+  // eye.
   Place(scene, Sphere(0.7f, 40), AddGloss(scene, 0.35f), {0.95f, 0.7f, 0.2f});
   scene.materials.push_back(
       {.name = "leaf", .bsdf = BsdfKind::kDiffuseTransmission, .reflectance = {0.2f, 0.4f, 0.1f}});
@@ -88,8 +88,6 @@ void ExpectSame(const Scene& scene, const JobRequest& request) {
   EXPECT_TRUE(SamePicture(Estimate(scene, request, Integrator::kLight),
                           Estimate(scene, request, Integrator::kPath), kLevel));
 }
-
-// ---- Against path tracing ----
 
 TEST(LightTracing, IsPathTracingUnderAMap) {
   Scene scene = Things();
@@ -140,24 +138,25 @@ TEST(LightTracing, IsPathTracingInEveryCameraAndPartOfAFilm) {
   ExpectSame(scene, part);
 }
 
-// Light that glass gathers on the floor; the ball itself is out of the picture.
+// Glass focuses light on the floor; the ball itself is outside the picture.
 TEST(LightTracing, IsPathTracingUnderGlass) {
   Scene scene;
   Place(scene, Quad(4), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
   Place(scene, Facetted(Sphere(0.7f, 12)), AddGlass(scene, 1.5f), {0, 1.6f, 0});
   scene.camera = LookAtCamera({0, 0.8f, 2.4f}, {0, 0, 0.1f}, {0, 1, 0}, 28, false);
-  // Large: paths meet it by chance only.
+  // The lamp is large because paths hit it by chance only.
   AddLamp(scene, 1.6f, {0.3f, 4, 0.2f}, {8, 8, 6});
   const JobRequest request = Request(6, 192);
   ExpectSame(scene, request);
-  // Rough glass too: its value has to lose the squared index.
+  // Rough glass is tested too: its value must lose the squared index.
   scene.materials[1].bsdf = BsdfKind::kRoughDielectric;
   scene.materials[1].alpha = 0.2f;
   ExpectSame(scene, request);
 }
 
-// A floor whose shading normals lean by 20 degrees, and a ball over it, low enough that nobody
-// looks along the floor: Veach's factor counts where flux is connected and where it is scattered.
+// The floor's shading normals lean by 20 degrees, and a ball hangs above it, low enough that no
+// path runs along the floor: Veach's factor matters where flux is connected and where it is
+// scattered.
 TEST(LightTracing, IsPathTracingOnBentNormals) {
   for (const float alpha : {0.0f, 0.4f}) {
     Scene scene;
@@ -174,7 +173,7 @@ TEST(LightTracing, IsPathTracingOnBentNormals) {
   }
 }
 
-// Lights in place of a map, which stand for the same directions in both.
+// Directional lights replace a map; both integrators use the same directions.
 TEST(LightTracing, IsPathTracingUnderDirectionalLights) {
   Scene scene = Things();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
@@ -194,8 +193,6 @@ TEST(LightTracing, LooksThroughAlpha) {
   ExpectSame(scene, Request(3));
 }
 
-// ---- Closed forms ----
-
 double MeanOf(const PictureEstimate& picture) {
   return MeanOfBlocks(picture, std::max(picture.width, picture.height)).mean[1];
 }
@@ -203,7 +200,7 @@ double ErrorOf(const PictureEstimate& picture) {
   return std::sqrt(MeanOfBlocks(picture, std::max(picture.width, picture.height)).variance[1]);
 }
 
-// A plane that sees nothing but the sky, under a sky of one radiance and under one sun.
+// A plane sees only the environment: a constant one, and a single sun.
 TEST(LightTracing, LightsAPlaneAsItShould) {
   Scene scene;
   Place(scene, Quad(2), AddLambert(scene, "plane", glm::vec3(0.8f)), glm::vec3(0));
@@ -219,7 +216,8 @@ TEST(LightTracing, LightsAPlaneAsItShould) {
   EXPECT_TRUE(AgreesWith(MeanOf(lit), ErrorOf(lit), 0.8 / kPi * 3 * to.y, kLevel, 1e-5));
 }
 
-// White and convex, so it vanishes in a furnace; under a sun its picture is Lambert's.
+// The sphere is white and convex, so it vanishes in a furnace; under a sun its picture is
+// Lambert's.
 TEST(LightTracing, LightsASphereAsItShould) {
   Scene scene;
   Place(scene, Sphere(1, 60), AddLambert(scene, "white", glm::vec3(1)), glm::vec3(0));
@@ -230,19 +228,19 @@ TEST(LightTracing, LightsASphereAsItShould) {
   PictureEstimate white = furnace;
   std::fill(white.mean.begin(), white.mean.end(), 1.0);
   std::fill(white.variance.begin(), white.variance.end(), 0.0);
-  // Coarse as it is, the sphere's smooth normals are up to 0.01 off, its silhouette too.
+  // At this resolution, the sphere's smooth normals and its silhouette deviate by up to 0.01.
   EXPECT_TRUE(SamePicture(furnace, white, kLevel, 0.01));
 
   const glm::vec3 to = glm::normalize(glm::vec3(1, 1, 1));
   sun.lights = {{.kind = LocalLightKind::kDistant, .emission = glm::vec3(2), .direction = to}};
-  sun.camera->fov_degrees = 6;  // the middle of it
+  sun.camera->fov_degrees = 6;  // its middle
   const PictureEstimate lit = Estimate(sun, Request(1), Integrator::kLight);
   PictureEstimate exact = lit;
   const double half = std::tan(3 * kPi / 180);
   for (int y = 0; y < lit.height; ++y) {
     for (int x = 0; x < lit.width; ++x) {
       const double right = (x + 0.5 - 16) / 12 * half, up = (12 - y - 0.5) / 12 * half;
-      // The nearer hit of the ray (0, 0, 5) + s (right, up, -1).
+      // This is the nearer intersection of the ray (0, 0, 5) + s (right, up, -1).
       const double a = 1 + right * right + up * up;
       const double s = (5 - std::sqrt(25 - 24 * a)) / a;
       const double cosine = (s * right + s * up + 5 - s) / std::sqrt(3.0);
@@ -254,8 +252,6 @@ TEST(LightTracing, LightsASphereAsItShould) {
   }
   EXPECT_TRUE(SamePicture(lit, exact, kLevel, 0.02));
 }
-
-// ---- What cannot be ----
 
 void ExpectRefused(const Scene& scene, const JobRequest& request, const std::string& part) {
   try {
@@ -276,7 +272,7 @@ TEST(LightTracing, RefusesWhatCannotStartALightPath) {
     request.strategy = strategy;
     ExpectRefused(scene, request, "no light path can start");
   }
-  // Where the map is black, the strategy is never asked.
+  // If the map is black, the strategy is never used.
   Scene lamps = Things();
   AddLocalLights(lamps);
   EXPECT_NO_THROW(RenderJob(lamps, request));
@@ -297,7 +293,7 @@ TEST(LightTracing, RefusesWhatCannotStartALightPath) {
   ExpectRefused(flat, request, "no place for light paths");
 }
 
-// First hits are read from the camera rays, as in path tracing.
+// First hits come from the camera rays, as in path tracing.
 TEST(LightTracing, KeepsTheLayersOfFirstHits) {
   Scene scene = Things();
   SetConstantLight(scene, 1);

@@ -1,4 +1,4 @@
-// Pictures by local lights: against closed forms, against the oracle, against themselves.
+// Tests pictures lit by local lights against closed forms, the oracle and themselves.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "lights/strategies/strategy.h"
+#include "scene/scene_hash.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
@@ -19,10 +20,10 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kRuns = 12;
-// Pictures that this program compares.
+// This many comparisons of pictures share the level of the test program.
 const double kLevel = SidakLevel(120);
 
-// A rectangle of the plane y = height that shines downwards.
+// Adds a rectangle in the plane y = height that emits downwards.
 void AddLamp(Scene& scene, float width, float depth, const glm::vec3& centre,
              const glm::vec3& radiance, bool upside_down = false) {
   const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
@@ -36,9 +37,9 @@ void AddLamp(Scene& scene, float width, float depth, const glm::vec3& centre,
   scene.meshes.push_back(mesh);
 }
 
-// ---- Closed forms: a floor of albedo 1 seen at the origin through a keyhole ----
+// The closed forms describe a floor of albedo 1, seen at the origin in a tiny field of view.
 
-// A lid above the lights casts no shadow: shadow rays end at their light.
+// The lid above the lights casts no shadow because shadow rays end at their light.
 Scene Floor() {
   Scene scene;
   Place(scene, Quad(30), AddLambert(scene, "floor", glm::vec3(1)), glm::vec3(0));
@@ -47,7 +48,7 @@ Scene Floor() {
   return scene;
 }
 
-// The picture's mean times pi: the irradiance at the origin.
+// Expects the mean of the picture times pi to be the irradiance at the origin.
 void ExpectIrradiance(const Scene& scene, const glm::vec3& expected, bool mis = true,
                       std::uint32_t light_samples = 1) {
   JobRequest request = SmallRequest(4, 4, 64);
@@ -64,7 +65,8 @@ void ExpectIrradiance(const Scene& scene, const glm::vec3& expected, bool mis = 
   }
 }
 
-// Irradiance by a rectangle of radiance 1 parallel to the floor, a corner of it above the origin.
+// Returns the irradiance from a rectangle of radiance 1 parallel to the floor, with a corner above
+// the origin.
 double CornerIrradiance(double width, double depth, double height) {
   const double a = width / height, b = depth / height;
   const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
@@ -85,7 +87,8 @@ TEST(LocalLightIrradiance, ASpotsIsFullInsideAndDarkOutside) {
   const auto expect = [](float degrees, float falloff) {
     Scene scene = Floor();
     const float angle = glm::radians(degrees);
-    // Turned away from the origin by that angle; full up to 20 degrees, dark from 40.
+    // The spot points away from the origin by that angle; it is full up to 20 degrees and dark from
+    // 40.
     scene.lights = {{.kind = LocalLightKind::kSpot,
                      .emission = {8, 4, 2},
                      .position = {0, 3, 0},
@@ -100,8 +103,9 @@ TEST(LocalLightIrradiance, ASpotsIsFullInsideAndDarkOutside) {
   expect(30, float(t * t * (3 - 2 * t)));
 }
 
-// Seen from below, from farther away than the lamp is: shadow rays start behind the surface, nearer
-// to the lamp than the light sample was drawn for, and must not meet it.
+// The leaf is seen from below, and the camera is farther away than the lamp: shadow rays start
+// behind the surface, farther from the lamp than the light sample assumed, and must not hit the
+// lamp.
 TEST(LocalLightIrradiance, ALampsComesThroughALeaf) {
   Scene scene = Floor();
   Material& leaf = scene.materials[0];
@@ -118,7 +122,7 @@ TEST(LocalLightIrradiance, ALampsComesThroughALeaf) {
 TEST(LocalLightIrradiance, ADistantOnesGoesWithTheCosine) {
   for (const float degrees : {0.0f, 35.0f, 80.0f, 100.0f}) {
     Scene scene = Floor();
-    scene.meshes.pop_back();  // the lid is before the sun
+    scene.meshes.pop_back();  // the lid would block the sun
     const float angle = glm::radians(degrees);
     scene.lights = {{.kind = LocalLightKind::kDistant,
                      .emission = {1, 2, 3},
@@ -136,14 +140,14 @@ TEST(LocalLightIrradiance, ARectanglesIsItsFormFactor) {
     Scene large = Floor();
     AddLamp(large, 12, 8, {6, 1.5f, 4}, radiance);
     ExpectIrradiance(large, radiance * float(CornerIrradiance(12, 8, 1.5)), mis, 4);
-    // Seen from its dark side.
+    // The lamp is seen from its dark side.
     Scene behind = Floor();
     AddLamp(behind, 1, 1, {0, 2, 0}, radiance, /*upside_down=*/true);
     ExpectIrradiance(behind, glm::vec3(0), mis);
   }
 }
 
-// A disk of 512 sides facing the floor.
+// The disk of 512 sides faces the floor.
 TEST(LocalLightIrradiance, ADisksIsItsFormFactor) {
   constexpr int kSides = 512;
   Scene scene = Floor();
@@ -161,7 +165,7 @@ TEST(LocalLightIrradiance, ADisksIsItsFormFactor) {
   ExpectIrradiance(scene, glm::vec3(float(kPi * 4 * 2.25 / (2.25 + 4))));
 }
 
-// The eye sees a lamp itself, through any BSDF sample or mirror, on its shining side only.
+// The eye sees a lamp itself, via any BSDF sample or mirror, on its emitting side only.
 TEST(LocalLightIrradiance, TheEyeSeesALampsRadiance) {
   for (const bool upside_down : {false, true}) {
     for (const bool over_mirror : {false, true}) {
@@ -187,12 +191,10 @@ TEST(LocalLightIrradiance, TheEyeSeesALampsRadiance) {
   }
 }
 
-// ---- Against the oracle and itself ----
-
 enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kEnvironment = 32 };
 
-// Matt, metal, mirror and glass under some lights, the same camera always. All lamps are there as
-// surfaces, whether they shine or not.
+// Matt, metal, mirror and glass objects under some lights, always with the same camera. All lamps
+// exist as surfaces, whether they emit or not.
 Scene LitBalls(int lights) {
   Scene scene;
   Place(scene, Quad(6), AddLambert(scene, "floor", {0.6f, 0.55f, 0.5f}), glm::vec3(0));
@@ -225,7 +227,8 @@ JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
 
 void ExpectOracles(const Scene& scene, const JobRequest& request) {
   const RenderJob job(scene, request);
-  // Blocks: small lights over glossy metal are too rare and bright for a test of single pixels.
+  // Blocks are compared because small lights over glossy metal are too rare and bright for a test
+  // of single pixels.
   EXPECT_TRUE(SamePicture(MeanOfBlocks(EstimateFromEngine(job, kRuns, 100), 3),
                           MeanOfBlocks(EstimateFromOracle(scene, job, kRuns), 3), kLevel));
 }
@@ -253,16 +256,16 @@ TEST(LocalLightEstimators, EveryDepthIsTheOracles) {
   }
 }
 
-// A matt scene, where all three are estimates without rare, bright samples.
+// In a matt scene, all three estimates are free of rare, bright samples.
 Scene MattRoom(int lights) {
   Scene scene = LitBalls(lights);
   for (Material& material : scene.materials) material.bsdf = BsdfKind::kLambert;
   return scene;
 }
 
-// Light samples alone, with BSDF samples, and BSDF samples alone have one expectation.
+// Light samples alone, both kinds of samples, and BSDF samples alone have the same expectation.
 TEST(LocalLightEstimators, LightAndBsdfSamplesAgree) {
-  // No points: BSDF samples cannot meet them. Wide lamps: they meet them often.
+  // There are no points, which BSDF samples cannot hit, but wide lamps, which they hit often.
   Scene scene = MattRoom(kLamp | kBall | kEnvironment);
   AddLamp(scene, 4, 4, {0, 4, 0}, {1, 2, 1});
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
@@ -275,7 +278,7 @@ TEST(LocalLightEstimators, LightAndBsdfSamplesAgree) {
     const PictureEstimate lights = MeanOfBlocks(EstimateFromEngine(job, frame, kRuns, 1000), 3);
     EXPECT_TRUE(SamePicture(both, lights, kLevel)) << "without MIS";
 
-    // Nobody picks a local light.
+    // No local light is ever selected.
     const std::vector<std::uint32_t> nothing(frame.local_lights.count + 1);
     frame.options.mis = true;
     frame.local_lights.alone = frame.local_lights.shared = {.first = nothing.data(), .share = 0};
@@ -294,28 +297,28 @@ PictureEstimate Sum(const PictureEstimate& a, const PictureEstimate& b) {
   return sum;
 }
 
-// What a light adds does not depend on the others.
+// The contribution of a light does not depend on the others.
 TEST(LocalLightEstimators, LightsAddUp) {
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
     const auto estimate = [&](int lights, std::uint32_t seed) {
       const RenderJob job(LitBalls(lights), Request(integrator, 3));
       return MeanOfBlocks(EstimateFromEngine(job, kRuns, seed), 3);
     };
-    const PictureEstimate sky = estimate(kEnvironment, 1), lamp = estimate(kLamp, 1000),
+    const PictureEstimate environment = estimate(kEnvironment, 1), lamp = estimate(kLamp, 1000),
                           point = estimate(kPoint, 2000);
-    EXPECT_TRUE(SamePicture(Sum(sky, lamp), estimate(kEnvironment | kLamp, 3000), kLevel))
-        << "sky, lamp";
-    EXPECT_TRUE(SamePicture(Sum(sky, point), estimate(kEnvironment | kPoint, 4000), kLevel))
-        << "sky, point";
-    EXPECT_TRUE(SamePicture(Sum(Sum(sky, point), lamp),
+    EXPECT_TRUE(SamePicture(Sum(environment, lamp), estimate(kEnvironment | kLamp, 3000), kLevel))
+        << "environment, lamp";
+    EXPECT_TRUE(SamePicture(Sum(environment, point), estimate(kEnvironment | kPoint, 4000), kLevel))
+        << "environment, point";
+    EXPECT_TRUE(SamePicture(Sum(Sum(environment, point), lamp),
                             estimate(kEnvironment | kPoint | kLamp, 5000), kLevel))
         << "all three";
   }
 }
 
-// Whatever samples the map, biased or not: local lights add the same.
+// However the map is sampled, biased or not, local lights contribute the same.
 TEST(LocalLightEstimators, EveryStrategyLeavesLocalLightsAlone) {
-  const Scene sky = MattRoom(kEnvironment), lamps = MattRoom(kLamp | kPoint),
+  const Scene environment = MattRoom(kEnvironment), lamps = MattRoom(kLamp | kPoint),
               all = MattRoom(kEnvironment | kLamp | kPoint);
   JobRequest request = Request(Integrator::kPath, 2);
   request.width = 12, request.height = 9;
@@ -329,14 +332,14 @@ TEST(LocalLightEstimators, EveryStrategyLeavesLocalLightsAlone) {
   for (const std::string& strategy : strategies) {
     SCOPED_TRACE(strategy);
     request.strategy = strategy;
-    const PictureEstimate map = estimate(sky, 1000);
+    const PictureEstimate map = estimate(environment, 1000);
     EXPECT_TRUE(SamePicture(Sum(map, added), estimate(all, 2000), kLevel));
-    // A scene without a map does not ask it.
+    // A scene without a map does not use the strategy.
     EXPECT_TRUE(SamePicture(added, estimate(lamps, 3000), kLevel));
   }
 }
 
-// A wide lamp, of which a corner shines, over the balls.
+// Returns a wide lamp above the balls, of which only a corner emits.
 Scene PaintedLamp() {
   constexpr int kSide = 8;
   Scene scene = LitBalls(kPoint);
@@ -357,7 +360,7 @@ Scene PaintedLamp() {
   return scene;
 }
 
-// Both techniques look the texture up: with the mean in one of them the pictures would differ.
+// Both techniques look the texture up; if one used the mean, the pictures would differ.
 TEST(LocalLightEstimators, TexturesOfLampsAreTheOracles) {
   const Scene scene = PaintedLamp();
   ExpectOracles(scene, Request(Integrator::kDirect, 3));
@@ -375,8 +378,6 @@ TEST(LocalLightEstimators, OracleFindsWhatIsWrong) {
   scene.lights[0].emission *= 1.05f;
   EXPECT_FALSE(SamePicture(engine, MeanOfBlocks(EstimateFromOracle(scene, job, kRuns), 3), kLevel));
 }
-
-// ---- Jobs ----
 
 TEST(LocalLightJobs, OnlyAScenesWithoutAnyLightIsRefused) {
   EXPECT_NO_THROW(RenderJob(LitBalls(kPoint), Request(Integrator::kPath, 2)));

@@ -1,4 +1,5 @@
-// The engine against the oracle: pictures of every BSDF under several lights agree within noise.
+// Compares the engine with the oracle: pictures of every BSDF under several lights agree within
+// noise.
 #include "tests/support/oracle.h"
 
 #include <gtest/gtest.h>
@@ -21,12 +22,12 @@ namespace skywave {
 namespace {
 
 constexpr int kRuns = 16;
-constexpr std::uint32_t kSamples = 32;  // of a run
+constexpr std::uint32_t kSamples = 32;  // per run
 constexpr int kWidth = 32, kHeight = 24;
-// Pictures that this program compares: the level of each keeps that of the suite.
+// This many comparisons of pictures share the level of the suite.
 const double kLevel = SidakLevel(100);
 
-// ---- Scenes: two objects of the tested material on a floor ----
+// The scenes show two objects of the tested material on a floor.
 
 std::uint32_t AddConductor(Scene& scene, float alpha, const glm::vec3& eta, const glm::vec3& k) {
   scene.materials.push_back({.name = "metal",
@@ -78,7 +79,7 @@ const MaterialCase kCopper = {"Copper", [](Scene& s) { return AddMetallicRoughne
 const MaterialCase kMirror = {"Mirror", AddMetallicMirror};
 const MaterialCase kGlass = {"Glass", [](Scene& s) { return AddGlass(s, 1.5f); }};
 
-// A coarse smooth ball and a facetted one beside it, so that interpolated normals matter.
+// A coarse smooth ball next to a faceted one makes interpolated normals matter.
 Scene TwoBalls(const MaterialCase& material) {
   Scene scene;
   Place(scene, Quad(8), AddLambert(scene, "floor", {0.5f, 0.55f, 0.6f}), glm::vec3(0));
@@ -102,8 +103,6 @@ void ExpectSame(const Scene& scene, const JobRequest& request) {
                           EstimateFromOracle(scene, job, kRuns), kLevel));
 }
 
-// ---- Every BSDF ----
-
 class EveryMaterial : public testing::TestWithParam<MaterialCase> {};
 
 TEST_P(EveryMaterial, DirectLightIsTheOraclesUnderASun) {
@@ -116,7 +115,7 @@ TEST_P(EveryMaterial, DirectLightIsTheOraclesUnderASun) {
 
 TEST_P(EveryMaterial, PathsAreTheOraclesUnderASun) {
   Scene scene = TwoBalls(GetParam());
-  // Wide: paths from the floor over glass and mirrors meet it by chance only.
+  // The lamp is wide because paths from the floor via glass and mirrors hit it by chance only.
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
   ExpectSame(scene, Request(Integrator::kPath, 8));
 }
@@ -132,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(Oracle, EveryMaterial,
                                          kVarnish, kHalfMetal, kCopper, kMirror, kGlass),
                          [](const auto& test) { return test.param.name; });
 
-// Images of a few texels, wrapped in different ways, turned and scaled, over every kind of
+// Images of a few texels, with different wraps, rotations and scales, are applied to every kind of
 // parameter.
 TEST(OraclePictures, TexturesAgree) {
   Scene scene;
@@ -165,14 +164,12 @@ TEST(OraclePictures, TexturesAgree) {
   ExpectSame(scene, Request(Integrator::kDirect, 2));
 }
 
-// ---- Every strategy, with and without multiple importance sampling ----
-
 struct StrategyCase {
   std::string strategy;
   bool mis;
 };
-// All unbiased strategies there are, with their defaults and some parameters that change what they
-// do.
+// Returns all unbiased strategies, with their defaults and with some parameters that change their
+// behaviour.
 std::vector<StrategyCase> StrategyCases() {
   std::vector<StrategyCase> cases = {{"importance:compensate=1", true},
                                      {"importance", false},
@@ -189,7 +186,7 @@ std::vector<StrategyCase> StrategyCases() {
   return cases;
 }
 
-// Renders `scene` by every strategy and compares each with one picture of the oracle's.
+// Renders `scene` with every strategy and compares each picture with one picture of the oracle.
 void ExpectAllStrategiesSame(const Scene& scene, const JobRequest& request, int block,
                              const std::function<bool(const StrategyCase&)>& wanted) {
   const PictureEstimate oracle =
@@ -205,8 +202,8 @@ void ExpectAllStrategiesSame(const Scene& scene, const JobRequest& request, int 
         SamePicture(MeanOfBlocks(EstimateFromEngine(job, kRuns, 100), block), oracle, kLevel));
   }
 }
-// Strategies whose estimates of a small sun are normal enough for a test of means: BSDF sampling
-// alone meets it a few times in all.
+// Returns true for strategies whose estimates of a small sun are normal enough for a test of means:
+// BSDF sampling alone hits it only a few times.
 bool FindsSuns(const StrategyCase& strategy) { return strategy.strategy != "bsdf"; }
 
 TEST(EveryStrategy, BsdfSamplingAloneIsTheOracles) {
@@ -219,7 +216,7 @@ TEST(EveryStrategy, BsdfSamplingAloneIsTheOracles) {
 TEST(EveryStrategy, PathsOverAMetalWithMisAreTheOracles) {
   Scene scene = TwoBalls(kRoughGold);
   SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
-  // Without it the grazing lobes of metals are rare and bright: no test of means.
+  // Without it, the grazing lobes of metals give rare, bright samples that defeat a test of means.
   ExpectAllStrategiesSame(scene, Request(Integrator::kPath, 5), 1,
                           [](const StrategyCase& s) { return s.mis && FindsSuns(s); });
 }
@@ -238,7 +235,8 @@ TEST(EveryStrategy, DirectLightIsTheOracles) {
   ExpectAllStrategiesSame(scene, request, 1, FindsSuns);
 }
 
-// On maps that break samplers, where the light is hard to find: blocks of the picture agree.
+// On maps that challenge samplers, where the light is hard to find, blocks of the picture are
+// compared.
 class EveryStrategyOnMap : public testing::TestWithParam<std::string> {};
 
 TEST_P(EveryStrategyOnMap, LightsAsTheOracle) {
@@ -255,8 +253,6 @@ INSTANTIATE_TEST_SUITE_P(Oracle, EveryStrategyOnMap,
                                          "ThreeByTwo", "OneByOne", "Black"),
                          [](const auto& test) { return test.param; });
 
-// ---- Maps that lie in the world in other ways, filters, depth ----
-
 class EveryOrientation : public testing::TestWithParam<NamedOrientation> {};
 
 TEST_P(EveryOrientation, PathsAreTheOracles) {
@@ -272,7 +268,7 @@ INSTANTIATE_TEST_SUITE_P(Oracle, EveryOrientation,
                          [](const auto& test) { return test.param.name; });
 
 TEST(OraclePictures, EveryDepthOfBothIntegratorsAgrees) {
-  // Mirror, glass and matt together: depth is counted in the same way.
+  // Mirror, glass and matt surfaces together show that depth is counted in the same way.
   Scene scene = TwoBalls(kGlass);
   Place(scene, Sphere(0.3f, 6), AddMetallicMirror(scene), {0.1f, 0.3f, 1.3f});
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
@@ -284,8 +280,8 @@ TEST(OraclePictures, EveryDepthOfBothIntegratorsAgrees) {
   }
 }
 
-// In closed bodies the index ratios of both sides cancel: here light crosses one side only, into
-// the glass and out of it, before it meets sky, floor or eye.
+// In closed bodies the index ratios of the two sides cancel; here light crosses one side only, into
+// the glass or out of it, before it reaches environment, floor or eye.
 TEST(OraclePictures, LightThatCrossesOneSideOfAGlassAgrees) {
   for (const bool upside_down : {false, true}) {
     SCOPED_TRACE(upside_down);
@@ -308,7 +304,7 @@ TEST(OraclePictures, TheEyeWithinGlassAgrees) {
   ExpectSame(scene, Request(Integrator::kPath, 20));
 }
 
-// Open sheets whose normals lean by up to 60 degrees: nothing behind them hides what would leak.
+// The normals of open sheets lean by up to 60 degrees; nothing behind them hides leaks.
 TEST(OraclePictures, NormalsThatLeanFarAgree) {
   for (const MaterialCase& material : {kLambert, kRoughGold, kMirror, kGlass}) {
     SCOPED_TRACE(material.name);
@@ -347,7 +343,7 @@ TEST(OraclePictures, AlphaAndReliefAgree) {
   }
 }
 
-// Every screen shines where it is, the sky as well.
+// Every screen emits where it is, and so does the environment.
 TEST(OraclePictures, AlphaInLightsAgrees) {
   Scene scene = ScreensScene();
   for (Material& material : scene.materials) {
@@ -370,8 +366,6 @@ TEST(OraclePictures, CameraOfALeftHandedWorldAgrees) {
   request.width = 20, request.height = 31;  // portrait: the field of view is that of the width
   ExpectSame(scene, request);
 }
-
-// ---- The oracle itself ----
 
 TEST(OracleItself, UniformAndImportanceLightSamplesAgree) {
   Scene scene = TwoBalls(kShinyGold);
@@ -402,7 +396,7 @@ TEST(OracleItself, ALambertPlaneUnderConstantLightShowsItsAlbedo) {
   }
 }
 
-// A difference that the eye does not see is found: the comparison has teeth.
+// A difference invisible to the eye is detected, so the comparison can fail.
 TEST(OracleItself, ADifferenceOfThreePercentIsFound) {
   Scene scene = TwoBalls(kLambert);
   SetLight(scene, SkyWithSun(64, 32, 8, 0.4));

@@ -1,4 +1,4 @@
-// Photon mapping against closed forms, against path tracing, and against itself.
+// Compares photon mapping with closed forms, path tracing and itself.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ std::array<double, 3> MeanOf(const Image& image) {
 
 PhotonMaps MapsOf(const RenderJob& job) { return MapsOf(job.frame()); }
 
-// The flux of all photons that have met `depth` surfaces, 0: of all.
+// Returns the flux of all photons that have hit `depth` surfaces; 0 stands for all photons.
 double FluxOf(const PhotonMap& map, int channel, std::uint32_t depth) {
   const PhotonColumns& photons = map.view().photons;
   const float* const flux[3] = {photons.r, photons.g, photons.b};
@@ -70,8 +70,8 @@ constexpr CaveCase kCaveCases[] = {{"constant", 0, 1, PhotonKernel::kConstant},
                                    {"progressive cone", 0, 4, PhotonKernel::kCone},
                                    {"progressive gather", 2, 4, PhotonKernel::kEpanechnikov}};
 
-// Not noise alone: the disk of a lookup is flat and the cave is not, and the photons of a map are
-// the same for all pixels. Their number makes that a percent.
+// The error is not noise alone: the disk of a lookup is flat while the cave is curved, and all
+// pixels share the photons of a map. Their number limits the error to one percent.
 TEST(Photon, CaveIsAsBrightAsItsSeries) {
   for (const CaveCase& test : kCaveCases) {
     for (const std::uint32_t depth : {1u, 5u}) {
@@ -89,8 +89,8 @@ TEST(Photon, CaveIsAsBrightAsItsSeries) {
   }
 }
 
-// The inside of a box that shines and reflects alike everywhere, with a smaller one in it, which
-// does too: the same radiance everywhere.
+// Returns the inside of a box that emits and reflects uniformly, containing a smaller one that does
+// too: the radiance is the same everywhere.
 Scene ShiningRoom(glm::vec3 half_sides, glm::vec3 middle, float turn, const Camera& camera) {
   Scene scene;
   const std::uint32_t wall = AddLambert(scene, "wall", kCaveAlbedo);
@@ -103,8 +103,8 @@ Scene ShiningRoom(glm::vec3 half_sides, glm::vec3 middle, float turn, const Came
   return scene;
 }
 
-// Photons of the walls, looked up where they are seen, by so many neighbors: against the closed
-// form.
+// Compares photons of the walls, looked up at visible points with the given number of neighbours,
+// with the closed form.
 void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, double tolerance) {
   for (const std::uint32_t passes : {1u, 4u}) {
     JobRequest request = Request(side, side, 16, 4);
@@ -120,21 +120,22 @@ void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, d
   }
 }
 
-// Divided by all of their area, photons would make the picture too dark near edges and corners.
+// If photons were divided by the whole area of their disk, the picture would be too dark near edges
+// and corners.
 TEST(Photon, EdgesAndCornersAreNoDarker) {
   const Camera camera = LookAtCamera({-0.8f, -0.7f, -0.8f}, {0.1f, 0, 0.1f}, {0, 1, 0}, 85, false);
   ExpectCaveRadiance(ShiningRoom(glm::vec3(0.25f), {0.3f, 0.2f, 0.3f}, 30, camera), 24, 150, 0.007);
 }
 
-// Of a shelf close above the floor, seen from above: photons of the floor lie in its disks, face
-// its way, and are hidden by it.
+// A shelf close above the floor is seen from above: photons of the floor lie within its disks and
+// face the same direction, but are hidden by it.
 TEST(Photon, WhatLiesBehindASurfaceDoesNotLeak) {
   const Camera above = LookAtCamera({0, 0.9f, 0}, {0, -0.9f, 0.01f}, {0, 0, 1}, 40, false);
   ExpectCaveRadiance(ShiningRoom({0.8f, 0.02f, 0.8f}, {0, -0.9f, 0}, 0, above), 16, 400, 0.01);
 }
 
-// In a closed cave all that is sent arrives: what photons bring to their n-th surface is what
-// leaves the lights, times the albedo for each surface before.
+// In a closed cave, no light is lost: the flux of photons at their n-th surface is the flux that
+// leaves the lights times the albedo of each previous surface.
 TEST(Photon, MapsHoldTheFluxOfTheLights) {
   JobRequest request = Request(8, 8, 1, 4);
   request.options.photons.gather = 1;  // direct light too
@@ -158,7 +159,7 @@ TEST(Photon, MapsHoldTheFluxOfTheLights) {
   }
 }
 
-// What is stored in which map: behind glass only caustics, nothing that light samples find.
+// Behind glass, only caustics are stored, and nothing that light samples find.
 Scene UnderGlass() {
   Scene scene;
   Place(scene, Quad(2), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
@@ -167,7 +168,7 @@ Scene UnderGlass() {
   return scene;
 }
 
-TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
+TEST(Photon, MapsAreDividedByTheSurfacesThatPhotonsHit) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
   JobRequest request = Request(8, 8, 1, 6);
@@ -179,7 +180,7 @@ TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
     EXPECT_GT(FluxOf(maps.caustic, 0, 3), 0) << "in and out of the ball";
     if (gather == 0) {
       EXPECT_EQ(FluxOf(maps.indirect, 0, 1), 0);
-      // The floor is flat: between two of its points there is glass.
+      // The floor is flat, so between two of its points there must be glass.
       EXPECT_EQ(FluxOf(maps.indirect, 0, 2), 0);
     } else {
       EXPECT_GT(FluxOf(maps.indirect, 0, 1), 0);
@@ -187,9 +188,7 @@ TEST(Photon, MapsAreDividedByWhatPhotonsHaveMet) {
   }
 }
 
-// ---- The same bytes ----
-
-// Photons come round by round: with few of them in the first ones, too.
+// Photons come in rounds; the first rounds may have few of them.
 TEST(Photon, ThreadsAndWavesDoNotMatter) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(32, 16, 40, 0.3));
@@ -206,11 +205,9 @@ TEST(Photon, ThreadsAndWavesDoNotMatter) {
   }
 }
 
-// ---- Against path tracing ----
-
 constexpr int kBlock = 4, kSide = 16;  // [pixels]
 
-// Root mean square difference of the means of blocks, over the root mean square of `b`.
+// Returns the root mean square difference of the means of blocks over the root mean square of `b`.
 double Difference(const Image& a, const Image& b) {
   double sum = 0, scale = 0;
   for (int y = 0; y < kSide; y += kBlock) {
@@ -238,8 +235,8 @@ Image PathTraced(const Scene& scene, JobRequest request, std::uint32_t samples) 
   return Render(RenderJob(scene, request));
 }
 
-// A room of coloured walls with a lamp, a ball of glass, a mirror and gloss: caustics and light
-// between walls, under a lamp large enough for path tracing to meet it.
+// A room of coloured walls with a lamp, a glass ball, a mirror and gloss has caustics and
+// interreflection, under a lamp large enough for path tracing to hit.
 Scene Room() {
   Scene scene;
   const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
@@ -258,7 +255,7 @@ Scene Room() {
   return scene;
 }
 
-// With smaller disks and more photons both bias and noise fall.
+// With smaller disks and more photons, both bias and noise decrease.
 TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
   const Scene scene = Room();
   const Image reference = PathTraced(scene, Request(kSide, kSide, 1, 5), 4096);
@@ -302,9 +299,7 @@ TEST(Photon, ProgressivePassesConverge) {
   }
 }
 
-// ---- Its surroundings ----
-
-TEST(Photon, RefusesWhatCannotBe) {
+TEST(Photon, RefusesImpossibleRequests) {
   Scene scene = UnderGlass();
   SetConstantLight(scene, 0);
   ExpectRefused(scene, Request(4, 4, 1, 3), "nothing shines");
@@ -320,7 +315,7 @@ TEST(Photon, RefusesWhatCannotBe) {
   ExpectRefused(scene, layers, "direct");
 }
 
-// Strategies that no light path can start with light surfaces all the same.
+// Strategies that cannot start light paths still light surfaces.
 TEST(Photon, TakesEveryStrategyForDirectLight) {
   Scene scene = UnderGlass();
   SetLight(scene, SkyWithSun(32, 16, 2, 0.3));
@@ -335,7 +330,7 @@ TEST(Photon, TakesEveryStrategyForDirectLight) {
   }
 }
 
-// A map that cannot be filled does not hang: of a lonely ball no light comes back.
+// Rendering ends if a map cannot be filled: no light returns to a lone ball.
 TEST(Photon, EndsWithoutPhotons) {
   Scene scene;
   Place(scene, Sphere(1, 8), AddLambert(scene, "ball", glm::vec3(0.5f)), glm::vec3(0));

@@ -1,5 +1,5 @@
-// Every BSDF under every way to carry light: pictures of bidirectional paths and of paths from the
-// lights against those of paths from the camera, one small scene a BSDF.
+// Tests every BSDF with every transport of light: compares pictures of bidirectional paths and of
+// light paths with those of camera paths, in one small scene per BSDF.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,11 +20,11 @@ namespace {
 
 constexpr int kRuns = 12;
 
-// One of each BSDF, a measured one and a mixture of two.
+// Returns one of each BSDF, including a measured one, and a mixture of two.
 const std::vector<Material>& Tested() {
   static const std::vector<Material> list = [] {
     std::vector<Material> all = OneOfEachBsdf();
-    // Of narrower coats light paths would show nothing but a rare flare.
+    // With narrower coats, light paths would show nothing except rare flares.
     for (Material& material : all) material.coat_alpha = 0.2f;
     all.push_back({.name = "measured",
                    .bsdf = BsdfKind::kMeasured,
@@ -37,9 +37,9 @@ const std::vector<Material>& Tested() {
 }
 bool IsDelta(const Material& material) { return std::uint32_t(material.bsdf) >= kFirstDeltaBsdf; }
 
-// A floor, a ball of facets and a tile whose shading normal leans, both of the material, under a
-// smooth sky. Facets: at the rim of smooth balls paths from either end see other normals
-// (design.md); the tile leans too little for that.
+// Returns a floor, a faceted ball and a tile with leaning shading normals, both of the tested
+// material, under a smooth environment. At the rim of smooth balls, paths from the two ends would
+// use different normals (design.md); the tile leans too little for that.
 Scene SceneOf(std::size_t tested) {
   Scene scene;
   scene.materials = Tested();
@@ -71,7 +71,7 @@ TEST_P(TransportBsdfs, PicturesAreThoseOfPaths) {
   const PictureEstimate paths = Estimate(scene, Integrator::kPath, 64, 1000);
   EXPECT_TRUE(SamePicture(Estimate(scene, Integrator::kBdpt, 24, 100), paths, Level())) << "bdpt";
   if (IsDelta(Tested()[GetParam()])) {
-    // Light paths see nothing through these, but what they throw on the floor.
+    // Light paths are not seen through these materials, only the light that they cast on the floor.
     scene.camera = LookAtCamera({0.1f, 1.2f, 1.2f}, {0.1f, 0, 1.1f}, {0, 1, 0}, 25, false);
     const PictureEstimate floor = Estimate(scene, Integrator::kPath, 64, 1000);
     EXPECT_TRUE(SamePicture(Estimate(scene, Integrator::kLight, 64, 500), floor, Level()))
@@ -82,8 +82,9 @@ TEST_P(TransportBsdfs, PicturesAreThoseOfPaths) {
   }
 }
 
-// A floor of hills seen from low above: many of its normals look away from the eye, which a path
-// from a light meets before it knows. The image is coarse, as light paths see textures unfiltered.
+// A floor of hills is seen from low above: many of its normals face away from the eye, which a path
+// from a light cannot know when it hits them. The image is coarse because light paths look textures
+// up unfiltered.
 TEST(Transport, HillsFaceTheEye) {
   Scene scene;
   Image hills(8, 8);

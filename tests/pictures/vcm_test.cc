@@ -1,4 +1,5 @@
-// Vertex connection and merging against paths, photon maps, closed forms and bidirectional paths.
+// Compares vertex connection and merging with paths, photon maps, closed forms and bidirectional
+// paths.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,11 +23,11 @@ namespace skywave {
 namespace {
 
 constexpr int kRuns = 12;
-// Pictures that this program compares.
+// This many comparisons of pictures share the level of the test program.
 const double kLevel = SidakLevel(30);
 
-// A radius small enough for its bias to be lost in the noise, and so many light paths in one pass
-// that merging takes part all the same.
+// The radius is small enough for its bias to vanish in the noise, and one pass has so many light
+// paths that merging still contributes.
 JobRequest Request(std::uint32_t max_depth, float radius) {
   JobRequest request = SmallRequest(24, 18, 32);
   request.integrator = Integrator::kVcm;
@@ -48,8 +49,6 @@ double MeanOf(const Image& image, std::size_t channel) {
   for (std::size_t i = channel; i < image.rgb.size(); i += 3) sum += double(image.rgb[i]);
   return 3 * sum / double(image.rgb.size());
 }
-
-// ---- The same expectation ----
 
 class VcmLights : public testing::TestWithParam<int> {};
 
@@ -105,9 +104,8 @@ TEST(Vcm, WithoutARadiusItIsBidirectional) {
   EXPECT_TRUE(SamePicture(vcm, bdpt, kLevel));
 }
 
-// ---- Merging alone ----
-
-// What merges bring to a picture, weighted or not: as paths that no way joins.
+// Returns the contribution of merges to a picture, weighted or not: the lengths given match no
+// connection.
 Image MergesOf(const RenderJob& job, bool weighted) {
   FrameView frame = job.frame();
   frame.options.subpath_lengths = SubpathLengths{.light = 0, .eye = 1000};
@@ -117,14 +115,14 @@ Image MergesOf(const RenderJob& job, bool weighted) {
   return film.Resolve(job.options().samples_per_pixel);
 }
 
-// Unweighted, a path is found once at each of its surfaces: inside a cave that shines and reflects
-// alike everywhere, what has met n surfaces n times.
+// Without weights, a path is found once at each of its surfaces: inside a cave that emits and
+// reflects uniformly, light that has hit n surfaces counts n times.
 TEST(Vcm, MergesAloneFindAPathAtEachOfItsSurfaces) {
   for (const std::uint32_t depth : {1u, 3u}) {
     for (const PhotonKernel kernel : {PhotonKernel::kConstant, PhotonKernel::kEpanechnikov}) {
       JobRequest request = Request(depth, 0.05f);
       request.options.photons.kernel = kernel;
-      request.camera.kind = CameraKind::kEqualArea;  // all of the cave
+      request.camera.kind = CameraKind::kEqualArea;  // shows all of the cave
       request.width = request.height = 24;
       const RenderJob job(ShiningCave(), request);
       const Image merges = MergesOf(job, /*weighted=*/false);
@@ -150,16 +148,14 @@ TEST(Vcm, CaveIsAsBrightAsItsSeries) {
       EXPECT_NEAR(MeanOf(picture, std::size_t(c)) / CaveRadiance(c, 5), 1, 0.01)
           << "radius " << radius << ", channel " << c;
     }
-    // Merging has its part in that.
+    // Merging contributes to that.
     const double merges = MeanOf(MergesOf(job, /*weighted=*/true), 0);
     EXPECT_GT(merges, (radius > 0.1f ? 0.05 : 0.0005) * MeanOf(picture, 0));
   }
 }
 
-// ---- What only merges find ----
-
-// A floor and a point light before a mirror, in which the floor is seen: lit by the point and by
-// its mirror image, which no connection finds.
+// A floor and a point light in front of a mirror, in which the floor is seen: it is lit by the
+// point and by the mirror image of the point, which no connection finds.
 Scene FloorInAMirror() {
   Scene scene;
   Place(scene, Quad(2), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
@@ -191,9 +187,7 @@ TEST(Vcm, MirrorsShowWhatTheyLight) {
   EXPECT_LT(bdpt, 0.85 * photon) << "the mirror's light is no small part";
 }
 
-// ---- Passes ----
-
-// Radii shrink, and with them what a large first one blurs.
+// Radii shrink, and with them the blur of a large first radius.
 TEST(Vcm, PassesConverge) {
   const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kLamp);
   JobRequest request = Request(4, kSmallRadius);
@@ -219,7 +213,7 @@ TEST(Vcm, PassesConverge) {
   }
 }
 
-// Light vertices are cut to a number, so that waves end inside of what is kept.
+// The number of light vertices is limited, so that waves end within the stored ones.
 TEST(Vcm, ThreadsAndWavesDoNotMatter) {
   const Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLocal);
   for (const std::uint32_t passes : {0u, 1u, 3u}) {
@@ -250,9 +244,7 @@ TEST(Vcm, PhotonsBoundWhatAPassStores) {
   EXPECT_GT(few.radius, all.radius);
 }
 
-// ---- Its surroundings ----
-
-TEST(Vcm, RefusesWhatCannotBe) {
+TEST(Vcm, RefusesImpossibleRequests) {
   const Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
   const auto refused = [&](const std::string& word, auto change) {
     JobRequest request = Request(3, 0);
@@ -273,7 +265,7 @@ TEST(Vcm, RefusesWhatCannotBe) {
   ExpectRefused(dark, Request(3, 0), "nothing shines");
 }
 
-// Of scenes where no light path meets anything that could be merged.
+// In these scenes no light path hits a surface that could be merged.
 TEST(Vcm, RendersWithoutLightVertices) {
   Scene scene;
   scene.materials.push_back(Of(BsdfKind::kMirror));

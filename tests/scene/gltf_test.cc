@@ -1,4 +1,4 @@
-// glTF files: what they become, and everything that is refused.
+// Tests glTF files: the scenes they become, and everything that is refused.
 #include "scene/gltf/reader.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-// A triangle with normals and coordinates: positions, normals, uvs, indices.
+// The buffer of a triangle with normals and coordinates: positions, normals, uvs, indices.
 std::string Buffer() {
   const float numbers[] = {0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
   const std::uint16_t indices[] = {0, 1, 2, 0};
@@ -60,7 +60,7 @@ json Document() {
           {"buffers", {{{"uri", "a.bin"}, {"byteLength", 104}}}}};
 }
 
-// The same as one binary file.
+// Returns the same as one binary file.
 std::string Glb(json document, std::string bytes) {
   document["buffers"][0].erase("uri");
   document["buffers"][0]["byteLength"] = bytes.size();
@@ -81,7 +81,8 @@ class Gltf : public testing::Test {
  protected:
   Gltf() { folder_.Write("a.bin", Buffer()); }
   Scene Read(const json& document) { return ReadGltf(folder_.Write("a.gltf", document.dump())); }
-  // What the reader says, "" if it takes the file. Geometry is built of what it takes.
+  // Returns the reader's message, or "" if it accepts the file. Accepted files also become
+  // geometry.
   std::string ErrorOfFile(const std::string& path) {
     try {
       const Scene scene = ReadGltf(path);
@@ -157,7 +158,7 @@ TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   const Texture& color = scene.textures[*paint.color_texture];
   EXPECT_EQ(color.wrap_u, TextureWrap::kClamp);
   EXPECT_EQ(color.wrap_v, TextureWrap::kMirror);
-  // A quarter turn: (u, v) to (3 v, -2 u), moved.
+  // A quarter turn maps (u, v) to (3 v, -2 u) and then moves it.
   const glm::vec2 at = color.transform * glm::vec3(1, 10, 1);
   EXPECT_NEAR(at.x, 30.25, 1e-5);
   EXPECT_NEAR(at.y, -1.5, 1e-5);
@@ -166,7 +167,7 @@ TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   EXPECT_EQ(scene.images.size(), 2u) << "once as colours, once as numbers";
 }
 
-// The extension's own example: the lower left quadrant of the image.
+// The extension's own example selects the lower left quadrant of the image.
 TEST_F(Gltf, TransformsTurnAsTheExtensionSays) {
   WritePng(folder_.Write("a.png", ""), 1, 1, {255, 0, 0});
   json document = Document();
@@ -183,12 +184,13 @@ TEST_F(Gltf, TransformsTurnAsTheExtensionSays) {
     const glm::vec2 at = texture.transform * glm::vec3(uv, 1);
     EXPECT_TRUE(at.x > 0 && at.x < 0.5f && at.y > 0.5f && at.y < 1) << at.x << " " << at.y;
   }
-  // Counter-clockwise on an image whose v goes down: what is right comes to lie above.
+  // The rotation is counter-clockwise on an image whose v points down: the right side moves to the
+  // top.
   EXPECT_LT((texture.transform * glm::vec3(0.9f, 0, 1)).y,
             (texture.transform * glm::vec3(0.1f, 0, 1)).y);
 }
 
-// A PNG of 2 x 1 pixels with alpha 255 and 51.
+// Returns a PNG of 2 x 1 pixels with alpha 255 and 51.
 std::string TransparentPng() {
   static const unsigned char kBytes[] = {
       0x89, 'P',  'N',  'G',  0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
@@ -232,7 +234,7 @@ TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
   json document = Document();
   document["images"] = {{{"uri", "a.png"}}};
   document["textures"] = {{{"source", 0}}};
-  // Four floats a vertex from the numbers that are there: (0 0 0 2), (0 0 0 2), (0 0 0 1).
+  // The existing numbers read as four floats per vertex are (0 0 0 2), (0 0 0 2), (0 0 0 1).
   document["accessors"].push_back(
       {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC4"}});
   document["bufferViews"].push_back(View(0, 48));
@@ -250,13 +252,13 @@ TEST_F(Gltf, NormalMapsHaveTheirScaleAndTangents) {
   EXPECT_NE(ErrorOf(document), "");
 }
 
-// Three or four channels, floats or normalized bytes.
+// Colours have three or four channels, as floats or normalized bytes.
 TEST_F(Gltf, ColoursOfVertices) {
   json document = Document();
   document["bufferViews"].push_back(View(0, 48));
   json& primitive = document["meshes"][0]["primitives"][0];
   primitive["attributes"]["COLOR_0"] = 4;
-  // The positions again: (0 0 0), (2 0 0), (0 2 0), clamped to [0, 1].
+  // The positions serve again as colours: (0 0 0), (2 0 0), (0 2 0), clamped to [0, 1].
   document["accessors"].push_back(
       {{"bufferView", 4}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
   const Scene scene = Read(document);
@@ -270,7 +272,7 @@ TEST_F(Gltf, ColoursOfVertices) {
                               {"normalized", true},
                               {"count", 3},
                               {"type", "VEC4"}};
-  // From the last two bytes of a 2.0f on: 0, 64, then zeros.
+  // The view begins with the last two bytes of a 2.0f: 0, 64, then zeros.
   document["bufferViews"][4] = View(14, 12);
   const Scene four = Read(document);
   ASSERT_EQ(four.meshes[0].colors.size(), 3u);
@@ -349,7 +351,7 @@ TEST_F(Gltf, LayersAndSpecular) {
   EXPECT_EQ(velvet.coat, 0);
   EXPECT_EQ(velvet.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
   EXPECT_FLOAT_EQ(velvet.sheen_alpha, 0.25f);
-  // A quarter of the reflectance at normal incidence: half of the amplitude.
+  // A quarter of the reflectance at normal incidence is half of the amplitude.
   extensions["KHR_materials_specular"] = {{"specularFactor", 0.25}};
   const float ior = Read(document).materials[0].ior;
   EXPECT_NEAR((ior - 1) / (ior + 1), 0.5 * 0.2, 1e-6);

@@ -1,4 +1,4 @@
-// The plane under a scene: where it lies, that it faces up, and that it is seen.
+// Tests the plane under a scene: its position, its orientation and its visibility.
 #include "scene/shapes/ground.h"
 
 #include <gtest/gtest.h>
@@ -52,8 +52,8 @@ TEST(Ground, LiesUnderTheBoundsAndFacesUp) {
   }
 }
 
-// In constant radiance 1 the sky is 1 and the plane 0.4 of it. The picture's camera is the same
-// with and without the plane.
+// In constant radiance 1 the environment is 1 and the plane 0.4 of it. The camera of the picture is
+// the same with and without the plane.
 TEST(Ground, FillsTheLowerPartOfThePicture) {
   JobRequest request;
   request.scene = "t";

@@ -1,4 +1,4 @@
-// Local lights of scene files: what readers make of them, and what they refuse.
+// Tests local lights of scene files: how readers convert them, and what they refuse.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,8 +22,6 @@ void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
   EXPECT_LT(glm::length(a - b), 1e-4f * (1 + glm::length(b)))
       << a.x << " " << a.y << " " << a.z << " against " << b.x << " " << b.y << " " << b.z;
 }
-
-// ---- pbrt ----
 
 Scene Parse(const std::string& text) { return ParsePbrt("WorldBegin\n" + text, "t.pbrt"); }
 
@@ -64,7 +62,7 @@ TEST(PbrtLights, Spots) {
   ExpectNear(plain.direction, {0, 0, 1});
   EXPECT_NEAR(plain.cos_dark, std::cos(glm::radians(30.0f)), 1e-6);
   EXPECT_NEAR(plain.cos_full, std::cos(glm::radians(25.0f)), 1e-6);
-  // Half of the solid angle between the cones.
+  // The range between the cones counts half of its solid angle.
   const double sr = 2 * kPi * (1 - plain.cos_full) + kPi * (plain.cos_full - plain.cos_dark);
   EXPECT_NEAR(plain.emission.x * sr, 5, 1e-4);
 }
@@ -110,7 +108,7 @@ TEST(PbrtLights, AreaLightsTakeTheirMaterialFromTheirShape) {
   }
 }
 
-// In the world: a scaled shape has the power all the same.
+// Power is measured in the world: a scaled shape emits the same power.
 TEST(PbrtLights, PowerIsThatOfEachShape) {
   for (const bool two_sided : {false, true}) {
     const Scene scene =
@@ -123,8 +121,8 @@ TEST(PbrtLights, PowerIsThatOfEachShape) {
   }
 }
 
-// The side of the normals shines: that of the winding, or the other one if it is reversed; a mirror
-// image of the shape shines where the mirror image of that side is.
+// The side of the normals emits: that of the winding, or the opposite one if it is reversed; a
+// mirror image of the shape emits on the mirror image of that side.
 TEST(PbrtLights, ReverseOrientationTurnsTheShiningSide) {
   const auto side = [](const std::string& before) {
     const Scene scene = Parse(before + " AreaLightSource \"diffuse\"" + kTriangle);
@@ -176,8 +174,6 @@ TEST(PbrtLights, WhatIsNoLightIsRefusedWithItsLine) {
   }
 }
 
-// ---- MTL ----
-
 Material OnlyMaterial(const std::string& text) {
   Scene scene;
   TextureFiles textures{&scene};
@@ -191,7 +187,7 @@ TEST(MtlEmission, IsRadianceOnBothSides) {
   EXPECT_TRUE(material.emits_on_both_sides);
   ExpectNear(OnlyMaterial("Ke 3\n").emission, glm::vec3(3));  // grey
   EXPECT_EQ(OnlyMaterial("Kd 1 1 1\n").emission, glm::vec3(0));
-  EXPECT_EQ(OnlyMaterial("d 0\nKe 1 1 1\n").emission, glm::vec3(1));  // glass shines too
+  EXPECT_EQ(OnlyMaterial("d 0\nKe 1 1 1\n").emission, glm::vec3(1));  // glass can emit too
   try {
     OnlyMaterial("Ke 1 1e20 1\n");
     ADD_FAILURE();
@@ -202,7 +198,7 @@ TEST(MtlEmission, IsRadianceOnBothSides) {
 
 TEST(MtlEmission, TakesAMap) {
   TemporaryFolder folder;
-  // A picture of one red pixel.
+  // The picture has one red pixel.
   folder.Write("red.hdr", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n") +
                               std::string("\x80\0\0\x80", 4));
   Scene scene;
@@ -217,13 +213,11 @@ TEST(MtlEmission, TakesAMap) {
   EXPECT_FALSE(materials[1].emission_texture);
 }
 
-// ---- glTF ----
-
 using nlohmann::json;
 
 class GltfLights : public testing::Test {
  protected:
-  // A node with light 0, turned and moved by its parent.
+  // The node with light 0 is rotated and moved by its parent.
   static json Document() {
     return {{"asset", {{"version", "2.0"}}},
             {"extensionsRequired", {"KHR_lights_punctual"}},
@@ -256,7 +250,8 @@ TEST_F(GltfLights, PunctualOnes) {
   const PunctualLight sun = Read(document).lights.at(0);
   EXPECT_EQ(sun.kind, LocalLightKind::kDistant);
   ExpectNear(sun.emission, {8, 4, 2});
-  // The node looks along -z, turned by -90 degrees about x: down. The light comes from above.
+  // The node looks along -z, rotated by -90 degrees about x, which is down. The light comes from
+  // above.
   ExpectNear(sun.direction, {0, 1, 0});
 
   Light(document)["type"] = "spot";

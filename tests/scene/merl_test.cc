@@ -1,4 +1,4 @@
-// Measured BRDFs of the MERL format: what is read, what is refused, what sampling makes of it.
+// Tests measured BRDFs of the MERL format: reading, refusals and the fitted sampling lobe.
 
 #include "scene/materials/merl.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kBins = kMeasuredFloats / 3;
 constexpr double kScale[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
 
-// The synthetic table as a file.
+// Returns the synthetic table as a file.
 std::string MerlFile() {
   const std::vector<float> table = SyntheticMeasuredTable();
   const std::int32_t dims[3] = {90, 90, 180};

@@ -1,5 +1,4 @@
-// OBJ and MTL files that cannot be used: each is refused with its line and the reason, none
-// crashes.
+// Every unusable OBJ or MTL file is refused with its line and the reason; none crashes.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -14,7 +13,7 @@ namespace skywave {
 namespace {
 
 struct Refusal {
-  std::string message;  // empty: it was read
+  std::string message;  // empty if it was read
   int exit_code = 0;
 };
 

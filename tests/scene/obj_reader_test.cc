@@ -1,4 +1,5 @@
-// OBJ files and their material libraries: faces, normals, smoothing, and materials by hand.
+// Tests OBJ files and their material libraries: faces, normals, smoothing, and materials computed
+// by hand.
 #include "scene/obj/reader.h"
 
 #include <gtest/gtest.h>
@@ -74,7 +75,8 @@ TEST(Obj, FacesOfEveryForm) {
     EXPECT_EQ(scene.up_axis, 'y');
     EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   }
-  // Every way to end a line; comments; numbers with a plus; weights and colours of vertices.
+  // The text has every kind of line end, comments, numbers with a plus, and weights and colours of
+  // vertices.
   for (const char* end : {"\n", "\r\n", "\r"}) {
     std::string text =
         "# a comment\n\nv +0 0 0 1\nv 1e0 0 .0 0.5 0.5 0.5\nv 1 1. 0\nv 0 1 0\nf 1 2 3 4";
@@ -82,7 +84,7 @@ TEST(Obj, FacesOfEveryForm) {
     for (std::size_t i; (i = text.find('@')) != std::string::npos;) text.replace(i, 1, end);
     EXPECT_NEAR(Area(Parse(text)), 1, 1e-6);
   }
-  // An L: cut into ears, not into a fan.
+  // The polygon is an L: it must be cut into ears, not into a fan.
   EXPECT_NEAR(Area(Parse("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n")),
               3, 1e-6);
 }
@@ -91,12 +93,12 @@ TEST(Obj, TextureCoordinatesSplitVertices) {
   const Scene scene = Parse(std::string(kSquare) +
                             "vt 0 0\nvt 1 0\nvt 1 1\nvt .5 .5\nf 1/1 2/2 3/3\nf 1/4 3/3 4/1\n");
   const Mesh& mesh = scene.meshes.at(0);
-  EXPECT_EQ(mesh.positions.size(), 5u);  // corner 1 twice
+  EXPECT_EQ(mesh.positions.size(), 5u);  // corner 1 occurs twice
   EXPECT_EQ(mesh.uvs.size(), 5u);
   EXPECT_EQ(mesh.uvs[mesh.triangles[1].x], glm::vec2(0.5f, 0.5f));
 }
 
-// Two squares that meet at an angle along the edge x = 1.
+// Returns two squares that meet at an angle along the edge x = 1.
 std::string Fold(double degrees, const std::string& before_faces) {
   const double a = degrees * 3.14159265358979 / 180;
   const std::string x = std::to_string(1 + std::cos(a)), z = std::to_string(-std::sin(a));
@@ -105,7 +107,7 @@ std::string Fold(double degrees, const std::string& before_faces) {
 }
 
 TEST(Obj, SmoothingGroupsDecideWhereThereAreNoNormals) {
-  // 90 degrees in one group: the edge is smooth.
+  // At 90 degrees in one group, the edge is smooth.
   const Scene smooth = Parse(Fold(90, "s 1\n"));
   ASSERT_EQ(smooth.meshes.size(), 1u);
   EXPECT_EQ(smooth.meshes[0].positions.size(), 6u);
@@ -117,17 +119,17 @@ TEST(Obj, SmoothingGroupsDecideWhereThereAreNoNormals) {
     found = true;
   }
   EXPECT_TRUE(found);
-  // Off: no normals at all, and 10 degrees are an edge.
+  // With smoothing off there are no normals at all, and 10 degrees are an edge.
   for (const char* off : {"s off\n", "s 0\n"}) {
     const Scene flat = Parse(Fold(10, off));
     ASSERT_EQ(flat.meshes.size(), 1u);
     EXPECT_TRUE(flat.meshes[0].normals.empty());
   }
-  // Two groups: smooth each, with an edge between.
+  // Two groups are smooth each, with an edge between them.
   std::string two = Fold(10, "s 1\n");
   two.insert(two.find("f 2 5"), "s 2\n");
   EXPECT_EQ(Parse(two).meshes.at(0).positions.size(), 8u);
-  // Off for one of them: two meshes, one flat.
+  // With smoothing off for one of them, there are two meshes, one of them flat.
   std::string mixed = Fold(10, "s 1\n");
   mixed.insert(mixed.find("f 2 5"), "s off\n");
   const Scene both = Parse(mixed);
@@ -144,12 +146,13 @@ TEST(Obj, WithoutSmoothingGroupsCreasesStay) {
 }
 
 TEST(Obj, NormalsOfTheFileComeFirst) {
-  // The second face has none: it is smooth by its crease, the first keeps what the file says.
+  // The second face has no normals, so it is smooth up to its crease; the first keeps those of the
+  // file.
   const Scene scene = Parse(std::string(kSquare) + "vn 0 1 1\nf 1//1 2//1 3//1\nf 1 3 4\n");
   const Mesh& mesh = scene.meshes.at(0);
   ExpectNear(mesh.normals[mesh.triangles[0].x], glm::normalize(glm::vec3(0, 1, 1)));
   ExpectNear(mesh.normals[mesh.triangles[1].x], {0, 0, 1});
-  // Normals decide over the winding.
+  // Normals take precedence over the winding.
   const Mesh against = Parse(std::string(kSquare) + "vn 0 0 -1\nf 1//1 2//1 3//1\n").meshes.at(0);
   const glm::uvec3 t = against.triangles[0];
   EXPECT_LT(glm::cross(against.positions[t.y] - against.positions[t.x],
@@ -182,7 +185,8 @@ TEST(Obj, MaterialsMakeMeshes) {
                    "usemtl green\nf 3 2 1\nusemtl green\nf 3 2 1\n"));
   ASSERT_EQ(scene.meshes.size(), 4u);
   const auto color = [&](int i) { return scene.materials[scene.meshes[i].material].reflectance; };
-  EXPECT_EQ(scene.meshes[0].triangles.size(), 3u);  // none, and one that no library has
+  EXPECT_EQ(scene.meshes[0].triangles.size(), 3u);  // one without a material, and one that no
+                                                    // library defines
   ExpectNear(color(0), glm::vec3(0.5f));
   EXPECT_EQ(scene.meshes[1].name, "red");
   EXPECT_EQ(scene.meshes[1].triangles.size(), 2u);
@@ -221,7 +225,7 @@ TEST(Mtl, MetalsMirrorsAndGlass) {
   const Material metal = OnlyMaterial("Kd 0 0 0\nKs .2 .5 .8\nNs 98\nillum 2");
   EXPECT_EQ(metal.bsdf, BsdfKind::kConductor);
   EXPECT_NEAR(metal.alpha, std::sqrt(2.0 / 100), 1e-6);
-  // eta = 1: F0 = k^2 / (4 + k^2).
+  // eta = 1 gives F0 = k^2 / (4 + k^2).
   ExpectNear(metal.k * metal.k / (4.0f + metal.k * metal.k), {0.2f, 0.5f, 0.8f});
   const Material pbr = OnlyMaterial("Kd .9 .6 .3\nPm 1\nPr .5");
   EXPECT_EQ(pbr.bsdf, BsdfKind::kConductor);

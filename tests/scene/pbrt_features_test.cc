@@ -1,4 +1,4 @@
-// docs/pbrt.md is held to what the reader does, and its examples, alone and in pairs, are rendered.
+// Compares docs/pbrt.md with the reader, and renders its examples, alone and in pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct Example {
   std::string state;  // rendered, approximated, reported
 };
 
-// The rows "| `directives` | state | ... |" of the table.
+// Reads the rows "| `directives` | state | ... |" of the table.
 std::vector<Example> Examples() {
   std::istringstream lines(ReadFile(SourcePath("docs/pbrt.md")));
   std::vector<Example> examples;
@@ -44,7 +44,7 @@ std::vector<Example> Examples() {
   return examples;
 }
 
-// Whether the example has to come before WorldBegin.
+// Returns true if the example has to come before WorldBegin.
 bool IsOption(const Example& example) {
   static const std::set<std::string> kOptions = {"Camera",     "Film",       "PixelFilter",
                                                  "Sampler",    "Integrator", "Accelerator",
@@ -52,7 +52,7 @@ bool IsOption(const Example& example) {
   return kOptions.contains(example.text.substr(0, example.text.find(' ')));
 }
 
-// One line an example, from the second one on.
+// Returns a scene with one line per example, from the second line on.
 std::string SceneOf(const std::vector<Example>& examples) {
   std::string options, world;
   for (const Example& example : examples) {
@@ -78,7 +78,7 @@ class PbrtFeatures : public testing::Test {
         "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
         "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     folder_.Write("mesh.ply", ply);
-    // gzip of one stored block needs no compressor: RFC 1951, 3.2.4.
+    // A gzip file of one stored block needs no compressor: RFC 1951, 3.2.4.
     folder_.Write("mesh.ply.gz", StoredGzip(ply));
     folder_.Write("cu.eta.spd", "# Cu\n400 1.2\n550 1.0\n600 .3\n700 .2\n");
     folder_.Write("part.pbrt", "Shape \"disk\"\n");
@@ -107,7 +107,7 @@ class PbrtFeatures : public testing::Test {
     return ParsePbrt(text, folder_.Path("t.pbrt"), options);
   }
 
-  // Renders the scene at a few samples a pixel; every channel has to be a finite number.
+  // Renders the scene with a few samples per pixel; every channel must be finite.
   static Image Render(Scene scene) {
     if (scene.environments.empty()) SetConstantLight(scene, 1);
     JobRequest request = SmallRequest(8, 8, 2);
@@ -171,7 +171,7 @@ TEST_F(PbrtFeatures, AloneAndInPairsAreRendered) {
   }
 }
 
-// The whole of an example is cut anywhere: it is read, or refused with a place and an exit code.
+// The text of an example, cut anywhere, is either read or refused with a position and an exit code.
 TEST_F(PbrtFeatures, CutOnesEndWell) {
   int refused = 0;
   for (const Example& example : Examples()) {
@@ -189,7 +189,7 @@ TEST_F(PbrtFeatures, CutOnesEndWell) {
   EXPECT_GT(refused, 500);
 }
 
-// A bumpy ball in place of the model.
+// Returns a bumpy ball that replaces the model.
 std::string StandIn() {
   Mesh mesh = Sphere(90, 6);
   Displace(mesh,
@@ -218,7 +218,7 @@ TEST_F(PbrtFeatures, KillerooIsTheSamePictureInBothVersions) {
   }
   EXPECT_EQ(pictures[0].rgb, pictures[1].rgb);
   const auto [low, high] = std::minmax_element(pictures[0].rgb.begin(), pictures[0].rgb.end());
-  EXPECT_LT(*low + 0.1f, *high);  // there is something to see
+  EXPECT_LT(*low + 0.1f, *high);  // something is visible
 }
 
 using MalformedPbrt = Program;
@@ -271,7 +271,7 @@ TEST_F(MalformedPbrt, InstancesAreCountedBeforeTheyAreCopied) {
   EXPECT_EQ(Run("info many.pbrt").exit_code, 0);
   const Result result = Run("info many.pbrt --max-triangles 100000");
   EXPECT_EQ(result.exit_code, 65);
-  // The object itself and three copies are 81920 triangles.
+  // The object itself and three copies have 81920 triangles.
   EXPECT_NE(result.err.find("many.pbrt:5: "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("--max-triangles"), std::string::npos) << result.err;
 }

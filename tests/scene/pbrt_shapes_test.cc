@@ -1,4 +1,4 @@
-// Shapes of pbrt that become meshes, against their areas, extents and normals in closed form.
+// Compares shapes of pbrt that become meshes with areas, extents and normals in closed form.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ double Area(const Mesh& mesh) {
   return area;
 }
 
-// Every triangle is wound to the side of its normals, which are unit vectors; uvs are in [0, 1].
+// Expects every triangle to be wound to the side of its unit normals, and uvs in [0, 1].
 void ExpectConsistent(const Mesh& mesh) {
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
   for (const glm::uvec3& t : mesh.triangles) {
@@ -43,7 +43,7 @@ void ExpectConsistent(const Mesh& mesh) {
 }
 
 TEST(RoundShapes, HaveTheirAreas) {
-  // A zone of a sphere has the area phi r h. Cuts of 2 degrees lose 3e-4 of it at most.
+  // A zone of a sphere has the area phi r h. Cuts of 2 degrees lose at most 3e-4 of it.
   const struct {
     const char* shape;
     double area;
@@ -93,7 +93,7 @@ TEST(RoundShapes, LieAsPbrtHasThem) {
   }
 }
 
-// Without textures a whole sphere has no poles; with them it has coordinates.
+// Without textures a whole sphere has no poles; with textures it has coordinates.
 TEST(RoundShapes, WholeSpheresHaveCoordinatesWhereTexturesAre) {
   EXPECT_TRUE(Shape("Shape \"sphere\"").uvs.empty());
   const Mesh mesh = Shape("Texture \"c\" \"color\" \"checkerboard\" Shape \"sphere\"");
@@ -106,7 +106,7 @@ TEST(BilinearMesh, IsExactAndCutOnlyWhereItBends) {
   EXPECT_EQ(flat.triangles.size(), 2u);
   EXPECT_NEAR(Area(flat), 6, 1e-6);
   EXPECT_EQ(flat.normals[0], glm::vec3(0, 0, 1));
-  // z = x y, an exact bilinear surface: vertices lie on it, with its normals.
+  // z = x y is an exact bilinear surface: vertices lie on it and have its normals.
   const Mesh saddle = Shape(
       "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1 2 0 0 2 1 2] "
       "\"integer indices\" [0 1 2 3  1 4 3 5]");
@@ -118,7 +118,7 @@ TEST(BilinearMesh, IsExactAndCutOnlyWhereItBends) {
     const glm::vec3 normal = glm::normalize(glm::vec3(-p.y, -p.x, 1));
     for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(saddle.normals[i][axis], normal[axis], 1e-5);
   }
-  // Given normals decide over the side.
+  // Given normals determine the side.
   const Mesh turned = Shape(
       "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
       "\"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1]");

@@ -1,4 +1,4 @@
-// Scene files that cannot be used: each is refused with its place and the reason, none crashes.
+// Every unusable scene file is refused with the position and the reason; none crashes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace skywave {
 namespace {
 
-// The message of the InputError, or "" if there was none.
+// Returns the message of the InputError, or "" if there was none.
 template <typename Read>
 std::string ErrorOf(Read read) {
   try {
@@ -204,7 +204,8 @@ TEST(BadPbrt, NestingAndGrowthAreBounded) {
   for (int i = 0; i < 1000; ++i) parameters += " \"float p" + std::to_string(i) + "\" 1";
   EXPECT_TRUE(Contains(PbrtError(parameters), "more than 256 parameters"));
 
-  // 4^13 triangles are more than is subdivided: refused before any level is made.
+  // 4^13 triangles exceed the limit of subdivision, so the shape is refused before any level is
+  // made.
   EXPECT_TRUE(Contains(PbrtError("Shape \"loopsubdiv\" \"integer levels\" 13 \"integer indices\" "
                                  "[0 1 2] \"point P\" [0 0 0 1 0 0 0 1 0]"),
                        "13 levels"));
@@ -230,7 +231,7 @@ TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
                "nested more than 16 deep"));
   EXPECT_EQ(ErrorOf([&] { ReadScene(folder.Write("m.pbrt", "Include \"deep6.pbrt\"")); }), "");
 
-  // 10^6 includes in three small files.
+  // Three small files produce 10^6 includes.
   std::string hundred[3];
   for (int i = 0; i < 100; ++i) {
     for (int level = 0; level < 3; ++level) {
@@ -265,7 +266,7 @@ TEST(BadScene, UnknownNamesAndEndings) {
   EXPECT_NE(ErrorOf([&] { ReadScene(folder.Write("e.ply", "")); }), "");
 }
 
-// PLY
+// The following tests read PLY files.
 
 std::string PlyHeaderText(const std::string& format, const std::string& vertices = "3",
                           const std::string& faces = "1") {
@@ -300,7 +301,8 @@ TEST(Ply, FormatsTypesAndExtras) {
     EXPECT_EQ(mesh.positions[0], glm::vec3(0.25f, 0, 0));
     EXPECT_EQ(mesh.triangles.at(0), glm::uvec3(0, 1, 2));
   }
-  // Quads become fans; unknown properties and elements are stepped over; normals turn the winding.
+  // Quads become fans, unknown properties and elements are skipped, and normals determine the
+  // winding.
   const Mesh quad = ParsePly(
       "ply\r\nformat ascii 1.0\r\ncomment c\r\nobj_info o\r\nelement material 1\r\n"
       "property list int float a\r\nproperty uchar b\r\nelement vertex 4\r\nproperty double x\r\n"
@@ -327,7 +329,7 @@ TEST(BadPly, EveryTruncationIsRefused) {
       EXPECT_TRUE(error.starts_with("t.ply")) << size << " " << error;
     }
   }
-  // In ascii the last digit may be lost unseen, nothing else.
+  // In ascii, only the loss of the last digit may go unnoticed.
   const std::string text = PlyHeaderText("ascii") + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
   for (std::size_t size = 0; size + 1 < text.size(); ++size) {
     EXPECT_NE(PlyError(text.substr(0, size)), "") << size;

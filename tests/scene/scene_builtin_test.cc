@@ -1,4 +1,4 @@
-// Built-in scenes are complete and sound, and their sky keeps the sun's energy.
+// Built-in scenes are complete and valid, and their sky conserves the sun's energy.
 #include "scene/builtin/builtin.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(BuiltinScenes, AreCompleteAndSound) {
     EXPECT_TRUE(scene.warnings.empty());
     EXPECT_TRUE(scene.settings.width && scene.settings.height && scene.settings.max_depth &&
                 scene.settings.samples_per_pixel);
-    // The room has lamps in place of a sky.
+    // The lamps scene has local lights instead of an environment.
     ASSERT_EQ(scene.environments.size(), info.name == "lamps" ? 0u : 1u);
     EXPECT_EQ(scene.lights.size(), info.name == "lamps" ? 2u : 0u);
     std::size_t triangles = 0;
@@ -68,7 +68,7 @@ TEST(ProceduralSky, SunKeepsItsEnergyAndPlace) {
       ProceduralSky sky;
       sky.width = 256, sky.height = 128;
       sky.sun_azimuth_degrees = azimuth, sky.sun_elevation_degrees = elevation;
-      // The sun alone: the rest black.
+      // Only the sun emits; the rest is black.
       sky.zenith = sky.horizon = sky.ground = sky.glow = glm::vec3(0);
       const Image map = MakeProceduralSky(sky);
       const double pi = glm::pi<double>();
@@ -105,7 +105,7 @@ TEST(ProceduralSky, IsFinitePositiveAndTheSunIsBright) {
     ASSERT_TRUE(std::isfinite(v) && v > 0);
     brightest = std::max(brightest, v);
   }
-  // Against the zenith's luminance.
+  // The reference is the zenith's luminance.
   const float ratio = brightest / Luminance(map.Pixel(512, 0));
   EXPECT_GT(ratio, 5e3f);
   EXPECT_LT(ratio, 5e4f);

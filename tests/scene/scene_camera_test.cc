@@ -1,4 +1,4 @@
-// Cameras of pbrt files, and how a camera becomes another kind.
+// Tests cameras of pbrt files, and conversions between kinds of cameras.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f)
 
 Scene Parse(const std::string& text) { return ParsePbrt(text, "t.pbrt"); }
 
-// Without any remark.
+// Returns the camera of a scene that must not give any warning.
 Camera OnlyCamera(const std::string& text) {
   const Scene scene = Parse(text);
   EXPECT_EQ(scene.warnings, std::vector<std::string>{}) << text;
@@ -49,7 +49,7 @@ TEST(PbrtCamera, OrthographicAndScreenWindow) {
   EXPECT_EQ(camera.window->right, 3);
   EXPECT_EQ(camera.window->bottom, -1);
   EXPECT_EQ(camera.window->top, 4);
-  // [-1, 1] on the shorter side.
+  // The window is [-1, 1] on the shorter side.
   const ScreenWindow wide =
       OnlyCamera("Camera \"perspective\" \"float frameaspectratio\" 2").window.value();
   EXPECT_EQ(wide.right, 2);
@@ -61,8 +61,8 @@ TEST(PbrtCamera, OrthographicAndScreenWindow) {
 }
 
 TEST(PbrtCamera, SphericalOnesLieAsInPbrt) {
-  // pbrt: direction (sin theta cos phi, cos theta, sin theta sin phi) at phi = 2 pi u. The middle
-  // of the picture looks along -x, three quarters along -z, the top along +y.
+  // pbrt's direction is (sin theta cos phi, cos theta, sin theta sin phi) at phi = 2 pi u. The
+  // middle of the picture looks along -x, three quarters along -z, the top along +y.
   for (const char* text :
        {"Camera \"environment\"", "Camera \"spherical\" \"string mapping\" \"equirectangular\""}) {
     const Camera camera = OnlyCamera(std::string("Translate -1 -2 -3 ") + text);

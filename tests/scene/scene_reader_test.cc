@@ -1,5 +1,5 @@
-// pbrt scenes: every directive, both versions' syntax, and the remarks on what is not understood.
-// Numbers are worked out by hand from pbrt's conventions.
+// Tests pbrt scenes: every directive, the syntax of both versions, and the warnings about
+// unsupported features. Numbers are computed by hand from pbrt's conventions.
 #include "scene/pbrt/reader.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f)
   }
 }
 
-// Where `directives` put the point (1, 2, 3).
+// Returns the position to which `directives` move the point (1, 2, 3).
 glm::vec3 Transformed(const std::string& directives) {
   const Scene scene = Parse(
       "WorldBegin\n" + directives +
@@ -47,7 +47,7 @@ glm::vec3 GeometricNormal(const Mesh& mesh, std::size_t i = 0) {
                                    mesh.positions[t.z] - mesh.positions[t.x]));
 }
 
-// A folder of its own for each test, removed with it.
+// A separate folder for each test, removed with it.
 class TemporaryFolder {
  public:
   TemporaryFolder()
@@ -77,13 +77,13 @@ TEST(Transforms, MatchHandComputedMatrices) {
   ExpectNear(Transformed("Translate 10 0 0 Scale 2 2 2"), {12, 4, 6});
   ExpectNear(Transformed("Scale 2 2 2 Translate 10 0 0"), {22, 4, 6});
   ExpectNear(Transformed("Translate 9 9 9 Identity"), {1, 2, 3});
-  // Columns: x -> y, y -> z, z -> x, then a translation.
+  // The columns map x to y, y to z, z to x; a translation follows.
   const std::string matrix = "[0 1 0 0  0 0 1 0  1 0 0 0  7 8 9 1]";
   ExpectNear(Transformed("Translate 1 1 1 Transform " + matrix), {10, 9, 11});
   ExpectNear(Transformed("Translate 1 1 1 ConcatTransform " + matrix), {11, 10, 12});
   // A viewer at (0, 0, -5) that looks along +z with y up sees x on the right.
   ExpectNear(Transformed("LookAt 0 0 -5  0 0 0  0 1 0"), {1, 2, 8});
-  // Looking along +x, y up: the right is -z in a left-handed world.
+  // Looking along +x with y up, the right is -z in a left-handed world.
   ExpectNear(Transformed("LookAt 0 0 0  1 0 0  0 1 0"), {-3, 2, 1});
 }
 
@@ -124,10 +124,10 @@ TEST(Transforms, NormalsKeepTheirSide) {
     ExpectNear(GeometricNormal(flat), smooth.normals[0]);
     EXPECT_NEAR(glm::length(smooth.normals[1]), 1, 1e-6);
   }
-  // A mirror keeps the normal (0, 0, 1); ReverseOrientation turns it.
+  // A mirror keeps the normal (0, 0, 1); ReverseOrientation flips it.
   ExpectNear(Parse("WorldBegin Scale -1 1 1\n" + mesh).meshes.at(0).normals[0], {0, 0, 1});
   ExpectNear(Parse("WorldBegin ReverseOrientation\n" + mesh).meshes.at(0).normals[0], {0, 0, -1});
-  // Normals decide over the winding.
+  // Normals take precedence over the winding.
   const Mesh against = Parse(
                            "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] "
                            "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 -1 0 0 -1 0 0 -1]")
@@ -152,7 +152,7 @@ TEST(Camera, IsTheInverseOfTheTransform) {
 TEST(Camera, FrameIsRightHandedSeenInItsWorld) {
   for (const bool left_handed : {false, true}) {
     const Camera camera = LookAtCamera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40, left_handed);
-    // Looking along -z with y up: right is +x where the axes are right-handed.
+    // Looking along -z with y up, right is +x if the axes are right-handed.
     ExpectNear(camera.world_from_camera[0], {left_handed ? -1.0f : 1.0f, 0, 0});
     ExpectNear(camera.world_from_camera[1], {0, 1, 0});
     ExpectNear(camera.world_from_camera[2], {0, 0, -1});
@@ -177,8 +177,8 @@ TEST(Camera, FramesBounds) {
           widest = std::max({widest, std::abs(p.x / p.z) / wide, std::abs(p.y / p.z) / tall});
         }
         EXPECT_LT(widest, slope);
-        EXPECT_GT(widest, 0.8f * slope);  // and no smaller than need be
-        // From above: the eye is higher than the centre.
+        EXPECT_GT(widest, 0.8f * slope);  // not smaller than necessary either
+        // The view is from above: the eye is higher than the centre.
         const int axis = up - 'x';
         EXPECT_GT(camera.world_from_camera[3][axis], 0.5f * (bounds.low + bounds.high)[axis]);
       }
@@ -194,7 +194,7 @@ TEST(EnvironmentFrame, IsNeverMirroredAndTurnsCounterClockwise) {
         const glm::vec3 cross = glm::cross(f[1], f[2]);
         ExpectNear(f[0], left_handed ? -cross : cross);
       }
-      // A quarter turn to the left: forward goes where left was.
+      // A quarter turn to the left moves forward to the former left.
       const glm::mat3 still = EnvironmentFrame(up, left_handed, 0);
       const glm::mat3 turned = EnvironmentFrame(up, left_handed, 90);
       ExpectNear(turned[1], -still[0]);
@@ -298,7 +298,7 @@ TEST(Materials, Conductors) {
       0.3f);
   ExpectNear(OnlyMaterial("Material \"metal\" \"rgb eta\" [1 2 3] \"rgb k\" [4 5 6]").eta,
              {1, 2, 3});
-  // Smooth conductors are mirrors that keep their Fresnel reflectance.
+  // Smooth conductors become mirrors that keep their Fresnel reflectance.
   const Material smooth = OnlyMaterial("Material \"conductor\"");
   EXPECT_EQ(smooth.bsdf, BsdfKind::kMirror);
   ExpectNear(smooth.eta, {0.20044f, 0.92403f, 1.10221f});
@@ -328,7 +328,7 @@ TEST(Materials, Conductors) {
 TEST(Materials, DiffuseOnes) {
   const Material clay = OnlyMaterial("Material \"matte\" \"float sigma\" 20");
   EXPECT_EQ(clay.bsdf, BsdfKind::kOrenNayar);
-  // B / A of Oren and Nayar 1994 for sigma = 20 degrees.
+  // The ratio is B / A of Oren and Nayar 1994 for sigma = 20 degrees.
   EXPECT_NEAR(clay.alpha, 0.2591 / 0.8652, 1e-3);
   EXPECT_EQ(OnlyMaterial("Material \"matte\" \"float sigma\" 0").bsdf, BsdfKind::kLambert);
   const Material sheet = OnlyMaterial(
@@ -459,7 +459,7 @@ TEST(Lights, FramesOfInfiniteLights) {
   ExpectNear(constant.environments[0].world_from_map[0], {0, -1, 0});  // right
   ExpectNear(constant.environments[0].world_from_map[1], {-1, 0, 0});  // forward
   ExpectNear(constant.environments[0].world_from_map[2], {0, 0, 1});   // up
-  // The usual way to stand a map upright in a y-up world: light +z to world +y.
+  // This is the common rotation of an upright map in a y-up world: light +z to world +y.
   const glm::mat3 upright =
       Parse("WorldBegin Rotate -90 1 0 0 LightSource \"infinite\" \"color scale\" [2 2 2]")
           .environments.at(0)
@@ -474,7 +474,7 @@ TEST(Lights, FramesOfInfiniteLights) {
   ExpectNear(mirrored[0], {0, -1, 0});
 }
 
-TEST(Files, IncludesAndMapsAreLookedUpBesideTheirFile) {
+TEST(Files, IncludesAndMapsAreLookedUpInTheFolderOfTheirFile) {
   const TemporaryFolder folder;
   folder.Write("parts/shape.pbrt", kTriangle);
   folder.Write("parts/map.hdr", "");
@@ -487,7 +487,8 @@ TEST(Files, IncludesAndMapsAreLookedUpBesideTheirFile) {
   EXPECT_EQ(scene.meshes.size(), 1u);
   ASSERT_EQ(scene.environments.size(), 2u);
   EXPECT_TRUE(std::filesystem::exists(scene.environments[0].map_path));
-  EXPECT_TRUE(std::filesystem::exists(scene.environments[1].map_path));  // as pbrt: the main folder
+  // as in pbrt: relative to the main file
+  EXPECT_TRUE(std::filesystem::exists(scene.environments[1].map_path));
 }
 
 TEST(Files, PlyAloneAndInAScene) {
@@ -549,7 +550,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
   EXPECT_EQ(scene.warnings, expected);
 }
 
-// Each of these must leave at least one line that begins with its place.
+// Each of these must give at least one line that begins with its position.
 TEST(Warnings, NothingIsSkippedInSilence) {
   for (const char* text : {"Camera \"realistic\"",
                            "Camera \"perspective\" \"float shutteropen\" 1",

@@ -18,8 +18,8 @@
 namespace skywave {
 namespace {
 
-// Edges by the number of triangles on them, counted with their direction: a closed, consistently
-// wound surface has each directed edge once and its reverse once.
+// Counts edges by their number of triangles, taking the direction into account: a closed,
+// consistently wound surface has each directed edge once and its reverse once.
 struct EdgeCounts {
   int paired = 0, single = 0, wrong = 0;
 };
@@ -81,12 +81,12 @@ TEST(Shapes, SphereIsGeodesic) {
 
 TEST(Shapes, BoxTorusAndRevolvedProfileAreClosed) {
   ExpectClosedAndSmooth(RoundedBox({1, 2, 3}, 0.01f, 3), 48, 1e-3);
-  // Rounded all over it is a sphere.
+  // Rounded all over, the box is a sphere.
   const Mesh round = RoundedBox(glm::vec3(1), 0.999f, 32);
   EXPECT_NEAR(Volume(round), 4.0 / 3 * glm::pi<double>(), 0.02);
   const double pi = glm::pi<double>();
   ExpectClosedAndSmooth(TorusKnot(1, 0, 2, 0, 0.5f, 96, 48), 2 * pi * 2 * pi * 0.25, 0.01);
-  // A thin tube's volume is its length times its section.
+  // A thin tube's volume is its length times its cross section.
   const Mesh knot = TorusKnot(2, 3, 1, 0.4f, 0.05f, 600, 24);
   double length = 0;
   const auto centre = [](double t) {
@@ -143,8 +143,8 @@ Mesh Subdivided(const Mesh& cage, int levels) {
   return LoopSubdivide(cage.positions, cage.triangles, levels);
 }
 
-// An open, irregular fan: a corner of two edges, valences 2 to 5 on the boundary, 3, 5 and 6
-// inside.
+// Returns an open, irregular fan: a corner of two edges, with valences 2 to 5 on the boundary and
+// 3, 5 and 6 inside.
 Mesh OpenPatch() {
   Mesh cage;
   for (int j = 0; j <= 3; ++j) {
@@ -177,8 +177,8 @@ TEST(LoopSubdivision, CountsAndClosedSurface) {
   ExpectClosedAndSmooth(fine, Volume(fine), 1e-12);
 }
 
-// The limit surface does not depend on where subdivision stops: the cage's vertices keep their
-// limit position and normal at every level. Wrong limit masks fail here.
+// The limit surface does not depend on the level at which subdivision stops: the cage's vertices
+// keep their limit position and normal at every level. Wrong limit masks fail here.
 TEST(LoopSubdivision, LimitsDoNotDependOnTheLevel) {
   const Mesh icosphere = Sphere(1, 1);
   for (const Mesh& cage : {Tetrahedron(), OpenPatch(), icosphere}) {
@@ -193,7 +193,7 @@ TEST(LoopSubdivision, LimitsDoNotDependOnTheLevel) {
   }
 }
 
-// Normals from the masks are what the triangles of a fine mesh converge to, on boundaries too.
+// The triangles of a fine mesh must converge to the normals from the masks, on boundaries too.
 TEST(LoopSubdivision, NormalsAreThoseOfTheSurface) {
   for (const Mesh& cage : {Tetrahedron(), OpenPatch()}) {
     double previous = 1;
@@ -236,8 +236,9 @@ TEST(LoopSubdivision, FlatStaysFlatAndStrangeCagesEndWell) {
   for (glm::vec3& p : flat.positions) p.z = 0;
   for (const glm::vec3& n : Subdivided(flat, 2).normals) EXPECT_NEAR(n.z, 1, 1e-6);
 
-  // Three triangles on an edge, two fans on a vertex, a doubled and a degenerate triangle, opposite
-  // windings, a vertex without triangle: finite positions and unit normals all the same.
+  // The cage has three triangles on an edge, two fans on a vertex, a doubled and a degenerate
+  // triangle, opposite windings and a vertex without triangle; positions must be finite and normals
+  // of unit length all the same.
   const std::vector<glm::vec3> points = {{0, 0, 0},  {1, 0, 0},  {0, 1, 0}, {0, 0, 1},
                                          {-1, 0, 0}, {0, -1, 0}, {5, 5, 5}, {1, 1, 0}};
   const std::vector<std::vector<glm::uvec3>> cages = {{{0, 1, 2}, {0, 1, 3}, {0, 1, 5}},
@@ -257,7 +258,7 @@ TEST(LoopSubdivision, FlatStaysFlatAndStrangeCagesEndWell) {
 }
 
 TEST(LoopSubdivision, HugeValenceTakesLinearTime) {
-  // A fan of a hundred thousand triangles around one vertex: quadratic work would not end.
+  // A fan of a hundred thousand triangles surrounds one vertex: quadratic work would take too long.
   constexpr std::uint32_t kCount = 100000;
   std::vector<glm::vec3> points = {{0, 0, 1}};
   std::vector<glm::uvec3> triangles;

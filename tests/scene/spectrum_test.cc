@@ -1,4 +1,4 @@
-// Spectra as colours: against published chromaticities and the defining identities.
+// Compares spectra as colours with published chromaticities and the defining identities.
 #include "scene/materials/spectrum.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace skywave {
 namespace {
 
 glm::vec2 Chromaticity(const glm::vec3& rgb) {
-  // Rec. 709 to XYZ (IEC 61966-2-1).
+  // Converts Rec. 709 to XYZ (IEC 61966-2-1).
   const glm::vec3 xyz(0.4124f * rgb.r + 0.3576f * rgb.g + 0.1805f * rgb.b,
                       0.2126f * rgb.r + 0.7152f * rgb.g + 0.0722f * rgb.b,
                       0.0193f * rgb.r + 0.1192f * rgb.g + 0.9505f * rgb.b);
@@ -23,7 +23,8 @@ float Luminance709(const glm::vec3& rgb) {
 }
 
 TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
-  // Wyszecki and Stiles, "Color Science", table 1(3.11); the fit of the observer is good to 0.004.
+  // The values are from Wyszecki and Stiles, "Color Science", table 1(3.11); the fit of the
+  // observer is accurate to 0.004.
   const struct {
     float kelvin, x, y;
   } bodies[] = {{2856, 0.4476f, 0.4074f},
@@ -35,12 +36,12 @@ TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
     EXPECT_NEAR(Chromaticity(rgb).x, body.x, 0.004) << body.kelvin;
     EXPECT_NEAR(Chromaticity(rgb).y, body.y, 0.004) << body.kelvin;
     EXPECT_NEAR(Luminance709(rgb), 1, 1e-3) << body.kelvin;
-    // The same colour by the other scale, and no wavelength above 1.
+    // The other scale gives the same colour, with no wavelength above 1.
     const glm::vec3 peak = RgbOfBlackbodyPeak(body.kelvin);
     EXPECT_NEAR(peak.r / rgb.r, peak.g / rgb.g, 1e-4);
     EXPECT_LT(Luminance709(peak), 1);
   }
-  // Peaks within the eye's range: nearly as bright as a constant 1.
+  // With a peak in the visible range, the spectrum is nearly as bright as a constant 1.
   EXPECT_GT(Luminance709(RgbOfBlackbodyPeak(5200)), 0.97);
 }
 
@@ -60,12 +61,12 @@ TEST(Spectrum, ReflectancesAreLinearAndMonotone) {
   EXPECT_LT(a.g, 0.2f);
   EXPECT_LT(a.b, 0.05f);
   EXPECT_GT(b.b, 0.9f);
-  // Where nothing is clamped, complements add up to white.
+  // If nothing is clamped, complements add up to white.
   const glm::vec2 warm[] = {{450, 0.3f}, {650, 0.6f}}, cold[] = {{450, 0.7f}, {650, 0.4f}};
   for (int c = 0; c < 3; ++c) {
     EXPECT_NEAR(RgbOfReflectance(warm)[c] + RgbOfReflectance(cold)[c], 1, 1e-5) << c;
   }
-  // Between samples straight, beyond them constant.
+  // Spectra are linear between samples and constant beyond them.
   const glm::vec2 two[] = {{400, 0.2f}, {700, 0.8f}},
                   three[] = {{100, 0.2f}, {400, 0.2f}, {550, 0.5f}, {700, 0.8f}, {900, 0.8f}};
   for (int c = 0; c < 3; ++c) {

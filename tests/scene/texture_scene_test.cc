@@ -1,5 +1,5 @@
-// Textures of pbrt and OBJ files: which way up they are, what they are multiplied with, and what is
-// said of those that are not understood.
+// Tests textures of pbrt and OBJ files: their orientation, their factors, and the warnings about
+// unsupported ones.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace skywave {
 namespace {
 
-// Red, green; blue, white.
+// Writes red, green; blue, white.
 void WriteFourColors(const TemporaryFolder& folder, const std::string& name) {
   WritePng(folder.Path(name), 2, 2, {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255});
 }
@@ -93,7 +93,7 @@ TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
   EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
-// One name, two textures: who uses it says which.
+// One name may denote two textures; the parameter that uses it determines which.
 TEST_F(PbrtTextureFiles, OfFloatsAndOfColoursHaveNamesOfTheirOwn) {
   const std::string both =
       "Texture \"t\" \"float\" \"constant\" \"float value\" .25\n"
@@ -187,7 +187,7 @@ TEST(MtlTextures, AlphaAndReliefAreOfEveryMaterialButGlass) {
   EXPECT_TRUE(material(read("illum 7\nmap_d grey.png")).opaque());
 }
 
-// What is seen of the texture "x".
+// Compares the texture "x" with expected values.
 class ComputedTextures : public PbrtTextureFiles {
  protected:
   void Expect(const std::string& textures, glm::dvec2 uv, glm::dvec3 color,
@@ -210,7 +210,7 @@ TEST_F(ComputedTextures, CheckersAreWhereTheirCoordinatesAreOdd) {
       "\"float uscale\" 3 \"float vscale\" 5 \"float udelta\" .5";
   for (int i = 0; i < 12; ++i) {
     for (int j = 0; j < 10; ++j) {
-      // Middles of halves of checks, on both sides of the unit square.
+      // These points are the centres of halves of checks, on both sides of the unit square.
       const double u = (i + 0.5) / 6 - 0.5, v = (j + 0.5) / 10 - 0.3;
       const bool odd = std::abs(std::fmod(std::floor(3 * u + 0.5) + std::floor(5 * v), 2)) == 1;
       Expect(board, {u, v}, odd ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0));
@@ -227,7 +227,7 @@ TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
          {0.25, 0.75}, {0.75, 0.25, 0});
   Expect("Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0]", {0, 0},
          {0.5, 0.5, 0}, 1e-6);
-  // The image's green picks between red and blue.
+  // The image's green selects between red and blue.
   Expect("Texture \"t\" \"float\" " + kImage +
              "Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [.5 .5 .5] \"rgb tex2\" [1 1 1] "
              "\"texture amount\" \"t\"",
@@ -237,11 +237,11 @@ TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
         std::pair("float", "\"texture tex\" \"t\" \"texture scale\" \"u\"")}) {
     const std::string product = std::string("Texture \"x\" \"color\" \"scale\" ") + names;
     const std::string u = std::string("Texture \"u\" \"") + type + "\" " + kImage;
-    // White times white, halved; red times green.
+    // White times white is halved; red times green gives black.
     Expect(t + u + "\"float scale\" .5 " + product, {0.75, 0.25}, glm::dvec3(0.5));
     Expect(t + u + "\"float udelta\" .5 " + product, {0.25, 0.75}, glm::dvec3(0));
   }
-  // Of different scales: over the unit square. (0.125, 0.875) is red in one, red in the other.
+  // Textures of different scales are combined over the unit square. (0.125, 0.875) is red in both.
   const std::string finer = t + "Texture \"u\" \"color\" " + kImage +
                             "\"float uscale\" 2 \"float vscale\" 2 Texture \"x\" \"color\" "
                             "\"mix\" \"texture tex1\" \"t\" \"texture tex2\" \"u\"";

@@ -62,7 +62,7 @@ std::vector<NamedMap> MakeMaps() {
                     return sun ? Radiance{1e6, 9e5, 7e5} : Radiance{0.4 * sky, 0.6 * sky, sky};
                   })});
   maps.push_back({"Noise", Noise(64, 32, 6, 2)});
-  // More than 256 columns: search trees of two levels.
+  // More than 256 columns need search trees of two levels.
   maps.push_back({"Wide", Noise(1100, 40, 3, 3)});
   return maps;
 }
@@ -136,7 +136,7 @@ void MapPosition(const std::array<float, 9>& m, Vec w, double& u, double& v) {
 double BorderDistance(int width, int height, double u, double v) {
   const auto to_integer = [](double x) { return std::fabs(x - std::round(x)); };
   const double across = to_integer(u * width) / width * 2 * kPi * std::sin(kPi * v);
-  // The poles are no borders between rows.
+  // The poles are not borders between rows.
   const double row = v * height, last = height - 0.5;
   const double down = row < 0.5 || row > last ? 1 : to_integer(row) / height * kPi;
   return std::min(across, down);

@@ -1,5 +1,5 @@
-// One material or more of each BSDF, which every test of BSDFs runs over: a new BSDF is tested by
-// the cases that it gets here.
+// At least one material of each BSDF. Every test of BSDFs runs over these cases, so a new BSDF is
+// tested by the cases added here.
 #pragma once
 
 #include <optional>
@@ -9,21 +9,21 @@
 
 namespace skywave {
 
-// BSDFs with a density.
+// Returns the BSDFs with a density.
 const std::vector<MaterialCase>& DenseCases();
-// The others.
+// Returns the others.
 const std::vector<MaterialCase>& DeltaCases();
-// The first case of each BSDF that reflects something of each channel.
+// Returns the first case of each BSDF that reflects some of each channel.
 const MaterialCase& ExampleOf(BsdfKind kind);
 
-// The width of the lobe that is narrowest, 1 for diffuse ones: what a test must resolve.
+// Returns the width of the narrowest lobe, which a test must resolve; 1 for diffuse ones.
 double LobeWidth(const MaterialCase& material);
 
-// A table of the MERL database for tests: a gloss over a body, dim at grazing angles.
+// Returns a table of the MERL database for tests: a gloss over a body, dim at grazing angles.
 std::vector<float> SyntheticMeasuredTable();
 
-// Value and density in double, from the formulae of the papers; local frame, z the normal, x the
-// tangent. Unknown where a table has a step.
+// Value and density in double, from the formulae of the papers, in a local frame with z the normal
+// and x the tangent. Unknown where a table has a step.
 struct FormulaValue {
   double rgb[3] = {};
   double pdf = 0;
@@ -31,7 +31,8 @@ struct FormulaValue {
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
 
-// Index near over far, 1 where nothing is bent; none where light does not pass through.
+// Returns the near index over the far index, 1 if nothing is refracted, or nothing if light cannot
+// pass.
 inline std::optional<double> TransmissionRatio(const MaterialCase& material) {
   if (material.kind == BsdfKind::kDiffuseTransmission) return 1;
   if (material.kind != BsdfKind::kRoughDielectric) return std::nullopt;

@@ -23,7 +23,7 @@ void Add(const FormulaValue& more, double factor, FormulaValue& sum) {
   sum.pdf += factor * more.pdf;
 }
 
-// Relative change of the share that is refracted or, above the surface, reflected.
+// Returns the relative change of the refracted or, above the surface, the reflected fraction.
 double FresnelChange(double ratio, Vec wo, Vec wi) {
   const Vec h = Unit(wi.z > 0 ? wo + wi : ratio * wo + wi);
   const double cosine = std::fabs(Dot(wo, h));

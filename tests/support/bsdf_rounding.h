@@ -1,18 +1,18 @@
-// What rounding to floats does to the value and density of a BSDF, from its formula in double: how
-// far a kernel may be off it.
+// Estimates the effect of float rounding on the value and density of a BSDF, from its formula in
+// double: the deviation that a kernel may have.
 #pragma once
 
 #include "tests/support/bsdf_cases.h"
 
 namespace skywave {
 
-// By how much value and density of BsdfFormula change if both directions move by so many roundings
-// of 2^-24, each way along each axis, summed over the axes: kernels round directions when they turn
-// them into their frame, and half vectors, which depend on both. Beside that, where light is
-// refracted, if the index moves by two roundings and the cosine from which the kernel has Fresnel's
-// reflectance by four (next to total reflection 1 - F goes with the root of a difference of numbers
-// near 1); and where a cosine is raised to a power, if that moves by six, the sum of three products
-// of either evaluation.
+// Returns the change of value and density of BsdfFormula if either direction moves by `roundings`
+// roundings of 2^-24, in both senses along each axis, summed over the axes: kernels round
+// directions when they transform them into their frame, and half vectors, which depend on both. For
+// refraction, it adds the change if the index moves by two roundings and the cosine for the
+// kernel's Fresnel reflectance by four (near total internal reflection, 1 - F behaves like the root
+// of a difference of numbers near 1). For a power of a cosine, it adds the change if the cosine
+// moves by six, the sum of three products in both evaluations.
 FormulaValue ChangeByRounding(const MaterialCase& material, Vec wo, Vec wi, int roundings);
 
 }  // namespace skywave

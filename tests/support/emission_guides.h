@@ -1,11 +1,11 @@
-// The guide of a frame's light paths, for tests that render its waves themselves.
+// Makes the guide of a frame's light paths for tests that render its waves themselves.
 #pragma once
 
 #include "wavefront/guiding/emission_guide.h"
 
 namespace skywave {
 
-// As RenderFrame makes it; empty where it makes none.
+// Returns the same guide as RenderFrame would make, or an empty one if it would make none.
 inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   EmissionGuide guide;
   const RenderOptions& options = frame.options;

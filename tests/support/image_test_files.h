@@ -1,5 +1,5 @@
-// What the tests of image/ share: a folder per test, example pictures, and EXR files of every kind
-// that WriteExr does not make.
+// Shared helpers for the tests of image/: a folder per test, example pictures, and EXR files of all
+// kinds that WriteExr does not produce.
 #pragma once
 
 #include <ImfChannelList.h>
@@ -24,7 +24,7 @@
 
 namespace skywave {
 
-// A folder of its own for every test, removed at its end.
+// A separate folder for every test, removed at its end.
 class ImageFiles : public testing::Test {
  protected:
   void SetUp() override {
@@ -36,7 +36,7 @@ class ImageFiles : public testing::Test {
 
   const std::string& folder() const { return folder_; }
   std::string Path(const std::string& name) const { return folder_ + "/" + name; }
-  // Writes a file of the test's folder and returns its path.
+  // Writes a file in the test's folder and returns its path.
   std::string Put(const std::string& name, const std::string& bytes) const {
     WriteFileAtomically(Path(name), bytes);
     return Path(name);
@@ -46,7 +46,7 @@ class ImageFiles : public testing::Test {
   std::string folder_;
 };
 
-// A picture without symmetries, exactly representable in all formats and as integers.
+// Returns a picture without symmetries, exactly representable in all formats and as integers.
 inline Image Numbered(int width, int height) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -72,12 +72,12 @@ inline void ExpectSame(const Image& a, const Image& b) {
   EXPECT_EQ(Bits(a), Bits(b));
 }
 
-// Channels in the file and their types. R, Y: red of the picture, G: green, B: blue; any other
-// name: -1 everywhere, which no reader may show.
+// Channels in the file and their types. R and Y hold the picture's red, G its green, B its blue;
+// any other name holds -1 everywhere, which no reader may show.
 using ExrChannels = std::vector<std::pair<std::string, Imf::PixelType>>;
 inline const ExrChannels kFloatRgb = {{"R", Imf::FLOAT}, {"G", Imf::FLOAT}, {"B", Imf::FLOAT}};
 
-// The pixels of one channel in the type of the file.
+// Returns the pixels of one channel in the type of the file.
 inline std::string TypedPixels(const Image& image, const std::string& name, Imf::PixelType type) {
   const std::size_t channel = std::string("RGB").find(name == "Y" ? "R" : name);
   std::string bytes;
@@ -92,8 +92,8 @@ inline std::string TypedPixels(const Image& image, const std::string& name, Imf:
   return bytes;
 }
 
-// Writes `image`, tiled when `header` has a tile description. All levels below the first one hold
-// the top left part of the picture.
+// Writes `image`, tiled if `header` has a tile description. All levels below the first one hold the
+// top left part of the picture.
 inline void WriteExrKind(const std::string& path, Imf::Header header, const Image& image,
                          const ExrChannels& channels = kFloatRgb) {
   std::vector<std::string> pixels;

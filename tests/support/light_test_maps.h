@@ -1,4 +1,4 @@
-// Illumination maps on which builders of lights go wrong, made in code.
+// Synthetic illumination maps that challenge builders of lights.
 #pragma once
 
 #include <cmath>
@@ -24,7 +24,8 @@ inline Image ConstantMap(int width, int height, float value) {
   return image;
 }
 
-// A sky that brightens to the top, a dim ground, a few windows, and a 2 x 2 sun of radiance `sun`.
+// Returns a sky that brightens towards the top, a dim ground, a few windows, and a 2 x 2 sun of
+// radiance `sun`.
 inline Image SunMap(int width, int height, float sun) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -45,7 +46,7 @@ inline Image SunMap(int width, int height, float sun) {
   return image;
 }
 
-// Log-normal noise: every texel for itself, over six orders of magnitude.
+// Returns log-normal noise: independent texels, over six orders of magnitude.
 inline Image NoiseMap(int width, int height, unsigned seed) {
   Image image(width, height);
   std::mt19937 random(seed);

@@ -1,4 +1,4 @@
-// A map cut into directions: the midpoint rule over the sphere.
+// Divides a map into directions for the midpoint rule over the sphere.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// A map cut into cells that are no larger than a texel and fine enough to integrate a cosine over.
+// The cells of a map, no larger than a texel and fine enough to integrate a cosine.
 class MapCells {
  public:
   explicit MapCells(const EnvironmentMap& map, int across = 256) : map_(map) {
@@ -30,7 +30,7 @@ class MapCells {
   const std::vector<Vec>& directions() const { return directions_; }
   double solid_angle(std::size_t cell) const { return solid_angles_[cell]; }
 
-  // Cells are gathered in at most 48 x 24 bins.
+  // Cells are grouped into at most 48 x 24 bins.
   static constexpr int kAcross = 48, kDown = 24;
   std::size_t Bin(int x, int y) const {
     return std::size_t(y * kDown / height_ * kAcross + x * kAcross / width_);

@@ -7,11 +7,11 @@
 
 namespace skywave {
 
-// Lights of a room, any of them together.
+// The lights of a room; any combination is possible.
 enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kEnvironment = 32 };
 inline constexpr int kLocal = kLamp | kBall | kPoint | kSpot | kDistant;
 
-// A rectangle parallel to the floor that shines downwards.
+// Adds a rectangle parallel to the floor that emits downwards.
 inline void AddLamp(Scene& scene, float size, const glm::vec3& centre, const glm::vec3& radiance) {
   const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0.3f));
   scene.materials[lamp].emission = radiance;
@@ -20,8 +20,9 @@ inline void AddLamp(Scene& scene, float size, const glm::vec3& centre, const glm
   Place(scene, mesh, lamp, centre);
 }
 
-// A matt floor and wall, and three balls of facets, of the material in the middle. Facets: at the
-// rim of smooth balls paths that come from the other side may see another normal (design.md).
+// Returns a matt floor and wall and three faceted balls, the middle one of the given material. The
+// balls are faceted because paths from the other side may see a different normal at the rim of
+// smooth ones (design.md).
 inline Scene MattRoom(const Material& material, int lights) {
   Scene scene;
   Place(scene, Facetted(Quad(4)), AddLambert(scene, "floor", {0.7f, 0.6f, 0.5f}), glm::vec3(0));
@@ -44,7 +45,8 @@ inline Scene MattRoom(const Material& material, int lights) {
   if (lights & kPoint) scene.lights.push_back({.emission = {2, 2, 3}, .position = {-1.6f, 2, 1}});
   if (lights & kSpot) scene.lights.push_back(SlantingSpot());
   if (lights & kDistant) scene.lights.push_back(SlantingSun());
-  // Constant in parts: the eye sees a map interpolated, light paths do not (design.md).
+  // The map is constant because the eye sees a map interpolated while light paths do not
+  // (design.md).
   if (lights & kEnvironment) SetConstantLight(scene, 0.5f);
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
   return scene;

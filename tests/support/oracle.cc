@@ -83,7 +83,7 @@ void Oracle::AddMesh(const Mesh& mesh) {
       if (!mesh.uvs.empty()) t.uv[i] = mesh.uvs[corners[i]];
     }
     t.smooth = !mesh.normals.empty();
-    // The outside is where the vertex normals point.
+    // The outside is the side to which the vertex normals point.
     const glm::vec3 face = glm::cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]);
     if (t.smooth && glm::dot(face, t.normal[0] + t.normal[1] + t.normal[2]) < 0) {
       std::swap(t.corner[1], t.corner[2]);
@@ -114,7 +114,7 @@ void Oracle::BuildEmbreeScene() {
   rtcCommitScene(scene_);
 }
 
-// Whether the triangle stops a ray there.
+// Returns true if the triangle stops a ray at that point.
 bool Oracle::IsThere(std::uint32_t triangle, double u, double v, OracleRandom& random) const {
   const Triangle& t = triangles_[triangle];
   const Material& material = scene_textures_.materials[t.material];
@@ -124,7 +124,7 @@ bool Oracle::IsThere(std::uint32_t triangle, double u, double v, OracleRandom& r
   return random() < OracleOpacity(scene_textures_, material, uv);
 }
 
-// What a triangle shines with there.
+// Returns the emission of a triangle at that point.
 dvec3 Oracle::Emission(std::uint32_t triangle, double u, double v) const {
   const Triangle& t = triangles_[triangle];
   const Material& material = scene_textures_.materials[t.material];
@@ -134,7 +134,7 @@ dvec3 Oracle::Emission(std::uint32_t triangle, double u, double v) const {
   return t.light.radiance * LookUpTexture(scene_textures_, *material.emission_texture, uv);
 }
 
-// The nearest triangle up to `reach` that stops the ray, which tries them one after the other.
+// Finds the nearest triangle up to `reach` that stops the ray, by trying one after another.
 bool Oracle::FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -145,7 +145,7 @@ bool Oracle::FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayH
     rtcIntersect1(scene_, &context, &query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     if (IsThere(query.hit.primID, query.hit.u, query.hit.v, random)) return true;
-    // Beyond the rounding of distances: else Embree finds the same hit for ever.
+    // The step exceeds the rounding of distances; otherwise Embree would find the same hit forever.
     query.ray.tnear = query.ray.tfar * (1 + 0x1p-20f) + 1e-20f;
     query.ray.tfar = float(reach);
     if (!(query.ray.tnear < query.ray.tfar)) return false;
@@ -166,7 +166,7 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
   }
   const bool back = glm::dot(ng, wo) < 0;
   if (back) ng = -ng, ns = -ns;
-  // Smooth normals that look away from the eye cannot shade.
+  // Smooth normals that face away from the eye cannot shade.
   if (!(glm::dot(ns, wo) > 1e-4)) ns = ng;
   const Material& material = scene_textures_.materials[t.material];
   if (material.normal_texture) {
@@ -174,7 +174,7 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
         w * glm::dvec2(t.uv[0]) + u * glm::dvec2(t.uv[1]) + v * glm::dvec2(t.uv[2]);
     const double side = back ? -1 : 1;
     ns = side * OracleBend(scene_textures_, material, t.corner, t.uv, uv, side * ns);
-    // Normals that look away are turned to the eye, along the plane of both.
+    // Normals that face away are turned towards the eye, in the plane of both.
     ns = glm::normalize(ns + wo * std::max(0.0, 1.0 / 128 - glm::dot(ns, wo)));
   }
   hit.distance = query.ray.tfar;
@@ -228,8 +228,8 @@ Oracle::Ray Oracle::LeaveFrom(const Hit& hit, const dvec3& direction) const {
   return {hit.point + side * hit.lift * ng, direction};
 }
 
-// What a ray that left the scene sees. `pdf`: of its direction by BSDF sampling, 0 if it had none
-// and so no light sample can have found the same light.
+// Returns the radiance for a ray that left the scene. `pdf` is the BSDF sampling density of its
+// direction, or 0 if it had none, so that no light sample could have found the same light.
 dvec3 Oracle::LightFromEnvironment(const dvec3& direction, double pdf,
                                    const RenderOptions& options) const {
   if (pdf == 0) return environment_.Seen(direction);
@@ -240,10 +240,10 @@ dvec3 Oracle::LightFromEnvironment(const dvec3& direction, double pdf,
   return lit.radiance * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
 }
 
-// Light samples are shared out evenly between the map and local lights.
+// Light samples are divided evenly between the environment and the local lights.
 double Oracle::LocalShare() const { return local_lights_.empty() ? 0 : has_environment_ ? 0.5 : 1; }
 
-// What a ray that ends in a shining triangle sees of it; `pdf` as above.
+// Returns the radiance of an emitting triangle at the end of a ray; `pdf` as above.
 dvec3 Oracle::LightFromHit(const Hit& hit, double pdf, const RenderOptions& options) const {
   if (!hit.light || !(hit.light_cosine > 0)) return dvec3(0);
   if (pdf == 0) return hit.emission;
@@ -254,7 +254,7 @@ dvec3 Oracle::LightFromHit(const Hit& hit, double pdf, const RenderOptions& opti
   return hit.emission * (pdf * pdf / (pdf * pdf + light_pdf * light_pdf));
 }
 
-// One light sample, not yet divided by their number.
+// Returns one light sample, not yet divided by the number of samples.
 dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
                               OracleRandom& random) const {
   OracleLocalLights::LightSample light;
@@ -272,7 +272,7 @@ dvec3 Oracle::LightFromSample(const Hit& hit, const RenderOptions& options,
   }
   const OracleValue bsdf = EvaluateBsdf(hit.surface, light.direction);
   if (!(MaxComponent(bsdf.value * light.radiance) > 0)) return dvec3(0);
-  // Shadow rays stop short of the light: whether it is there is asked here.
+  // Shadow rays end just before the light, so its alpha is tested here.
   if (light.triangle && !IsThere(*light.triangle, light.u, light.v, random)) return dvec3(0);
   if (Occluded(LeaveFrom(hit, light.direction), light.distance, random)) return dvec3(0);
   if (light.pdf == 0) return bsdf.value * light.radiance;
@@ -291,7 +291,7 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
   double pdf = 0;
   for (std::uint32_t bounce = 0;; ++bounce) {
     Hit hit;
-    // Behind the last surface, and behind the BSDF sample of `direct`, only what shines counts.
+    // After the last surface, and after the BSDF sample of `direct`, only emission counts.
     const bool last = bounce == options.max_depth || (direct && pdf > 0);
     if (!Intersect(ray, random, hit)) {
       return radiance + throughput * LightFromEnvironment(ray.direction, pdf, options);

@@ -1,7 +1,7 @@
-// The correctness reference and the speed floor of the engine: a plain depth-first path tracer. One
-// path at a time, single rays of Embree, shading in double, its own BSDFs, environment, light
-// samples, camera and random numbers. It shares with the engine only the meaning of the scene (the
-// conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and
+// The correctness reference and the speed floor of the engine: a plain depth-first path tracer. It
+// traces one path at a time with single rays of Embree and shades in double, with its own BSDFs,
+// environment, light samples, camera and random numbers. It shares with the engine only the meaning
+// of the scene (the conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and
 // wavefront/integrators/{path,direct}.cc) and the tables FilterOffsets() and GgxTables().
 #pragma once
 
@@ -23,20 +23,20 @@ namespace skywave {
 
 struct OraclePicture {
   Image mean;
-  std::vector<double> variance;  // of the mean, three a pixel; 0 for a single sample
+  std::vector<double> variance;  // variance of the mean, three per pixel; 0 for a single sample
   double seconds = 0;            // wall clock
 };
 
 class Oracle {
  public:
-  // The scene needs a camera; its maps are in memory, those of its first light count.
+  // The scene needs a camera; its first environment is used, with its map in memory.
   explicit Oracle(const Scene& scene, OracleLights lights = OracleLights::kImportance);
   ~Oracle();
   Oracle(const Oracle&) = delete;
   Oracle& operator=(const Oracle&) = delete;
 
-  // Film, integrator, samples, depth, filter (its radius set), seed and threads of `options` count;
-  // wave and backend mean nothing here. The same bits for any number of threads.
+  // Uses film, integrator, samples, depth, filter (its radius set), seed and threads of `options`
+  // and ignores wave and backend. The bits are the same for any number of threads.
   OraclePicture Render(const RenderOptions& options) const;
 
  private:
@@ -45,20 +45,20 @@ class Oracle {
     glm::vec2 uv[3];
     std::uint32_t material;
     bool smooth;
-    OracleLocalLights::Triangle light;  // radiance 0: none
+    OracleLocalLights::Triangle light;  // radiance 0: no light
   };
   struct Ray {
     glm::dvec3 origin, direction;
   };
   struct Hit {
     OracleSurface surface;
-    OracleMaterial textured;  // surface.material, where textures change it
+    OracleMaterial textured;  // surface.material, if textures change it
     glm::dvec3 point;
-    double lift;  // distance between the point and origins of rays that leave it
+    double lift;  // distance between the point and the origins of rays that leave it
     double distance;
     const OracleLocalLights::Triangle* light;
     glm::dvec3 emission;
-    double light_cosine;  // <= 0: not on its shining side
+    double light_cosine;  // <= 0: seen from its dark side
   };
 
   void AddMesh(const Mesh& mesh);

@@ -14,8 +14,8 @@ constexpr double kPi = glm::pi<double>();
 
 double Square(double x) { return x * x; }
 
-// Reflectance of a conductor: the index times the complex cosine inside is a + i b (Born and Wolf,
-// 14.2). An index of 0 reflects everything.
+// Returns the reflectance of a conductor: the index times the complex cosine inside is a + i b
+// (Born and Wolf, 14.2). An index of 0 reflects everything.
 double ConductorReflectance(double cosine, double eta, double k) {
   const double c = std::max(cosine, 1e-9), s2 = 1 - c * c, s_tan = s2 / c;
   const double real = eta * eta - k * k - s2;
@@ -34,7 +34,7 @@ dvec3 ConductorReflectance(double cosine, const OracleMaterial& m) {
           ConductorReflectance(cosine, m.eta.z, m.k.z)};
 }
 
-// A table of width and cosine, bilinear in the square roots as the engine reads it.
+// Reads a table of width and cosine bilinearly in the square roots, as the engine does.
 double TableAt(const float* table, double alpha, double cosine) {
   const double row = std::sqrt(alpha) * (kAlbedoRows - 1);
   const double column = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
@@ -44,13 +44,13 @@ double TableAt(const float* table, double alpha, double cosine) {
   const double fr = row - r, fc = column - c;
   return (1 - fr) * ((1 - fc) * e[0] + fc * e[1]) + fr * ((1 - fc) * below[0] + fc * below[1]);
 }
-// E(cosine): albedo of single scattering with F = 1.
+// Returns E(cosine), the albedo of single scattering with F = 1.
 double SingleScatterAlbedo(double alpha, double cosine) {
   return TableAt(GgxTables().albedo, alpha, cosine);
 }
 
-// Kulla and Conty 2017: what single scattering loses, spread so that it is reciprocal, each further
-// bounce darkened by the mean Fresnel reflectance.
+// Kulla and Conty 2017: the energy that single scattering loses, distributed reciprocally, with
+// every further bounce darkened by the mean Fresnel reflectance.
 dvec3 MultiscatterFactor(const OracleMaterial& m) {
   constexpr int kSteps = 2048;
   double albedo = 0;
@@ -81,13 +81,13 @@ dvec3 CosineDirection(OracleRandom& random) {
   return {radius * std::cos(turn), radius * std::sin(turn), std::sqrt(1 - radius2)};
 }
 
-// Smith's Lambda of GGX (Heitz 2014, eq. 72).
+// Returns Smith's Lambda of GGX (Heitz 2014, eq. 72).
 double Lambda(double alpha, const dvec3& w) {
   const double z2 = std::max(w.z * w.z, 1e-30);
   return 0.5 * (std::sqrt(1 + alpha * alpha * (w.x * w.x + w.y * w.y) / z2) - 1);
 }
 
-// Local frame. Walter et al. 2007, height-correlated masking.
+// Evaluates in the local frame: Walter et al. 2007 with height-correlated masking.
 OracleValue EvaluateConductor(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
   const dvec3 h = glm::normalize(wo + wi);
   const double a2 = m.alpha * m.alpha;
@@ -104,7 +104,7 @@ OracleValue EvaluateConductor(const OracleMaterial& m, const dvec3& wo, const dv
           (1 - lost_o) * visible_normals + lost_o * wi.z / kPi};
 }
 
-// What the coat of a dielectric body reflects.
+// Returns the albedo of the coat of a dielectric body.
 double CoatAlbedo(const OracleMaterial& m, double cosine) {
   const double f0 = Square((m.ior - 1) / (m.ior + 1));
   return f0 * TableAt(GgxTables().albedo, m.alpha, cosine) +
@@ -121,8 +121,8 @@ double SpecularShare(const OracleMaterial& m, double cosine) {
   return std::clamp(specular / (specular + rest), 0.1, 0.9);
 }
 
-// kernels/bsdf/metallic_roughness-inl.h, its formulae in the order of their terms. The means over
-// the hemisphere are integrated here.
+// Evaluates kernels/bsdf/metallic_roughness-inl.h, its formulae in the order of their terms. The
+// means over the hemisphere are integrated here.
 OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
   constexpr int kSteps = 64;
   double mean = 0, coat_mean = 0;
@@ -151,12 +151,12 @@ OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, 
           share * over_4_cos / (1 + lambda_o) + (1 - share) * wi.z / kPi};
 }
 
-// A visible normal, by the projected area of the stretched hemisphere (Heitz 2018, listing 1).
+// Draws a visible normal by the projected area of the stretched hemisphere (Heitz 2018, listing 1).
 dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
   const dvec3 view = glm::normalize(dvec3(alpha * wo.x, alpha * wo.y, wo.z));
   const Basis basis(view);
   const double radius = std::sqrt(random()), turn = 2 * kPi * random();
-  // basis.x is perpendicular to view; the half disk towards +z is squeezed along the axis that
+  // basis.x is perpendicular to view; the half disk towards +z is compressed along the axis that
   // leans towards it.
   const dvec3 side =
       view.z < 0.9999999 ? glm::normalize(glm::cross(dvec3(0, 0, 1), view)) : basis.x;
@@ -176,7 +176,8 @@ double SpecularProbability(const OracleMaterial& m, double cosine) {
                                         : SpecularShare(m, cosine);
 }
 
-// The normal a delta BSDF acts about: the shading normal unless its reflection enters the surface.
+// Returns the normal about which a delta BSDF acts: the shading normal unless its reflection enters
+// the surface.
 dvec3 DeltaNormal(const OracleSurface& s) {
   const dvec3 reflected = 2 * glm::dot(s.ns, s.wo) * s.ns - s.wo;
   return glm::dot(reflected, s.ng) > 0 ? s.ns : s.ng;
@@ -208,8 +209,8 @@ OracleScatter ScatterGlass(const OracleSurface& s, OracleRandom& random) {
     const dvec3 wi = 2 * c * n - s.wo;
     return {wi, m.reflectance, 0, glm::dot(s.ng, wi) > 0};
   }
-  // Snell: the tangential part is scaled by the ratio of the indices. Radiance is carried in a
-  // wider cone on the side of the smaller index.
+  // By Snell's law, the tangential part is scaled by the ratio of the indices. Radiance spreads
+  // over a wider cone on the side of the smaller index.
   const dvec3 wi = glm::normalize(near / far * (c * n - s.wo) - cosine_inside * n);
   return {wi, m.reflectance * Square(near / far), 0, glm::dot(s.ng, wi) < 0};
 }

@@ -1,4 +1,5 @@
-// The BSDFs of the oracle, in double, written from the formulae. Conventions: kernels/bsdf/bsdf.h.
+// The BSDFs of the oracle, in double, written from the formulae. kernels/bsdf/bsdf.h defines the
+// conventions.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -17,22 +18,22 @@ struct OracleMaterial {
 };
 OracleMaterial MakeOracleMaterial(const Material& material);
 
-// A point to shade; directions are unit vectors in the world, normals on wo's side.
+// A point to shade; directions are unit vectors in the world, and normals are on wo's side.
 struct OracleSurface {
   const OracleMaterial* material;
   glm::dvec3 wo, ng, ns;
-  bool back;  // seen from where the triangle's normal does not point
+  bool back;  // seen from the side opposite to the triangle's normal
 };
 
 struct OracleValue {
   glm::dvec3 value;  // f |cos| [1/sr]
-  double pdf;        // of wi [1/sr]
+  double pdf;        // density of wi [1/sr]
 };
-// For BSDFs that are no delta distributions.
+// The material must not be a delta distribution.
 OracleValue EvaluateBsdf(const OracleSurface& surface, const glm::dvec3& wi);
 
 struct OracleScatter {
-  glm::dvec3 wi, weight;  // weight: f |cos| / pdf, or the factor of a delta lobe
+  glm::dvec3 wi, weight;  // `weight` is f |cos| / pdf, or the factor of a delta lobe
   double pdf = 0;         // 0: delta
   bool alive = false;     // false: absorbed
 };

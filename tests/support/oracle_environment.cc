@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kTau = 2 * glm::pi<double>();
 
-// Turns weights at begin[1..n] into their cumulative distribution at begin[0..n]; all equal if they
-// are all 0. Returns their sum.
+// Turns weights at begin[1..n] into their cumulative distribution at begin[0..n]; if all are 0,
+// they count as equal. Returns their sum.
 double Cumulate(double* begin, int n) {
   begin[0] = 0;
   for (int i = 0; i < n; ++i) begin[i + 1] += begin[i];
@@ -19,7 +19,7 @@ double Cumulate(double* begin, int n) {
   return sum;
 }
 
-// The item of a cumulative distribution at begin[0..n] that `uniform` falls into.
+// Returns the item of a cumulative distribution at begin[0..n] that `uniform` selects.
 int Find(const double* begin, int n, double uniform) {
   return std::min(int(std::upper_bound(begin, begin + n + 1, uniform) - begin) - 1, n - 1);
 }
@@ -47,7 +47,7 @@ OracleEnvironment::OracleEnvironment(const EnvironmentLight& light, OracleLights
     }
     cumulative_rows_[row + 1] = Cumulate(texels, width_) * solid_angle_[row];
   }
-  // A black map has no row to choose: then the sphere is sampled evenly.
+  // A black map has no row to choose, so the sphere is sampled uniformly.
   if (Cumulate(cumulative_rows_.data(), height_) <= 0) lights_ = OracleLights::kUniform;
 }
 

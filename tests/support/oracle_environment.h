@@ -1,4 +1,4 @@
-// The illumination map of the oracle: lookups and light samples in double, from the float picture.
+// The illumination map of the oracle: look-ups and light samples in double, from the float picture.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,17 +9,18 @@
 
 namespace skywave {
 
-// Where light samples come from.
+// The distribution of light samples.
 enum class OracleLights { kImportance, kUniform };
 
 class OracleEnvironment {
  public:
-  // `light`: constant, or a lat-long map in memory.
+  // `light` is constant, or a lat-long map in memory.
   OracleEnvironment(const EnvironmentLight& light, OracleLights lights);
 
-  // What the eye sees, directly or over mirrors and glass: interpolated between texel centres.
+  // Returns the radiance that the eye sees, directly or via mirrors and glass: interpolated between
+  // texel centres.
   glm::dvec3 Seen(const glm::dvec3& direction) const;
-  // The map as a light: constant inside a texel; and the density of Sample [1/sr].
+  // The map as a light, constant inside a texel, and the density of Sample [1/sr].
   struct Lit {
     glm::dvec3 radiance;
     double pdf;
@@ -42,9 +43,9 @@ class OracleEnvironment {
   glm::dvec3 scale_;
   glm::dmat3 world_from_map_;
   OracleLights lights_;
-  std::vector<double> solid_angle_;        // of a texel of each row [sr]
+  std::vector<double> solid_angle_;        // solid angle of a texel in each row [sr]
   std::vector<double> cumulative_rows_;    // height + 1, from 0 to 1
-  std::vector<double> cumulative_texels_;  // width + 1 a row, from 0 to 1
+  std::vector<double> cumulative_texels_;  // width + 1 per row, from 0 to 1
 };
 
 }  // namespace skywave

@@ -34,21 +34,21 @@ std::optional<OracleLocalLights::LightSample> OracleLocalLights::Sample(
     if (light.kind == LocalLightKind::kDistant) {
       return LightSample{dvec3(light.direction), emission, 0, kInfinity};
     }
-    const dvec3 way = dvec3(light.position) - point;
-    const double distance = glm::length(way);
-    const dvec3 direction = way / distance;
+    const dvec3 offset = dvec3(light.position) - point;
+    const double distance = glm::length(offset);
+    const dvec3 direction = offset / distance;
     const double falloff = Falloff(light, -glm::dot(direction, dvec3(light.direction)));
     return LightSample{direction, emission * falloff / (distance * distance), 0, distance};
   }
   const Triangle& triangle = triangles_[index];
-  // Uniform in the parallelogram, folded over its diagonal.
+  // The point is uniform in the parallelogram, folded over its diagonal.
   double a = random(), b = random();
   if (a + b > 1) a = 1 - a, b = 1 - b;
   const dvec3 e1 = triangle.corner[1] - triangle.corner[0];
   const dvec3 e2 = triangle.corner[2] - triangle.corner[0];
-  const dvec3 way = triangle.corner[0] + a * e1 + b * e2 - point;
-  const double distance = glm::length(way);
-  const dvec3 direction = way / distance;
+  const dvec3 offset = triangle.corner[0] + a * e1 + b * e2 - point;
+  const double distance = glm::length(offset);
+  const dvec3 direction = offset / distance;
   const double towards = -glm::dot(glm::normalize(glm::cross(e1, e2)), direction);
   const double cosine = triangle.two_sided ? std::abs(towards) : towards;
   if (!(cosine > 0)) return std::nullopt;

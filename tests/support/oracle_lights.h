@@ -1,5 +1,4 @@
-// The local lights of the oracle, in double: each is picked as often as any other, whatever its
-// power.
+// The local lights of the oracle, in double. All are selected equally often, whatever their power.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +17,7 @@ class OracleLocalLights {
     glm::dvec3 corner[3];
     glm::dvec3 radiance;
     bool two_sided;
-    std::uint32_t index = 0;  // the oracle's
+    std::uint32_t index = 0;  // the oracle's index
   };
 
   OracleLocalLights() = default;
@@ -26,19 +25,20 @@ class OracleLocalLights {
       : triangles_(std::move(triangles)), lights_(std::move(lights)) {}
   bool empty() const { return triangles_.empty() && lights_.empty(); }
 
-  // A light seen from `point`. pdf of a light without extent is 0, and its radiance what it brings
-  // a surface that faces it, divided by its probability.
+  // A light seen from `point`. A light without extent has pdf 0, and its radiance is its
+  // contribution to a surface that faces it, divided by the probability of selecting it.
   struct LightSample {
     glm::dvec3 direction, radiance;
     double pdf;  // [1/sr]
     double distance;
-    std::optional<std::uint32_t> triangle = {};  // where on which one
+    std::optional<std::uint32_t> triangle = {};  // the triangle; u, v: the point on it
     double u = 0, v = 0;
   };
-  // Nothing where the light looks away.
+  // Returns nothing if the light faces away.
   std::optional<LightSample> Sample(const glm::dvec3& point, OracleRandom& random) const;
 
-  // Density of Sample for a direction that meets a triangle `distance` away with that cosine.
+  // Returns the density of Sample for a direction that hits a triangle at `distance` with that
+  // cosine.
   double Pdf(const Triangle& triangle, double distance, double cosine) const;
 
  private:

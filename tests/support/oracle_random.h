@@ -1,4 +1,4 @@
-// Random numbers of the oracle: PCG32 (O'Neill 2014), a stream for every pixel.
+// The random numbers of the oracle: PCG32 (O'Neill 2014), one stream per pixel.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Holes and normal maps of the oracle, in double, at the image's own size.
+// Alpha and normal maps of the oracle, in double, at the image's own resolution.
 #pragma once
 
 #include "tests/support/oracle_texture.h"
@@ -7,7 +7,7 @@ namespace skywave {
 
 inline double OracleMean(const glm::dvec3& v) { return (v.x + v.y + v.z) / 3; }
 
-// Share of rays that the material stops at uv.
+// Returns the fraction of rays that the material stops at uv.
 inline double OracleOpacity(const Scene& scene, const Material& material, const glm::dvec2& uv) {
   double opacity = material.opacity;
   if (material.opacity_texture) {
@@ -17,8 +17,8 @@ inline double OracleOpacity(const Scene& scene, const Material& material, const 
   return std::clamp(opacity, 0.0, 1.0);
 }
 
-// The normal that a map makes of `n` (outer side) on a triangle: its axes are those along which the
-// image's coordinates grow, x rightwards and y upwards, made perpendicular to n.
+// Applies a normal map to `n` (outer side) on a triangle. The axes point along increasing image
+// coordinates, x rightwards and y upwards, made perpendicular to n.
 inline glm::dvec3 OracleBend(const Scene& scene, const Material& material,
                              const glm::vec3 (&corner)[3], const glm::vec2 (&uv)[3],
                              const glm::dvec2& at, const glm::dvec3& n) {
@@ -28,7 +28,7 @@ inline glm::dvec3 OracleBend(const Scene& scene, const Material& material,
                                                glm::dvec2(uv[2]) - glm::dvec2(uv[0]));
   const glm::dvec3 e1 = glm::dvec3(corner[1]) - glm::dvec3(corner[0]),
                    e2 = glm::dvec3(corner[2]) - glm::dvec3(corner[0]);
-  // Columns of the inverse: how much of the edges one step of the image's u and v is.
+  // The columns of the inverse express one step of the image's u and v in edges.
   const glm::dmat2 steps = glm::inverse(from_uv);
   const glm::dvec3 right = e1 * steps[0][0] + e2 * steps[0][1];
   const glm::dvec3 up = -(e1 * steps[1][0] + e2 * steps[1][1]);

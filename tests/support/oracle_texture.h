@@ -1,5 +1,5 @@
-// Textures of the oracle: bilinear lookups in double in the image itself, no smaller one of it. So
-// pictures are the engine's where pixels are smaller than texels.
+// Textures of the oracle: bilinear look-ups in double in the image itself, without a pyramid.
+// Pictures therefore match the engine's if pixels are smaller than texels.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// Index of a texel that may lie outside of a line of `count`.
+// Returns the index of a texel that may lie outside a line of `count` texels.
 inline int WrapTexel(int i, int count, TextureWrap wrap) {
   if (wrap == TextureWrap::kClamp) return std::clamp(i, 0, count - 1);
   const int period = wrap == TextureWrap::kMirror ? 2 * count : count;
@@ -18,7 +18,7 @@ inline int WrapTexel(int i, int count, TextureWrap wrap) {
   return inside < count ? inside : period - 1 - inside;
 }
 
-// The texels about `place` [texels, the first one's corner is 0], interpolated.
+// Interpolates the texels around `place` [texels; the corner of the first one is 0].
 inline glm::dvec3 Bilinear(const Image& image, glm::dvec2 place, TextureWrap wrap_u,
                            TextureWrap wrap_v) {
   const double x = place.x - 0.5, y = place.y - 0.5;

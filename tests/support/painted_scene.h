@@ -1,4 +1,4 @@
-// A scene in which textures lie on every kind of parameter, for tests of whole renders.
+// A scene with textures on every kind of parameter, for tests of whole renders.
 #pragma once
 
 #include "tests/support/render_scenes.h"

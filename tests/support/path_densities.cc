@@ -5,13 +5,13 @@ namespace {
 
 double Square(double x) { return x * x; }
 
-// Directions at `from` to areas at `to`.
+// Converts densities per solid angle at `from` to densities per area at `to`.
 double AreaPerSolidAngle(Vec from, Vec to, Vec normal) {
-  const Vec way = to - from;
-  return std::fabs(Dot(normal, Unit(way))) / Dot(way, way);
+  const Vec offset = to - from;
+  return std::fabs(Dot(normal, Unit(offset))) / Dot(offset, offset);
 }
 
-// Of the first `count` surfaces from the eye.
+// Returns the density of the first `count` surfaces from the eye.
 double EyeDensity(const BidirectionalPath& path, std::size_t count) {
   const std::vector<PathSurface>& s = path.surfaces;
   double density = 1;
@@ -23,7 +23,7 @@ double EyeDensity(const BidirectionalPath& path, std::size_t count) {
   return density;
 }
 
-// Of the light and the surfaces from the last one to `first`.
+// Returns the density of the light and the surfaces from the last one to `first`.
 double LightDensity(const BidirectionalPath& path, std::size_t first) {
   const std::vector<PathSurface>& s = path.surfaces;
   double density = path.light_pdf;
@@ -41,7 +41,7 @@ double LightDensity(const BidirectionalPath& path, std::size_t first) {
 
 }  // namespace
 
-double WayDensity(const BidirectionalPath& path, std::size_t lights) {
+double TechniqueDensity(const BidirectionalPath& path, std::size_t lights) {
   const std::vector<PathSurface>& s = path.surfaces;
   if (lights == 0) {
     if (path.light == PathLight::kPosition || path.light == PathLight::kDirection) return 0;
@@ -51,7 +51,7 @@ double WayDensity(const BidirectionalPath& path, std::size_t lights) {
                            : AreaPerSolidAngle(last.point, path.light_point, path.light_normal));
   }
   const std::size_t eye_surfaces = s.size() + 1 - lights;
-  // Both ends of the connection scatter to where they are told.
+  // The connection fixes the scattered direction at both ends, which a delta BSDF cannot produce.
   if (eye_surfaces > 0 && s[eye_surfaces - 1].delta) return 0;
   if (eye_surfaces < s.size() && s[eye_surfaces].delta) return 0;
   const double count = eye_surfaces == 0 ? path.light_paths : 1;
@@ -63,15 +63,16 @@ double MergeDensity(const BidirectionalPath& path, std::size_t surface) {
   return path.eta_vcm * EyeDensity(path, surface + 1) * LightDensity(path, surface);
 }
 
-WayWeights::WayWeights(const BidirectionalPath& path) {
+TechniqueWeights::TechniqueWeights(const BidirectionalPath& path) {
   double sum = 0;
   const auto add = [&sum](double density, std::vector<double>& weights) {
     weights.push_back(Square(density));
     sum += weights.back();
   };
-  for (std::size_t i = 0; i <= path.surfaces.size() + 1; ++i) add(WayDensity(path, i), joined);
+  for (std::size_t i = 0; i <= path.surfaces.size() + 1; ++i)
+    add(TechniqueDensity(path, i), connected);
   for (std::size_t i = 0; i < path.surfaces.size(); ++i) add(MergeDensity(path, i), merged);
-  for (double& weight : joined) weight /= sum;
+  for (double& weight : connected) weight /= sum;
   for (double& weight : merged) weight /= sum;
 }
 

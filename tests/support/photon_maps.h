@@ -1,4 +1,4 @@
-// The photons of a frame, for tests that render its waves themselves.
+// Makes the photon maps of a frame for tests that render its waves themselves.
 #pragma once
 
 #include <functional>
@@ -8,13 +8,14 @@
 
 namespace skywave {
 
+// Returns a pool of two workers for the frame.
 inline WorkerPool TwoThreads(const FrameView& frame) {
   RenderOptions options = frame.options;
   options.threads = 2;
   return WorkerPool(options);
 }
 
-// Those of the first pass.
+// Returns the photon maps of the first pass.
 inline PhotonMaps MapsOf(const FrameView& frame) {
   WorkerPool pool = TwoThreads(frame);
   PhotonMaps maps;
@@ -22,7 +23,7 @@ inline PhotonMaps MapsOf(const FrameView& frame) {
   return maps;
 }
 
-// Calls `render` with the frame, or where light paths are stored, with each of its passes.
+// Calls `render` with the frame or, if light paths are stored, with each of its passes.
 inline void EachPassOf(const FrameView& frame,
                        const std::function<void(const FrameView&)>& render) {
   WorkerPool pool = TwoThreads(frame);

@@ -11,8 +11,8 @@
 namespace skywave {
 namespace {
 
-// I_x(a, b), the regularised incomplete beta function, by its continued fraction (Abramowitz and
-// Stegun 26.5.8) with modified Lentz.
+// Returns I_x(a, b), the regularised incomplete beta function, by its continued fraction
+// (Abramowitz and Stegun 26.5.8) with modified Lentz.
 double IncompleteBeta(double x, double a, double b) {
   if (x <= 0 || x >= 1) return x <= 0 ? 0 : 1;
   if (x > (a + 1) / (a + b + 2)) return 1 - IncompleteBeta(1 - x, b, a);
@@ -51,8 +51,8 @@ class Freedom {
   double sum_ = 0, squares_ = 0;
 };
 
-// The same with no variance below the mean of its block of 4 x 4 pixels: what a pixel has not met,
-// a rare and bright sample, its neighbours have.
+// Raises every variance to at least the mean of its block of 4 x 4 pixels: if a pixel has missed a
+// rare and bright sample, its neighbours have not.
 PictureEstimate Steadied(PictureEstimate picture) {
   constexpr int kSide = 4;
   const PictureEstimate blocks = MeanOfBlocks(picture, kSide);

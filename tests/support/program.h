@@ -1,4 +1,4 @@
-// Runs the program as a user does, in a folder of its own for every test.
+// Runs the program as a user does, in a separate folder for every test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class Program : public testing::Test {
             ReadFile(folder_ + "/err")};
   }
 
-  // A file in the folder in which the program runs.
+  // Returns the path of a file in the folder in which the program runs.
   std::string Path(const std::string& name) const { return folder_ + "/files/" + name; }
   std::string Bytes(const std::string& name) const { return ReadFile(Path(name)); }
   void Put(const std::string& name, const std::string& bytes) const {

@@ -1,4 +1,4 @@
-// Rows for tests: random numbers with a fixed seed, vectors in double, bits of columns.
+// Rows for tests: random numbers with a fixed seed, vectors in double, and bits of columns.
 #pragma once
 
 #include <bit>
@@ -28,7 +28,7 @@ inline Vec Cross(Vec a, Vec b) {
 }
 inline double Length(Vec a) { return std::sqrt(Dot(a, a)); }
 inline Vec Unit(Vec a) { return 1 / Length(a) * a; }
-// Angle between two vectors, exact for small ones too [rad].
+// Returns the angle between two vectors, exact for small ones too [rad].
 inline double Angle(Vec a, Vec b) { return std::atan2(Length(Cross(a, b)), Dot(a, b)); }
 
 // Independent uniforms, the same on every platform.
@@ -42,7 +42,7 @@ class Random {
     const double z = Between(-1, 1), phi = Between(0, 2 * kPi), s = std::sqrt(1 - z * z);
     return {s * std::cos(phi), s * std::sin(phi), z};
   }
-  // Within the hemisphere about a unit vector.
+  // Returns a direction in the hemisphere about a unit vector.
   Vec DirectionAbout(Vec normal) {
     const Vec d = Direction();
     return Dot(d, normal) < 0 ? -d : d;
@@ -59,7 +59,7 @@ inline Vec Get(std::uint32_t row, const float* x, const float* y, const float* z
   return {x[row], y[row], z[row]};
 }
 
-// `rows` pairs of independent uniforms.
+// Returns `rows` pairs of independent uniforms.
 inline soa::Table<UniformColumns> RandomUniforms(std::uint32_t rows, std::uint32_t seed) {
   soa::Table<UniformColumns> table(rows);
   Random random(seed);
@@ -68,7 +68,7 @@ inline soa::Table<UniformColumns> RandomUniforms(std::uint32_t rows, std::uint32
   return table;
 }
 
-// The bits of rows [0, n) of all columns, column by column.
+// Returns the bits of rows [0, n) of all columns, column by column.
 template <class Columns>
 std::vector<std::uint32_t> ColumnBits(Columns columns, std::uint32_t n) {
   std::vector<std::uint32_t> bits;

@@ -1,4 +1,4 @@
-// Jobs that cannot be rendered.
+// Checks that jobs which cannot be rendered are refused.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace skywave {
 
-// The message has to name `word`.
+// The message has to contain `word`.
 inline void ExpectRefused(const Scene& scene, const JobRequest& request, const std::string& word) {
   try {
     const RenderJob job(scene, request);

@@ -11,8 +11,8 @@
 
 namespace skywave {
 
-// A map whose texels the engine's packed form holds exactly (kernels/lights/environment.h):
-// channels are rounded to 8 bits of the texel's brightest.
+// Returns a map whose texels the engine's packed form holds exactly (kernels/lights/environment.h):
+// channels are rounded to 8 bits of the texel's brightest channel.
 inline Image Packable(Image map) {
   for (std::size_t i = 0; i < map.rgb.size(); i += 3) {
     const float brightest = std::max({map.rgb[i], map.rgb[i + 1], map.rgb[i + 2]});
@@ -23,8 +23,9 @@ inline Image Packable(Image map) {
   return map;
 }
 
-// A sky of smooth colours, above the horizon brighter, with a sun of the given radiance that covers
-// all texels within `radius` [rad] of its centre. The sun stands left of the middle of the map.
+// Returns a sky of smooth colours, brighter above the horizon, with a sun of the given radiance
+// that covers all texels within `radius` [rad] of its centre. The sun is left of the middle of the
+// map.
 inline Image SkyWithSun(int width, int height, float sun, double radius) {
   Image map(width, height);
   for (int y = 0; y < height; ++y) {
@@ -55,13 +56,13 @@ inline void SetConstantLight(Scene& scene, float radiance) {
       {.scale = glm::vec3(radiance), .world_from_map = EnvironmentFrame('y', false, 0)}};
 }
 
-// Flat shading: the same triangles without their normals.
+// Returns the same triangles without normals, for flat shading.
 inline Mesh Facetted(Mesh mesh) {
   mesh.normals.clear();
   return mesh;
 }
 
-// A small job: everything that tests do not set otherwise.
+// Returns a small job with default values for everything that tests do not set.
 inline JobRequest SmallRequest(int width, int height, std::uint32_t samples_per_pixel) {
   JobRequest request;
   request.scene = "test";
@@ -72,7 +73,8 @@ inline JobRequest SmallRequest(int width, int height, std::uint32_t samples_per_
   return request;
 }
 
-// Lights for small rooms about the origin: a spot from the upper right, a sun from the upper left.
+// Lights for small rooms about the origin: a spot from the upper right and a sun from the upper
+// left.
 inline PunctualLight SlantingSpot() {
   return {.kind = LocalLightKind::kSpot,
           .emission = {9, 5, 4},

@@ -1,4 +1,4 @@
-// Pictures that must not depend on how their work is cut.
+// Tests that pictures do not depend on the division of their work.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace skywave {
 
-// The film of `job`, to the last unit, for other numbers of threads and other waves.
+// Expects the film of `job` to be bit-identical for other numbers of threads and other waves.
 inline void ExpectSameBits(const RenderJob& job) {
   const auto sums = [&](int threads, std::uint32_t wave) {
     FrameView frame = job.frame();

@@ -1,5 +1,5 @@
-// Screens with holes of every kind, before each other and over a floor with relief, for tests of
-// whole renders.
+// Screens with alpha of every kind, behind each other and over a floor with a normal map, for tests
+// of whole renders.
 #pragma once
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -9,14 +9,14 @@
 
 namespace skywave {
 
-// An image of a single colour.
+// Returns an image of a single colour.
 inline Image Plain(const glm::vec3& color) {
   Image image(1, 1);
   for (int c = 0; c < 3; ++c) image.rgb[std::size_t(c)] = color[c];
   return image;
 }
 
-// side x side squares, alternating.
+// Returns side x side alternating squares.
 inline Image Checkers(int side, float even, float odd) {
   Image image(side, side);
   for (int y = 0; y < side; ++y) {
@@ -27,7 +27,7 @@ inline Image Checkers(int side, float even, float odd) {
   return image;
 }
 
-// The colour that stands for a normal (any length) in a map.
+// Returns the colour that represents a normal (of any length) in a map.
 inline glm::vec3 NormalColor(const glm::vec3& normal) {
   return 0.5f * glm::normalize(normal) + 0.5f;
 }

@@ -1,4 +1,4 @@
-// Surfaces as strategies see them, for tests that have nothing but surfaces.
+// Surfaces in the form that strategies need, for tests that have nothing but surfaces.
 #pragma once
 
 #include "lights/strategies/strategy.h"
@@ -6,14 +6,14 @@
 
 namespace skywave {
 
-// Rows [0, rows) as surfaces of one BSDF.
+// Returns rows [0, rows) as surfaces of one BSDF.
 inline SurfaceRanges RangesOf(BsdfKind kind, std::uint32_t rows) {
   SurfaceRanges ranges;
   for (std::uint32_t k = std::uint32_t(kind); k < kBsdfKinds; ++k) ranges.begin[k + 1] = rows;
   return ranges;
 }
 
-// Rows [0, rows) of `surfaces`, Lambert all of them.
+// Rows [0, rows) of `surfaces`, all of them Lambert.
 class LambertPoints {
  public:
   LambertPoints(const SurfaceColumns& surfaces, std::uint32_t rows)
@@ -26,10 +26,10 @@ class LambertPoints {
   SurfaceColumns surfaces_;
   SurfaceRanges ranges_;
   MaterialView materials_ = {};
-  soa::Table<PathColumns> paths_{1};  // of all rows
+  soa::Table<PathColumns> paths_{1};  // shared by all rows
 };
 
-// A grey surface that faces the eye.
+// Sets a grey surface that faces the eye.
 inline void PutSurface(Vec normal, std::uint32_t i, const SurfaceColumns& surfaces) {
   Put(normal, i, surfaces.ns_x, surfaces.ns_y, surfaces.ns_z);
   Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);

@@ -15,7 +15,7 @@ struct MaterialCase {
   std::string name;
   BsdfKind kind;
   MaterialRecord record;
-  bool back = false;  // seen from where the normals of the mesh do not point
+  bool back = false;  // seen from the side opposite to the mesh's normals
   double turn = 0;    // from the frame's first axis to the tangent [rad]
 };
 
@@ -32,14 +32,14 @@ inline MaterialRecord GoldConductor(float alpha) {
   return Conductor(alpha, {0.143f, 0.375f, 1.442f}, {3.983f, 2.386f, 1.603f});
 }
 
-// Of a copper red, without textures.
+// Returns a copper red without textures.
 inline MaterialRecord MetallicRoughness(float alpha, float metallic) {
   return {.color = {0.95f, 0.64f, 0.54f}, .alpha = alpha, .eta = {metallic, 0, 0}, .ior = 1.5f};
 }
 
-const float* MeasuredForTests();  // SyntheticMeasuredTable, once
+const float* MeasuredForTests();  // SyntheticMeasuredTable, built once
 
-// One surface in all rows: its material is record 1, so that an index that is dropped is seen.
+// One surface in all rows. Its material is record 1, so that ignoring the index is detected.
 struct ShadingRows {
   ShadingRows(const MaterialCase& material, std::uint32_t rows, Vec normal, Vec wo)
       : kernels(Bsdfs()[std::size_t(material.kind)]),
@@ -70,7 +70,7 @@ struct ShadingRows {
     return {records.data(), &GgxTables(), &GetSheenTables(), measured};
   }
 
-  // Value and density of directions, one a row.
+  // Returns the value and density of one direction per row.
   soa::Table<BsdfValueColumns> Evaluate(const std::vector<Vec>& wi) const {
     const auto n = std::uint32_t(wi.size());
     soa::Table<LightColumns> lights(n);
@@ -89,7 +89,7 @@ struct ShadingRows {
   const float* measured = nullptr;
 };
 
-// Uniforms of n scattering events.
+// The uniforms of n scattering events.
 struct ScatterRows {
   explicit ScatterRows(std::uint32_t n) : direction(n), lobe(n) {}
   ScatterRows(std::uint32_t n, std::uint32_t seed)
@@ -102,8 +102,8 @@ inline Vec RayDirection(const RayColumns& rays, std::uint32_t row) {
   return Get(row, rays.dir_x, rays.dir_y, rays.dir_z);
 }
 
-// Fresnel reflectance of unpolarised light at an index relative to the near side, by the amplitudes
-// in complex numbers; an index of 0 stands for a perfect mirror.
+// Returns the Fresnel reflectance of unpolarised light for an index relative to the near side, by
+// the amplitudes in complex numbers; an index of 0 stands for a perfect mirror.
 inline double FresnelReflectance(double cosine, std::complex<double> index) {
   if (index == 0.0) return 1;
   const std::complex<double> sine2 = (1 - cosine * cosine) / (index * index);
@@ -113,7 +113,7 @@ inline double FresnelReflectance(double cosine, std::complex<double> index) {
   return 0.5 * (std::norm(perpendicular) + std::norm(parallel));
 }
 
-// wo at an angle to a normal, with some azimuth.
+// Returns wo at an angle to a normal, with some azimuth.
 inline Vec AtAngle(Vec normal, double cosine) {
   const Vec s = Unit(Cross(normal, {0.3, 0.9, 0.2})), t = Cross(normal, s);
   const double sine = std::sqrt(1 - cosine * cosine);

@@ -8,8 +8,8 @@
 
 namespace skywave {
 
-// The inside of a ball of radius 1 that shines and reflects alike everywhere: a surface sees the
-// radiance that all others send. `turn`: away from axes.
+// The inside of a ball of radius 1 that emits and reflects uniformly: a surface receives the
+// radiance that all others send. It is turned away from the axes.
 inline constexpr float kCaveEmission = 0.5f;
 inline const glm::vec3 kCaveAlbedo(0.8f, 0.5f, 0.2f);
 inline Scene ShiningCave() {

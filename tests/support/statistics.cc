@@ -25,7 +25,7 @@ double UpperRegularizedGamma(double a, double x) {
     for (int n = 1; n < kMaxTerms && term > sum * kEpsilon; ++n) sum += term *= x / (a + n);
     return 1 - scale * sum;
   }
-  // Abramowitz and Stegun 6.5.31, even part, by modified Lentz.
+  // This is Abramowitz and Stegun 6.5.31, even part, by modified Lentz.
   constexpr double kTiny = 1e-300;
   double b = x + 1 - a, c = 1 / kTiny, d = 1 / b, fraction = d;
   for (int n = 1; n < kMaxTerms; ++n) {
@@ -82,7 +82,7 @@ testing::AssertionResult MatchesExpected(std::span<const double> observed,
   double stray = 0;
   Row pool = {};
   for (const std::size_t i : order) {
-    // An expectation of some millionths of a sample is rounding of a zero.
+    // An expectation of a few millionths of a sample is a rounded zero.
     if (expected[i] <= 1e-6) {
       stray += observed[i];
       continue;
@@ -92,7 +92,7 @@ testing::AssertionResult MatchesExpected(std::span<const double> observed,
     pool.observed += observed[i], pool.expected += expected[i];
     if (pool.expected >= 5) table.push_back(pool), pool = {};
   }
-  // What is left expects less than 5 and is so small that it would distort the test.
+  // The remainder expects less than 5 and is so small that it would distort the test.
   if (pool.cells != 0 && !table.empty()) {
     table.back().cells += pool.cells;
     table.back().observed += pool.observed, table.back().expected += pool.expected;
@@ -110,7 +110,7 @@ testing::AssertionResult MatchesExpected(std::span<const double> observed,
   }
   const int degrees = int(table.size()) - 1;
   if (degrees < 1) {
-    // One cell: everything has to be in it.
+    // With one cell, everything has to be in it.
     const Row row = table.empty() ? Row{} : table[0];
     if (std::fabs(row.observed + stray - row.expected) <= 1e-3 * row.expected + strays) {
       return testing::AssertionSuccess();

@@ -1,8 +1,8 @@
 // Statistical tests with stated error rates: chi-square with pooled cells, Z-tests, moments.
 //
-// All of them run on fixed seeds, so a test that passes once passes always; the level only says how
-// unlikely a chance failure was when the seed was chosen. Levels are Sidak-corrected for the number
-// of tests a suite makes. Failures carry the table that failed.
+// All of them run on fixed seeds, so a test that passes once always passes; the level only states
+// how unlikely a chance failure was when the seed was chosen. Levels are Sidak-corrected for the
+// number of tests in a suite. Failures print the table that failed.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,37 +13,40 @@
 
 namespace skywave {
 
-// Probability that any one test of a suite fails by chance.
+// Probability that any test of a suite fails by chance.
 inline constexpr double kSuiteLevel = 0.01;
 
-// Level of each of `tests` independent tests of which none may fail by chance with probability
-// 1 - suite_level (Sidak 1967).
+// Returns the level of each of `tests` independent tests such that none fails by chance with
+// probability 1 - suite_level (Sidak 1967).
 double SidakLevel(std::size_t tests, double suite_level = kSuiteLevel);
 
-// Q(a, x) = Gamma(a, x) / Gamma(a), the upper regularised incomplete gamma function, for a > 0 and
-// x >= 0: series below x = a + 1, Lentz's continued fraction above. Relative error below 1e-12.
+// Returns Q(a, x) = Gamma(a, x) / Gamma(a), the upper regularised incomplete gamma function, for a
+// > 0 and x >= 0: a series below x = a + 1, Lentz's continued fraction above. The relative error is
+// below 1e-12.
 double UpperRegularizedGamma(double a, double x);
 
-// Probability that a chi-square variable with `degrees` degrees of freedom is `statistic` or more.
+// Returns the probability that a chi-square variable with `degrees` degrees of freedom is at least
+// `statistic`.
 double ChiSquarePValue(double statistic, int degrees);
-// Probability that a normal variable is |z| or more away from its mean.
+// Returns the probability that a normal variable deviates from its mean by |z| or more.
 double NormalPValue(double z);
-// Probability that the largest distance between the empirical and the true distribution of
-// `samples` values is `distance` or more (Kolmogorov, with Stephens' correction for few samples).
+// Returns the probability that the largest distance between the empirical and the true distribution
+// of `samples` values is at least `distance` (Kolmogorov, with Stephens' correction for few
+// samples).
 double KolmogorovPValue(double distance, std::size_t samples);
 
-// Pearson's test of counts against expected counts (the same sum, or the rest in a cell of its
-// own). Cells that expect fewer than 5 are pooled, the smallest first. Counts in cells that expect
-// nothing fail the test, unless they are at most `strays` altogether: samples that rounding put on
-// the wrong side of a border.
+// Pearson's test of counts against expected counts (with the same sum, or the rest in a separate
+// cell). Cells that expect fewer than 5 are pooled, the smallest first. Counts in cells that expect
+// nothing fail the test, unless they total at most `strays`: samples that rounding put on the wrong
+// side of a border.
 testing::AssertionResult MatchesExpected(std::span<const double> observed,
                                          std::span<const double> expected, double level,
                                          double strays = 0);
 
-// The values in [0, 1) are uniform (Kolmogorov-Smirnov).
+// Tests that the values in [0, 1) are uniform (Kolmogorov-Smirnov).
 testing::AssertionResult IsUniform(std::span<const float> values, double level);
 
-// Mean and spread of a sample, one pass (Welford).
+// Mean and spread of a sample in one pass (Welford).
 class Moments {
  public:
   void Add(double value);
@@ -57,11 +60,11 @@ class Moments {
   double mean_ = 0, squares_ = 0;
 };
 
-// The estimate agrees with `exact` within its standard error. `rounding` is what arithmetic may
-// add.
+// Tests that the estimate agrees with `exact` within its standard error. `rounding` allows for
+// errors of arithmetic.
 testing::AssertionResult AgreesWith(double estimate, double standard_error, double exact,
                                     double level, double rounding = 0);
-// Two independent estimates agree.
+// Tests that two independent estimates agree.
 testing::AssertionResult AgreesWith(const Moments& a, const Moments& b, double level);
 
 }  // namespace skywave

@@ -1,4 +1,4 @@
-// Runs kernel tests on every instruction set, and at the row counts that break loops.
+// Runs kernel tests on every instruction set, and at row counts that challenge loops.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class TargetScope {
   TargetScope& operator=(const TargetScope&) = delete;
 };
 
-// The targets that kernels/ is compiled for and this processor has, best first.
+// Returns the targets that kernels/ is compiled for and this processor supports, best first.
 inline std::vector<std::int64_t> TestedTargets() {
   std::vector<std::int64_t> targets;
   for (std::int64_t rest = hwy::SupportedTargets() & HWY_TARGETS; rest != 0; rest &= rest - 1)
@@ -46,7 +46,7 @@ void ForEachTarget(Run run) {
   }
 }
 
-// run() returns bits (a vector of integers) that have to be the same on every target.
+// run() returns bits (a vector of integers) that must be the same on every target.
 template <class Run>
 void ExpectSameOnEveryTarget(Run run) {
   decltype(run()) first;

@@ -1,4 +1,4 @@
-// A folder of its own for a test, removed with it.
+// A separate folder for a test, removed with it.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Whether a text is well-formed XML, as far as pictures that the program writes use XML: elements,
-// attributes and entities; no comments, no CDATA.
+// Tests whether a text is well-formed XML, to the extent used by pictures that the program writes:
+// elements, attributes and entities; no comments, no CDATA.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Once a worker is built, rendering allocates nothing.
 //
-// The C library's allocation functions are replaced by ones that count; operator new ends in them.
-// Under the address sanitizer, which replaces them itself, its hooks count.
+// The C library's allocation functions are replaced by counting ones; operator new calls them. The
+// address sanitizer replaces them itself, so its hooks count instead.
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -16,14 +16,15 @@
 #include "wavefront/render.h"
 
 namespace {
-// Volatile: the compiler knows malloc and would move what it cannot touch.
+// These are volatile because the compiler knows malloc and would move accesses that malloc cannot
+// affect.
 thread_local volatile bool counting = false;
 thread_local volatile std::size_t allocations = 0;
 void Count() { allocations = allocations + counting; }
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
-// Declared in sanitizer/allocator_interface.h, which g++ does not bring along.
+// sanitizer/allocator_interface.h declares it, but g++ does not ship that header.
 extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
                                                                              std::size_t),
                                                          void (*free_hook)(const volatile void*));
@@ -55,7 +56,7 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t bytes) {
 namespace skywave {
 namespace {
 
-// Allocations of this thread within `run`.
+// Returns the number of allocations of this thread within `run`.
 template <class Run>
 std::size_t AllocationsOf(Run run) {
   allocations = 0;
@@ -77,7 +78,7 @@ TEST(Allocations, OfEveryKindAreCounted) {
   ::operator delete(kept[3]);
   ::operator delete (kept[4], std::align_val_t{64});
   EXPECT_EQ(AllocationsOf([] {}), 0u);
-  // What owns the memory of tables.
+  // This is the owner of the memory of tables.
   EXPECT_EQ(AllocationsOf([] { const soa::Table<RayColumns> table(100); }), 1u);
 }
 
@@ -99,14 +100,14 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
         RenderWave(pass, {tile, first, std::min(600u, left)}, *worker, film);
       }
     };
-    // From the first wave on: there is nothing to warm up.
+    // Nothing needs warming up, so this holds from the first wave on.
     EXPECT_EQ(AllocationsOf(waves), 0u);
   });
   EXPECT_EQ(worker->stats.rays[std::uint32_t(RayKind::kCamera)], 32u * 24 * 4);
 }
 
 void ExpectNoAllocations(Scene scene, Backend backend) {
-  SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // tables of a moment
+  SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // the tables are temporary
   for (const StrategyFactory& factory : Strategies()) {
     const std::string strategy(factory.name);
     SCOPED_TRACE(strategy);
@@ -130,7 +131,7 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
 
 TEST_P(WaveAllocations, AreNone) { ExpectNoAllocations(BuiltinScene("spheres"), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithTextures) { ExpectNoAllocations(PaintedScene(), GetParam()); }
-TEST_P(WaveAllocations, AreNoneWithHoles) { ExpectNoAllocations(ScreensScene(), GetParam()); }
+TEST_P(WaveAllocations, AreNoneWithAlpha) { ExpectNoAllocations(ScreensScene(), GetParam()); }
 TEST_P(WaveAllocations, AreNoneWithLocalLights) {
   ExpectNoAllocations(BuiltinScene("lamps"), GetParam());
 }

@@ -1,4 +1,4 @@
-// Layers beside the picture: what they say, and that they say it whatever the order.
+// Tests the layers of a picture: their values, and that these do not depend on the order of work.
 #include "wavefront/film/aovs.h"
 
 #include <gtest/gtest.h>
@@ -46,9 +46,8 @@ std::vector<std::uint64_t> Sums(const Film& film) {
   return {film.sums().begin(), film.sums().end()};
 }
 
-// Half of the film sees a wall of two squares, one of them half as far away as the other, that the
-// camera looks at straight; the other half sees the sky. A pixel is a tenth of a unit at
-// distance 4.
+// Half of the film sees a frontal wall of two squares, one of them at half the distance of the
+// other; the other half sees the environment. A pixel is a tenth of a unit at distance 4.
 Scene TwoWalls() {
   Scene scene;
   Mesh wall;
@@ -61,7 +60,7 @@ Scene TwoWalls() {
   Mesh lower = wall;
   for (glm::vec3& p : lower.positions) p = {p.x / 2, p.y < 0 ? -0.5f : 0.0f, 2};
   lower.material = near;
-  // Normals that lean to the right.
+  // These normals lean to the right.
   lower.normals.assign(4, glm::normalize(glm::vec3(1, 0, 1)));
   wall.material = far;
   scene.meshes = {wall, lower};
@@ -91,11 +90,12 @@ TEST(Aovs, SayWhatTheCameraSees) {
       EXPECT_NEAR(at("shading-normal.Z", x, y), near ? std::sqrt(0.5) : 1, 1e-4);
       EXPECT_NEAR(at("depth.Z", x, y), near ? 2 : 4, 1e-4);
       const double pixel = near ? 0.05 : 0.1;
-      // Sixteen points of a (0, 2)-sequence have a mean within a 32nd of the pixel's middle.
+      // Sixteen points of a (0, 2)-sequence have a mean within a 32nd of the pixel's centre.
       EXPECT_NEAR(at("position.X", x, y), (x - 9.5) * pixel, 0.05 * pixel);
       EXPECT_NEAR(at("position.Y", x, y), (9.5 - y) * pixel, 0.05 * pixel);
       EXPECT_NEAR(at("position.Z", x, y), near ? 2 : 0, 1e-4);
-      // Nearest to the centre of a pixel, so no further off than half of it.
+      // The value belongs to the sample nearest to the centre of a pixel, so it deviates by at most
+      // half a pixel.
       const double v = near ? (19.5 - y) / 10 : (19.5 - y) / 20;
       EXPECT_NEAR(at("uv.U", x, y), (x + 0.5) / 10, 0.05);
       EXPECT_NEAR(at("uv.V", x, y), v, near ? 0.05 : 0.025);
@@ -119,9 +119,10 @@ TEST(Aovs, SayWhatTheCameraSees) {
   }
 }
 
-// At the rim of a wall: coverage is a share, means are over what was hit, ids are one or the other.
+// At the edge of a wall, coverage is a fraction, means are over the hits, and ids are one or the
+// other.
 TEST(Aovs, MeansAreOverTheSamplesThatHit) {
-  JobRequest request = SmallRequest(21, 21, 64);  // the middle column sees the rim
+  JobRequest request = SmallRequest(21, 21, 64);  // the middle column sees the edge
   request.filter = PixelFilter::kBox;
   const Layers layers = Resolve(MakeJob(TwoWalls(), request, "albedo,coverage,object-id,depth"));
   for (const int y : {1, 4, 8}) {
@@ -138,7 +139,7 @@ TEST(Aovs, IdsAreOfTheSampleNearestToTheCentre) {
   JobRequest request = SmallRequest(24, 18, 8);
   request.filter = PixelFilter::kBox;
   const Layers fine = Resolve(MakeJob(scene, request, "object-id,material-id"));
-  // What stands in the very middle of the pixels.
+  // This renders the object at the exact centre of each pixel.
   request.options.filter_radius = 1e-4f;
   request.samples_per_pixel = 1;
   const Layers middle = Resolve(MakeJob(scene, request, "object-id,material-id"));
@@ -182,19 +183,19 @@ TEST(Aovs, BitsDoNotDependOnTheCut) {
       }
     }
     ForEachTarget([&] { EXPECT_EQ(Resolve(job), reference); });
-    // Samples in parts, out of order.
-    Film eta_vcm = job.MakeFilm();
+    // The samples are rendered in parts, out of order.
+    Film merged = job.MakeFilm();
     for (const auto& [first, count] : {std::pair{4u, 2u}, std::pair{0u, 1u}, std::pair{1u, 3u}}) {
       FrameView frame = job.frame();
       frame.options.first_sample = first;
       frame.options.samples_per_pixel = count;
-      eta_vcm.Merge(Render(job, frame));
+      merged.Merge(Render(job, frame));
     }
-    EXPECT_EQ(ByName(eta_vcm.ResolveAovs(6)), reference);
+    EXPECT_EQ(ByName(merged.ResolveAovs(6)), reference);
   }
 }
 
-// Direct light is what a render of one surface a path shows, bit by bit; indirect is the rest.
+// Direct light is bit-identical to a render with one surface per path; indirect light is the rest.
 TEST(Aovs, DirectIsThePictureOfOneSurface) {
   for (const auto& [name, mis] :
        {std::pair{"spheres", true}, {"spheres", false}, {"gallery", true}}) {
@@ -219,7 +220,7 @@ TEST(Aovs, DirectIsThePictureOfOneSurface) {
         indirect += rest;
       }
       EXPECT_GT(indirect, 0);
-      // Of a render of one surface, everything is direct.
+      // In a render with one surface, all light is direct.
       const Layers shallow = Resolve(MakeJob(scene, request, "indirect"));
       for (const char* const channel : {"indirect.R", "indirect.G", "indirect.B"}) {
         EXPECT_EQ(shallow.at(channel), std::vector<float>(40 * 30, 0)) << channel;
@@ -227,8 +228,6 @@ TEST(Aovs, DirectIsThePictureOfOneSurface) {
     }
   }
 }
-
-// ---- Groups of lights ----
 
 enum LightsOfRoom { kEnvironment = 1, kLamp = 2, kPoint = 4, kSun = 8 };
 
@@ -251,7 +250,8 @@ Scene LitRoom(int lights) {
 constexpr std::pair<const char*, int> kRoomGroups[] = {
     {"environment", kEnvironment}, {"point", kPoint}, {"sun_1", kSun}, {"the_lamp", kLamp}};
 
-// To the last unit of the film: nothing of a light is lost, counted twice or rounded otherwise.
+// The sums agree to the last unit of the film: no light is lost, counted twice or rounded
+// differently.
 TEST(LightGroups, AddUpToThePicture) {
   for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
     for (const int lights :
@@ -271,7 +271,7 @@ TEST(LightGroups, AddUpToThePicture) {
   }
 }
 
-// The group of a light is the picture that it makes alone.
+// The group of a light equals the picture lit by that light alone.
 TEST(LightGroups, AreWhatTheirLightMakesAlone) {
   constexpr int kRuns = 10;
   for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect}) {
@@ -298,7 +298,8 @@ TEST(LightGroups, AreWhatTheirLightMakesAlone) {
       double mean = 0, square = 0;
       for (const double d : differences) mean += d / kRuns, square += d * d / kRuns;
       const double error = std::sqrt((square - mean * mean) / (kRuns - 1));
-      // Student's t of 9 degrees leaves 5 in one of 1400 cases of 8; and the test says something.
+      // Student's t of 9 degrees of freedom exceeds 5 in one of 1400 cases of 8; the second test
+      // ensures that the first is meaningful.
       EXPECT_LT(std::abs(mean), 5 * error) << name << " " << level;
       EXPECT_LT(5 * error, 0.2 * level) << name;
     }
@@ -331,9 +332,9 @@ Spread SpreadOf(const std::vector<double>& runs) {
   return {m2 * n / (n - 1), (m4 - m2 * m2) / n};
 }
 
-// Against independent renders of one sample each: their variance is what the layer estimates, but
-// for the points of a sequence, whose mean varies less than that of independent ones:
-// E[s^2] = n / (n - 1) * (variance of a sample - variance of the mean of n).
+// Compares with independent renders of one sample each: the layer estimates their variance, except
+// that the points of a sequence have a mean that varies less than that of independent ones: E[s^2]
+// = n / (n - 1) * (variance of a sample - variance of the mean of n).
 TEST(Aovs, VarianceIsThatOfIndependentSamples) {
   constexpr std::size_t kRuns = 1500, kPixels = 8 * 6;
   constexpr std::uint32_t kSamples = 8;
@@ -371,7 +372,7 @@ TEST(Aovs, VarianceIsThatOfIndependentSamples) {
     square_error += SpreadOf(of_layer[i]).variance / kRuns +
                     factor * factor * (sample.square_error + mean.square_error);
   }
-  // Four standard errors, and they are small: the test says something.
+  // Four standard errors must be small for the test to be meaningful.
   EXPECT_NEAR(told, expected, 4 * std::sqrt(square_error));
   EXPECT_LT(4 * std::sqrt(square_error), 0.1 * expected);
 }
@@ -380,7 +381,8 @@ TEST(AovFilm, VarianceIsExactFromTheFaintestToTheBrightest) {
   for (const float brightest : {0.0f, 1.0f, 1e6f, 1e18f}) {
     Film film(2, 1, brightest, *ParseAovs("variance"), 1);
     const float large = std::max(1.0f, brightest);
-    // A large mean with a small spread, where sums of squares in floating point say nothing.
+    // The mean is large and the spread small, so sums of squares in floating point would be
+    // useless.
     const float values[] = {large, std::nextafter(large, 2 * large), large};
     const soa::Table<PathColumns> paths(4);
     RenderStats stats;
@@ -401,7 +403,7 @@ TEST(AovFilm, VarianceIsExactFromTheFaintestToTheBrightest) {
 }
 
 TEST(AovFilm, VarianceOfTheBrightestSamplesDoesNotOverflow) {
-  // Half as many as the sums of the film hold, by doubling.
+  // Doubling gives half as many samples as the sums of the film can hold.
   Film film(1, 1, 1, *ParseAovs("variance"), 1);
   const float limit = float(film.unit() * 0x1p52);
   const soa::Table<PathColumns> paths(1);

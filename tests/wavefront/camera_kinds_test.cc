@@ -1,5 +1,5 @@
-// Cameras other than the pinhole, each against double arithmetic: thin lens, orthographic,
-// spherical, screen windows and parts of films.
+// Compares cameras other than the pinhole with double arithmetic: thin lens, orthographic,
+// spherical, screen windows and crops.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 Vec ToVec(const glm::vec4& v) { return {v.x, v.y, v.z}; }
 
-// Columns of the camera's matrix.
+// The columns of the camera's matrix.
 struct Axes {
   Vec x, y, z, origin;
 };
@@ -29,7 +29,7 @@ Axes AxesOf(const Camera& camera) {
   return {ToVec(m[0]), ToVec(m[1]), ToVec(m[2]), ToVec(m[3])};
 }
 
-// Oblique, left-handed, and scaled, as files of pbrt may have it.
+// Returns an oblique, left-handed and scaled camera, as pbrt files may define it.
 Camera ObliqueCamera(CameraKind kind, float scale) {
   Camera camera = LookAtCamera({1, 2, 3}, {-4, 1.5f, 8}, {0.1f, 1, 0.2f}, 37, true);
   camera.kind = kind;
@@ -37,13 +37,13 @@ Camera ObliqueCamera(CameraKind kind, float scale) {
   return camera;
 }
 
-// Rays through random film positions, drawn by a box filter that reaches `radius` pixels.
+// Rays through random film positions, drawn by a box filter with a radius of `radius` pixels.
 struct CameraRays {
   CameraRays(const CameraView& view, float radius, std::uint32_t n, std::uint32_t seed)
       : paths(n), film(RandomUniforms(n, seed)), lens(RandomUniforms(n, seed + 1)), rays(n) {
     Random random(seed + 2);
     for (std::uint32_t i = 0; i < n; ++i) {
-      // The film keeps whole blocks, of which some pixels are not in the picture.
+      // The film stores whole blocks, and some of their pixels are not in the picture.
       const std::uint32_t pixel = random.Word() % (view.whole_width * view.whole_height);
       paths->pixel[i] = pixel / view.whole_width * view.width + pixel % view.whole_width;
       x.push_back(paths->pixel[i] % view.width + 0.5 + radius * (2 * double(film->u[i]) - 1));
@@ -60,7 +60,7 @@ struct CameraRays {
   std::vector<double> x, y;  // on the film [pixels]
 };
 
-// Shirley and Chiu's map as they write it, in polar coordinates.
+// Computes Shirley and Chiu's map in its original form, in polar coordinates.
 void Disc(double u, double v, double& x, double& y) {
   const double a = 2 * u - 1, b = 2 * v - 1;
   if (a == 0 && b == 0) {
@@ -76,7 +76,7 @@ double DistanceToRay(Vec origin, Vec direction, Vec point) {
   return Length(Cross(Unit(direction), point - origin));
 }
 
-TEST(Lens, RaysStartOnItAndMeetInThePlaneThatIsSharp) {
+TEST(Lens, RaysStartOnItAndConvergeInTheFocalPlane) {
   const auto box = FilterOffsets(PixelFilter::kBox, 0.5f);
   constexpr int kWidth = 64, kHeight = 48;
   for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic}) {
@@ -159,7 +159,7 @@ TEST(Orthographic, RaysAreParallelAndEvenlySpaced) {
 }
 
 TEST(LatLong, MatchesDoubleArithmeticAndWraps) {
-  // A filter of three pixels reaches over all four sides of so small a film.
+  // A filter of three pixels extends over all four sides of so small a film.
   const auto wide = FilterOffsets(PixelFilter::kBox, 3.0f);
   for (const auto& [width, height] : {std::pair{8, 4}, {512, 256}, {3, 7}}) {
     const Camera camera = ObliqueCamera(CameraKind::kLatLong, 2.5f);
@@ -176,9 +176,9 @@ TEST(LatLong, MatchesDoubleArithmeticAndWraps) {
   }
 }
 
-// From a direction (in camera space) to the square, Clarberg's way backwards: by the angle.
+// Maps a direction (in camera space) to the square by inverting Clarberg's map through the angle.
 void SquareOf(Vec d, double& u, double& v) {
-  const double r = std::sqrt(1 - std::fabs(d.y));  // y is the axis through the middle
+  const double r = std::sqrt(1 - std::fabs(d.y));  // y is the axis through the centre
   const double angle = std::atan2(std::fabs(d.z), std::fabs(d.x)) * 2 / kPi;
   double b = angle * r, a = r - b;
   if (d.y < 0) {
@@ -198,21 +198,22 @@ TEST(EqualArea, InvertsTheMapToTheSquare) {
       const Vec d = Unit(r.Direction(i));
       double u = 0, v = 0;
       SquareOf({Dot(d, Unit(c.x)), Dot(d, Unit(c.y)), Dot(d, Unit(c.z))}, u, v);
-      // Near the middle of the square a direction's error weighs more: the root of 1 - |y|.
+      // Near the centre of the square an error of the direction is amplified by the root of 1 -
+      // |y|.
       ASSERT_NEAR(u, r.x[i] / side, 1e-3) << "row " << i;
       ASSERT_NEAR(v, r.y[i] / side, 1e-3) << "row " << i;
     }
   }
 }
 
-TEST(EqualArea, MeetsItselfAtTheSidesOfTheSquare) {
-  // Positions that a filter draws outside, and the ones inside that they stand for.
+TEST(EqualArea, IsContinuousAcrossTheSidesOfTheSquare) {
+  // Positions that a filter draws outside, paired with the equivalent ones inside.
   const std::array<double, 4> pairs[] = {
       {-0.1, 0.3, 0.1, 0.7}, {1.1, 0.3, 0.9, 0.7}, {0.3, -0.1, 0.7, 0.1}, {0.3, 1.1, 0.7, 0.9}};
   for (const auto& p : pairs) {
     Vec directions[2];
     for (int k = 0; k < 2; ++k) {
-      // A film of one pixel: the offset from its centre is the position.
+      // On a film of one pixel, the offset from its centre is the position.
       std::vector<float> offsets(kFilterCells + 1);
       Camera camera;
       camera.kind = CameraKind::kEqualArea;
@@ -250,7 +251,7 @@ TEST(EqualArea, EveryPixelHasTheSameSolidAngle) {
 }
 
 TEST(Fisheye, AngleGrowsWithTheDistanceFromTheMiddle) {
-  // A filter of two pixels draws positions on both sides of the rim.
+  // A filter of two pixels draws positions on both sides of the circle.
   const auto wide = FilterOffsets(PixelFilter::kBox, 2.0f);
   for (const float fov : {20.0f, 180.0f, 360.0f}) {
     for (const auto& [width, height] : {std::pair{64, 48}, {48, 64}, {7, 7}}) {
@@ -288,7 +289,8 @@ TEST(Fisheye, TheMiddleOfTheFilmLooksAhead) {
   EXPECT_LT(Angle(r.Direction(0), AxesOf(camera).z), 1e-6);
 }
 
-// Rays outside of the circle are closed: no backend finds a surface with them, and no sky.
+// Rays outside the circle are closed: no backend finds a surface for them, and they see no
+// environment.
 TEST(Fisheye, SeesNothingOutsideOfItsCircle) {
   for (const char* const name : {"furnace", "gallery"}) {
     JobRequest request = SmallRequest(24, 16, 4);
@@ -338,7 +340,7 @@ TEST(ScreenWindow, IsWhatTheFilmShows) {
       }
     }
   }
-  // By default the shorter side spans [-1, 1], as the same window says.
+  // The default, [-1, 1] on the shorter side, must equal the same explicit window.
   Camera camera = ObliqueCamera(CameraKind::kPerspective, 1);
   const CameraRays plain(MakeCameraView(camera, 64, 48, box.data()), 0.5f, 100, 161);
   camera.window = ScreenWindow{-4.0f / 3, 4.0f / 3, -1, 1};

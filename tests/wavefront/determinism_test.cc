@@ -1,4 +1,4 @@
-// The same picture, bit by bit, however the work is cut and whatever it runs on.
+// A picture is bit-identical however its work is divided and whatever it runs on.
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <atomic>
@@ -37,14 +37,14 @@ Scene SceneOf(const Case& test) {
   return test.scene == "painted" ? PaintedScene() : BuiltinScene(test.scene);
 }
 
-// Jobs are built once: reading and building take longer than the renders.
+// Jobs are built once because reading and building take longer than the renders.
 const RenderJob& Job(const Case& test) {
   static std::vector<std::pair<std::string, std::unique_ptr<RenderJob>>> jobs;
   const std::string name = test.scene + std::string(ToString(test.integrator));
   for (const auto& [known, job] : jobs) {
     if (known == name) return *job;
   }
-  // Not a multiple of any tile; 5 samples, so that waves end inside blocks.
+  // The size is not a multiple of any tile, and with 5 samples waves end inside blocks.
   JobRequest request = SmallRequest(37, 29, 5);
   request.integrator = test.integrator;
   request.options.light_samples = 3;
@@ -68,7 +68,7 @@ Rendered Render(const FrameView& frame, const RenderJob& job) {
 class Determinism : public testing::TestWithParam<Case> {
  protected:
   const RenderJob& job() const { return Job(GetParam()); }
-  // The picture on one thread with the default wave.
+  // Returns the picture on one thread with the default wave.
   const std::vector<std::uint64_t>& Reference() {
     if (reference_.empty()) {
       FrameView frame = job().frame();
@@ -86,13 +86,13 @@ TEST_P(Determinism, ThreadsDoNotMatter) {
   for (const int threads : {1, 2, 3, 8}) {
     FrameView frame = job().frame();
     frame.options.threads = threads;
-    frame.options.wave = 64;  // small tiles: something to share out
+    frame.options.wave = 64;  // small tiles, so that there is work to share
     EXPECT_EQ(Render(frame, job()).sums, Reference()) << threads << " threads";
   }
 }
 
-// RenderFrame leaves it to TBB and Embree how many threads there are: no more than cores. Here they
-// are the operating system's, each with a worker of its own, and take the tiles in any order.
+// RenderFrame lets TBB and Embree choose the number of threads, at most one per core. Here they are
+// threads of the operating system with a worker each, and take the tiles in any order.
 TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   Film film = job().MakeFilm();
   FrameView learnt = job().frame();
@@ -104,7 +104,7 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
     ASSERT_GE(tiles.size(), 16u);
     std::atomic<std::size_t> next = 0;
     const auto work = [&] {
-      const FlushDenormals flush;  // as RenderFrame does
+      const FlushDenormals flush;  // RenderFrame does the same
       RenderOptions options = frame.options;
       options.wave = 64;
       const std::unique_ptr<Worker> worker = MakeWorker(options);
@@ -144,16 +144,16 @@ TEST_P(Determinism, WavesAndBackendsDoNotMatter) {
 }
 
 TEST_P(Determinism, RangesOfSamplesAddUp) {
-  Film eta_vcm = job().MakeFilm();
+  Film merged = job().MakeFilm();
   for (const auto& [first, count] : {std::pair{3u, 2u}, std::pair{0u, 1u}, std::pair{1u, 2u}}) {
     FrameView frame = job().frame();
     frame.options.first_sample = first;
     frame.options.samples_per_pixel = count;
     Film part = job().MakeFilm();
     RenderFrame(frame, part);
-    eta_vcm.Merge(part);
+    merged.Merge(part);
   }
-  EXPECT_EQ(std::vector<std::uint64_t>(eta_vcm.sums().begin(), eta_vcm.sums().end()), Reference());
+  EXPECT_EQ(std::vector<std::uint64_t>(merged.sums().begin(), merged.sums().end()), Reference());
 }
 
 TEST_P(Determinism, EveryInstructionSetGivesTheSameBits) {
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(
       return test.param.scene + "_" + std::string(ToString(test.param.integrator));
     });
 
-// The files too: what only says how the picture was made is not in them.
+// The files are identical too: they do not record how the picture was computed.
 TEST_F(Program, WritesTheSameBytesWhateverTheThreadsWaveBackendAndNames) {
   const std::string picture = "render spheres --size 40x30 --spp 3 --seed 9 -q";
   ASSERT_EQ(Run(picture + " -o a.exr --threads 1").exit_code, 0);

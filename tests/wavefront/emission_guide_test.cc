@@ -1,5 +1,5 @@
-// The table that guides light paths of the sky: places on the disk and back, how densely they are
-// drawn, and what is made of needs.
+// Tests the table that guides light paths of the environment: places on the disk and back, their
+// densities, and the table made from guide samples.
 #include "kernels/light_paths/emission_guide.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ namespace {
 constexpr std::uint32_t kRows = 40000;
 const SceneSphere kSphere = {.center = {1, -2, 3}, .radius = 5};
 
-// Most of them in a small spot of the square and a strip, different ones for different cells.
+// Most samples are in a small spot of the square and in a strip, different ones for different
+// cells.
 std::vector<GuideSample> SomeGuideSamples(std::uint32_t count) {
   std::vector<GuideSample> samples;
   Random random(31);
@@ -35,7 +36,7 @@ std::vector<GuideSample> SomeGuideSamples(std::uint32_t count) {
     } else {
       sample.u = random.Float(), sample.v = random.Float();
     }
-    // In a ball of radius 1 about (2, -2, 3), and a few anywhere.
+    // Points lie in a ball of radius 1 about (2, -2, 3), with a few elsewhere.
     const Vec point =
         Vec{2, -2, 3} + (i % 50 == 0 ? 3.0 : 1.0) * random.Float() * random.Direction();
     Put(point, 0, sample.point, sample.point + 1, sample.point + 2);
@@ -55,7 +56,7 @@ const EmissionGuide& Guide() {
   return guide;
 }
 
-// A leaf of a tree, by hand.
+// A leaf of a tree, reconstructed independently.
 struct Leaf {
   double low[2] = {0, 0}, high[2] = {1, 1};
   double Area() const { return (high[0] - low[0]) * (high[1] - low[1]); }
@@ -79,7 +80,7 @@ std::vector<Leaf> LeavesOf(const EmissionGuide& guide, std::uint32_t cell) {
   return leaves;
 }
 
-// A direction of the middle of a cell.
+// Returns the direction of the centre of a cell.
 Vec MiddleOf(std::uint32_t cell) {
   const double z = 2 * (cell / kGuideTurns + 0.5) / kGuideRows - 1;
   const double turn = (cell % kGuideTurns + 0.5) / kGuideTurns - 0.5;
@@ -93,11 +94,11 @@ struct Starts {
   soa::Table<LightColumns> samples;
   soa::Table<RayColumns> rays;
   soa::Table<EmissionColumns> emission;
-  std::vector<double> crowding, arrival;  // as flux and record have them
-  std::vector<double> u, v;               // where on the disk
+  std::vector<double> crowding, arrival;  // derived from the flux and from the emission record
+  std::vector<double> u, v;               // position on the disk
 };
 
-// The point of the unit square that Shirley and Chiu's map takes to a point of the disc.
+// Returns the point of the unit square that Shirley and Chiu's map takes to a point of the disc.
 void SquareOf(double x, double y, double& u, double& v) {
   const double radius = std::hypot(x, y);
   const bool steep = std::fabs(y) > std::fabs(x);
@@ -107,14 +108,14 @@ void SquareOf(double x, double y, double& u, double& v) {
   u = 0.5 * ((steep ? minor : major) + 1), v = 0.5 * ((steep ? major : minor) + 1);
 }
 
-// Two axes of a disk, as kernels have them: Duff et al. 2017.
+// Returns two axes of a disk, as in the kernels (Duff et al. 2017).
 void AxesOf(Vec n, Vec& s, Vec& t) {
   const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
   s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
   t = {b, sign + n.y * n.y * a, -n.y};
 }
 
-// Its inverse.
+// Applies Shirley and Chiu's map, the inverse of SquareOf.
 void DiscOf(double u, double v, double& x, double& y) {
   const double a = 2 * u - 1, b = 2 * v - 1;
   const bool steep = std::fabs(b) > std::fabs(a);
@@ -124,8 +125,8 @@ void DiscOf(double u, double v, double& x, double& y) {
   x = steep ? across : along, y = steep ? along : across;
 }
 
-// Whether the focus is on the line along `towards` that enters at (u, v).
-bool MeetsFocus(Vec towards, double u, double v) {
+// Returns true if the focus is on the line along `towards` that enters at (u, v).
+bool HitsFocus(Vec towards, double u, double v) {
   double x, y;
   DiscOf(u, v, x, y);
   Vec s, t;
@@ -136,7 +137,8 @@ bool MeetsFocus(Vec towards, double u, double v) {
   return std::hypot(5 * x - Dot(center, s), 5 * y - Dot(center, t)) < double(focus.radius);
 }
 
-// Rays for samples of radiance 1 and density 1/4 in all directions, or in the middle of a cell.
+// Returns rays for samples of radiance 1 and density 1/4 in all directions, or in the centre of a
+// cell.
 Starts StartAt(const EmissionGuide& guide, const UniformColumns& disk, std::uint32_t n, int cell) {
   Starts start(n);
   Random random(n);
@@ -180,8 +182,8 @@ TEST(GuideCells, AreEqualAndKnowTheirMiddles) {
   EXPECT_TRUE(MatchesExpected(observed, expected, SidakLevel(1)));
 }
 
-// The disk of a line is found again from any point of it, wherever the surface lies and however
-// far its origin was lifted.
+// The place of a line on the disk is recovered from any of its points, wherever the surface lies
+// and however far its origin was lifted.
 TEST(LocateOnDisk, IsTheInverseOfEmission) {
   const std::uint32_t n = 5000;
   const Starts s = StartOf(Guide(), n, 11);
@@ -209,7 +211,7 @@ TEST(LocateOnDisk, IsTheInverseOfEmission) {
   for (std::uint32_t i = 0; i < n; ++i) {
     ASSERT_NEAR(places->u[i], s.u[i], 2e-5) << i;
     ASSERT_NEAR(places->v[i], s.v[i], 2e-5) << i;
-    // On the other side of a cut it is another leaf's.
+    // On the other side of a cut, the value is that of another leaf.
     off += std::fabs(double(arrival[i]) - s.arrival[i]) > 1e-5 * s.arrival[i];
   }
   EXPECT_LT(off, n / 500);
@@ -224,8 +226,9 @@ TEST(EnvironmentArrivals, AreEvenWithoutAGuide) {
   EXPECT_NEAR(arrival[7], 1 / (kPi * 25), 1e-9);
 }
 
-// Chi-square over a grid of the square, whose cells get what the leaves that they cut hold.
-TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
+// Applies chi-square to a grid over the square, whose cells expect their part of the overlapping
+// leaves.
+TEST(GuideStarts, DrawsPlacesWithTheReportedDensity) {
   constexpr int kSide = 16;
   for (const int cell : {0, 3, 77, 127, 200}) {
     SCOPED_TRACE(cell);
@@ -241,7 +244,7 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
     for (int y = 0; y < kSide * kFine; ++y) {
       for (int x = 0; x < kSide * kFine; ++x) {
         const bool in_focus =
-            MeetsFocus(towards, (x + 0.5) / (kSide * kFine), (y + 0.5) / (kSide * kFine));
+            HitsFocus(towards, (x + 0.5) / (kSide * kFine), (y + 0.5) / (kSide * kFine));
         expected[std::size_t(y / kFine * kSide + x / kFine)] +=
             kRows * (even + focused * narrower * in_focus) / std::pow(kSide * kFine, 2);
       }
@@ -259,7 +262,7 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
       }
     }
     Moments inverse;
-    std::uint32_t wrong = 0;  // where rounding has put a place into the next leaf
+    std::uint32_t wrong = 0;  // rounding has moved a place into the next leaf
     for (std::uint32_t i = 0; i < kRows; ++i) {
       const double u = s.u[i], v = s.v[i];
       ++observed[std::size_t(std::min(int(v * kSide), kSide - 1) * kSide +
@@ -267,19 +270,20 @@ TEST(GuideStarts, DrawsPlacesAsDenselyAsItSays) {
       const auto in = std::find_if(leaves.begin(), leaves.end(), [&](const Leaf& leaf) {
         return u >= leaf.low[0] && u <= leaf.high[0] && v >= leaf.low[1] && v <= leaf.high[1];
       });
-      const double exact = even + focused * narrower * MeetsFocus(towards, u, v) +
+      const double exact = even + focused * narrower * HitsFocus(towards, u, v) +
                            (in == leaves.end() ? 0 : boxed / (kGuideLeaves * in->Area()));
       wrong += std::fabs(s.crowding[i] / exact - 1) > 1e-4;
       inverse.Add(1 / s.crowding[i]);
     }
     EXPECT_LT(wrong, kRows / 500);
     EXPECT_TRUE(MatchesExpected(observed, expected, SidakLevel(10)));
-    // The integral of the density over all of the disk.
+    // This is the integral of the density over the whole disk.
     EXPECT_TRUE(AgreesWith(inverse.mean(), inverse.standard_error(), 1, SidakLevel(10), 1e-6));
   }
 }
 
-// Points of a (0, 2)-sequence, one in each of 32 by 32 parts of what is guided: one in each leaf.
+// Of the stratified points, one falls in each of the 32 x 32 parts of the guided range, and so one
+// in each leaf.
 TEST(GuideStarts, KeepsPointsStratified) {
   const std::uint32_t n = kGuideLeaves, cell = 5;
   const float even = Guide().cells[cell].even + Guide().cells[cell].focused;
@@ -299,8 +303,8 @@ TEST(GuideStarts, KeepsPointsStratified) {
   }
 }
 
-// Rays of other lights stay, and the record is that of the light samples that are given.
-TEST(GuideStarts, KnowsWhoseRaysTheyAre) {
+// Rays of other lights stay unchanged, and the record uses the given density of light samples.
+TEST(GuideStarts, ChangesEnvironmentRaysOnly) {
   const std::uint32_t n = 600;
   const auto disk = RandomUniforms(n, 43);
   Starts s = StartAt(Guide(), disk, n, -1);
@@ -344,8 +348,6 @@ TEST(EmissionGuide, BitsDoNotDependOnTargetOrNumberOfRows) {
   }
 }
 
-// ---- What is made of needs ----
-
 TEST(MakeGuide, DoesNotDependOnTheOrderOfSamples) {
   std::vector<GuideSample> samples = SomeGuideSamples(5000);
   const EmissionGuide guide = MakeGuide(samples, SomeShares(), kSphere);
@@ -358,7 +360,7 @@ TEST(MakeGuide, DoesNotDependOnTheOrderOfSamples) {
   }
 }
 
-// Directions are drawn with a probability, and no line is much rarer than it was.
+// Directions keep a positive probability, and no line becomes much rarer than before.
 TEST(MakeGuide, LeavesEveryStartPossible) {
   const std::vector<double> shares = SomeShares();
   double sum = 0;
@@ -371,17 +373,17 @@ TEST(MakeGuide, LeavesEveryStartPossible) {
     }
     for (const Leaf& leaf : LeavesOf(Guide(), i)) ASSERT_GT(leaf.Area(), 0);
   }
-  // Where light samples never are no light path starts, whoever would need it.
+  // No light path starts where light samples never are, even if guide samples are there.
   EXPECT_LT(sum, 1);
   EXPECT_GT(sum, 0.8);
 }
 
-TEST(MakeGuide, CrowdsWhereGuideSamplesAre) {
+TEST(MakeGuide, IsDenseWhereGuideSamplesAre) {
   const std::uint32_t cell = 17;
   std::vector<GuideSample> samples;
   Random random(3);
   for (int i = 0; i < 4000; ++i) {
-    // Two places.
+    // The samples are at two places.
     const float u = i % 4 == 0 ? 0.1f : 0.7f;
     samples.push_back({.cell = cell,
                        .u = u + 0.01f * random.Float(),
@@ -402,23 +404,23 @@ TEST(MakeGuide, CrowdsWhereGuideSamplesAre) {
   EXPECT_NEAR(guide.cells[cell].even * guide.cells[cell].gain, kEvenShare, 1e-6);
   EXPECT_NEAR(guide.cells[cell + 1].gain, kUnguided, 1e-6);
   EXPECT_NEAR(guide.cells[cell + 1].even + guide.cells[cell + 1].focused, 1, 1e-6);
-  // Of three quarters, what the leaves at their borders do not take.
+  // One place holds three quarters of the weight, minus what the leaves at its border take.
   EXPECT_GT(share_inside(guide), 0.6);
   EXPECT_LE(share_inside(guide), 0.75);
-  // Without directions the even share is that of every cell.
+  // Without directions, every cell has the same even share.
   const EmissionGuide places = MakeGuide(samples, {}, kSphere);
   EXPECT_EQ(places.cells[cell].gain, 1);
   EXPECT_EQ(places.cells[cell].even, float(kEvenShare));
   EXPECT_EQ(share_inside(places), share_inside(guide));
 }
 
-TEST(MakeGuide, FocusesOnMostOfWhatNeedsLight) {
+TEST(MakeGuide, FocusesOnMostGuideSamples) {
   const SceneSphere& focus = Guide().focus;
   EXPECT_NEAR(focus.center[0], 2, 0.05);
   EXPECT_NEAR(focus.center[1], -2, 0.05);
   EXPECT_NEAR(focus.center[2], 3, 0.05);
   EXPECT_NEAR(focus.radius, 0.92, 0.03);
-  // All over the scene: the focus is all of it.
+  // If the samples are all over the scene, so is the focus.
   std::vector<GuideSample> samples = SomeGuideSamples(5000);
   Random random(8);
   for (GuideSample& sample : samples)
@@ -426,15 +428,16 @@ TEST(MakeGuide, FocusesOnMostOfWhatNeedsLight) {
   EXPECT_EQ(MakeGuide(samples, {}, kSphere).focus.radius, kSphere.radius);
 }
 
-TEST(MakeGuide, SaysNothingOfWhatItDoesNotKnow) {
+TEST(MakeGuide, IsEvenWithoutEnoughSamples) {
   EXPECT_TRUE(MakeGuide({}, SomeShares(), kSphere).empty());
   EXPECT_EQ(EmissionGuide().view().cells, nullptr);
-  // A few needs are no density: cells with them are even.
+  // A few samples do not make a density, so cells with so few are even.
   const EmissionGuide guide =
       MakeGuide({{5, 0.9f, 0.9f, {}, 0, 10}, {5, 0.9f, 0.8f, {}, 0, 10}}, {}, kSphere);
   EXPECT_NEAR(guide.cells[5].even + guide.cells[5].focused, 1, 1e-6);
   for (const Leaf& leaf : LeavesOf(guide, 5)) EXPECT_EQ(leaf.Area() * kGuideLeaves, 1);
-  // All of them at one point, one of which outshines all others: parts get small, but stay parts.
+  // All samples are at one point and one of them outweighs all others: the parts become small but
+  // keep an area.
   std::vector<GuideSample> same(100, {9, 0.25f, 0.75f, {}, 0, 3});
   same[50].weight = std::uint64_t{1} << 40;
   for (const Leaf& leaf : LeavesOf(MakeGuide(same, {}, kSphere), 9)) EXPECT_GT(leaf.Area(), 0);

@@ -1,4 +1,5 @@
-// The film's fixed-point sums: exact, free of order, saturating, and honest about bad samples.
+// Tests the film's fixed-point sums: exact, independent of order, saturating, and counting bad
+// samples.
 #include "wavefront/film/film.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +48,7 @@ std::vector<std::uint64_t> Sums(const Film& film) {
   return {film.sums().begin(), film.sums().end()};
 }
 
-// Radiances over forty powers of two, some of them bad, a pixel many times in a row.
+// Returns radiances over forty powers of two, some of them bad, with repeated pixels.
 std::vector<Sample> WildSamples(std::size_t count, std::uint32_t pixels) {
   Random random(3);
   std::vector<Sample> samples(count);
@@ -125,15 +126,15 @@ TEST(Film, SamplesAreRoundedToTheNearestUnit) {
     }
     Add(samples, 0, samples.size(), 100, film, stats);
     const long double sum = film.sums()[0] * static_cast<long double>(film.unit());
-    // Half a unit a sample; the unit is 2^-52 of 64 to 128 times the brightest radiance, but not
-    // below 2^-32.
+    // The error is half a unit per sample. The unit is 2^-52 of 64 to 128 times the brightest
+    // radiance, but not below 2^-32.
     EXPECT_LE(std::fabs(double(sum - exact)), 0.5 * film.unit() * double(samples.size()));
     EXPECT_LE(film.unit(), std::max(128.0 * brightest * 0x1p-52, 0x1p-32)) << brightest;
     EXPECT_GE(film.unit() * 0x1p52, 64.0 * brightest) << brightest;
     EXPECT_EQ(std::exp2(std::round(std::log2(film.unit()))), film.unit());
     EXPECT_EQ(stats.clamped_samples, 0u);
 
-    // Radiance of a few units: rounding errors cancel, truncation would add up.
+    // At a radiance of a few units, rounding errors cancel, whereas truncation would accumulate.
     const double before = double(film.sums()[0]);
     exact = 0;
     for (Sample& sample : samples) {
@@ -146,7 +147,7 @@ TEST(Film, SamplesAreRoundedToTheNearestUnit) {
 }
 
 TEST(Film, AHundredThousandSamplesDoNotDrift) {
-  // In float arithmetic sums of 0.1 are off by a percent at this length.
+  // In float arithmetic, sums of 0.1 would be off by a percent at this length.
   Film film(1, 1, 16000);
   RenderStats stats;
   const std::vector<Sample> samples(100000, Sample{0, {0.1f, 1 / 3.0f, 12345.678f}});
@@ -191,7 +192,7 @@ TEST(Film, SumsSaturateInsteadOfWrapping) {
   Film film(1, 1, 1), other(1, 1, 1);
   const float limit = float(film.unit() * 0x1p52);
   RenderStats stats;
-  // 2^12 samples of 2^52 units are one more unit than a sum holds.
+  // 2^12 samples of 2^52 units exceed a sum by one unit.
   const std::vector<Sample> samples(4096, Sample{0, {limit, 0.5f * limit, 1}});
   Add(samples, 0, 4095, kFullWave, film, stats);
   EXPECT_EQ(film.sums()[0], std::uint64_t{4095} << 52);
@@ -229,16 +230,14 @@ TEST(Film, OfNoSamplesIsBlack) {
   EXPECT_EQ(image.rgb, std::vector<float>(18, 0.0f));
 }
 
-// ---- Splats ----
-
 struct Splats {
   explicit Splats(std::uint32_t n) : lights(n), cameras(n) {}
   soa::Table<LightColumns> lights;
   soa::Table<CameraColumns> cameras;  // pixels only
 };
 
-// The same samples as splats, every third one behind a ray that did not arrive and with values that
-// nobody is to look at.
+// Returns the same samples as splats. Every third belongs to a ray that did not arrive, with values
+// that must not be used.
 Splats SplatsOf(const std::vector<Sample>& samples) {
   Splats splats{std::uint32_t(samples.size())};
   for (std::uint32_t i = 0; i < samples.size(); ++i) {
@@ -290,7 +289,7 @@ TEST(FilmSplats, AreSamplesOfAnyPixelInAnyOrderAndThread) {
   });
 }
 
-// A shared film takes samples too, from several threads, and saturates.
+// A shared film also accepts samples from several threads, and saturates.
 TEST(FilmSplats, MixWithSamplesAndSaturate) {
   const std::vector<Sample> samples = WildSamples(4000, 6);
   Film alone(3, 2, 16), shared(3, 2, 16, 0, 0, true);
@@ -306,9 +305,9 @@ TEST(FilmSplats, MixWithSamplesAndSaturate) {
   const Splats splat = SplatsOf({bright, bright});
   for (int i = 0; i < 5000; ++i) shared.AddSplats(splat.lights, splat.cameras->pixel, 2, 1, stats);
   EXPECT_EQ(shared.sums()[3], kFull);
-  Film eta_vcm(3, 2, 16);
-  eta_vcm.Merge(shared);
-  EXPECT_EQ(Sums(eta_vcm), Sums(shared));
+  Film merged(3, 2, 16);
+  merged.Merge(shared);
+  EXPECT_EQ(Sums(merged), Sums(shared));
 }
 
 }  // namespace

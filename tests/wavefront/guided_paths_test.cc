@@ -1,4 +1,5 @@
-// Guided light paths in whole frames: what the pilot learns, and that pictures stay what they are.
+// Tests guided light paths in whole frames: the pilot's result, and that pictures keep their
+// expectation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,8 +19,8 @@
 namespace skywave {
 namespace {
 
-// A box with a hole in its roof, seen from inside, on a wide floor, under a sky with a sun; a pane
-// of glass covers half of the hole.
+// A box with an opening in its roof, seen from inside, on a wide floor, under a sky with a sun; a
+// pane of glass covers half of the opening.
 Scene Hut() {
   Scene scene;
   const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
@@ -52,8 +53,6 @@ std::vector<float> AllOf(const EmissionGuide& guide) {
   }
   return all;
 }
-
-// ---- The pilot ----
 
 TEST(LearnEmission, DependsOnNothingButTheFilm) {
   const RenderJob job(Hut(), Request(Integrator::kLight));
@@ -93,28 +92,28 @@ TEST(LearnEmission, LeavesStatisticsToTheFrame) {
   EXPECT_EQ(camera_rays[0], camera_rays[1]);
 }
 
-// Nothing shines into a closed box, and nothing is to be seen where no surface is.
-TEST(LearnEmission, IsContentWithNothing) {
+// No light enters a closed box, and no surface is visible in the other scene.
+TEST(LearnEmission, AcceptsScenesWithoutGuideSamples) {
   Scene box;
   Place(box, Sphere(1, 20), AddLambert(box, "white", glm::vec3(0.7f)), glm::vec3(0));
   SetConstantLight(box, 1);
   box.camera = LookAtCamera({0, 0, 0.5f}, {0, 0, 0}, {0, 1, 0}, 40, false);
   Scene away = box;
   away.camera = LookAtCamera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40, false);
-  for (const bool sky_is_seen : {false, true}) {
-    const Scene& scene = sky_is_seen ? away : box;
+  for (const bool environment_is_seen : {false, true}) {
+    const Scene& scene = environment_is_seen ? away : box;
     for (const Integrator integrator : {Integrator::kLight, Integrator::kBdpt}) {
       const RenderJob job(scene, Request(integrator, 4));
       EXPECT_TRUE(GuideFor(job.frame()).empty());
       Film film = job.MakeFilm();
       RenderFrame(job.frame(), film);
       const Image picture = film.Resolve(4);
-      EXPECT_EQ(picture.rgb[0] > 0, sky_is_seen);
+      EXPECT_EQ(picture.rgb[0] > 0, environment_is_seen);
     }
   }
 }
 
-// The share of a picture's light paths that arrive in the hut.
+// Returns the fraction of a picture's light paths that enter the hut.
 double ShareInside(const RenderJob& job, const EmissionGuide* guide) {
   FrameView frame = job.frame();
   frame.guide = guide;
@@ -142,9 +141,7 @@ TEST(LearnEmission, FindsTheWayIn) {
   EXPECT_GT(ShareInside(job, &guide), 0.2);
 }
 
-// ---- Emission ----
-
-// Whatever draws the directions, and beside lamps: guided rays carry what the lights send out.
+// Whatever the strategy, and also next to lamps, guided rays carry the power of the lights.
 TEST(GuidedRays, CarryThePowerOfAllLights) {
   Scene scene = Hut();
   scene.lights = {{.emission = {2, 3, 1}, .position = {-1, 1, 1}}, SlantingSun()};
@@ -179,9 +176,10 @@ TEST(GuidedRays, CarryThePowerOfAllLights) {
   }
 }
 
-// What weights of bidirectional paths rest on: a light path's record of its start is the density of
-// light samples in its direction times that with which light paths arrive along it.
-TEST(GuidedRays, SayWhatTheOtherEndSays) {
+// The weights of bidirectional paths rely on this: the record of a light path's start is the
+// density of light samples in its direction times the density with which light paths arrive along
+// it.
+TEST(GuidedRays, HaveTheDensityThatTheOtherEndComputes) {
   for (const char* const strategy : {"importance", "uniform", "median-cut:pick=power"}) {
     SCOPED_TRACE(strategy);
     JobRequest request = Request(Integrator::kBdpt);
@@ -221,12 +219,10 @@ TEST(GuidedRays, SayWhatTheOtherEndSays) {
       off += !(std::fabs(double(w.light->emission->pdf[i]) - pdf) < 1e-4 * pdf);
       ASSERT_NEAR(w.light->emission->light_pdf[i], light_pdf, 1e-4 * light_pdf);
     }
-    // Where float positions fall on the other side of a cut.
+    // A few float positions fall on the other side of a cut.
     EXPECT_LT(off, n / 200);
   }
 }
-
-// ---- Pictures ----
 
 PictureEstimate Estimate(const Scene& scene, Integrator integrator, bool guided, int runs,
                          std::uint32_t samples, bool lens = false) {
@@ -242,7 +238,7 @@ TEST(GuidedPictures, AreThoseOfPathTracing) {
   for (const bool lamps : {false, true}) {
     SCOPED_TRACE(lamps);
     Scene scene = Hut();
-    // What is in mirrors is not seen by all.
+    // The mirror is removed because not all integrators see what is in it.
     scene.meshes.pop_back();
     if (lamps)
       scene.lights = {SlantingSun(), {.emission = {0.2f, 0.3f, 0.2f}, .position = {0, 1, 0}}};
@@ -267,7 +263,7 @@ TEST(GuidedPictures, AreTheSameOverMirrorsAndLessNoisy) {
   EXPECT_LT(variance[1], 0.5 * variance[0]);
 }
 
-// Photons, seen directly and by a final gather: the more passes, the nearer to paths.
+// With photons, seen directly or by a final gather, more passes come closer to paths.
 TEST(GuidedPictures, ComeNearerToPathsByPassesOfPhotons) {
   Scene scene = Hut();
   scene.meshes.pop_back();
@@ -277,8 +273,8 @@ TEST(GuidedPictures, ComeNearerToPathsByPassesOfPhotons) {
   const PictureEstimate paths = estimate(Request(Integrator::kPath, 256), 8);
   const auto difference = [&](std::uint32_t gather, std::uint32_t passes) {
     JobRequest request = Request(Integrator::kPhoton, 8 * passes);
-    // Whole disks of a final gather must not reach under the walls to the sunlit ground, where few
-    // guided photons fall, and bright ones.
+    // Whole disks of a final gather must not extend under the walls to the sunlit ground, where
+    // guided photons are few and bright.
     request.options.photons = {.indirect = 8000,
                                .distance = gather > 0 ? 0.09f : 0.3f,
                                .gather = gather,
@@ -293,7 +289,7 @@ TEST(GuidedPictures, ComeNearerToPathsByPassesOfPhotons) {
   }
 }
 
-// A radius whose bias is lost in the noise; in mirrors too.
+// The bias of the radius vanishes in the noise, in mirrors too.
 TEST(GuidedPictures, AreThoseOfPathsWhereVerticesAreMerged) {
   constexpr int kRuns = 12;
   JobRequest request = Request(Integrator::kVcm, 24);

@@ -1,5 +1,5 @@
-// The emission stage: rays of sky and lamps together carry what both send out, whatever strategy
-// draws the sky.
+// Tests the emission stage: rays of environment and lamps together carry the power of both,
+// whatever strategy samples the environment.
 #include "wavefront/stages/light_stages.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,8 @@ Scene LitFloor(bool map, bool lamps) {
   return scene;
 }
 
-// In the green channel, by hand: area integrals of cosines and of the map's texels.
+// Returns the power in the green channel, computed by hand: area integrals of cosines and of the
+// map's texels.
 double PowerOf(const Scene& scene, bool map, bool lamps, double radius) {
   const double disk = kPi * radius * radius;
   double power = lamps ? kPi * 5 * 1 + 4 * kPi * 3 + disk * 0.5 : 0;
@@ -66,7 +67,8 @@ struct LightWave {
 
 void ExpectPower(const RenderJob& job, double power, std::size_t tests) {
   const FrameView frame = job.frame();
-  // Waves of other seeds: points of one sequence are not independent of each other.
+  // The waves have different seeds because points of one sequence are not independent of each
+  // other.
   Moments means;
   for (std::uint32_t seed = 0; seed < 40; ++seed) {
     FrameView view = frame;
@@ -114,9 +116,9 @@ TEST(EmitRays, CarriesThePowerOfTheMapByEveryStrategyThatCan) {
             9u);  // importance, warp, alias, uniform, presampled; three sorts of lights, hybrid
 }
 
-// On a wide floor, too, a surface knows where it is as well as what is small on it needs: rays from
-// the sky begin no higher than the scene is.
-TEST(IntersectLightPathSurfaces, LightOfTheSkyComesFromNearBy) {
+// On a wide floor too, a surface knows its position accurately enough for small objects on it: rays
+// from the environment begin no higher than the scene.
+TEST(IntersectLightPathSurfaces, LightOfTheEnvironmentStartsNearby) {
   Scene scene = LitFloor(true, false);
   scene.meshes[0] = Quad(200);
   Place(scene, Sphere(0.5f, 4), 0, {0, 0.5f, 0});
@@ -137,7 +139,8 @@ TEST(IntersectLightPathSurfaces, LightOfTheSkyComesFromNearBy) {
   EXPECT_GT(above, kWave / 8);
 }
 
-// The paths of a frame are numbered: a wave may begin anywhere, and behind 2^32 there are others.
+// The paths of a frame are numbered: a wave may begin anywhere, and numbers beyond 2^32 give other
+// paths.
 TEST(StartLightPaths, NumbersThePathsOfTheFrame) {
   const RenderJob job(LitFloor(true, true), Request());
   const FrameView frame = job.frame();

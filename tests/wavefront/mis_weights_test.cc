@@ -1,6 +1,6 @@
-// The weights that bidirectional paths get from two numbers a sub-path, against those by definition
-// in double (support/path_densities.h): random paths of all kinds of lights, with and without delta
-// BSDFs, joined and merged in all ways.
+// Compares the weights of bidirectional paths, computed from two numbers per sub-path, with those
+// by definition in double (support/path_densities.h): random paths with all kinds of lights, with
+// and without delta BSDFs, for all connections and merges.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,8 +43,8 @@ void Fill(float value, std::uint32_t row, float* r, float* g, float* b) {
   r[row] = g[row] = b[row] = value;
 }
 
-// Many paths with the same number of surfaces, a row each, as stages see them. Rows of the light's
-// vertices are in reverse, so that an index that is dropped is seen.
+// Many paths with the same number of surfaces, one per row, in the form used by the stages. Rows of
+// the light's vertices are reversed, so that ignoring an index is detected.
 class Subpaths {
  public:
   explicit Subpaths(std::vector<BidirectionalPath> paths) : paths_(std::move(paths)) {
@@ -55,14 +55,14 @@ class Subpaths {
   }
   std::size_t surfaces() const { return paths_[0].surfaces.size(); }
 
-  // Weights of the way with that many vertices from the light, by the kernels.
+  // Returns the kernels' weights of the technique with that many vertices from the light.
   std::vector<double> Weights(std::size_t lights) {
     if (lights == 0) return HitLight();
     if (lights == 1) return LightSamples();
     return lights == surfaces() + 1 ? Splats() : Connections(lights - 2);
   }
 
-  // Of the way that merges both sub-paths at a surface.
+  // Returns the weights of the technique that merges both sub-paths at a surface.
   std::vector<double> MergeWeights(std::size_t surface) {
     const LightVertices &eye = eye_[surface], &light = light_[surface];
     const soa::Table<LightColumns> lights(kPaths);
@@ -84,7 +84,7 @@ class Subpaths {
   MisTechniques mis_techniques() const { return {.mis = {}, .eta_vcm = float(paths_[0].eta_vcm)}; }
   static std::uint32_t LightRow(std::uint32_t path) { return kPaths - 1 - path; }
 
-  // The surface as a sub-path sees it that comes from `from`, `distance` away along `wo`.
+  // Sets the surface as seen by a sub-path that arrives along -wo from `distance` away.
   static void Set(const PathSurface& surface, Vec wo, double distance, std::uint32_t path,
                   std::uint32_t row, const LightVertices& vertices) {
     const SurfaceColumns& s = vertices.surfaces;
@@ -97,7 +97,7 @@ class Subpaths {
     Fill(1, row, s.throughput_r, s.throughput_g, s.throughput_b);
     vertices.row_of_path->index[path] = row;
   }
-  // Rays that leave in all rows, and the density for sampling back.
+  // Rays that leave from all rows, and the density of the reverse sampling.
   struct Leaving {
     Leaving() : rays(kPaths), back(kPaths) {}
     void Set(std::uint32_t i, std::uint32_t row, const PathSurface& surface, Vec dir, double pdf,
@@ -162,7 +162,7 @@ class Subpaths {
       for (std::uint32_t i = 0; i < kPaths; ++i) {
         const PathSurface& surface = paths_[i].surfaces[j];
         const Vec back = ToLight(paths_[i], j);
-        // Light from infinitely far away comes in over any distance.
+        // Light from infinitely far away arrives over an arbitrary distance.
         Set(surface, Unit(back), paths_[i].distant() && j + 1 == surfaces() ? 1e3 : Length(back), i,
             LightRow(i), light_[j]);
         leaving.Set(i, LightRow(i), surface, Unit(ToEye(paths_[i], j)), surface.pdf_to_eye,
@@ -174,30 +174,30 @@ class Subpaths {
     }
   }
 
-  // As the kernels want it of a light, seen from the last surface.
+  // Returns the arrival density of a light in the kernels' form, seen from the last surface.
   double Arrival(const BidirectionalPath& path) const {
-    const Vec way = ToLight(path, surfaces() - 1);
-    return path.distant() ? path.emission_pdf : path.emission_pdf / Dot(way, way);
+    const Vec offset = ToLight(path, surfaces() - 1);
+    return path.distant() ? path.emission_pdf : path.emission_pdf / Dot(offset, offset);
   }
-  // Density of light samples in solid angle; infinite for lights that nothing can hit.
+  // Returns the density of light samples in solid angle; infinite for lights that nothing can hit.
   double LightPdf(const BidirectionalPath& path) const {
     if (path.light == PathLight::kEnvironment) return path.light_pdf;
     if (path.light != PathLight::kArea) return std::numeric_limits<double>::infinity();
-    const Vec way = ToLight(path, surfaces() - 1);
-    return path.light_pdf * Dot(way, way) / std::fabs(Dot(path.light_normal, Unit(way)));
+    const Vec offset = ToLight(path, surfaces() - 1);
+    return path.light_pdf * Dot(offset, offset) / std::fabs(Dot(path.light_normal, Unit(offset)));
   }
 
   std::vector<double> HitLight() {
-    const soa::Table<EscapeColumns> met(kPaths);
+    const soa::Table<EscapeColumns> light_hits(kPaths);
     const soa::Table<UniformColumns> arrival(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
-      Fill(1, i, met->throughput_r, met->throughput_g, met->throughput_b);
-      met->path[i] = i, met->light_pdf[i] = float(LightPdf(paths_[i]));
+      Fill(1, i, light_hits->throughput_r, light_hits->throughput_g, light_hits->throughput_b);
+      light_hits->path[i] = i, light_hits->light_pdf[i] = float(LightPdf(paths_[i]));
       arrival->u[i] = float(Arrival(paths_[i]));
     }
-    MarkPartners(eye_flying_, kPaths, met);
-    WeighHitLight(eye_flying_, arrival->u, kPaths, MisPolicy(), met);
-    return {met->throughput_g, met->throughput_g + kPaths};
+    MarkPartners(eye_flying_, kPaths, light_hits);
+    WeighHitLight(eye_flying_, arrival->u, kPaths, MisPolicy(), light_hits);
+    return {light_hits->throughput_g, light_hits->throughput_g + kPaths};
   }
 
   std::vector<double> LightSamples() {
@@ -232,10 +232,10 @@ class Subpaths {
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const std::uint32_t row = LightRow(i);
-      const Vec way = ToEye(paths_[i], 0);
-      Put(Unit(way), row, to_eye->dir_x, to_eye->dir_y, to_eye->dir_z);
+      const Vec offset = ToEye(paths_[i], 0);
+      Put(Unit(offset), row, to_eye->dir_x, to_eye->dir_y, to_eye->dir_z);
       Fill(1, row, to_eye->r, to_eye->g, to_eye->b);
-      arrival->u[row] = float(paths_[i].eye_pdf / Dot(way, way));
+      arrival->u[row] = float(paths_[i].eye_pdf / Dot(offset, offset));
       back->u[row] = float(paths_[i].surfaces[0].pdf_to_light);
     }
     WeighSplats(first.surfaces, first.at, back->u, arrival->u, kLightPaths, kPaths,
@@ -244,9 +244,10 @@ class Subpaths {
     return weights;
   }
 
-  // `light_surfaces` more than one from the light's side.
+  // The light sub-path has `light_surfaces` + 1 surfaces.
   std::vector<double> Connections(std::size_t light_surfaces) {
-    const std::size_t j = surfaces() - 1 - light_surfaces;  // the light's end; the eye's is j - 1
+    const std::size_t j = surfaces() - 1 - light_surfaces;  // the light's end of the connection;
+                                                            // the eye's is j - 1
     const LightVertices &eye = eye_[j - 1], &light = light_[j];
     const soa::Table<LightColumns> to_light(kPaths), to_eye(kPaths);
     const soa::Table<IndexColumns> partner(kPaths);
@@ -272,9 +273,9 @@ class Subpaths {
     std::vector<double> weights(kPaths);
     for (std::uint32_t i = 0; i < kPaths; ++i) {
       const PathSurface& y = paths_[i].surfaces[j];
-      const Vec way = ToEye(paths_[i], j), in = Unit(ToLight(paths_[i], j));
-      const double geometry =
-          std::fabs(Dot(y.normal, Unit(way))) / Dot(way, way) / std::fabs(Dot(y.normal, in));
+      const Vec offset = ToEye(paths_[i], j), in = Unit(ToLight(paths_[i], j));
+      const double geometry = std::fabs(Dot(y.normal, Unit(offset))) / Dot(offset, offset) /
+                              std::fabs(Dot(y.normal, in));
       weights[i] = to_light->g[i] / geometry;
     }
     return weights;
@@ -285,13 +286,13 @@ class Subpaths {
   soa::Table<SubpathColumns> eye_flying_{kPaths};
 };
 
-// `merged`: 0 for paths that are only joined.
+// `eta_vcm` is 0 for paths that are only connected.
 void ExpectWeights(std::size_t surfaces, double delta_share, double eta_vcm) {
   SCOPED_TRACE(testing::Message() << surfaces << " surfaces, delta " << delta_share << ", merged "
                                   << eta_vcm);
   Random random(5);
   std::vector<BidirectionalPath> paths;
-  std::vector<WayWeights> expected;
+  std::vector<TechniqueWeights> expected;
   for (std::uint32_t i = 0; i < kPaths; ++i) {
     paths.push_back(RandomPath(random, surfaces, delta_share, eta_vcm));
     expected.emplace_back(paths.back());
@@ -299,7 +300,7 @@ void ExpectWeights(std::size_t surfaces, double delta_share, double eta_vcm) {
   ForEachTarget([&] {
     Subpaths subpaths(paths);
     std::vector<double> sum(kPaths);
-    // Ways that there are not: stages do not walk them, their weights mean nothing.
+    // Stages do not use impossible techniques, and their weights mean nothing.
     const auto compare = [&](std::uint32_t i, double weight, double density, double exact) {
       if (density == 0) return;
       EXPECT_NEAR(weight, exact, 2e-4) << "path " << i << ", light " << int(paths[i].light);
@@ -309,7 +310,7 @@ void ExpectWeights(std::size_t surfaces, double delta_share, double eta_vcm) {
       SCOPED_TRACE(testing::Message() << lights << " vertices from the light");
       const std::vector<double> weights = subpaths.Weights(lights);
       for (std::uint32_t i = 0; i < kPaths; ++i) {
-        compare(i, weights[i], WayDensity(paths[i], lights), expected[i].joined[lights]);
+        compare(i, weights[i], TechniqueDensity(paths[i], lights), expected[i].connected[lights]);
       }
     }
     for (std::size_t surface = 0; eta_vcm > 0 && surface < surfaces; ++surface) {
@@ -326,7 +327,7 @@ void ExpectWeights(std::size_t surfaces, double delta_share, double eta_vcm) {
   });
 }
 
-TEST(WayWeights, AreThoseByDefinitionAndSumToOne) {
+TEST(TechniqueWeights, AreThoseByDefinitionAndSumToOne) {
   for (std::size_t surfaces = 1; surfaces <= kMostSurfaces; ++surfaces) {
     for (const double delta_share : {0.0, 0.4, 1.0}) {
       for (const double eta_vcm : {0.0, 0.1, 4.0}) ExpectWeights(surfaces, delta_share, eta_vcm);

@@ -1,5 +1,4 @@
-// What is kept of light paths: the first of them that are enough, and no more than there is memory
-// for.
+// Tests which light paths are kept: the first ones that suffice, and no more than memory allows.
 #include "wavefront/photons/photon_collector.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@ namespace {
 
 constexpr std::uint32_t kOfAPath = 4;
 
-// How many photons each of `paths` light paths stores; photons are numbered.
+// Returns the numbers of photons that light paths store; photons are numbered.
 std::vector<std::uint32_t> Counts(std::uint32_t paths, unsigned seed) {
   Random random(seed);
   std::vector<std::uint32_t> counts(paths);
@@ -29,7 +28,7 @@ std::vector<std::uint32_t> Counts(std::uint32_t paths, unsigned seed) {
   return counts;
 }
 
-// The lists of paths [first, end), in waves.
+// Returns the lists of paths [first, end), in waves.
 std::vector<PhotonLists> Waves(const std::vector<std::uint32_t>& counts, std::uint32_t first,
                                std::uint32_t end, std::uint32_t wave) {
   std::uint32_t number = std::accumulate(counts.begin(), counts.begin() + first, 0u);
@@ -46,7 +45,8 @@ std::vector<PhotonLists> Waves(const std::vector<std::uint32_t>& counts, std::ui
   return waves;
 }
 
-// Paths are kept whole and in order until there are enough photons, however they came.
+// Paths are kept whole and in order until there are enough photons, in whatever rounds and waves
+// they arrive.
 TEST(PhotonCollector, KeepsTheFirstPathsThatFillIt) {
   constexpr std::uint32_t kPaths = 100;
   const std::vector<std::uint32_t> counts = Counts(kPaths, 3);
@@ -57,27 +57,27 @@ TEST(PhotonCollector, KeepsTheFirstPathsThatFillIt) {
     for (const std::uint32_t round : {1u, 7u, 64u, kPaths}) {
       for (const std::uint32_t wave : {1u, 3u, 200u}) {
         SCOPED_TRACE(testing::Message() << wanted << " of rounds " << round << ", waves " << wave);
-        PhotonCollector harvest(wanted, kOfAPath, true);
+        PhotonCollector collector(wanted, kOfAPath, true);
         for (std::uint32_t first = 0; first < kPaths; first += round) {
           const std::uint32_t end = std::min(first + round, kPaths);
           std::vector<PhotonLists> waves = Waves(counts, first, end, wave);
-          harvest.Take(waves, &PhotonLists::indirect, first, end, wave);
+          collector.Take(waves, &PhotonLists::indirect, first, end, wave);
         }
-        EXPECT_EQ(harvest.full(), wanted <= all);
-        EXPECT_EQ(harvest.light_paths(), paths);
-        ASSERT_EQ(harvest.photons().size(), size);
-        ASSERT_EQ(harvest.subpaths().size(), size);
+        EXPECT_EQ(collector.full(), wanted <= all);
+        EXPECT_EQ(collector.light_paths(), paths);
+        ASSERT_EQ(collector.photons().size(), size);
+        ASSERT_EQ(collector.subpaths().size(), size);
         for (std::uint32_t i = 0; i < size; ++i) {
-          ASSERT_EQ(harvest.photons()[i].depth, i);
-          ASSERT_EQ(harvest.subpaths()[i].d_vcm, float(i));
+          ASSERT_EQ(collector.photons()[i].depth, i);
+          ASSERT_EQ(collector.subpaths()[i].d_vcm, float(i));
         }
       }
     }
   }
 }
 
-// Of passes that have light paths enough and of those that have not, for both integrators.
-TEST(PhotonCollector, PassesKeepWhatIsAskedForAtMost) {
+// The passes include some with enough light paths and some without, for both integrators.
+TEST(PhotonCollector, PassesKeepAtMostTheRequestedPhotons) {
   constexpr std::uint32_t kDepth = 5;
   for (const Integrator integrator : {Integrator::kPhoton, Integrator::kVcm}) {
     for (const std::uint32_t seed : {1u, 2u, 3u, 4u}) {
@@ -97,8 +97,6 @@ TEST(PhotonCollector, PassesKeepWhatIsAskedForAtMost) {
   }
 }
 
-// ---- Memory ----
-
 bool Refused(const RenderOptions& options, std::uint64_t memory) {
   try {
     CheckPhotonMemory(options, memory);
@@ -110,12 +108,12 @@ bool Refused(const RenderOptions& options, std::uint64_t memory) {
   }
 }
 
-TEST(PhotonMemory, IsWhatWasSaid) {
+TEST(PhotonMemory, IsAsDocumented) {
   EXPECT_EQ(PhotonBytes(false), 77u);
   EXPECT_EQ(PhotonBytes(true), 93u);
 }
 
-TEST(PhotonMemory, IsAskedForBeforehand) {
+TEST(PhotonMemory, IsCheckedBeforehand) {
   RenderOptions options;
   options.integrator = Integrator::kPhoton;
   options.photons.indirect = 900, options.photons.caustic = 100;
@@ -123,20 +121,20 @@ TEST(PhotonMemory, IsAskedForBeforehand) {
   EXPECT_TRUE(Refused(options, 76999));
   // A pass has no more vertices than its light paths have surfaces.
   options.integrator = Integrator::kVcm;
-  // What is kept is whole blocks of the film, 12 x 6 pixels.
+  // The film stores whole blocks, here 12 x 6 pixels.
   options.width = 9, options.height = 5, options.max_depth = 4;
   EXPECT_FALSE(Refused(options, 12 * 6 * 4 * 93));
   EXPECT_TRUE(Refused(options, 12 * 6 * 4 * 93 - 1));
   options.photons.indirect = 100;
   EXPECT_FALSE(Refused(options, 9300));
-  // However much there is, rows of a map are numbered.
+  // The number of photons in a map is limited whatever the memory.
   options.photons.indirect = kMostPhotons + 1;
   EXPECT_TRUE(Refused(options, std::numeric_limits<std::uint64_t>::max()));
 }
 
 using PhotonProgram = Program;
 
-// Where the machine has the memory and the process may not use it.
+// The machine has the memory, but the process may not use it.
 TEST_F(PhotonProgram, SaysWhoseMemoryIsMissing) {
   for (const std::string integrator : {"photon", "vcm --size 4000x4000"}) {
     const Result result =

@@ -1,4 +1,4 @@
-// Searches in the tree find what a search of all points finds, and what nanoflann finds.
+// Compares searches in the tree with a search over all points and with nanoflann.
 
 #include "wavefront/photons/point_tree.h"
 
@@ -24,7 +24,7 @@ struct Cloud {
   std::string name;
   std::vector<Point> points;
 
-  // What nanoflann asks for.
+  // nanoflann requires these functions.
   std::size_t kdtree_get_point_count() const { return points.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][axis]; }
   template <class Box>
@@ -41,7 +41,7 @@ PointTree MakeTree(const std::vector<Point>& points) {
   return PointTree(numbered);
 }
 
-// With the rounding of the kernels.
+// Returns the distance with the rounding of the kernels.
 float Distance2(const Point& p, const Point& q) {
   const float d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -140,7 +140,7 @@ std::vector<float> AllWithin(const Cloud& cloud, const Point& query, float radiu
   return distances;
 }
 
-// The points are those that the distances belong to, and none twice.
+// The points must belong to the distances, without duplicates.
 void ExpectPointsAt(const Cloud& cloud, const Point& query, const Result& result) {
   std::vector<float> distances;
   for (const std::uint32_t i : result.points) {
@@ -218,7 +218,7 @@ TEST(PointTree, AgreesWithNanoflann) {
   }
 }
 
-// The order in which neighbors are found too, since radiance is summed in it.
+// The order in which neighbours are found matters too because radiance is summed in it.
 TEST(PointTree, VectorWidthAndBatchDoNotMatter) {
   const Cloud cloud = Clouds().back();
   const PointTree tree = MakeTree(cloud.points);

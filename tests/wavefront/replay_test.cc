@@ -1,4 +1,4 @@
-// Replays of a frame's rays: every call and every order finds what the frame found.
+// Tests replays of a frame's rays: every call and every order finds the hits of the frame.
 #include "wavefront/rays/replay.h"
 
 #include <gtest/gtest.h>
@@ -62,14 +62,13 @@ TEST(Replay, TracesEveryRayOfTheFrame) {
   }
   for (const RayRecorder& recorder : frame.recorders) {
     for (const RayBatch& batch : recorder.batches()) {
-      if (batch.kind == RayKind::kBounce)
-        continue;  // the last ones are only asked whether they escape
+      if (batch.kind == RayKind::kBounce) continue;  // the last ones only test whether they escape
       EXPECT_EQ(batch.occlusion, batch.kind == RayKind::kShadow);
     }
   }
 }
 
-// A room without sun or sky: every shadow ray ends at a lamp, and in a replay too.
+// In a room without sun and environment, every shadow ray ends at a lamp, in a replay too.
 TEST(Replay, ShadowRaysEndAtTheirLights) {
   const RecordedFrame frame(BuiltinScene("lamps"));
   for (const RayOrder order : kOrders) {

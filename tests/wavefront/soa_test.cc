@@ -1,4 +1,4 @@
-// Tables of columns: aligned, apart, padded, cleared.
+// Tests tables of columns: alignment, separation, padding and clearing.
 #include "wavefront/soa.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ TYPED_TEST(Soa, ColumnsAreAlignedAndCleared) {
   }
 }
 
-// Every value of every column, padding included, can be written without touching another.
+// Every value of every column, padding included, can be written without affecting another.
 TYPED_TEST(Soa, ColumnsAreApart) {
   for (const std::uint32_t rows : kRows) {
     const soa::Table<TypeParam> table(rows);

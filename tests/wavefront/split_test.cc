@@ -1,5 +1,5 @@
-// Paths that split at their first hit: the same picture as without, with less noise in what is
-// shared, and the same bits however the work is cut.
+// Tests paths that split at their first hit: they give the same picture with less noise in the
+// split parts, and the same bits however the work is divided.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,11 +21,11 @@ namespace skywave {
 namespace {
 
 constexpr int kRuns = 12;
-constexpr std::uint32_t kSamples = 8;  // of a run
-// Pictures that this program compares.
+constexpr std::uint32_t kSamples = 8;  // per run
+// This many comparisons of pictures share the level of the test program.
 const double kLevel = SidakLevel(20);
 
-// A matt, a metallic, a glass ball and a mirror between each other on a floor.
+// Returns a matt, a metallic and a glass ball and a mirror facing each other on a floor.
 Scene Balls() {
   Scene scene;
   Place(scene, Quad(8), AddLambert(scene, "floor", {0.5f, 0.55f, 0.6f}), glm::vec3(0));
@@ -92,8 +92,8 @@ TEST(Split, PicturesWithLocalLightsAndAlphaAreTheOracles) {
   ExpectOracles(scene, Request(4, 2, 3));
 }
 
-// What is behind the first hit is lit by another strategy: rays from there to the sky are weighted
-// against the light samples that they compete with.
+// Another strategy lights everything after the first hit: rays from there to the environment are
+// weighted against the light samples with which they compete.
 TEST(Split, PicturesByTwoStrategiesAreTheOracles) {
   Scene scene = Balls();
   SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
@@ -107,7 +107,7 @@ TEST(Split, PicturesByTwoStrategiesAreTheOracles) {
   }
 }
 
-// One continuation with one light sample has the random numbers of a path that does not split.
+// One continuation with one light sample uses the random numbers of a path that does not split.
 TEST(Split, IntoOneIsThePathItself) {
   const Scene scene = BuiltinScene("gallery");
   const RenderJob split(scene, Request(1, 1, 8)), path(scene, Request(0, 1, 8));
@@ -118,8 +118,8 @@ TEST(Split, IntoOneIsThePathItself) {
   }
 }
 
-// Sums over the picture: variance of a sample of the beauty, and variance over seeds of its direct
-// light.
+// Sums over the picture: the variance of a sample of the beauty, and the variance over seeds of its
+// direct light.
 struct Noise {
   double beauty = 0, direct = 0;
 };
@@ -158,7 +158,7 @@ TEST(Split, SamplesHaveLessNoise) {
   const Noise path = NoiseOf(scene, Request(0, 1, 5));
   const Noise light = NoiseOf(scene, Request(1, 16, 5));
   const Noise both = NoiseOf(scene, Request(16, 16, 5));
-  // What no light sample can lessen: edges, and what is seen in mirrors.
+  // No light sample can reduce this noise, which comes from edges and mirrors.
   const double edges = NoiseOf(scene, Request(1, 128, 5)).direct;
   EXPECT_LT(light.direct - edges, 0.1 * (path.direct - edges));
   EXPECT_LT(both.direct - edges, 0.1 * (path.direct - edges));
@@ -212,12 +212,12 @@ TEST(Split, BitsDoNotDependOnTheCut) {
       }
     }
     ForEachTarget([&] { EXPECT_EQ(Sums(Render(job, job.frame())), reference); });
-    Film eta_vcm = job.MakeFilm();
+    Film merged = job.MakeFilm();
     for (const auto& [first, count] : {std::pair{3u, 2u}, std::pair{0u, 3u}}) {
       frame.options.first_sample = first, frame.options.samples_per_pixel = count;
-      eta_vcm.Merge(Render(job, frame));
+      merged.Merge(Render(job, frame));
     }
-    EXPECT_EQ(Sums(eta_vcm), reference);
+    EXPECT_EQ(Sums(merged), reference);
   }
 }
 

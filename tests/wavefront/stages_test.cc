@@ -1,4 +1,4 @@
-// What the stages hand to the kernels.
+// Tests the data that the stages pass to the kernels.
 #include "wavefront/stages/stages.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace skywave {
 namespace {
 
 // Every eight rows of any wave are one sample of a block of 4 x 2 pixels of the whole film, and the
-// waves together have every sample of every block once.
+// waves together hold every sample of every block once.
 TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
   Scene scene;
   AddLambert(scene, "matt", glm::vec3(0.5f));
@@ -40,7 +40,8 @@ TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
         const std::uint32_t total = tile.width * tile.height * kSamples;
         for (std::uint32_t first = 0; first < total; first += wave) {
           const std::uint32_t n = std::min(wave, total - first);
-          GenerateRays(frame, {tile, first, n}, w.uniforms, w.lobe, w.paths, w.rays[0]);
+          GenerateRays(frame, {tile, first, n}, FilmUniforms(w.scratch), LensUniforms(w.scratch),
+                       w.paths, w.rays[0]);
           for (std::uint32_t row = 0; row < n; ++row) {
             const std::uint32_t ray = row % kBeamRays, beam = row - ray;
             const auto column = [&](std::uint32_t i) {
@@ -71,8 +72,8 @@ TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
   }
 }
 
-// A BSDF that chooses between lobes gets uniforms of its own at every bounce, not those that
-// another queue or bounce left behind.
+// A BSDF that chooses between lobes gets fresh uniforms at every bounce, not leftovers of another
+// queue or bounce.
 TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
   Scene scene;
   AddLambert(scene, "matt", glm::vec3(0.5f));
@@ -89,6 +90,8 @@ TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
     SCOPED_TRACE(Bsdfs()[std::size_t(kind)].name);
     EXPECT_TRUE(Bsdfs()[std::size_t(kind)].lobed);
     Worker worker(kRows);
+    const DirectionUniforms direction(worker.scratch);
+    const LobeUniforms lobe(worker.scratch);
     SurfaceRanges ranges;
     for (auto k = std::uint32_t(kind); k < kBsdfKinds; ++k) ranges.begin[k + 1] = kRows;
     for (std::uint32_t i = 0; i < kRows; ++i) {
@@ -96,11 +99,11 @@ TEST(ScatterStage, DrawsLobeUniformsForBsdfsThatChooseLobes) {
       worker.surfaces->path[i] = i;
       worker.surfaces->material[i] = std::uint32_t(kind);
       worker.surfaces->ns_y[i] = worker.surfaces->ng_y[i] = worker.surfaces->wo_y[i] = 1;
-      worker.lobe->u[i] = worker.lobe->v[i] = kPoison;
+      lobe->u[i] = lobe->v[i] = kPoison;
     }
     Scatter(job.frame(), kCameraEnd, worker.paths, worker.surfaces, ranges, 0, /*bounce=*/0,
-            worker.uniforms, worker.lobe, worker.rays[0]);
-    for (std::uint32_t i = 0; i < kRows; ++i) EXPECT_LT(worker.lobe->u[i], 1.0f) << i;
+            direction, lobe, worker.rays[0]);
+    for (std::uint32_t i = 0; i < kRows; ++i) EXPECT_LT(lobe->u[i], 1.0f) << i;
   }
 }
 

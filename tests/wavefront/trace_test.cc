@@ -1,4 +1,4 @@
-// Rays into Embree: all backends give the same bits, for odd rays and odd counts too.
+// Tests tracing with Embree: all backends give the same bits, also for odd rays and odd counts.
 #include "wavefront/rays/trace.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Balls, a plane through which many edges run, and triangles without area.
+// Returns balls, a plane with many edges, and triangles without area.
 Scene Clutter() {
   Scene scene;
   AddLambert(scene, "grey", glm::vec3(0.5f));
@@ -56,7 +56,7 @@ std::vector<TestRay> Rays(const Scene& scene, Kind kind, std::uint32_t n) {
     const glm::vec3 a = vertices[random.Word() % vertices.size()];
     const glm::vec3 b = vertices[random.Word() % vertices.size()];
     if (kind == Kind::kVertices) {
-      // At a vertex, or between two: often along an edge.
+      // The target is a vertex or the middle of two, often on an edge.
       const double share = random.Word() % 2 ? 0.0 : 0.5;
       const glm::dvec3 p = (1 - share) * glm::dvec3(a) + share * glm::dvec3(b);
       ray.dir = Unit(Vec{p.x, p.y, p.z} - ray.org);
@@ -103,7 +103,7 @@ struct Wave {
       rays->t_far[i] = test_rays[i].t_far;
     }
   }
-  // What says where the rays ended: of a miss, that it is one.
+  // Returns the bits that describe where the rays ended; for a miss, only that it is one.
   std::vector<std::uint32_t> Bits() const {
     std::vector<std::uint32_t> bits;
     for (std::uint32_t i = 0; i < rays.rows(); ++i) {
@@ -175,8 +175,8 @@ TEST_P(Trace, OcclusionIsTheSameByAllBackendsAndThatOfTheClosestHit) {
   }
 }
 
-// What a beam finds depends on its own rays alone: not on the backend, nor on the beams around it.
-// Here its rays have nothing in common, so that ends at edges do depend on the company.
+// The hits of a beam depend on its own rays alone, not on the backend or on neighbouring beams.
+// Here its rays are incoherent, so that hits at edges do depend on the other rays of the beam.
 TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
   constexpr std::uint32_t n = 20000, some = 3 * kBeamRays;
   const std::vector<TestRay> rays = Rays(scene, GetParam(), n);
@@ -195,7 +195,7 @@ TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
     }
     EXPECT_EQ(found, bits);
   }
-  // The other way round: beams that begin three rays later are others.
+  // Conversely, beams that begin three rays later give different results.
   if (GetParam() == Kind::kVertices) {
     Wave shifted(std::vector<TestRay>(rays.begin() + 3, rays.end()));
     TraceClosest(TracerOf(Backend::kBest), RayKind::kCamera, shifted.rays, n - 3, shifted.hits);
@@ -206,7 +206,7 @@ TEST_P(Trace, BeamsAreTheSameBitsInAnyWave) {
   }
 }
 
-// Rows behind the last ray keep what they held.
+// Rows after the last ray keep their values.
 TEST_P(Trace, CountsAreKept) {
   for (const std::uint32_t n : kRowCounts) {
     const std::vector<TestRay> rays = Rays(scene, GetParam(), kFullWave + 30);
@@ -224,8 +224,8 @@ TEST_P(Trace, CountsAreKept) {
   }
 }
 
-// A stream without tnear, time, mask, id and flags is one where they are 0, 0, all bits, any, 0.
-// Embree documents it for none of them but time; the stream backend relies on it.
+// A stream without tnear, time, mask, id and flags behaves as if they were 0, 0, all bits, any, 0.
+// Embree documents this for time only; the stream backend relies on it for all.
 TEST_P(Trace, StreamColumnsThatAreNullHaveTheirDefaults) {
   const std::vector<TestRay> rays = Rays(scene, GetParam(), kFullWave);
   Wave wave(rays), full(rays);

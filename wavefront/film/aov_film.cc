@@ -12,8 +12,8 @@
 namespace skywave {
 namespace {
 
-constexpr std::uint32_t kRows = 256;    // of a piece of the wave, on the stack
-constexpr double kRangeUnits = 0x1p38;  // at the end of a range
+constexpr std::uint32_t kRows = 256;    // of the wave at a time, on the stack
+constexpr double kRangeUnits = 0x1p38;  // units at the end of a range
 constexpr std::uint64_t kNoSample = ~std::uint64_t{0};
 
 double RangeEnd(AovRange range, float world_extent) {
@@ -40,7 +40,8 @@ std::uint64_t NearnessKey(const FirstHits& hits, std::uint32_t path) {
   return std::uint64_t{std::bit_cast<std::uint32_t>(x * x + y * y)} << 32 | hits.paths.sample[path];
 }
 
-// Of samples x with these sums: (sum of x^2 - (sum of x)^2 / n) / (n - 1), exact but for the end.
+// Returns the variance of samples x with these sums: (sum of x^2 - (sum of x)^2 / n) / (n - 1),
+// exact but for the last division.
 double Variance(Uint128 squares, std::uint64_t sum, std::uint64_t samples) {
   if (samples < 2) return 0;
   const Uint128 of_mean = Uint128{sum} * sum / samples;
@@ -135,7 +136,7 @@ void AovFilm::AddDirect(const PathColumns& paths, std::uint32_t n, const FilmSca
 
 void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                           const FilmScale& scale, const GroupColumns& given) {
-  // As AddToFilm rounds.
+  // This rounds as AddToFilm does.
   const auto units = [&](float value) {
     const double kept = value > 0 ? double(std::min(value, scale.limit)) : 0.0;
     return std::uint64_t(std::llrint(kept * scale.units));
@@ -185,7 +186,7 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
     return std::find_if(layers_.begin(), layers_.end(),
                         [&](const HitLayer& layer) { return layer.aov == &aov; });
   };
-  // Value i of a layer: channel i % channels of pixel i / channels.
+  // Value i of a layer is channel i % channels of pixel i / channels.
   const auto value = [&](const Aov& aov, std::size_t group, std::size_t pixel,
                          std::size_t i) -> double {
     switch (aov.sum) {

@@ -34,7 +34,7 @@ void ReadPosition(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
-// Along the axis for cameras with a plane film, else along the ray, as Blender has it.
+// Depth is along the axis for cameras with a plane film, else along the ray, as in Blender.
 void ReadDepth(const FirstSurfaces& first, const AovColumns& out) {
   const SurfaceColumns& s = first.surfaces;
   const CameraView& camera = first.camera;
@@ -76,7 +76,7 @@ void ReadMaterialId(const FirstSurfaces& first, const AovColumns& out) {
   }
 }
 
-constexpr float kFarAway = 1e10f;  // as Blender has it
+constexpr float kFarAway = 1e10f;  // as in Blender
 
 constexpr Aov kAovs[] = {
     {"albedo", "RGB", AovSum::kMeanOfHits, "reflectance, textures included", ReadAlbedo,

@@ -11,18 +11,19 @@ namespace skywave {
 namespace {
 
 constexpr double kSampleUnits = 0x1p52;  // doubles count units exactly up to here
-constexpr double kHeadroom = 64;         // of a sample over the brightest texel
+constexpr double kHeadroom = 64;         // range of a sample over the brightest texel
 
-// The values of the picture, of those of all pixels.
+// Cuts the values of the picture out of those of all pixels.
 template <class T>
-std::vector<T> CutPicture(const FilmArea& area, const std::vector<T>& values, std::size_t a_pixel) {
+std::vector<T> CutPicture(const FilmArea& area, const std::vector<T>& values,
+                          std::size_t per_pixel) {
   const CropWindow& picture = area.picture;
   std::vector<T> cut;
-  cut.reserve(std::size_t(picture.width) * picture.height * a_pixel);
+  cut.reserve(std::size_t(picture.width) * picture.height * per_pixel);
   for (int y = 0; y < picture.height; ++y) {
     const std::size_t first = std::size_t(picture.y + y) * area.width + picture.x;
-    const auto row = values.begin() + std::ptrdiff_t(first * a_pixel);
-    cut.insert(cut.end(), row, row + std::ptrdiff_t(picture.width * a_pixel));
+    const auto row = values.begin() + std::ptrdiff_t(first * per_pixel);
+    cut.insert(cut.end(), row, row + std::ptrdiff_t(picture.width * per_pixel));
   }
   return cut;
 }

@@ -1,15 +1,15 @@
-// Where paths end: sums that do not depend on the order of addition.
+// Paths end in the film, whose sums do not depend on the order of addition.
 //
 // A channel of a pixel is a 64-bit fixed-point number. Integer addition is associative, so any
 // number of threads, any wave size and any split of the samples gives the same bits. The unit is a
 // power of two chosen from the scene's brightest radiance: a sample holds 2^52 units, 64 times the
-// brightest texel or more; what is brighter is clamped and counted. A sum saturates at 2^64 units,
+// brightest texel or more; brighter samples are clamped and counted. A sum saturates at 2^64 units,
 // which stays order-free because nothing is ever subtracted.
 //
-// Splats, what light paths bring to pixels of their choice, go to the same sums in the same unit: a
-// splat is divided by the light paths of one sample a pixel, so that a pixel gets some splats a
-// sample, each about as bright as what is seen there. Films that get them are shared: every
-// addition is atomic.
+// Splats, the contributions of light paths to pixels of their choice, go to the same sums in the
+// same unit: a splat is divided by the number of light paths per sample of every pixel, so that a
+// pixel gets some splats per sample, each about as bright as what is seen there. Films that get
+// them are shared: every addition is atomic.
 #pragma once
 
 #include <cstdint>
@@ -29,33 +29,32 @@ namespace skywave {
 
 class Film {
  public:
-  // `aovs`: what it keeps beside radiance; `world_extent`, `light_groups`: see AovFilm. `shared`:
-  // it gets splats.
+  // The film keeps `aovs` in addition to radiance; for `world_extent` and `light_groups` see
+  // AovFilm. A `shared` film gets splats.
   Film(const FilmArea& area, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
        bool shared = false, std::vector<std::string> light_groups = {});
-  // A film that is all picture.
+  // Makes a film that is all picture.
   Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
        bool shared = false)
       : Film({width, height, {0, 0, width, height}}, brightest_radiance, aovs, world_extent,
              shared) {}
 
-  // Adds the radiance of paths [0, n) to their pixels. Not for two threads with the same pixel,
-  // unless the film is shared.
-  // Samples brighter than the range are clamped, NaN and negative channels count as 0; both are
-  // counted in `stats`, a sample once.
+  // Adds the radiance of paths [0, n) to their pixels. Two threads must not add to the same pixel,
+  // unless the film is shared. Samples brighter than the range are clamped, NaN and negative
+  // channels count as 0; both are counted in `stats`, once per sample.
   void Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats);
 
-  // Adds what rows [0, n) bring to pixel[row], `factor` times r, g, b, if their ray arrived (t_far
-  // >= 0). Clamped and counted as samples are. The film is shared.
+  // Adds the contributions of rows [0, n) to pixel[row], `factor` times r, g, b, if their ray
+  // arrived (t_far >= 0). They are clamped and counted as samples are. The film is shared.
   void AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
                  float factor, RenderStats& stats);
 
-  // Whether there is anything beside radiance to add; if not, these need not be called.
+  // True if there is anything to add in addition to radiance; if not, these need not be called.
   bool has_aovs() const { return aovs_.has_value(); }
   void AddFirstHits(const FirstHits& hits);
-  // The radiance of paths [0, n) when all their direct light is in it.
+  // Adds the radiance of paths [0, n) when all their direct light is in it.
   void AddDirect(const PathColumns& paths, std::uint32_t n);
-  // What paths rows[0, n) have gained, to the groups of lights; see AovFilm.
+  // Adds the gain of paths rows[0, n) to the groups of lights; see AovFilm.
   void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                    const GroupColumns& given);
 
@@ -63,15 +62,15 @@ class Film {
   // other samples: afterwards it is as if all had been added to this one.
   void Merge(const Film& other);
 
-  // The picture: the mean of `samples` samples in every pixel.
+  // Returns the picture: the mean of `samples` samples in every pixel.
   Image Resolve(std::uint64_t samples) const;
-  // The channels of the layers that were asked for, cut like the picture.
+  // Returns the channels of the requested layers, cut like the picture.
   std::vector<NamedChannel> ResolveAovs(std::uint64_t samples) const;
 
-  // The sums as they are kept, three a pixel of the film [units].
+  // Returns the sums as they are kept, three per pixel of the film [units].
   std::span<const std::uint64_t> sums() const { return sums_; }
-  // Those of the groups of lights, three a pixel of the film and group, group by group; empty if
-  // not kept.
+  // Returns those of the groups of lights, three per pixel of the film and group, group by group;
+  // empty if not kept.
   std::span<const std::uint64_t> light_group_sums() const;
   double unit() const { return unit_; }  // [scene radiance], a power of two
 
@@ -81,7 +80,7 @@ class Film {
 
   FilmArea area_;
   double unit_;                      // [scene radiance]
-  std::vector<std::uint64_t> sums_;  // [units], three a pixel
+  std::vector<std::uint64_t> sums_;  // [units], three per pixel
   std::optional<AovFilm> aovs_;
   bool shared_;
 };

@@ -1,16 +1,16 @@
-// Parts of films, in pixels.
+// These are parts of films, in pixels.
 #pragma once
 
 #include "kernels/camera.h"
 
 namespace skywave {
 
-// The part of a film that is rendered.
+// A crop window is the part of a film that is rendered.
 struct CropWindow {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-// The blocks of beams that `part` touches: what has to be rendered for it.
+// Returns the blocks of beams that `part` touches, which have to be rendered for it.
 constexpr CropWindow WholeBlocks(const CropWindow& part) {
   const auto down = [](int pixel, int side) { return pixel / side * side; };
   const auto up = [&](int pixel, int side) { return down(pixel + side - 1, side); };
@@ -18,7 +18,7 @@ constexpr CropWindow WholeBlocks(const CropWindow& part) {
   return {x, y, up(part.x + part.width, kBeamWidth) - x, up(part.y + part.height, kBeamHeight) - y};
 }
 
-// What a film keeps, and the picture that is cut out of it.
+// A film keeps this area, and the picture is cut out of it.
 struct FilmArea {
   int width, height;
   CropWindow picture;

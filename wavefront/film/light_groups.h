@@ -1,9 +1,9 @@
-// The beauty split by the lights that it comes from: a layer a group of lights.
+// The beauty is split by the lights that it comes from: one layer per group of lights.
 //
-// Light arrives at a path stage by stage, and what arrives at one path in one stage is of one
-// light. So whatever a path has gained in a stage, counted in the film's units, goes to the group
-// of that light: these differences are integers that add up to what the film gets, to the last
-// unit, unless samples were invalid or sums saturated.
+// Light arrives at a path stage by stage, and all that arrives at one path in one stage comes from
+// one light. So the gain of a path in a stage, counted in the film's units, goes to the group of
+// that light: these differences are integers that add up to what the film gets, to the last unit,
+// unless samples were invalid or sums saturated.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace skywave {
 
-// A film keeps three sums a group and pixel; what is beyond goes into the last one.
+// A film keeps three sums per group and pixel; further groups go into the last one.
 inline constexpr std::size_t kMaxLightGroups = 32;
 
 struct LightGroups {
@@ -26,17 +26,17 @@ struct LightGroups {
 };
 inline constexpr std::uint32_t kEnvironmentGroup = 0;
 
-// Lights of one name are a group: shining surfaces have the name of their material ("lamps" without
-// one), other lights their own, or else that of their kind. In names, what is no letter, digit or
-// '-' is '_'.
+// Lights of one name are a group: emitting surfaces have the name of their material ("lamps"
+// without one), other lights their own, or else that of their kind. Characters of names other than
+// letters, digits and '-' become '_'.
 LightGroups MakeLightGroups(const Scene& scene, const Geometry& geometry,
                             const LocalLightView& lights);
 
-// One row = one path of the wave. Kept by the functions of the integrator that give light to
+// One row is one path of the wave, written by the functions of the integrator that give light to
 // groups.
 struct GroupColumns {
-  float *r, *g, *b;      // radiance that groups have got
-  std::uint32_t* group;  // of the light of the stage at hand, by ray or surface
+  float *r, *g, *b;      // radiance that groups have received
+  std::uint32_t* group;  // of the light of the current stage, by ray or surface
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -47,10 +47,10 @@ struct GroupColumns {
 struct FrameView;
 struct LightShares;
 
-// Writes the group of the light that rays [0, n) have hit; the environment's where they hit none.
+// Writes the group of the light that rays [0, n) have hit, or the environment's if they hit none.
 void GroupsOfHits(const FrameView& frame, const HitColumns& hits, std::uint32_t n,
                   std::uint32_t* group);
-// Writes the group of the light that light sample `index` of surfaces [0, n) went to. `u`: the
+// Writes the group of the light that light sample `index` of surfaces [0, n) went to. `u` are the
 // uniforms that have picked it.
 void GroupsOfLightSamples(const FrameView& frame, const LightShares& shares, std::uint32_t index,
                           const float* u, std::uint32_t n, std::uint32_t* group);

@@ -16,11 +16,11 @@
 namespace skywave {
 namespace {
 
-// Fewer needs than this do not say where in a part of the disk they are.
+// Fewer samples than this do not tell where in a part of the disk they are.
 constexpr std::ptrdiff_t kLeastGuideSamples = 8;
-// What one need counts at most, in means of all of them.
+// One sample counts at most this many means of all of them.
 constexpr std::uint64_t kMostMeans = 8;
-// Columns of a map whose texels are small against cells of directions.
+// With this many columns a map's texels are small against cells of directions.
 constexpr int kLeastColumns = 256;
 
 using GuideSampleSpan = std::span<GuideSample>;
@@ -31,7 +31,7 @@ std::uint64_t SumOf(GuideSampleSpan samples) {
   return sum;
 }
 
-// A part of the unit square.
+// This is a part of the unit square.
 struct Part {
   float low[2] = {0, 0}, high[2] = {1, 1};
 };
@@ -40,8 +40,8 @@ float Along(const GuideSample& sample, std::uint32_t axis) {
   return axis == 0 ? sample.u : sample.v;
 }
 
-// Where half of what is needed lies below. Counted in bins, then in those of the bin where that is,
-// inside of which all is spread evenly in the end: nothing is sorted.
+// Returns where half of the weight lies below. It is counted in bins, then in those of the bin
+// where that is, inside of which the weight is taken as uniform in the end: nothing is sorted.
 float Median(GuideSampleSpan samples, std::uint32_t axis, double low, double high) {
   constexpr std::uint32_t kBins = 32, kRounds = 4;
   double left = 0.5 * double(SumOf(samples));
@@ -50,7 +50,7 @@ float Median(GuideSampleSpan samples, std::uint32_t axis, double low, double hig
     const double width = (high - low) / kBins;
     for (const GuideSample& sample : samples) {
       const double bin = std::floor((double(Along(sample, axis)) - low) / width);
-      // The borders of a round count all that is on them.
+      // Only samples in the range of this round count.
       if (bin >= 0 && bin < kBins) bins[std::uint32_t(bin)] += sample.weight;
     }
     std::uint32_t bin = 0;
@@ -64,12 +64,13 @@ float Median(GuideSampleSpan samples, std::uint32_t axis, double low, double hig
   return float(low);
 }
 
-// Cuts a part and its parts in halves of what is needed there.
+// Cuts a part and its parts into halves of equal weight.
 void Cut(GuideSampleSpan samples, const Part& part, std::uint32_t node, float* cuts) {
   if (node >= kGuideLeaves) return;
   const std::uint32_t axis = std::uint32_t(std::bit_width(node) - 1) & 1;
   const float low = part.low[axis], high = part.high[axis];
-  // Where they say nothing, they are even, and so are all parts; and parts must stay parts.
+  // Parts without enough samples, and parts too small to be cut much further, are cut in the
+  // middle, as are all of their parts.
   constexpr float kLeastSide = 0x1p-13f;
   if (std::ssize(samples) < kLeastGuideSamples || high - low < kLeastSide) samples = {};
   float cut = 0.5f * (low + high);
@@ -88,7 +89,7 @@ void Cut(GuideSampleSpan samples, const Part& part, std::uint32_t node, float* c
   Cut(samples.subspan(below), upper, 2 * node + 1, cuts);
 }
 
-// The box of needs, wider by what more of them would have made it.
+// Returns the box of samples, wider by as much as more of them would have made it.
 Part BoxOf(GuideSampleSpan samples) {
   Part box;
   for (std::uint32_t axis = 0; axis < 2; ++axis) {
@@ -103,9 +104,9 @@ Part BoxOf(GuideSampleSpan samples) {
   return box;
 }
 
-// Counts what a pixel needs in parts of all that it needs, so that dark ones count as much as
-// bright ones: noise is seen against what it lies on. Pixels darker than the mean by more than
-// kDarkest do not.
+// Turns the weights of a pixel into parts of their sum, so that dark pixels count as much as bright
+// ones: noise is seen against what it lies on. Pixels darker than the mean by more than kDarkest
+// count less.
 void MakeRelative(std::vector<GuideSample>& samples, std::size_t pixels) {
   constexpr std::uint64_t kDarkest = 16;
   std::vector<std::uint64_t> sums(pixels);
@@ -117,10 +118,10 @@ void MakeRelative(std::vector<GuideSample>& samples, std::size_t pixels) {
   }
 }
 
-// A sphere that most of the points that need light lie in. In whole numbers, so that the order of
-// needs does not matter.
+// Returns a sphere in which most of the points that need light lie. It is found in whole numbers,
+// so that the order of samples does not matter.
 SceneSphere FocusOf(GuideSampleSpan samples, const SceneSphere& sphere) {
-  constexpr double kSteps = 1 << 15;  // in a radius of the scene
+  constexpr double kSteps = 1 << 15;  // steps in a radius of the scene
   constexpr int kRounds = 3, kRings = 512;
   constexpr double kInside = 0.9;
   double middle[3] = {};  // [steps]
@@ -133,7 +134,7 @@ SceneSphere FocusOf(GuideSampleSpan samples, const SceneSphere& sphere) {
     for (int axis = 0; axis < 3; ++axis) sum += std::pow(offset(sample, axis) - middle[axis], 2);
     return std::sqrt(sum);
   };
-  // The middle of those inside, and then the radius about it.
+  // A round finds the middle of the points inside, and then the radius about it.
   for (int round = 0; round < kRounds; ++round) {
     std::int64_t sums[3] = {}, weight = 0;
     for (const GuideSample& sample : samples) {
@@ -164,7 +165,7 @@ SceneSphere FocusOf(GuideSampleSpan samples, const SceneSphere& sphere) {
   return focus;
 }
 
-// Puts needs in the order of their cells; cell c has [begin[c], begin[c + 1]).
+// Puts samples in the order of their cells; cell c has [begin[c], begin[c + 1]).
 std::vector<std::size_t> SortByCell(std::vector<GuideSample>& samples) {
   std::vector<std::size_t> begin(kGuideCells + 1);
   for (const GuideSample& sample : samples) ++begin[sample.cell + 1];
@@ -176,7 +177,7 @@ std::vector<std::size_t> SortByCell(std::vector<GuideSample>& samples) {
   return begin;
 }
 
-// A map as it is, in more texels.
+// Returns the same map in more texels.
 EnvironmentMap Finer(const EnvironmentMap& map, int factor) {
   const Image& from = map.latlong;
   EnvironmentMap finer = {.latlong = Image(from.width * factor, from.height * factor),
@@ -189,10 +190,10 @@ EnvironmentMap Finer(const EnvironmentMap& map, int factor) {
   return finer;
 }
 
-// Of every texel: the cell of its centre, and how often light samples are in it.
+// Every texel has the cell of its centre, and how often light samples are in it.
 struct MapTexels {
   std::vector<std::uint32_t> cell;
-  std::vector<double> probability;  // empty: of strategies whose lights stand for parts of the map
+  std::vector<double> probability;  // empty if lights of the strategy stand for parts of the map
 };
 MapTexels LocateTexels(const EnvironmentMap& map, const EnvStrategy& strategy) {
   const Image& image = map.latlong;
@@ -201,7 +202,7 @@ MapTexels LocateTexels(const EnvironmentMap& map, const EnvStrategy& strategy) {
   MapTexels texels;
   texels.cell.resize(all);
   if (strategy.unbiased()) texels.probability.resize(all);
-  // Of every column the horizontal direction, which rows lift.
+  // Every column has a horizontal direction, which rows lift.
   std::vector<Vector3> horizon;
   for (std::uint32_t x = 0; x < n; ++x) {
     horizon.push_back(DirectionOfUv((double(x) + 0.5) / image.width, 0.5));
@@ -235,8 +236,8 @@ MapTexels LocateTexels(const EnvironmentMap& map, const EnvStrategy& strategy) {
   return texels;
 }
 
-// Mean luminance of each cell. A cell smaller than a texel may have no texel's centre: it gets the
-// mean of all.
+// Returns the mean luminance of each cell. A cell smaller than a texel may have no texel's centre:
+// it gets the mean of all.
 std::vector<double> CellRadiance(const Image& image, std::span<const std::uint32_t> cells) {
   std::vector<double> energy(kGuideCells), solid_angle(kGuideCells);
   double all = 0;
@@ -287,8 +288,8 @@ EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double
     constexpr double kUnguided = kEvenShare + kFocusShare;
     double unguided = kUnguided;
     if (!shares.empty() && shares[i] > 0) {
-      // What starts evenly is that of the whole: all the less of a cell, the more often it is
-      // drawn.
+      // Uniform starts are a share of those of the whole map: the more often a cell is drawn, the
+      // smaller their share in it.
       const double drawn = kUnguided * shares[i] + (1 - kUnguided) * double(SumOf(mine)) / all;
       unguided = kUnguided * shares[i] / drawn;
       cell.gain = float(drawn / shares[i]);
@@ -322,11 +323,10 @@ EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCount
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * pilot.options.samples_per_pixel;
   const std::uint64_t wave = pilot.options.wave;
-  // Light that a surface gets at once and shows to the eye is what light samples find, where
-  // there are any.
-  const LightSamples samples_taken = Describe(frame.options.integrator).light_samples;
+  // Light samples find light that reaches a surface directly and goes to the eye from there.
+  const LightSamples taken = Describe(frame.options.integrator).light_samples;
   const PilotQuestion question = {.radiance = radiance,
-                                  .least_surfaces = samples_taken == LightSamples::kNone ? 1u : 2u};
+                                  .least_surfaces = taken == LightSamples::kNone ? 1u : 2u};
   std::vector<std::vector<GuideSample>> waves((total + wave - 1) / wave);
   pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
     const RenderStats stats = worker.stats;
@@ -344,7 +344,7 @@ EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCount
   MakeRelative(samples, std::size_t(tile.width) * tile.height);
   counts.paths = total, counts.samples = samples.size();
 
-  // Lights that stand for parts of the map are drawn by nobody but their strategy.
+  // Lights that stand for parts of the map are drawn by their strategy only.
   std::vector<double> shares;
   if (!texels.probability.empty()) {
     shares.resize(kGuideCells);

@@ -1,11 +1,12 @@
-// Where light paths of the sky are needed, learnt from what camera paths see of it.
+// Camera paths learn where light paths of the environment are needed.
 //
-// A sky's light paths start on a disk as wide as the scene (kernels/light_paths/emission.h), most
-// of them where nobody looks: over the far ends of a floor, on the walls around a window. Before a
-// frame a few camera paths, the pilot, note where lines of light enter that would have brought
-// something, as importance maps do for photons (Peter and Pietrek 1998). What they find becomes a
-// density over directions and places (kernels/light_paths/emission_guide.h), mixed with the even
-// one, so every start stays possible and the estimate unbiased.
+// Light paths of the environment start on a disk as wide as the scene
+// (kernels/light_paths/emission.h), most of them out of sight: over the far ends of a floor, on the
+// walls around a window. Before a frame a few camera paths, the pilot, record where lines of light
+// enter that would have contributed, as importance maps do for photons (Peter and Pietrek 1998).
+// These guide samples become a density over directions and places
+// (kernels/light_paths/emission_guide.h), mixed with the uniform one, so every start stays possible
+// and the estimate unbiased.
 #pragma once
 
 #include <cstdint>
@@ -23,37 +24,39 @@
 
 namespace skywave {
 
-// Shares of light paths that start evenly over the disk of the scene, as if nothing were known, and
-// over that of the focus: what the pilot has missed is at most so much rarer.
+// These are the shares of light paths that start uniformly over the disk of the scene, as if
+// nothing were known, and over that of the focus: starts that the pilot has missed are at most that
+// much rarer.
 inline constexpr double kEvenShare = 1.0 / 16, kFocusShare = 1.0 / 8;
 
 struct EmissionGuide {
   std::vector<GuideCell> cells;  // empty: nothing was learnt
   std::vector<float> cuts;
   SceneSphere focus;
-  // Draws directions in place of the strategy; null: the strategy does, and every gain is 1.
+  // Draws directions in place of the strategy; if it is null, the strategy does, and every gain is
+  // 1.
   std::unique_ptr<EnvStrategy> directions;
-  std::unique_ptr<EnvironmentMap> map;  // of `directions`, where it needs one of its own
+  std::unique_ptr<EnvironmentMap> map;  // for `directions`, if it needs one of its own
 
   bool empty() const { return cells.empty(); }
   std::size_t bytes() const;
   EmissionGuideView view() const;
 };
 
-// The guide of a frame; nothing was learnt where it has none.
+// Returns the guide of a frame, or an empty one if it has none.
 inline EmissionGuideView GuideOf(const FrameView& frame) {
   return frame.guide != nullptr ? frame.guide->view() : EmissionGuideView();
 }
 
-// The table, for a scene within `sphere`. `shares`: how often light samples are in a cell, if
-// directions are to be guided too; else empty. The order of `needs` does not matter, and is lost.
+// Makes the table for a scene within `sphere`. `shares` is how often light samples are in a cell,
+// if directions are to be guided too, else empty. The order of `samples` does not matter.
 EmissionGuide MakeGuide(std::vector<GuideSample> samples, std::span<const double> shares,
                         const SceneSphere& sphere);
 
-// Traces the pilot of a frame whose light paths start with frame.emitter, and makes its guide; an
-// empty one where no camera path finds the sky. Depends on neither threads nor wave, nor on which
-// part of the film or which samples the frame has. Statistics of the workers stay as they are, and
-// no rays are recorded.
+// Traces the pilot of a frame whose light paths start with frame.emitter, and makes its guide; it
+// is empty if no camera path finds the environment. The guide depends on neither threads nor wave,
+// nor on which part of the film or which samples the frame has. Statistics of the workers stay as
+// they are, and no rays are recorded.
 EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCounts& counts);
 
 }  // namespace skywave

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kPilotSeed = 0x5EED9135u;  // turns a frame's seed into the pilot's
 
-// The same film in other pixels.
+// Returns the same film in other pixels.
 CameraView WithPixels(CameraView camera, std::uint32_t width, std::uint32_t height) {
   const float wider = float(camera.whole_width) / float(width);
   const float higher = float(camera.whole_height) / float(height);
@@ -34,7 +34,7 @@ double Luminance(float r, float g, float b) {
   return double(kLuminance[0]) * r + double(kLuminance[1]) * g + double(kLuminance[2]) * b;
 }
 
-// Of the paths of a wave: collects their needs, line by line, places first, then how much.
+// Collects the guide samples of the paths of a wave, line by line, places first, then weights.
 class GuideSampleList {
  public:
   GuideSampleList(const FrameView& pilot, const PilotQuestion& question,
@@ -47,12 +47,13 @@ class GuideSampleList {
               double(question.radiance.size()) / kGuideSampleUnits),
         needs_(samples) {}
 
-  // Surfaces [0, n) of w.surfaces have a density.
+  // Counts surfaces [0, n) of w.surfaces, which have a density, for their paths.
   void Meet(const Worker& w, std::uint32_t n) {
     for (std::uint32_t i = 0; i < n; ++i) ++surfaces_met_[w.surfaces->path[i]];
   }
 
-  // What rays [0, n) that left the surfaces at hand see of the sky, as the strategy has it.
+  // Adds what rays [0, n) that left the current surfaces see of the environment, as the strategy
+  // has it.
   void AddEscapes(const Worker& w, std::uint32_t n) {
     const EscapeColumns& rays = w.escaped;
     LocateOnDisk(sphere_, {rays.dir_x, rays.dir_y, rays.dir_z, w.surfaces, rays.from}, n, places_);
@@ -70,7 +71,8 @@ class GuideSampleList {
     }
   }
 
-  // Light samples [0, n) of the surfaces at hand that have arrived from infinitely far away.
+  // Adds those light samples [0, n) of the current surfaces that have arrived from infinitely far
+  // away.
   void AddLightSamples(const Worker& w, std::uint32_t n) {
     const LightColumns& lights = w.lights;
     LocateOnDisk(sphere_, {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces}, n, places_);
@@ -84,7 +86,7 @@ class GuideSampleList {
   }
 
  private:
-  // Of line i, through surface `row`.
+  // Adds line i, which goes through surface `row`.
   void Add(const Worker& w, std::uint32_t i, std::uint32_t row, std::uint32_t path,
            double luminance) {
     constexpr double kMost = 0x1p40;
@@ -110,7 +112,7 @@ class GuideSampleList {
 }  // namespace
 
 FrameView PilotView(const FrameView& frame) {
-  // A few samples of a pixel; more of small films.
+  // Pixels get a few samples, those of small films more.
   constexpr double kSamples = 4;
   const double pixels = double(frame.camera.whole_width) * frame.camera.whole_height;
   const double scale = std::min(1.0, std::sqrt(kMostPilotPaths / kSamples / pixels));
@@ -141,24 +143,23 @@ void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQ
   GuideSampleList list(pilot, question, samples);
   const float light_samples = pilot.light_shares().strategy_samples(1);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(pilot, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(pilot, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   std::uint32_t n = range.count;
   for (std::uint32_t bounce = 0; n > 0; ++bounce) {
-    SurfaceRanges ranges;
-    const std::uint32_t escaped =
-        TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
-    MoveEscaped(*rays, w.queue->queue, n, w.escaped);
-    if (bounce > 0 && escaped > 0) {
+    SortedHits sorted =
+        TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    MoveEscaped(*rays, sorted.queues->queue, n, w.escaped);
+    if (const std::uint32_t escaped = sorted.escaped; bounce > 0 && escaped > 0) {
       pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, light_samples, w.escaped);
       list.AddEscapes(w, escaped);
     }
     if (bounce == pilot.options.max_depth) break;
-    PrepareHits(pilot, kCameraEnd, *rays, n, escaped, ranges, w, clock);
+    PrepareHits(pilot, kCameraEnd, *rays, n, std::move(sorted), w, clock);
     LightSurfaces(pilot, bounce, w, clock);
     list.Meet(w, w.ranges.light_sampled());
     list.AddLightSamples(w, w.ranges.light_sampled());
-    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce, w.uniforms, w.lobe,
-                *next);
+    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce,
+                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
     std::swap(rays, next);
   }
 }

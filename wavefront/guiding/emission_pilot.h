@@ -1,4 +1,5 @@
-// The camera paths that find out where light paths are needed (wavefront/guiding/emission_guide.h).
+// Camera paths of the pilot find out where light paths are needed
+// (wavefront/guiding/emission_guide.h).
 #pragma once
 
 #include <cstdint>
@@ -12,25 +13,28 @@
 
 namespace skywave {
 
-// Camera paths of the pilot, about: few of a usual render, enough of a small one.
+// The pilot has about this many camera paths: few against a usual render, enough for a small one.
 inline constexpr double kLeastPilotPaths = 1 << 14, kMostPilotPaths = 1 << 17;
 
-// The frame of the pilot: the whole film, coarse, by path tracing, with random numbers of its own.
+// Returns the frame of the pilot: the whole film, coarse, by path tracing, with random numbers of
+// its own.
 FrameView PilotView(const FrameView& frame);
-// All its samples: one tile.
+// Returns all its samples as one tile.
 Tile PilotTile(const FrameView& pilot);
 
-// What counts as needed.
+// These rules decide what light counts as needed.
 struct PilotQuestion {
-  // Mean luminance of each cell of directions. It stands for what rays over mirrors and glass see,
-  // which no light sample competes with: the few of them that meet a sun would rule all others.
+  // Mean luminance of each cell of directions. It stands for what rays through mirrors and glass
+  // see, which no light sample competes with: the few of them that hit a sun would outweigh all
+  // others.
   std::span<const double> radiance;
-  // Surfaces with a density between the sky and the eye, at least. Light over mirrors and glass to
-  // one of them, a caustic, is always needed; over none of them, light paths bring nothing.
+  // The least number of surfaces with a density between the environment and the eye. Light through
+  // mirrors and glass to one of them, a caustic, is always needed; without any, light paths
+  // contribute nothing.
   std::uint32_t least_surfaces = 1;
 };
 
-// Traces paths `range` of the pilot and appends what they need of the sky.
+// Traces paths `range` of the pilot and appends the guide samples that they find.
 void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQuestion& question,
                     Worker& w, std::vector<GuideSample>& samples);
 

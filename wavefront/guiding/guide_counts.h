@@ -1,4 +1,5 @@
-// What a frame tells of the pilot that guided its light paths (wavefront/guiding/emission_guide.h).
+// A frame reports this about the pilot that guided its light paths
+// (wavefront/guiding/emission_guide.h).
 #pragma once
 
 #include <cstddef>
@@ -7,8 +8,8 @@
 namespace skywave {
 
 struct GuideCounts {
-  std::uint64_t paths = 0, samples = 0;  // of the pilot; what these found
-  std::size_t bytes = 0;                 // of the tables
+  std::uint64_t paths = 0, samples = 0;  // paths of the pilot; guide samples that they found
+  std::size_t bytes = 0;                 // size of the tables
   double seconds = 0;                    // wall clock
 };
 

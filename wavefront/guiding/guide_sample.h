@@ -1,4 +1,4 @@
-// What camera paths of a pilot find for the guide of light paths
+// Camera paths of a pilot find samples for the guide of light paths
 // (wavefront/guiding/emission_guide.h).
 #pragma once
 
@@ -6,13 +6,13 @@
 
 namespace skywave {
 
-// Light that came in along a line: what a camera path gained by it.
+// A guide sample is light that came in along a line, and the gain of a camera path by it.
 struct GuideSample {
-  std::uint32_t cell;    // of the direction
-  float u, v;            // of the place (DiskPlaceColumns)
-  float point[3];        // where it came in, world space
-  std::uint32_t pixel;   // of the pilot's film
-  std::uint64_t weight;  // [1/kGuideSampleUnits of the mean radiance of the sky]
+  std::uint32_t cell;    // cell of the direction
+  float u, v;            // place on the disk (DiskPlaceColumns)
+  float point[3];        // on the surface that it reached, world space
+  std::uint32_t pixel;   // pixel of the pilot's film
+  std::uint64_t weight;  // [1/kGuideSampleUnits of the environment's mean radiance]
 };
 inline constexpr double kGuideSampleUnits = 1 << 20;
 

@@ -54,8 +54,11 @@ void TraceLightSubpaths(const FrameView& frame, std::uint32_t n, Worker& w, Film
 void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
   BidirectionalTables& b = *w.bidirectional;
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, b.eye_rays);
-  LeaveCamera(frame, w.lobe, range.count, w);
+  {
+    const LensUniforms lens(w.scratch);
+    GenerateRays(frame, range, FilmUniforms(w.scratch), lens, w.paths, b.eye_rays);
+    LeaveCamera(frame, lens, range.count, w);
+  }
   clock.Lap(Stage::kGenerate);
   TraceLightSubpaths(frame, range.count, w, film, clock);
 
@@ -63,16 +66,15 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   soa::Table<RayColumns>*rays = &b.eye_rays, *next = &w.rays[0];
   std::uint32_t n = range.count, bounce = 0;
   for (; n > 0; ++bounce) {
-    SurfaceRanges ranges;
-    const std::uint32_t escaped =
-        TraceAndSort(frame, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
-    MoveEscaped(*rays, w.queue->queue, n, w.escaped);
+    SortedHits sorted =
+        TraceAndSort(frame, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    MoveEscaped(*rays, sorted.queues->queue, n, w.escaped);
     const std::uint32_t eye = bounce + 2;  // vertices, with the surfaces to come
-    if (frame.shows(0, eye)) AddHitLight(frame, *rays, n, escaped, bounce, w, clock);
+    if (frame.shows(0, eye)) AddHitLight(frame, *rays, n, sorted.escaped, bounce, w, clock);
     if (bounce == max_depth) break;
-    PrepareHits(frame, kCameraEnd, *rays, n, escaped, ranges, w, clock);
+    PrepareHits(frame, kCameraEnd, *rays, n, std::move(sorted), w, clock);
     KeepAovs(frame, bounce, range.count, w, film, clock);
-    ArriveAtSurfaces(w.surfaces, ranges.total(), b.eye, b.at);
+    ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.eye, b.at);
     if (frame.eta_vcm > 0) MergeSurfaces(frame, bounce, w, clock);
     if (frame.shows(1, eye)) ConnectLights(frame, bounce, w, clock);
     for (std::uint32_t light = 0; bounce + light + 2 <= max_depth; ++light) {

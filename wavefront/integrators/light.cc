@@ -28,7 +28,7 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
 
   // What camera rays see of lights themselves.
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
   if (film.has_aovs()) {
     IntersectSurfaces(frame, *rays, range.count, 0, /*only_delta=*/false, w, clock);

@@ -35,7 +35,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
 
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, w.rays[0]);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, w.rays[0]);
   StartGroups(frame, range.count, film, w);
   clock.Lap(Stage::kGenerate);
   const std::uint32_t end =

@@ -61,8 +61,9 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
   from.paths.r = c.direct->r, from.paths.g = c.direct->g, from.paths.b = c.direct->b;
   for (std::uint32_t index = 0; index < frame.options.split; ++index) {
     NumberContinuations(w.paths, paths, frame.options.split, index, c.wave.paths);
-    const std::uint32_t n = Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind,
-                                    bounce, c.wave.uniforms, c.wave.lobe, c.wave.rays[0]);
+    const std::uint32_t n =
+        Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind, bounce,
+                DirectionUniforms(c.wave.scratch), LobeUniforms(c.wave.scratch), c.wave.rays[0]);
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
     FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);
@@ -76,7 +77,7 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   StageClock clock(w.stats);
   Continuations& c = *w.continuations;
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(frame, range, w.uniforms, w.lobe, w.paths, *rays);
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   StartContinuations(w.paths, range.count, c);
   clock.Lap(Stage::kGenerate);
 

@@ -15,18 +15,18 @@
 namespace skywave {
 namespace {
 
-// Light paths that say what others will store, and their first number: that of no pass, as samples
-// of a pixel end before.
+// These light paths tell what others will store. Their first number is that of no pass, because
+// samples of a pixel end before.
 constexpr std::uint64_t kPlanningPaths = 1 << 14,
                         kFirstPlanningPath = std::uint64_t{0xFFFFFFFF} << 32;
 
-// Merges blur light at edges, and connections find most of it without: half of the distance that
-// photons would be looked up within.
+// Merges blur light at edges, and connections find most of it without them: half of the distance
+// that photons would be looked up within is enough.
 constexpr float kMergedDistance = 0.5f;
 
 // Surfaces near each other are merged with the same light paths, so the noise of merges does not
-// average out over pixels as that of other ways does, and weights by densities alone think too much
-// of them (Grittmann, Yazici, Georgiev and Slusallek 2021). They count as so many of them.
+// average out over pixels as that of other techniques does, and weights by densities alone overrate
+// them (Grittmann, Georgiev and Slusallek 2021). They count as this share of their number.
 constexpr float kMergeWorth = 0.3f;
 
 // The vertices with a density of light sub-paths [first, first + count) of the frame, in the order
@@ -52,8 +52,8 @@ void TraceVertexWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   clock.Lap(Stage::kPhotons);
 }
 
-// The vertices of light paths [first, first + count) of the frame, or of the first of them that
-// have `most` together.
+// Returns the vertices of light paths [first, first + count) of the frame, or of the first of them
+// that have `most` together.
 PhotonMap MapOfVertices(const FrameView& frame, std::uint64_t first, std::uint64_t count,
                         std::uint64_t most, WorkerPool& pool) {
   const std::uint32_t max_depth = frame.options.max_depth;
@@ -82,7 +82,7 @@ MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
   const std::uint64_t traced = std::min(most, kPlanningPaths);
   const PhotonMap map = MapOfVertices(frame, kFirstPlanningPath, traced,
                                       std::numeric_limits<std::uint64_t>::max(), pool);
-  const double vertices = double(map.size()) / double(traced);  // of a light path
+  const double vertices = double(map.size()) / double(traced);  // per light path
   MergePlan plan = {.light_paths = most, .radius = wanted.distance};
   if (vertices * double(most) > wanted.indirect) {
     plan.light_paths = std::uint64_t(std::ceil(wanted.indirect / vertices));

@@ -1,4 +1,4 @@
-// The first passes of `vcm`: the vertices of light paths, all of them, in a map.
+// The first passes of `vcm` put all vertices of light paths into a map.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@
 
 namespace skywave {
 
-// What all passes have in common: weights need to know beforehand how many light paths there will
+// All passes have this in common: weights need to know beforehand how many light paths there will
 // be and within which distance their vertices are merged.
 struct MergePlan {
-  std::uint64_t light_paths;  // of a pass
-  float radius;               // of the first pass
+  std::uint64_t light_paths;  // per pass
+  float radius;               // in the first pass
 
-  // MisTechniques::merged of a pass; weights take merges for fewer than they are.
+  // Returns MisTechniques::eta_vcm of a pass; it counts merges as fewer than they are.
   float MergedArea(const PhotonPass& pass) const;
 };
 
-// As many light paths as the shortest pass has paths, but no more than store
+// Plans as many light paths as the shortest pass has paths, but no more than store
 // options.photons.indirect vertices on average; a pass that has so many before ends there. The
 // radius is options.photons.distance, or, if that is 0, half of the distance within which a vertex
-// has options.photons.neighbors others. Both by light paths that are not used otherwise.
+// has options.photons.neighbors others. Both are found by light paths that are not used otherwise.
 MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool);
 
-// The vertices of the light paths of `pass`; none where nothing is merged. `frame` has the area
-// merged of this pass. Bits depend on neither threads nor wave.
+// Traces the vertices of the light paths of `pass`; there are none if nothing is merged. `frame`
+// has the eta_vcm of this pass. Bits depend on neither threads nor wave.
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
                         WorkerPool& pool);
 

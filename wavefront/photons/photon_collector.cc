@@ -8,19 +8,21 @@
 namespace skywave {
 namespace {
 
-// Light paths that are traced before anybody looks how full the maps are, and photons that they may
-// have stored by then.
+// So many light paths are traced before it is checked how full the maps are, and so many photons
+// may have been stored by then.
 constexpr std::uint64_t kLeastRound = 1 << 14, kMostHeld = 1 << 20;
 
-// Light paths that will most likely fill a harvest, by what `traced` ones have brought.
+// Returns the number of light paths that will most likely fill a collector, by the yield of
+// `traced` ones.
 double PathsToFill(const PhotonCollector& harvest, std::uint64_t traced) {
   const double missing = double(harvest.wanted() - harvest.size());
-  // A second round costs more than a few paths too many.
+  // A second round costs more than a few extra paths.
   return (missing + 2 * std::sqrt(missing)) * double(traced) / double(harvest.size() + 1);
 }
 
-// Light paths of the next round: until the first of those that are not full will be, since paths
-// are spared what nobody wants any more. Not more of the first ones than show what they bring.
+// Returns the number of light paths of the next round: until the first collector that is not full
+// will be, since paths are spared that nothing needs any more. The first round is short and shows
+// how much they yield.
 std::uint64_t PathsOfRound(const PhotonCollector& caustic, const PhotonCollector& indirect,
                            std::uint64_t traced, std::uint32_t max_depth) {
   const std::uint64_t most =

@@ -1,4 +1,5 @@
-// What light paths store, wave after wave, until maps are full: the part that all passes share.
+// Collectors keep what light paths store, wave after wave, until maps are full: all passes share
+// them.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +15,23 @@
 
 namespace skywave {
 
-// The photons of a map before it is built: those of the first light paths that have `wanted` of
-// them together. They are cut behind a path, in the order of paths, so what is kept depends on
-// neither threads nor waves nor on how many paths were traced before somebody looked. That the last
-// path ends the count biases what is divided by the number of paths by one part in that of photons.
+// Collects the photons of a map before it is built: those of the first light paths that have
+// `wanted` of them together. They are cut after a path, in the order of paths, so what is kept
+// depends on neither threads nor waves nor on how many paths had been traced when the count was
+// checked. Because the last path ends the count, what is divided by the number of paths is biased
+// by one part in that of photons.
 class PhotonCollector {
  public:
   PhotonCollector() = default;  // wants none
-  // Of light paths that store at most `of_a_path` photons each: there is room for so many more. All
-  // memory is asked for here and touched as it fills.
+  // Collects from light paths that store at most `of_a_path` photons each: there is room for so
+  // many more. All memory is allocated here and touched as it fills.
   PhotonCollector(std::uint64_t wanted, std::uint32_t of_a_path, bool with_subpaths);
 
   bool full() const { return size_ >= wanted_; }
   std::uint64_t wanted() const { return wanted_; }
   std::uint64_t size() const { return size_; }
   std::uint64_t light_paths() const { return light_paths_; }
-  // In the order (light path, surface).
+  // Photons are in the order (light path, surface).
   std::span<const Photon> photons() const { return {photons_.get(), size_}; }
   std::span<const PhotonSubpath> subpaths() const {
     return {subpaths_.get(), subpaths_ ? size_ : 0};
@@ -51,8 +53,8 @@ using TraceLightPaths =
     std::function<void(const FrameView& frame, std::uint64_t first, std::uint32_t count,
                        Worker& worker, PhotonLists& lists)>;
 
-// Traces light paths [first, first + most) of the frame until both are full. Beside the harvests at
-// most 2^20 photons are held, of depths beyond 64 those of 2^14 light paths.
+// Traces light paths [first, first + most) of the frame until both collectors are full. In addition
+// to theirs at most 2^20 photons are held, at depths beyond 64 those of 2^14 light paths.
 void CollectPhotons(const FrameView& frame, std::uint64_t first, std::uint64_t most,
                     const TraceLightPaths& trace, PhotonCollector& caustic,
                     PhotonCollector& indirect, WorkerPool& pool);

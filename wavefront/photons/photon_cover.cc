@@ -12,11 +12,11 @@
 namespace skywave {
 namespace {
 
-// Of the eye over its disk, in radii: high enough not to graze what is nearly flat, low enough to
-// stay in front of what stands around.
+// The eye's height over its disk, in radii, is high enough not to graze what is nearly flat, and
+// low enough to stay in front of what stands around.
 constexpr float kEyeHeight = 0.5f, kLeastHeight = 0x1p-6f;
 
-// Rays and hits of a block of disks, on the stack: 22 KiB.
+// Rays and hits of a block of disks lie on the stack: 22 KiB.
 class CoverTables {
  public:
   CoverTables() {
@@ -48,7 +48,7 @@ void AimUp(const PhotonDisk& disk, const RayColumns& rays, std::uint32_t row) {
   rays.t_far[row] = disk.height;
 }
 
-// In scenes with holes: each ray its own, the same for the same ray.
+// Returns keys in scenes with alpha: each ray has its own, the same for the same ray.
 const std::uint32_t* KeysOf(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                             std::uint32_t* keys) {
   if (!frame.geometry->has_alpha()) return nullptr;

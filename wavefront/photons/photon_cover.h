@@ -1,4 +1,4 @@
-// The stage that measures how much of the disks of photon lookups is surface.
+// This stage measures how much of the disks of photon lookups is surface.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace skywave {
 
-// Writes what is seen of disks [0, n), n <= kLookupBlock; their heights are chosen here. What
-// came before on the clock was looking photons up.
+// Writes what is seen of disks [0, n), n <= kLookupBlock; their heights are chosen here. The time
+// that is on the clock before counts as looking photons up.
 void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, RenderStats& stats,
                 DiskSurface* surfaces, StageClock& clock);
 

@@ -1,4 +1,4 @@
-// Where light paths arrived, in an order in which neighbors are found.
+// A photon map holds where light paths arrived, in an order in which neighbors are found.
 //
 // The photon pass hands over photons in the order (light path, surface), so a map depends on
 // neither threads nor waves. A photon takes 36 bytes until the map is built, 41 in it, and 77 in
@@ -16,22 +16,22 @@
 
 namespace skywave {
 
-// A row of PhotonColumns and where it is, world space.
+// A photon is a row of PhotonColumns and its position in world space.
 struct Photon {
   float position[3];
   float flux[3];
   std::uint32_t dir, normal, depth;
 };
 
-// A row of SubpathColumns.
+// This is a row of SubpathColumns.
 struct PhotonSubpath {
   float d_vcm, d_vc;
 };
 
-// More photons have no place in an index of 31 bits beside what a light path may add.
+// More photons do not fit an index of 31 bits together with those that a light path may add.
 inline constexpr std::uint32_t kMostPhotons = 1000000000;
 
-// Memory of a photon while its map is built, of which the half is kept [bytes].
+// Returns the memory of a photon while its map is built, of which half is kept [bytes].
 constexpr std::uint64_t PhotonBytes(bool with_subpaths) {
   const std::size_t row = sizeof(Photon) + sizeof(PointTreeNode) / (kLeafPoints / 2) +
                           soa::BytesPerRow<TreeRowColumns>() + soa::BytesPerRow<PhotonColumns>();
@@ -48,8 +48,8 @@ struct PhotonMapView {
 class PhotonMap {
  public:
   PhotonMap() = default;
-  // Of all photons of `light_paths` light paths, whose flux is divided by that number. Runs on the
-  // threads of the arena of the caller. `subpaths`: of every photon, or none.
+  // Builds the map of all photons of `light_paths` light paths, whose flux is divided by that
+  // number, on the threads of the caller's arena. `subpaths` has one for every photon, or none.
   PhotonMap(std::span<const Photon> photons, std::uint64_t light_paths,
             std::span<const PhotonSubpath> subpaths = {});
 
@@ -62,8 +62,8 @@ class PhotonMap {
   std::uint32_t size() const { return photons_.rows(); }
   std::uint64_t light_paths() const { return light_paths_; }
   std::size_t bytes() const;
-  // The distance within which a photon has `neighbors` others (or all there are): the median over
-  // some of them. 0 for an empty map.
+  // Returns the distance within which a photon has `neighbors` others (or all there are): the
+  // median over some of them. It is 0 for an empty map.
   float TypicalDistance(std::uint32_t neighbors) const;
 
   float radius = 0;  // largest distance of a lookup
@@ -75,12 +75,12 @@ class PhotonMap {
   std::uint64_t light_paths_ = 0;
 };
 
-// All that the second pass looks up.
+// The second pass looks these maps up.
 struct PhotonMaps {
-  // Light from mirrors and glass alone: what light samples cannot find.
+  // Light from mirrors and glass alone, which light samples cannot find.
   PhotonMap caustic;
-  // All other light but direct one; for a final gather, which looks it up one surface further on,
-  // all light. Where paths are merged, the vertices of the light sub-paths.
+  // All other light except direct light; for a final gather, which looks it up one surface further
+  // on, all light. Where paths are merged, the vertices of the light sub-paths.
   PhotonMap indirect;
 };
 

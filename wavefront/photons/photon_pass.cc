@@ -22,7 +22,7 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
   StartLightPaths(frame.options, first, count, w.paths);
-  std::fill_n(w.photon->history->queue, count, 0u);
+  std::fill_n(w.photon->history->met, count, 0u);
   EmitRays(frame, count, *rays, w, clock);
 
   // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
@@ -40,7 +40,7 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   clock.Lap(Stage::kPhotons);
 }
 
-// The strategy of camera paths may want many light samples or surfaces to draw them for.
+// The strategy of camera paths may need many light samples or surfaces to draw them for.
 FrameView LightPathView(const FrameView& frame) {
   FrameView view = frame;
   view.strategy = frame.emitter;
@@ -48,8 +48,8 @@ FrameView LightPathView(const FrameView& frame) {
   return view;
 }
 
-// The largest distance of a lookup where the user gives none. A search for the nearest ends by
-// itself where there are photons, so it is for the places where there are few.
+// Returns the largest distance of a lookup: the user's, or one by the map. A search for the nearest
+// ends by itself where there are photons, so this is for the places where there are few.
 float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
   constexpr float kSearch = 3;
   if (options.distance > 0) return options.distance;
@@ -80,7 +80,7 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   const auto shrink = [&](std::uint32_t pass) {
     shrink2 *= (pass + 1 + double(options.photons.alpha)) / (pass + 2);
   };
-  // Where a pass is a sample, the passes of a range of samples are those of the whole.
+  // If a pass is a sample, the passes of a range of samples are those of the whole frame.
   if (each_sample) {
     for (std::uint32_t i = 0; i < options.first_sample; ++i) shrink(i);
   }
@@ -97,9 +97,10 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool) {
   const PhotonOptions& photons = frame.options.photons;
   const std::uint32_t max_depth = frame.options.max_depth;
-  // One set of photons for all samples, whichever of them are rendered, or one for each pass.
+  // There is one set of photons for all samples, whichever of them are rendered, or one for each
+  // pass.
   const std::uint64_t first = photons.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
-  // A photon that is no direct light at the surface that is seen has met one before.
+  // A photon that is not direct light at the visible surface has hit another one before.
   const bool any = max_depth >= 2;
   PhotonCollector caustic(any && HasCaustics(*frame.geometry) ? photons.caustic : 0, max_depth,
                           false);

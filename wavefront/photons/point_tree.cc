@@ -16,13 +16,13 @@
 namespace skywave {
 namespace {
 
-// Smaller ranges are worked on by one thread.
+// One thread works on smaller ranges alone.
 constexpr std::size_t kLeastParallel = 1 << 12;
-// Most points that one thread divides at a time: as many as lie on its stack meanwhile, 64 KiB.
+// One thread divides at most this many points at a time: they lie on its stack meanwhile, 64 KiB.
 constexpr std::size_t kPart = 1 << 12;
 
 // Points along an axis are ordered by coordinate and number, so that no two are alike and halves do
-// not depend on how they are found; as one whole number, so that one comparison tells.
+// not depend on how they are found. The key is one whole number, so that one comparison tells.
 std::uint64_t KeyOf(const TreePoint& point, std::uint32_t axis) {
   const auto bits = std::bit_cast<std::uint32_t>(point.at[axis] + 0.0f);  // -0 is 0
   const std::uint32_t negative = 0 - (bits >> 31);
@@ -72,9 +72,9 @@ std::uint32_t WidestAxis(std::span<const TreePoint> points) {
   return widest;
 }
 
-// Puts points before `pivot` first and returns their number; at most kPart points. Every point is
-// written to both sides: no branch waits for a comparison that could have gone either way, and
-// nothing is read that was written just before.
+// Puts points before `pivot` first and returns their number; there are at most kPart points. Every
+// point is written to both sides: no branch waits for a comparison that could have gone either way,
+// and nothing is read that was written just before.
 std::size_t DividePart(std::span<TreePoint> points, std::uint64_t pivot, std::uint32_t axis) {
   std::array<TreePoint, kPart> others;
   std::size_t below = 0, above = 0;
@@ -88,13 +88,14 @@ std::size_t DividePart(std::span<TreePoint> points, std::uint64_t pivot, std::ui
   return below;
 }
 
-// The same, parts at a time; what is then on the wrong side of the border is exchanged.
+// Does the same, parts at a time; points that are then on the wrong side of the border are
+// exchanged.
 std::size_t Divide(std::span<TreePoint> points, std::uint64_t pivot, std::uint32_t axis) {
   if (points.size() <= kPart) return DividePart(points, pivot, axis);
   struct Run {
     std::size_t begin, end;
   };
-  std::vector<Run> parts((points.size() + kPart - 1) / kPart);  // what of each is below
+  std::vector<Run> parts((points.size() + kPart - 1) / kPart);  // points of each that are below
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     const std::span<TreePoint> part =
         points.subspan(i * kPart, std::min(kPart, points.size() - i * kPart));
@@ -102,7 +103,7 @@ std::size_t Divide(std::span<TreePoint> points, std::uint64_t pivot, std::uint32
   });
   std::size_t border = 0;
   for (const Run& part : parts) border += part.end - part.begin;
-  // Points that are not below before the border, and those that are behind it: as many.
+  // As many points before the border are not below as there are below ones after it.
   std::vector<Run> high, low;
   for (const Run& part : parts) {
     const std::size_t end = std::min(part.begin + kPart, points.size());
@@ -129,8 +130,8 @@ std::size_t Divide(std::span<TreePoint> points, std::uint64_t pivot, std::uint32
   return border;
 }
 
-// Puts the k-th point where it belongs, and those before it there. Pivots are a little to either
-// side of where a sample says it is, so that few points are moved more than once (Floyd and Rivest
+// Puts the k-th point in its place, with the lower ones before it. Pivots are a little to either
+// side of where a sample puts it, so that few points are moved more than once (Floyd and Rivest
 // 1975).
 void Select(std::span<TreePoint> points, std::size_t k, std::uint32_t axis) {
   constexpr std::size_t kFew = 32, kMostSamples = 1024;
@@ -143,7 +144,7 @@ void Select(std::span<TreePoint> points, std::size_t k, std::uint32_t axis) {
     for (std::size_t i = 0; i < count; ++i) samples[i] = KeyOf(points[i * step], axis);
     std::sort(samples.begin(), samples.begin() + std::ptrdiff_t(count));
     const std::size_t rank = k * count / n, margin = std::size_t(std::sqrt(double(count)));
-    // Never the first of them: something is always before a pivot.
+    // The pivot is never the first of them, so that something is always before it.
     const std::size_t at =
         2 * rank < count ? std::min(rank + margin, count - 1) : std::max(rank, margin + 1) - margin;
     const std::size_t below = Divide(points, samples[at], axis);
@@ -165,7 +166,7 @@ struct Builder {
 
   std::size_t FirstOfLeaf(std::size_t leaf) const { return leaf * points.size() >> levels; }
 
-  // The subtree of `node` over leaves [leaf, leaf + count).
+  // Builds the subtree of `node` over leaves [leaf, leaf + count).
   void Build(std::uint32_t node, std::size_t leaf, std::size_t count) const {
     const std::size_t begin = FirstOfLeaf(leaf), end = FirstOfLeaf(leaf + count);
     const std::span<TreePoint> mine = points.subspan(begin, end - begin);
@@ -188,7 +189,7 @@ struct Builder {
   }
 };
 
-// Levels of splits that bring `count` points down to kLeafPoints a leaf.
+// Returns the levels of splits that bring `count` points down to kLeafPoints per leaf.
 std::uint32_t LevelsFor(std::uint32_t count) {
   std::uint32_t levels = 0;
   while ((std::uint64_t(kLeafPoints) << levels) < count) ++levels;

@@ -10,13 +10,13 @@
 
 namespace skywave {
 
-// A point to build of.
+// The tree is built of such points.
 struct TreePoint {
   float at[3];           // finite
   std::uint32_t number;  // no two alike
 };
 
-// One row = one point, in the order of leaves.
+// One row is one point, in the order of leaves.
 struct TreeRowColumns {
   float *x, *y, *z;
   std::uint32_t* number;
@@ -30,14 +30,14 @@ struct TreeRowColumns {
 class PointTree {
  public:
   PointTree() = default;
-  // Of fewer than 2^31 points, whose order is lost. Runs on the threads of the arena of the caller;
-  // the tree depends on neither their number nor the order of the points.
+  // Builds a tree of fewer than 2^31 points, whose order is lost. Runs on the threads of the
+  // caller's arena; the tree depends on neither their number nor the order of the points.
   explicit PointTree(std::span<TreePoint> points);
 
   PointTreeView view() const;
-  // The number of the point of each row of the tree.
+  // Returns the number of the point of each row of the tree.
   std::span<const std::uint32_t> order() const { return {rows_->number, count_}; }
-  // What the tree keeps.
+  // Returns the memory that the tree keeps.
   std::size_t bytes() const;
 
  private:

@@ -1,5 +1,6 @@
-// SIMD lanes of the kernels: those that are issued, and those that have a row to work on. Counted
-// from rows and queues, so they are exact and the same for any number of threads.
+// SIMD lanes of the kernels are counted: those that are issued, and those that have a row to work
+// on. The counts come from rows and queues, so they are exact and the same for any number of
+// threads.
 #pragma once
 
 #include <array>
@@ -10,11 +11,11 @@
 
 namespace skywave {
 
-// Kernels that walk rows, in the order in which a path meets them; one for each BSDF where each
-// has its own. Kernels of textures are left out: which rows have one is known inside of them only.
+// These kernels walk rows, in the order in which a path reaches them, with one for each BSDF where
+// each has its own. Kernels of textures are left out: only they know which rows have one.
 enum class Kernel : std::uint32_t {
   kGenerate,
-  kIntersect,  // Embree's, as kShadow
+  kIntersect,  // Embree's, like kShadow
   kClassify,
   kMoveEscaped,
   kEscape,
@@ -28,19 +29,20 @@ enum class Kernel : std::uint32_t {
   kFilm = kScatter + kBsdfKinds
 };
 inline constexpr std::uint32_t kKernels = std::uint32_t(Kernel::kFilm) + 1;
-// "generate", "evaluate lambert", ...
+// Returns "generate", "evaluate lambert", ...
 std::string ToString(Kernel kernel);
 
-// The widths that lanes are counted for: AVX2's and AVX-512's.
+// Lanes are counted for these widths: AVX2's and AVX-512's.
 inline constexpr std::array<std::uint32_t, 2> kLaneWidths = {8, 16};
 
-// Lanes of a kernel over all its calls. A call walks whole vectors. A lane is active if its row is
-// one that the call is for; what is masked off inside (a lobe, a side) counts as active.
+// This counts the lanes of a kernel over all its calls. A call walks whole vectors. A lane is
+// active if the call is for its row; lanes that are masked off inside (a lobe, a side) count as
+// active.
 struct LaneCount {
   std::uint64_t active = 0;
   std::array<std::uint64_t, kLaneWidths.size()> issued = {};
 
-  // A call that walks rows [0, rows), `with_work` of which it is for.
+  // Adds a call that walks rows [0, rows) and is for `with_work` of them.
   void Add(std::uint64_t with_work, std::uint64_t rows) {
     active += with_work;
     for (std::size_t i = 0; i < issued.size(); ++i) {
@@ -48,19 +50,21 @@ struct LaneCount {
     }
   }
   LaneCount& operator+=(const LaneCount& other);
-  // Of vectors of `width` lanes, one of kLaneWidths; 0: the kernel did not run.
+  // Returns the share of active lanes in vectors of `width` lanes, one of kLaneWidths, or 0 if the
+  // kernel did not run.
   double utilisation(std::uint32_t width) const;
 };
 
 using LaneCounts = std::array<LaneCount, kKernels>;
 
-// From rays to surfaces: `n` rays were traced, of which `escaped` hit nothing.
+// Counts the kernels from rays to surfaces: `n` rays were traced, of which `escaped` hit nothing.
 void CountMeeting(std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges,
                   LaneCounts& lanes);
-// One light sample for every surface: `open` shadow rays, of which `arrived` met nothing.
+// Counts those of one light sample for every surface: there were `open` shadow rays, of which
+// `arrived` hit nothing.
 void CountLighting(const SurfaceRanges& ranges, std::uint32_t open, std::uint32_t arrived,
                    LaneCounts& lanes);
-// Surfaces of BSDFs [first_kind, kBsdfKinds) scattered.
+// Counts the scattering of surfaces of BSDFs [first_kind, kBsdfKinds).
 void CountScattering(const SurfaceRanges& ranges, std::uint32_t first_kind, LaneCounts& lanes);
 
 }  // namespace skywave

@@ -9,10 +9,10 @@ namespace skywave {
 namespace {
 
 constexpr std::uint32_t kSortedBatch = 2048;  // rows of a wave by default
-constexpr int kMortonBits = 20;               // of each coordinate: 60, and 3 of the octant
+constexpr int kMortonBits = 20;               // per coordinate: 60, and 3 for the octant
 
 struct Box {
-  float low[3], scale[3];  // scale: cells a unit of length
+  float low[3], scale[3];  // scale: cells per unit of length
 };
 
 Box BoundOrigins(const std::vector<RayRecorder>& recorders) {
@@ -31,7 +31,7 @@ Box BoundOrigins(const std::vector<RayRecorder>& recorders) {
   return box;
 }
 
-// The low 21 bits of `x`, two zeros between one and the next.
+// Spreads the low 21 bits of `x`, with two zeros between neighbours.
 std::uint64_t Spread(std::uint64_t x) {
   x = (x | x << 32) & 0x1f00000000ffff;
   x = (x | x << 16) & 0x1f0000ff0000ff;
@@ -56,7 +56,7 @@ struct KeyedRay {
   std::size_t row;
 };
 
-// By key; rays of one key in the order in which they were traced.
+// Sorts by key; rays of one key stay in the order in which they were traced.
 void Sort(std::vector<KeyedRay>& rays) {
   std::stable_sort(rays.begin(), rays.end(),
                    [](const KeyedRay& a, const KeyedRay& b) { return a.key < b.key; });
@@ -84,7 +84,7 @@ void Append(RayKind kind, bool occlusion, const std::vector<KeyedRay>& rays, Ray
   }
 }
 
-// The rays that are traced alike, within each batch or over all of them.
+// Orders the rays of one kind of call, within each batch or over all of them.
 void OrderAlike(const std::vector<RayRecorder>& recorders, RayKind kind, bool occlusion,
                 RayOrder order, const Box& box, RayRecorder& to) {
   std::vector<KeyedRay> rays;

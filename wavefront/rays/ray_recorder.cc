@@ -7,7 +7,7 @@ void RayRecorder::Record(RayKind kind, bool occlusion, const float* const org[3]
                          const std::uint32_t* keys) {
   const std::size_t begin = org_[0].size();
   for (std::uint32_t i = 0; i < n; ++i) {
-    // Beams stay whole: what is replayed are the packets that were traced.
+    // Beams stay whole, so that the packets that were traced are replayed.
     if (t_far[i] < 0 && kind != RayKind::kCamera) continue;
     for (int axis = 0; axis < 3; ++axis) {
       org_[axis].push_back(org[axis][i]);

@@ -11,7 +11,7 @@ enum class RayKind : std::uint32_t { kCamera, kBounce, kShadow };
 inline constexpr std::uint32_t kRayKinds = 3;
 inline constexpr std::string_view kRayKindNames[kRayKinds] = {"camera", "bounce", "shadow"};
 
-// One call of a trace function: rows [begin, begin + count) of the recorder's columns.
+// A batch is one call of a trace function: rows [begin, begin + count) of the recorder's columns.
 struct RayBatch {
   RayKind kind;
   bool occlusion;  // any hit was enough: shadow rays, and others that can only see the map
@@ -21,8 +21,8 @@ struct RayBatch {
 
 class RayRecorder {
  public:
-  // Appends rows [0, n) whose t_far is not negative. `keys`: of rays in scenes with holes, else
-  // null, for all rays of a recorder alike.
+  // Appends rows [0, n), except closed ones (negative t_far) that are not camera rays. `keys` are
+  // those of rays in scenes with alpha, else null, for all rays of a recorder alike.
   void Record(RayKind kind, bool occlusion, const float* const org[3], const float* const dir[3],
               const float* t_far, std::uint32_t n, const std::uint32_t* keys = nullptr);
 
@@ -31,7 +31,7 @@ class RayRecorder {
   const float* org(int axis) const { return org_[axis].data(); }
   const float* dir(int axis) const { return dir_[axis].data(); }
   const float* t_far() const { return t_far_.data(); }
-  // Null in scenes without holes.
+  // Returns null in scenes without alpha.
   const std::uint32_t* keys() const { return keys_.empty() ? nullptr : keys_.data(); }
 
  private:

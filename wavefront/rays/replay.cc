@@ -18,7 +18,7 @@ struct Batch {
   RayBatch batch;
 };
 
-// What a thread traces in, and what it finds.
+// A thread traces in these tables and counts what it finds.
 struct Scratch {
   explicit Scratch(std::uint32_t rows) : rays(rows), hits(rows) {}
   soa::Table<RayColumns> rays;
@@ -58,9 +58,10 @@ std::vector<Batch> BatchesOf(RayKind kind, bool occlusion,
   return batches;
 }
 
-// Seconds in Embree, the mean over the threads; adds the rays that hit something to `hits`. Only
-// the calls are timed: a render's rays come from the stage before and lie in the cache, so fetching
-// recorded ones from main memory is no part of the ceiling, and neither is counting hits.
+// Returns the seconds in Embree, the mean over the threads; adds the rays that hit something to
+// `hits`. Only the calls are timed: a render's rays come from the stage before and lie in the
+// cache, so fetching recorded ones from main memory is not part of the ceiling, and neither is
+// counting hits.
 double ReplayBatches(const Tracer& tracer, const std::vector<Batch>& batches, bool occlusion,
                      tbb::task_arena& arena, std::uint64_t& hits) {
   std::uint32_t rows = 1;

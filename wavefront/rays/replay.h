@@ -1,5 +1,6 @@
-// The ceiling: the rays of a frame, in the order in which it traced them, through Embree and
-// nothing else. What a frame takes longer is the renderer's own.
+// A replay sends the rays of a frame, in the order in which it traced them, through Embree and
+// nothing else, which is the ceiling of its speed. The rest of a frame's time is the renderer's
+// own.
 #pragma once
 
 #include <array>
@@ -13,7 +14,7 @@ namespace skywave {
 
 struct ReplayTime {
   std::array<double, kRayKinds> seconds = {};  // in Embree, the mean over the threads
-  // Rays that hit something: the same for every backend, order and number of threads.
+  // Rays that hit something; they are the same for every backend, order and number of threads.
   std::array<std::uint64_t, kRayKinds> hits = {};
 };
 
@@ -23,16 +24,16 @@ struct ReplayTime {
 ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder>& recorders,
                   int threads);
 
-// How recorded rays are ordered before a replay.
+// Recorded rays are ordered in one of these orders before a replay.
 enum class RayOrder {
   kTraced,  // as the frame traced them
   kWave,    // sorted within each batch: what a renderer could do without other waves
   kFrame    // sorted over the frame, in batches of 2048: what ordering could gain at most
 };
 
-// The recorded rays, those of each kind by octant of the direction, then along a Morton curve
-// through the bounding box of all origins. Sorting is not timed: what a replay gains is an upper
-// bound.
+// Returns the recorded rays, those of each kind by octant of the direction, then along a Morton
+// curve through the bounding box of all origins. Sorting is not timed, so the gain of a replay is
+// an upper bound.
 std::vector<RayRecorder> OrderRays(const std::vector<RayRecorder>& recorders, RayOrder order);
 
 }  // namespace skywave

@@ -13,10 +13,10 @@ namespace {
 constexpr std::uint32_t kPacket = 8;
 constexpr std::uint32_t kArray = 128;  // rays of a call, on the stack: 10 KiB
 
-// The columns of a batch of rays, whatever table they come from.
+// A view has the columns of a batch of rays, whatever table they come from.
 struct RayView {
   float *org_x, *org_y, *org_z, *dir_x, *dir_y, *dir_z, *t_far;
-  const std::uint32_t* keys;  // null: no holes
+  const std::uint32_t* keys;  // null: no alpha
 };
 
 RayView View(const RayColumns& r, const std::uint32_t* keys) {
@@ -25,8 +25,8 @@ RayView View(const RayColumns& r, const std::uint32_t* keys) {
 
 static_assert(kPacket == kBeamRays);
 
-// Coherent packets go down the tree as one frustum. Camera rays take 0.8 of the time that way,
-// bounce and shadow rays twice as long.
+// Coherent packets go down the tree as one frustum: camera rays then take 0.8 of the time, bounce
+// and shadow rays twice as long.
 RTCIntersectContext Context(bool coherent) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -54,7 +54,8 @@ RTCRay SingleRay(const RayView& rays, std::uint32_t i) {
   return ray;
 }
 
-// The first `count` of eight values, from a column or to it; all eight are copied as two vectors.
+// Copies the first `count` of eight values, from a column or to it; all eight are copied as two
+// vectors.
 template <class To, class From>
 void CopyPacket(const From* from, std::uint32_t count, To* to) {
   static_assert(sizeof(To) == sizeof(From));
@@ -65,7 +66,7 @@ void CopyPacket(const From* from, std::uint32_t count, To* to) {
   }
 }
 
-// Eight rays; columns that are the same for all packets are set once.
+// A packet is eight rays; columns that are the same for all packets are set once.
 struct Packet {
   Packet() {
     std::memset(&rays, 0, sizeof rays);
@@ -171,7 +172,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
   RTCIntersectContext context = Context(beams);
   switch (beams ? Backend::kPacket : tracer.closest) {
     case Backend::kStream: {
-      // A miss leaves the hit as it was, so geom says "no hit" beforehand.
+      // A miss leaves the hit as it was, so geom is set to "no hit" beforehand.
       std::fill_n(hits.geom, n, kNoHit);
       RTCRayHitNp batch = {};
       batch.ray = StreamOf(view);

@@ -14,19 +14,20 @@
 namespace skywave {
 namespace {
 
-// Rows of surfaces that rays [0, n) leave get their directions.
-void SpreadDirections(const RayColumns& rays, std::uint32_t n, const LightColumns& directions) {
+// Writes the directions of rays [0, n) to the rows of the surfaces that they leave.
+void SpreadDirections(const RayColumns& rays, std::uint32_t n,
+                      const ScatteredDirections& directions) {
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t row = rays.from[i];
-    directions.dir_x[row] = rays.dir_x[i];
-    directions.dir_y[row] = rays.dir_y[i];
-    directions.dir_z[row] = rays.dir_z[i];
+    directions->dir_x[row] = rays.dir_x[i];
+    directions->dir_y[row] = rays.dir_y[i];
+    directions->dir_z[row] = rays.dir_z[i];
   }
 }
 
 // Traces the shadow rays of w.lights, one for each of the eye's surfaces that take light samples,
 // and adds what arrives.
-void TraceAndAdd(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {
+void TraceAndAdd(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock) {
   TraceLights(frame, keys, w, clock);
   AddUnoccludedRadiance(w.lights, w.surfaces->path, w.ranges.light_sampled(), w.paths);
   clock.Lap(Stage::kAccumulate);
@@ -37,7 +38,7 @@ void TraceAndAdd(const FrameView& frame, const std::uint32_t* keys, Worker& w, S
 void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BsdfValueColumns& out) {
-  // In ascending order: the last vector of a BSDF may spill over the first rows of the next.
+  // The order is ascending, as the last vector of a BSDF may spill over the first rows of the next.
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
     if (n == 0) continue;
@@ -71,17 +72,17 @@ void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns&
   EvaluateBackward(materials, surfaces, ranges, lights, turned, out.backward);
 }
 
-void LeaveCamera(const FrameView& frame, const UniformColumns& lens, std::uint32_t n, Worker& w) {
+void LeaveCamera(const FrameView& frame, const LensUniforms& lens, std::uint32_t n, Worker& w) {
   const BidirectionalTables& b = *w.bidirectional;
-  // Before there are surfaces: points that the rays pass, a unit away.
-  const SurfaceColumns& points = w.surfaces;
   const RayColumns& rays = b.eye_rays;
+  // The camera is asked for points that its rays pass, a unit away.
+  const CameraRayPoints points(w.surfaces);
   for (std::uint32_t i = 0; i < n; ++i) {
-    points.org_x[i] = rays.org_x[i] + rays.dir_x[i];
-    points.org_y[i] = rays.org_y[i] + rays.dir_y[i];
-    points.org_z[i] = rays.org_z[i] + rays.dir_z[i];
+    points->x[i] = rays.org_x[i] + rays.dir_x[i];
+    points->y[i] = rays.org_y[i] + rays.dir_y[i];
+    points->z[i] = rays.org_z[i] + rays.dir_z[i];
   }
-  ConnectCamera(frame.camera, points, lens, n, w.lights, w.light->cameras);
+  ConnectCamera(frame.camera, points.as_surfaces(), lens, n, w.lights, w.light->cameras);
   LeaveEye(w.light->cameras->importance, float(frame.light_paths()),
            frame.camera.kind == CameraKind::kOrthographic, n, b.eye);
 }
@@ -92,10 +93,11 @@ std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const 
                               StageClock& clock) {
   const BidirectionalTables& b = *w.bidirectional;
   const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-                                  w.uniforms, w.lobe, rays);
+                                  DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays);
   CountScattering(w.ranges, first_kind, w.stats.lanes);
-  SpreadDirections(rays, n, w.lights);
-  EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
+  const ScatteredDirections directions(w.lights);
+  SpreadDirections(rays, n, directions);
+  EvaluateBackward(frame.geometry->materials(), w.surfaces, w.ranges, directions, b.turned,
                    b.seen.backward);
   LeaveSurfaces(w.surfaces, at, b.seen.backward->pdf, frame.mis_techniques(), rays, n, flying);
   clock.Lap(Stage::kScatter);
@@ -106,11 +108,11 @@ void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n
                  std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const BidirectionalTables& b = *w.bidirectional;
   const LightShares shares = frame.light_shares();
-  const auto add = [&](std::uint32_t count) {
-    WeighHitLight(b.eye, b.arrival->u, count, frame.mis(), w.escaped);
-    AddEscapedRadiance(w.escaped, count, frame.mis(), w.paths);
+  const auto add = [&](const EscapeColumns& rows, std::uint32_t count) {
+    WeighHitLight(b.eye, b.arrival->pdf, count, frame.mis(), rows);
+    AddEscapedRadiance(rows, count, frame.mis(), w.paths);
   };
-  // What the camera sees by itself, no other way finds.
+  // No other technique finds what the camera sees by itself.
   const bool alone = bounce == 0;
   if (escaped > 0 && frame.has_environment()) {
     if (!alone) MarkPartners(b.eye, escaped, w.escaped);
@@ -121,15 +123,17 @@ void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n
     if (!alone) {
       EnvironmentArrivals(frame.sphere, GuideOf(frame),
                           {seen.dir_x, seen.dir_y, seen.dir_z, w.surfaces, seen.from}, escaped,
-                          b.arrival->u);
+                          b.arrival->pdf);
     }
-    add(escaped);
+    add(w.escaped, escaped);
   }
   if (frame.has_emitters()) {
-    const std::uint32_t met = IntersectEmitters(frame.local_lights, shares.local, rays, w.hits, n,
-                                                float(shares.plan.drawn), w.escaped, b.arrival->u);
-    if (!alone) MarkPartners(b.eye, met, w.escaped);
-    add(met);
+    const EmitterHits emitter_hits(w.escaped);
+    const std::uint32_t met =
+        IntersectEmitters(frame.local_lights, shares.local, rays, w.hits, n,
+                          float(shares.plan.drawn), emitter_hits, b.arrival->pdf);
+    if (!alone) MarkPartners(b.eye, met, emitter_hits);
+    add(emitter_hits, met);
   }
   clock.Lap(Stage::kEscape);
 }
@@ -139,27 +143,29 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   if (n == 0) return;
   const BidirectionalTables& b = *w.bidirectional;
   const LightShares shares = frame.light_shares();
-  const float* const reach = SampleLights(frame, Points(frame, w), shares, bounce, /*index=*/0,
-                                          w.uniforms, w.lobe, w.lights, w.hits);
+  const LightUniforms uniforms(w.scratch);
+  const LightPlaces places(w.hits);
+  const LightReach reach = SampleLights(frame, Points(frame, w), shares, bounce, /*index=*/0,
+                                        uniforms, w.scratch, w.lights, places);
   CheckLightSamples(w.lights, n);
   const LightColumns& lights = w.lights;
   EnvironmentArrivals(frame.sphere, GuideOf(frame),
                       {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces, nullptr, lights.pdf},
-                      n, b.arrival->u);
-  if (reach != nullptr) {
-    SampleArrivals(frame.local_lights, shares.local, w.surfaces, w.uniforms->u, w.lights, n,
-                   b.arrival->u);
+                      n, b.arrival->pdf);
+  if (reach.limited()) {
+    SampleArrivals(frame.local_lights, shares.local, w.surfaces, uniforms->u, w.lights, n,
+                   b.arrival->pdf);
   }
   clock.Lap(Stage::kLightSample);
   EvaluateBothDirections(frame.geometry->materials(), w.surfaces, w.ranges, w.lights, b.turned,
                          b.seen);
-  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->u, n,
+  WeighLightSamples(w.surfaces, b.at, b.seen.forward, b.seen.backward, b.arrival->pdf, n,
                     frame.mis_techniques(), w.lights);
-  if (reach != nullptr) LimitShadows(reach, n, w.lights);
-  const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
-                                            SamplePair(bounce, SampleUse::kLight), w.queue->queue);
-  if (reach != nullptr && frame.local_lights.has_alpha) {
-    CloseTransparentSamples(frame, w.hits, keys, n, w.lights->t_far);
+  if (reach.limited()) LimitShadows(reach->distance, n, w.lights);
+  const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n,
+                                   SamplePair(bounce, SampleUse::kLight), w.scratch);
+  if (reach.limited() && frame.local_lights.has_alpha) {
+    CloseTransparentSamples(frame, places, keys, n, w.lights->t_far);
   }
   TraceAndAdd(frame, keys, w, clock);
 }
@@ -179,10 +185,10 @@ void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t
                                b.seen_by_light.backward};
   JoinVertices(w.surfaces, b.at, n, frame.mis_techniques(), vertices.view(), b.partner->index, ends,
                w.lights);
-  // Behind the event of the light sample.
+  // These events come behind that of the light sample.
   const std::uint32_t event =
       SamplePair(bounce, SampleUse::kLight) + kPairBlock * (light_bounce + 1);
-  TraceAndAdd(frame, RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue), w, clock);
+  TraceAndAdd(frame, MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch), w, clock);
 }
 
 void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,

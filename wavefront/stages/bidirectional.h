@@ -1,5 +1,6 @@
-// The stages of sub-paths that are joined: connections of their vertices, and the weights of all
-// ways to join them. Over the tables of a worker; each counts and times what it does.
+// The stages of sub-paths that are connected: connections of their vertices, and the weights of all
+// techniques that make a path. They work on the tables of a worker; each counts and times what it
+// does.
 #pragma once
 
 #include <cstdint>
@@ -17,44 +18,45 @@ namespace skywave {
 
 // Evaluates the BSDFs of surfaces backwards along directions dir of `lights`: value and density of
 // wo given dir, as a path that comes from there sees the surface. Rows of delta BSDFs are left as
-// they are. `turned`: room.
+// they are. `turned` gets the surfaces as they are seen from there.
 void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BsdfValueColumns& out);
 
-// The same, and forwards too. Origins of surfaces that transmit move to the side of dir
+// Does the same, and forwards too. Origins of surfaces that transmit move to the side of dir
 // (MoveToSide).
 void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns& surfaces,
                             const SurfaceRanges& ranges, const LightColumns& lights,
                             const TurnedColumns& turned, const BothDirections& out);
 
-// Begins the sub-paths of camera rays [0, n). `lens`: uniforms that they were generated with.
-void LeaveCamera(const FrameView& frame, const UniformColumns& lens, std::uint32_t n, Worker& w);
+// Begins the sub-paths of camera rays [0, n), which were generated with `lens`.
+void LeaveCamera(const FrameView& frame, const LensUniforms& lens, std::uint32_t n, Worker& w);
 
-// Scatters the surfaces at hand as Scatter does and takes the sub-paths along: `at` of the
-// surfaces, `flying` of the paths.
+// Scatters the surfaces at hand as Scatter does and takes the sub-paths along: `at` belongs to the
+// surfaces, `flying` to the paths.
 std::uint32_t ScatterSubpaths(const FrameView& frame, const PathEnd& end, const SubpathColumns& at,
                               std::uint32_t first_kind, std::uint32_t bounce,
                               const RayColumns& rays, const SubpathColumns& flying, Worker& w,
                               StageClock& clock);
 
-// Adds the light that the eye's rays [0, n) have met, `escaped` of them in the sky, weighted
-// against the other ways.
+// Adds the light that the eye's rays [0, n) have met, `escaped` of them in the environment,
+// weighted against the other techniques.
 void AddHitLight(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                  std::uint32_t escaped, std::uint32_t bounce, Worker& w, StageClock& clock);
 
-// A light sample for every surface of the eye, weighted against the other ways.
+// Adds a light sample of every surface of the eye, weighted against the other techniques.
 void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
-// Connects the surfaces of the eye with the light vertices of one bounce of the same paths.
+// Connects the surfaces of the eye to the light vertices of one bounce of the same paths.
 void ConnectVertices(const FrameView& frame, std::uint32_t bounce, std::uint32_t light_bounce,
                      Worker& w, StageClock& clock);
 
-// Weighs connections of light vertices with the camera (ConnectSurfaces) against the other ways.
+// Weights connections of light vertices to the camera (ConnectSurfaces) against the other
+// techniques.
 void WeighCameraConnections(const FrameView& frame, const SubpathColumns& at, Worker& w,
                             StageClock& clock);
 
-// Keeps the surfaces at hand, of light sub-paths, and which paths they are of.
+// Keeps the surfaces at hand, which are those of light sub-paths, and which paths they belong to.
 void KeepVertices(Worker& w, LightVertices& vertices);
 
 }  // namespace skywave

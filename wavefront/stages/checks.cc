@@ -57,6 +57,14 @@ void CheckLightSamples(const LightColumns& s, std::uint32_t n) {
   }
 }
 
+void CheckShadowRays(const LightColumns& s, std::uint32_t n) {
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Require(!std::isnan(s.t_far[i]), "reach of a shadow ray is a number", i, s.t_far[i], 0, 0);
+    Require(s.t_far[i] < 0 || IsUnit(s.dir_x[i], s.dir_y[i], s.dir_z[i]),
+            "direction of a shadow ray is a unit vector", i, s.dir_x[i], s.dir_y[i], s.dir_z[i]);
+  }
+}
+
 }  // namespace skywave
 
 #endif  // SKYWAVE_CHECKS

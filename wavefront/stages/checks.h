@@ -15,10 +15,13 @@ void CheckRays(const RayColumns& rays, std::uint32_t n);
 void CheckSurfaces(const SurfaceColumns& surfaces, std::uint32_t n);
 // Directions of unit length, radiance finite and >= 0, pdf not NaN.
 void CheckLightSamples(const LightColumns& lights, std::uint32_t n);
+// Reaches are numbers; directions of open rays of unit length.
+void CheckShadowRays(const LightColumns& lights, std::uint32_t n);
 #else
 inline void CheckRays(const RayColumns&, std::uint32_t) {}
 inline void CheckSurfaces(const SurfaceColumns&, std::uint32_t) {}
 inline void CheckLightSamples(const LightColumns&, std::uint32_t) {}
+inline void CheckShadowRays(const LightColumns&, std::uint32_t) {}
 #endif
 
 }  // namespace skywave

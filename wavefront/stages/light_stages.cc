@@ -17,7 +17,7 @@ constexpr std::uint32_t LightPair(std::uint32_t bounce, SampleUse use) {
   return kLightEnd.pairs + SamplePair(bounce, use);
 }
 
-// What surfaces send towards the camera: w.light->values, for directions in w.lights.
+// Evaluates what surfaces send towards the camera, in the directions in w.lights: w.light->values.
 void EvaluateConnections(const FrameView& frame, Worker& w) {
   const MaterialView materials = frame.geometry->materials();
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
@@ -38,18 +38,21 @@ void EvaluateConnections(const FrameView& frame, Worker& w) {
   }
 }
 
-// Where the sky's directions were not drawn by the strategy, it is asked how it would have.
-void GuideDistantRays(const FrameView& frame, const LightShares& shares, std::uint32_t n,
-                      const RayColumns& rays, const Worker& w) {
-  const float* light_pdf = nullptr;
-  if (frame.guide->directions) {
-    EscapeColumns seen = w.escaped;
-    seen.dir_x = w.lights->dir_x, seen.dir_y = w.lights->dir_y, seen.dir_z = w.lights->dir_z;
-    std::fill_n(seen.pdf, n, 1.0f);
-    frame.strategy->EvaluateEscaped(Points(frame, w), n, shares.of_strategy, seen);
-    light_pdf = seen.light_pdf;
+// Guides the rays that come from infinitely far away. Where their directions were not drawn by the
+// strategy, it is asked how it would have drawn them.
+void GuideDistantRays(const FrameView& frame, const LightShares& shares, const AimUniforms& aim,
+                      std::uint32_t n, const RayColumns& rays, const Worker& w) {
+  const EmissionColumns& emission = w.light->emission;
+  if (!frame.guide->directions) {
+    GuideStarts(frame.sphere, GuideOf(frame), aim, nullptr, n, rays, emission);
+    return;
   }
-  GuideStarts(frame.sphere, GuideOf(frame), w.lobe, light_pdf, n, rays, w.light->emission);
+  const EnvironmentDensities densities(w.escaped);
+  EscapeColumns seen = densities;
+  seen.dir_x = w.lights->dir_x, seen.dir_y = w.lights->dir_y, seen.dir_z = w.lights->dir_z;
+  std::fill_n(seen.pdf, n, 1.0f);
+  frame.strategy->EvaluateEscaped(Points(frame, w), n, shares.of_strategy, seen);
+  GuideStarts(frame.sphere, GuideOf(frame), aim, seen.light_pdf, n, rays, emission);
 }
 
 }  // namespace
@@ -58,7 +61,7 @@ void StartLightPaths(const RenderOptions& options, std::uint64_t first, std::uin
                      const PathColumns& paths) {
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint64_t number = first + i;
-    // A sequence has 2^32 points. No pixel of a film has that place.
+    // A sequence has 2^32 points. No pixel of a film has the place that seeds it.
     paths.seed[i] = PixelSeed(~0u, std::uint32_t(number >> 32), options.seed);
     paths.sample[i] = std::uint32_t(number);
     paths.pixel[i] = 0;
@@ -72,43 +75,40 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
               StageClock& clock) {
   const LightShares shares = frame.light_shares();
   const std::uint32_t pair = LightPair(0, SampleUse::kLight);
-  DrawUniforms(w.paths, nullptr, n, pair, {}, w.uniforms);
+  const LightUniforms uniforms(w.scratch);
+  DrawUniforms(w.paths, nullptr, n, pair, {}, uniforms);
   if (shares.local.share < 1) {
-    UniformColumns of_strategy = w.uniforms;
-    if (shares.local.share > 0) {
-      SplitUniforms(w.uniforms->u, n, shares.local.share, w.lobe->u);
-      of_strategy.u = w.lobe->u;
-    }
     const bool redrawn = frame.guide != nullptr && frame.guide->directions;
     const EnvStrategy& strategy = redrawn ? *frame.guide->directions : *frame.strategy;
-    strategy.Sample(Points(frame, w), of_strategy, n, {.pair = pair, .share = shares.of_strategy},
-                    w.lights);
+    SampleStrategy(strategy, Points(frame, w), uniforms, shares.local.share, n,
+                   {.pair = pair, .share = shares.of_strategy}, w.scratch, w.lights);
     CheckLightSamples(w.lights, n);
   }
-  DrawUniforms(w.paths, nullptr, n, LightPair(0, SampleUse::kScatter), {}, w.lobe);
+  const AimUniforms aim(w.scratch);
+  DrawUniforms(w.paths, nullptr, n, LightPair(0, SampleUse::kScatter), {}, aim);
   const EmissionColumns& emission = w.light->emission;
   if (shares.local.share < 1) {
-    EmitFromEnvironment(frame.sphere, w.lights, w.lobe, n, rays, emission);
+    EmitFromEnvironment(frame.sphere, w.lights, aim, n, rays, emission);
   }
   if (shares.local.share > 0) {
-    EmitFromLocalLights(frame.local_lights, shares.local, frame.sphere, w.uniforms, w.lobe, n, rays,
-                        emission, w.hits);
+    const LightPlaces places(w.hits);
+    EmitFromLocalLights(frame.local_lights, shares.local, frame.sphere, uniforms, aim, n, rays,
+                        emission, places);
     if (frame.local_lights.has_alpha) {
-      const std::uint32_t* const keys =
-          RayKeys(frame, w.paths, rays.path, n, LightPair(0, SampleUse::kLobe), w.queue->queue);
-      CloseTransparentSamples(frame, w.hits, keys, n, rays.t_far);
+      const RayKeys keys =
+          MakeRayKeys(frame, w.paths, rays.path, n, LightPair(0, SampleUse::kLobe), w.scratch);
+      CloseTransparentSamples(frame, places, keys, n, rays.t_far);
     }
   }
-  if (frame.guide != nullptr) GuideDistantRays(frame, shares, n, rays, w);
+  if (frame.guide != nullptr) GuideDistantRays(frame, shares, aim, n, rays, w);
   clock.Lap(Stage::kGenerate);
 }
 
 void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                                 std::uint32_t bounce, Worker& w, StageClock& clock) {
-  SurfaceRanges ranges;
-  const std::uint32_t escaped =
-      TraceAndSort(frame, kLightEnd, rays, n, bounce, /*only_delta=*/false, w, ranges, clock);
-  PrepareHits(frame, kLightEnd, rays, n, escaped, ranges, w, clock);
+  PrepareHits(frame, kLightEnd, rays, n,
+              TraceAndSort(frame, kLightEnd, rays, n, bounce, /*only_delta=*/false, w, clock), w,
+              clock);
 }
 
 void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
@@ -116,12 +116,14 @@ void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, St
   if (n == 0) return;
   const CameraColumns& cameras = w.light->cameras;
   const std::uint32_t pair = LightPair(bounce, SampleUse::kLight);
+  const LensUniforms lens(w.scratch);
   if (frame.camera.has_lens()) {
-    DrawUniforms(w.paths, w.surfaces->path, n, pair + kPairBlock, {}, w.lobe);
+    DrawUniforms(w.paths, w.surfaces->path, n, pair + kPairBlock, {}, lens);
   }
-  ConnectCamera(frame.camera, w.surfaces, w.lobe, n, w.lights, cameras);
-  DrawUniforms(w.paths, w.surfaces->path, n, pair, {}, w.uniforms);
-  ChoosePixels(frame.camera, frame.filter, w.uniforms, n, w.lights, cameras);
+  ConnectCamera(frame.camera, w.surfaces, lens, n, w.lights, cameras);
+  const PixelUniforms pixel(w.scratch);
+  DrawUniforms(w.paths, w.surfaces->path, n, pair, {}, pixel);
+  ChoosePixels(frame.camera, frame.filter, pixel, n, w.lights, cameras);
   EvaluateConnections(frame, w);
   WeighConnections(w.surfaces, w.light->values, cameras, n, w.lights);
   clock.Lap(Stage::kEvaluate);
@@ -131,8 +133,8 @@ void SplatConnections(const FrameView& frame, std::uint32_t bounce, Worker& w, F
                       StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
-  const std::uint32_t* const keys = RayKeys(frame, w.paths, w.surfaces->path, n,
-                                            LightPair(bounce, SampleUse::kLight), w.queue->queue);
+  const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n,
+                                   LightPair(bounce, SampleUse::kLight), w.scratch);
   TraceLights(frame, keys, w, clock);
   film.AddSplats(w.lights, w.light->cameras->pixel, n, float(1 / double(frame.light_paths())),
                  w.stats);

@@ -1,5 +1,5 @@
-// The stages of light paths: from lights over surfaces to the film, over the tables of a worker.
-// Each counts and times what it does.
+// The stages of light paths lead from lights over surfaces to the film, over the tables of a
+// worker. Each counts and times what it does.
 #pragma once
 
 #include "wavefront/film/film.h"
@@ -9,14 +9,14 @@
 
 namespace skywave {
 
-// Starts light paths [first, first + n) of the frame in rows [0, n) of `paths`: one sequence for
-// all, so that the whole set is stratified. Radiance and pixel mean nothing.
+// Starts light paths [first, first + n) of the frame in rows [0, n) of `paths`. All of them are
+// points of one sequence, so that the whole set is stratified. Radiance and pixel mean nothing.
 void StartLightPaths(const RenderOptions& options, std::uint64_t first, std::uint32_t n,
                      const PathColumns& paths);
 
-// Rays of paths [0, n) that leave the sky and the lights, one a path, in `rays`, and what is known
-// of them in w.light->emission and, on triangles, w.hits (see EmitFromLocalLights). The strategy
-// can emit. Uniforms are those of kLightEnd, bounce 0.
+// Writes the rays of paths [0, n) that leave the environment and the lights, one a path, to `rays`,
+// and what is known of them to w.light->emission. The strategy can emit. Uniforms are those of
+// kLightEnd, bounce 0.
 void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, Worker& w,
               StageClock& clock);
 
@@ -24,9 +24,9 @@ void EmitRays(const FrameView& frame, std::uint32_t n, const RayColumns& rays, W
 void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                                 std::uint32_t bounce, Worker& w, StageClock& clock);
 
-// Connects every surface that takes light samples to the camera: w.lights holds what the
-// connections bring, closed where that is nothing, and w.light->cameras where to. Shadow rays are
-// not traced.
+// Connects every surface that takes light samples to the camera: w.lights gets what the connections
+// bring, closed where that is nothing, and w.light->cameras where they go. Shadow rays are not
+// traced.
 void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 // Traces the shadow rays of the connections and splats those that arrive, each as one of the light

@@ -10,7 +10,7 @@ namespace skywave {
 namespace {
 
 // Adds what the pairs in rows [0, n) bring to their paths, whose surfaces have the BSDF `kind`.
-// Pairs of a path are added one after the other, so it does not matter which are in a table.
+// Pairs of a path are added one after the other, so it does not matter which of them share a table.
 void AddMerged(const FrameView& frame, const SubpathColumns& vertices, std::uint32_t kind,
                std::uint32_t n, Worker& w) {
   MergeTables& t = *w.merging;
@@ -24,7 +24,7 @@ void AddMerged(const FrameView& frame, const SubpathColumns& vertices, std::uint
   AddUnoccludedRadiance(t.lights, t.surfaces->path, n, w.paths);
 }
 
-// The surface in `row`, in rows [begin, begin + n) of the pairs.
+// Copies the surface in `row` to rows [begin, begin + n) of the pairs.
 void RepeatVertex(const Worker& w, std::uint32_t row, std::uint32_t begin, std::uint32_t n) {
   const MergeTables& t = *w.merging;
   const SurfaceColumns& s = w.surfaces;

@@ -1,4 +1,4 @@
-// The stages of sub-paths that are merged: their vertices stored where light paths arrive, and
+// The stages of sub-paths that are merged: their vertices are stored where light paths arrive, and
 // found again near where paths from the eye do.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace skywave {
 void StoreVertices(std::uint32_t depth, Worker& w, PhotonList& list, StageClock& clock);
 
 // Adds what the eye's surfaces at hand, whose sub-paths are w.bidirectional->at, reflect of the
-// light vertices within the radius of the pass, weighted against all other ways to make these
-// paths. `bounce`: of the surfaces.
+// light vertices within the radius of the pass, weighted against all other techniques that make
+// these paths. The surfaces are those of `bounce`.
 void MergeSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 }  // namespace skywave

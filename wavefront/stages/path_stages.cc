@@ -1,6 +1,7 @@
 #include "wavefront/stages/path_stages.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernels/accumulate.h"
 #include "kernels/partition.h"
@@ -11,7 +12,8 @@
 namespace skywave {
 namespace {
 
-// Light samples of this bounce are the first that meet two surfaces on their way to the camera.
+// Light samples of this bounce are the first whose light meets two surfaces on its way to the
+// camera.
 constexpr std::uint32_t kFirstIndirectBounce = 1;
 
 // The kind of the rays that arrive at a bounce.
@@ -26,11 +28,11 @@ void CountRays(const RayColumns& rays, std::uint32_t n, std::uint32_t bounce, Wo
   occupancy.capacity += w.paths.rows();
 }
 
-// The keys of the rays that arrive at a bounce.
-const std::uint32_t* PathRayKeys(const FrameView& frame, const PathEnd& end, std::uint32_t bounce,
-                                 const RayColumns& rays, std::uint32_t n, const Worker& w) {
-  return RayKeys(frame, w.paths, rays.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
-                 w.queue->queue);
+// Makes the keys of the rays that arrive at a bounce.
+RayKeys PathRayKeys(const FrameView& frame, const PathEnd& end, std::uint32_t bounce,
+                    const RayColumns& rays, std::uint32_t n, const Worker& w) {
+  return MakeRayKeys(frame, w.paths, rays.path, n,
+                     end.pairs + SamplePair(bounce, SampleUse::kScatter), w.scratch);
 }
 
 }  // namespace
@@ -61,8 +63,8 @@ void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w)
 
 namespace {
 
-// What paths have gained in a stage, to the groups of their lights, where somebody asks for them.
-// The rays or surfaces at hand are of paths rows[0, n); `write` writes their groups.
+// Gives what paths have gained in a stage to the groups of their lights, where somebody asks for
+// them. The rays or surfaces at hand are of paths rows[0, n); `write` writes their groups.
 template <class Write>
 void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t n, Worker& w,
                 const Write& write) {
@@ -71,44 +73,50 @@ void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t
   w.groups->film->AddToGroups(w.paths, rows, n, w.groups->given);
 }
 
-// Adds what rays [0, n) that have been traced see of the sky, `escaped` of them, and of lamps.
+// Adds what rays [0, n) that have been traced see of the environment, `escaped` of them, and of
+// emitters.
 void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t escaped, const Departure& from, Worker& w) {
   AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
-  AddEmitted(from.frame, rays, w.hits, n, w.escaped, from.paths);
+  AddEmitted(from.frame, rays, w.hits, n, EmitterHits(w.escaped), from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
 }
 
 }  // namespace
 
-std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                           std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
-                           SurfaceRanges& ranges, StageClock& clock) {
+SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                        std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
+                        StageClock& clock) {
   CountRays(rays, n, bounce, w);
-  TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits,
-               PathRayKeys(frame, end, bounce, rays, n, w));
+  {
+    const RayKeys keys = PathRayKeys(frame, end, bounce, rays, n, w);
+    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
+  }
   clock.Lap(Stage::kIntersect, KindOf(bounce));
   if (frame.geometry->has_mixtures()) {
-    DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, w.uniforms);
-    ChooseMaterials(frame.geometry->triangles(), w.uniforms->u, n, w.hits);
+    const MixtureUniforms mixture(w.scratch);
+    DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, mixture);
+    ChooseMaterials(frame.geometry->triangles(), mixture->u, n, w.hits);
   }
-  return SortHits(*frame.geometry, rays, w.hits, n, only_delta, w.queue->queue, ranges);
+  SortedHits sorted = {.queues = RayQueues(w.scratch), .ranges = {}, .escaped = 0};
+  sorted.escaped =
+      SortHits(*frame.geometry, rays, w.hits, n, only_delta, sorted.queues, sorted.ranges);
+  return sorted;
 }
 
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                 std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges, Worker& w,
-                 StageClock& clock) {
-  w.ranges = ranges;
-  MoveSurfaces(rays, w.hits, w.queue->queue, n, ranges, w.surfaces);
-  CountMeeting(n, escaped, ranges, w.stats.lanes);
+                 std::uint32_t n, SortedHits sorted, Worker& w, StageClock& clock) {
+  w.ranges = sorted.ranges;
+  MoveSurfaces(rays, w.hits, sorted.queues, n, w.ranges, w.surfaces);
+  CountMeeting(n, sorted.escaped, w.ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records, ranges.total(),
-                  w.surfaces);
-  TextureSurfaces(frame, end, ranges, w.surfaces);
-  CheckSurfaces(w.surfaces, ranges.total());
+  PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
+                  w.ranges.total(), w.surfaces);
+  TextureSurfaces(frame, end, w.ranges, w.surfaces);
+  CheckSurfaces(w.surfaces, w.ranges.total());
   clock.Lap(Stage::kSurface);
 }
 
@@ -120,15 +128,13 @@ void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                        StageClock& clock) {
-  SurfaceRanges ranges;
-  const std::uint32_t escaped =
-      TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, ranges, clock);
-  MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
+  MoveEscaped(rays, sorted.queues->queue, n, w.escaped);
   clock.Lap(Stage::kPartition);
-  // Before the surfaces that the rays left are overwritten: strategies may ask for them.
-  SeeLights(frame, rays, n, escaped, from, w);
+  // This comes before the surfaces that the rays left are overwritten: strategies may ask for them.
+  SeeLights(frame, rays, n, sorted.escaped, from, w);
   clock.Lap(Stage::kEscape);
-  PrepareHits(frame, kCameraEnd, rays, n, escaped, ranges, w, clock);
+  PrepareHits(frame, kCameraEnd, rays, n, std::move(sorted), w, clock);
 }
 
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
@@ -139,27 +145,31 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                      std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock) {
   CountRays(rays, n, bounce, w);
-  const std::uint32_t* const keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
-  if (frame.has_emitters()) {
-    TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
-  } else {
-    TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits, keys);
+  {
+    const RayKeys keys = PathRayKeys(frame, kCameraEnd, bounce, rays, n, w);
+    if (frame.has_emitters()) {
+      TraceClosest(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
+    } else {
+      TraceEscapes(frame.tracer, KindOf(bounce), rays, n, w.hits, keys->key);
+    }
   }
   clock.Lap(Stage::kIntersect, KindOf(bounce));
-  const std::uint32_t escaped = ClassifyEscapes(w.hits, n, w.queue->queue);
-  MoveEscaped(rays, w.queue->queue, n, w.escaped);
+  const RayQueues queues(w.scratch);
+  const std::uint32_t escaped = ClassifyEscapes(w.hits, n, queues->queue);
+  MoveEscaped(rays, queues->queue, n, w.escaped);
   CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   SeeLights(frame, rays, n, escaped, from, w);
   clock.Lap(Stage::kEscape);
 }
 
-void TraceLights(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock) {
+void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   const std::uint32_t open = CountOpen(w.lights, n);
   w.stats.rays[std::uint32_t(RayKind::kShadow)] += open;
+  CheckShadowRays(w.lights, n);
   clock.Lap(Stage::kEvaluate);
-  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys);
+  TraceShadows(frame.tracer, w.surfaces, n, w.lights, keys->key);
   clock.Lap(Stage::kShadow, RayKind::kShadow);
   CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
 }
@@ -170,21 +180,23 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   if (n == 0) return;
   const LightShares shares = frame.light_shares();
   for (std::uint32_t index = 0; index < shares.plan.total(); ++index) {
-    const float* reach =
-        SampleLights(frame, points, shares, bounce, index, w.uniforms, w.lobe, w.lights, w.hits);
+    const LightUniforms uniforms(w.scratch);
+    const LightPlaces places(w.hits);
+    const LightReach reach =
+        SampleLights(frame, points, shares, bounce, index, uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
     // The first light sample has one of the bounce's numbers, later ones are numbered behind.
     const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
-    const std::uint32_t* const keys =
-        RayKeys(frame, w.paths, w.surfaces->path, n, event, w.queue->queue);
-    if (reach != nullptr && frame.local_lights.has_alpha)
-      CloseTransparentSamples(frame, w.hits, keys, n, w.lights->t_far);
+    const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
+    if (reach.limited() && frame.local_lights.has_alpha) {
+      CloseTransparentSamples(frame, places, keys, n, w.lights->t_far);
+    }
     TraceLights(frame, keys, w, clock);
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
-      GroupsOfLightSamples(frame, shares, index, w.uniforms->u, n, group);
+      GroupsOfLightSamples(frame, shares, index, uniforms->u, n, group);
     });
     clock.Lap(Stage::kAccumulate);
   }
@@ -194,7 +206,7 @@ std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::u
                               std::uint32_t bounce, const RayColumns& rays, Worker& w,
                               StageClock& clock) {
   const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-                                  w.uniforms, w.lobe, rays);
+                                  DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays);
   CountScattering(w.ranges, first_kind, w.stats.lanes);
   clock.Lap(Stage::kScatter);
   return n;
@@ -204,18 +216,20 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
               Film& film, StageClock& clock) {
   if (!film.has_aovs()) return;
   if (bounce == 0) {
-    // Drawn anew: since generation others may have used the table.
-    DrawUniforms(w.paths, nullptr, paths, kFilmPair, {}, w.uniforms);
+    // They are drawn anew, as others have held their columns since generation.
+    const FilmUniforms uniforms(w.scratch);
+    DrawUniforms(w.paths, nullptr, paths, kFilmPair, {}, uniforms);
     film.AddFirstHits({.first = {.geometry = *frame.geometry,
                                  .camera = frame.camera,
                                  .surfaces = w.surfaces,
                                  .count = w.ranges.total()},
                        .paths = w.paths,
                        .hits = w.hits,
-                       .film = w.uniforms,
+                       .film = uniforms,
                        .rays = paths});
   }
-  // The rays that left the first surfaces have met the sky; the second ones are not lit yet.
+  // The rays that left the first surfaces have met the environment; the second surfaces are not lit
+  // yet.
   if (bounce == kFirstIndirectBounce) film.AddDirect(w.paths, paths);
   clock.Lap(Stage::kFilm);
 }
@@ -226,7 +240,7 @@ void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, F
 
 void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
   film.Add(w.paths, n, w.stats);
-  // Of the two kernels that every path of the wave passes.
+  // Every path of the wave passes these two kernels.
   for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
     w.stats.lanes[std::uint32_t(kernel)].Add(n, n);
   }

@@ -1,5 +1,5 @@
-// What integrators do with paths between a stage or two: shared pieces of their stage orders, over
-// the tables of a worker. Each counts and times what it does.
+// Integrators share these pieces of their stage orders, over the tables of a worker. Each counts
+// and times what it does.
 #pragma once
 
 #include "wavefront/film/film.h"
@@ -9,58 +9,67 @@
 
 namespace skywave {
 
-// Shadow rays that are there to be traced or, once traced, that met nothing.
+// Counts the shadow rays that are there to be traced or, once traced, that hit nothing.
 std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 
-// The surfaces of the bounce at hand, as strategies see them.
+// Returns the surfaces of the bounce at hand, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w);
 
-// Light groups of the paths [0, n) that begin have nothing yet; `film` will get what they gain.
-// Nothing where nobody asks for groups.
+// Starts the light groups of paths [0, n) with nothing; `film` will get what they gain. Does
+// nothing where nobody asks for groups.
 void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w);
 
-// Traces rays [0, n) that arrive at a bounce and writes their queues; returns how many hit nothing.
-// `ranges`: where the hits will be in the surface table. `only_delta`: see SortHits.
-std::uint32_t TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                           std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
-                           SurfaceRanges& ranges, StageClock& clock);
+// Rays between tracing and shading: their hits are in the hit table of the worker.
+struct SortedHits {
+  RayQueues queues;       // of each ray
+  SurfaceRanges ranges;   // where the hits will be in the surface table
+  std::uint32_t escaped;  // rays that hit nothing
+};
 
-// Makes surfaces to shade of the hits of rays [0, n), as TraceAndSort left them.
+// Traces rays [0, n) that arrive at a bounce and sorts what they hit. `only_delta` is that of
+// SortHits.
+SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                        std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
+                        StageClock& clock);
+
+// Makes surfaces to shade of the hits of rays [0, n). Their queues end with that.
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                 std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges, Worker& w,
-                 StageClock& clock);
+                 std::uint32_t n, SortedHits sorted, Worker& w, StageClock& clock);
 
-// Where rays come from: the surfaces that they have left, and the frame that plans the light
-// samples of those, which are the partners of what the rays see. `paths` takes what they see.
+// Tells where rays come from: the surfaces that they have left, and the frame that plans the light
+// samples of those, which compete with what the rays see. `paths` takes what they see.
 struct Departure {
   const FrameView& frame;
   ShadePoints points;
   PathColumns paths;
 };
 
-// From the surfaces of the worker itself, of any bounce: its tables stay where they are.
+// Returns the departure from the surfaces of the worker itself, of any bounce: its tables stay
+// where they are.
 Departure FromOwnSurfaces(const FrameView& frame, const Worker& w);
 
-// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits. With
-// `only_delta`: see SortHits. `from`: if unsaid, the surfaces of the worker itself.
+// Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
+// `only_delta` is that of SortHits. Without `from` rays come from the surfaces of the worker
+// itself.
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock);
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                        StageClock& clock);
 
-// The end of a path: only what shines by itself can still be seen. `from`: as in IntersectSurfaces.
+// Ends paths: traces rays [0, n), which can only see emitters and the environment any more, and
+// adds what they see. `from` is that of IntersectSurfaces.
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                      std::uint32_t bounce, Worker& w, StageClock& clock);
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                      std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock);
 
 // Traces the shadow rays of w.lights, one a surface that takes light samples, as TraceShadows does,
-// and counts them. What came before on the clock was evaluation.
-void TraceLights(const FrameView& frame, const std::uint32_t* keys, Worker& w, StageClock& clock);
+// and counts them. Time on the clock before this call was that of evaluation.
+void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock);
 
-// The light samples of every surface, one after the other: draw, evaluate, trace, add. Directional
-// lights come light by light, so that a stream of shadow rays has one direction.
+// Draws, evaluates, traces and adds the light samples of every surface, one after the other.
+// Directional lights come light by light, so that a stream of shadow rays has one direction.
 void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 // Scatters the surfaces at hand of BSDFs [first_kind, kBsdfKinds); returns how many rays go on.
@@ -68,14 +77,15 @@ std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::u
                               std::uint32_t bounce, const RayColumns& rays, Worker& w,
                               StageClock& clock);
 
-// What the film keeps of a bounce beside radiance, where it is asked to.
+// Gives the film what it keeps of a bounce besides radiance, where it is asked to keep it.
 void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths, const Worker& w,
               Film& film, StageClock& clock);
 
-// Gives paths [0, n) to the film. `bounce`: at which the last one ended.
+// Gives paths [0, n) to the film. The last one ended at `bounce`.
 void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock);
 
-// Its two parts: what KeepAovs did not see because paths had ended, and all radiance.
+// FinishWave has these two parts: what KeepAovs did not see because paths had ended, and all
+// radiance.
 void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, Film& film);
 void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock);
 

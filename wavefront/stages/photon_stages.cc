@@ -11,7 +11,7 @@
 namespace skywave {
 namespace {
 
-// What a light path has met, in PhotonTables::history.
+// Bits of HistoryColumns::met.
 constexpr std::uint32_t kScatteredDense = 1, kScatteredDelta = 2;
 
 void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
@@ -111,17 +111,17 @@ void PhotonList::SortByPath(std::uint32_t paths) {
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock) {
   const SurfaceColumns& s = w.surfaces;
-  std::uint32_t* const history = w.photon->history->queue;
+  std::uint32_t* const met = w.photon->history->met;
   const std::uint32_t dense = w.ranges.light_sampled(), total = w.ranges.total();
   for (std::uint32_t row = 0; row < dense; ++row) {
-    std::uint32_t& scattered = history[s.path[row]];
-    const bool caustic = scattered == kScatteredDelta;
-    const bool indirect = (scattered & kScatteredDense) != 0 || wanted.all_light;
+    std::uint32_t& before = met[s.path[row]];
+    const bool caustic = before == kScatteredDelta;
+    const bool indirect = (before & kScatteredDense) != 0 || wanted.all_light;
     if (caustic && wanted.caustic) Append(PhotonAt(s, row, depth), s.path[row], lists.caustic);
     if (indirect && wanted.indirect) Append(PhotonAt(s, row, depth), s.path[row], lists.indirect);
-    scattered |= kScatteredDense;
+    before |= kScatteredDense;
   }
-  for (std::uint32_t row = dense; row < total; ++row) history[s.path[row]] |= kScatteredDelta;
+  for (std::uint32_t row = dense; row < total; ++row) met[s.path[row]] |= kScatteredDelta;
   clock.Lap(Stage::kPhotons);
 }
 
@@ -136,7 +136,7 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection tre
   ForEachBlock(w.ranges, [&](const Block& block) {
     std::uint32_t count[kLookupBlock], row[kLookupBlock];
     DiskSurface surfaces[kLookupBlock];
-    // AreaCorrection that may be cut come first, those that look whole are counted from the end.
+    // Disks that may be cut come first; those that look whole are counted from the end.
     std::uint32_t cut = 0, whole = kLookupBlock;
     RangeSearch searches[kLookupBlock];
     PhotonDisk disks[kLookupBlock];
@@ -154,7 +154,7 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection tre
         disk.radius2 = DiskRadius2(found, count[i], options.neighbors, view.radius2);
       }
       if (count[i] == 0) continue;
-      // What looks whole need not be looked at. A first part of a range search is no fair sample.
+      // A disk that looks whole needs no rays. The first part of a range search is no fair sample.
       const bool doubtful =
           treatment == AreaCorrection::kVisibleCells &&
           (options.progressive() || count[i] < options.neighbors ||
@@ -202,21 +202,20 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
                            .pairs = kPairBlock,
                            .split = {.stride = gather, .offset = index}};
     const PathEnd end = {.transport = Transport::kRadiance, .pairs = kPairBlock * (index + 1)};
-    std::uint32_t n =
-        Scatter(frame, first, w.paths, w.surfaces, dense, 0, bounce, w.uniforms, w.lobe, *rays);
+    std::uint32_t n = Scatter(frame, first, w.paths, w.surfaces, dense, 0, bounce,
+                              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *rays);
     clock.Lap(Stage::kScatter);
-    // The surfaces at hand step back for those that their rays meet.
+    // The surfaces at hand make room for those that their rays meet.
     std::swap(w.surfaces, t.surfaces), std::swap(w.ranges, t.ranges);
     for (std::uint32_t scattered = bounce + 1; n > 0 && scattered < frame.options.max_depth;
          ++scattered) {
-      SurfaceRanges ranges;
-      const std::uint32_t escaped =
-          TraceAndSort(frame, end, *rays, n, scattered, /*only_delta=*/false, w, ranges, clock);
-      PrepareHits(frame, end, *rays, n, escaped, ranges, w, clock);
+      PrepareHits(frame, end, *rays, n,
+                  TraceAndSort(frame, end, *rays, n, scattered, /*only_delta=*/false, w, clock), w,
+                  clock);
       AddPhotons(frame, frame.photons->indirect, AreaCorrection::kFullDisk,
                  frame.options.max_depth - scattered, 1.0f / float(gather), w, clock);
-      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, scattered, w.uniforms,
-                  w.lobe, *next);
+      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, scattered,
+                  DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
       clock.Lap(Stage::kScatter);
       std::swap(rays, next);
     }

@@ -1,4 +1,5 @@
-// The stages of photons: stored where light paths arrive, looked up where camera paths do.
+// The stages of photons: they are stored where light paths arrive, and looked up where camera paths
+// do.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +11,12 @@
 
 namespace skywave {
 
-// The photons of a wave of light paths for one map: in the order of surfaces while paths are
-// traced, and then in that of paths.
+// The photons of a wave of light paths for one map. They are in the order of surfaces while paths
+// are traced, and then in that of paths.
 struct PhotonList {
   std::vector<Photon> photons;
-  std::vector<std::uint32_t> path;     // of each, its row in the wave
-  std::vector<PhotonSubpath> subpath;  // of each, where paths are merged; else empty
+  std::vector<std::uint32_t> path;     // row of each photon's path in the wave
+  std::vector<PhotonSubpath> subpath;  // sub-path of each, where paths are merged; else empty
 
   void SortByPath(std::uint32_t paths);
 };
@@ -24,12 +25,12 @@ struct PhotonLists {
   PhotonList caustic, indirect;
 };
 
-// Which maps still want photons; for a final gather the indirect one has all light.
+// Tells which maps still want photons; for a final gather the indirect one has all light.
 struct WantedPhotons {
   bool caustic = false, indirect = false, all_light = false;
 };
 
-// The photon that arrived at a surface, which is the `depth`-th of its path.
+// Returns the photon that arrived at a surface, which is the `depth`-th of its path.
 Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t depth);
 
 // Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
@@ -37,8 +38,8 @@ Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 
-// Whether photons are divided by all of their disk, or by the part of it that is surface, which
-// rays measure where photons leave a doubt.
+// Photons are divided by the area of their whole disk, or by that of the part of it that is
+// surface, which rays measure where photons leave a doubt.
 enum class AreaCorrection { kFullDisk, kVisibleCells };
 
 // Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
@@ -46,9 +47,9 @@ enum class AreaCorrection { kFullDisk, kVisibleCells };
 void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection treatment,
                 std::uint32_t max_depth, float scale, Worker& w, StageClock& clock);
 
-// Final gather (Jensen 1996): rays from every surface at hand that has a density, over mirrors and
-// glass to the next that has one, and adds what those reflect of photons. Rays of a surface are
-// stratified. `bounce`: of the surfaces at hand.
+// Gathers (final gather, Jensen 1996): traces rays from every surface at hand that has a density,
+// over mirrors and glass to the next that has one, and adds what those reflect of photons. Rays of
+// a surface are stratified. The surfaces at hand are those of `bounce`.
 void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 }  // namespace skywave

@@ -18,7 +18,7 @@ namespace {
 // Bounces before this one are never cut by roulette.
 constexpr std::uint32_t kFirstRouletteBounce = 3;
 
-// The angle that a pixel in the middle of the film takes up; 0 where it has none.
+// Returns the angle that a pixel in the middle of the film takes up; 0 where it has none.
 float PixelAngle(const CameraView& camera) {
   constexpr float kTurn = 6.28318531f;
   if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
@@ -29,13 +29,8 @@ float PixelAngle(const CameraView& camera) {
   return length(camera.right) / length(camera.forward);
 }
 
-// Whether light goes through the material itself, and may be lost on its way.
-bool HasInside(BsdfKind kind) {
-  return kind == BsdfKind::kDielectric || kind == BsdfKind::kRoughDielectric;
-}
-
-// Beam by beam: the samples of a block of pixels, then those of the next block of the tile. Seeds
-// are those of the pixels of the whole film, so that a part of it has the same noise.
+// Starts paths beam by beam: the samples of a block of pixels, then those of the next block of the
+// tile. Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
 void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
                 const PathColumns& paths) {
   assert(range.first % kBeamRays == 0 && range.count % kBeamRays == 0);
@@ -65,11 +60,11 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
   std::fill_n(paths.b, range.count, 0.0f);
 }
 
-// Light samples of the first `n` rows.
-const float* SampleRows(const FrameView& frame, const ShadePoints& points,
-                        const LightShares& shares, LightCall call, std::uint32_t n,
-                        const UniformColumns& uniforms, const UniformColumns& rest,
-                        const LightColumns& lights, const HitColumns& places) {
+// Draws light samples for the first `n` rows.
+LightReach SampleRows(const FrameView& frame, const ShadePoints& points, const LightShares& shares,
+                      LightCall call, std::uint32_t n, const LightUniforms& uniforms,
+                      const Scratch& scratch, const LightColumns& lights,
+                      const LightPlaces& places) {
   const LightPlan& plan = shares.plan;
   if (call.index >= plan.fixed) {
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair,
@@ -79,49 +74,43 @@ const float* SampleRows(const FrameView& frame, const ShadePoints& points,
     call.pair += kPairBlock * (call.index + 1);
     DrawUniforms(points.paths, points.surfaces.path, n, call.pair, {}, uniforms);
   }
-  const bool local = call.index >= plan.fixed && shares.local.share > 0;
-  UniformColumns of_strategy = uniforms;
-  if (local && shares.local.share < 1) {
-    // Rows that a local light takes over get a sample of the strategy too: dense rows are worth
-    // more than that wastes.
-    SplitUniforms(uniforms.u, n, shares.local.share, rest.u);
-    of_strategy.u = rest.u;
+  const float local_share = call.index >= plan.fixed ? shares.local.share : 0;
+  if (local_share < 1) {
+    SampleStrategy(*frame.strategy, points, uniforms, local_share, n, call, scratch, lights);
   }
-  if (!local || shares.local.share < 1) {
-    frame.strategy->Sample(points, of_strategy, n, call, lights);
-  }
-  if (local) {
-    SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
-                      float(plan.drawn), lights, rest.v,
-                      frame.local_lights.has_alpha ? &places : nullptr);
-  }
-  return local ? rest.v : nullptr;
+  if (local_share <= 0) return {};
+  LightReach reach(scratch);
+  const HitColumns& on_triangles = places;
+  SampleLocalLights(frame.local_lights, shares.local, points.surfaces, uniforms, n,
+                    float(plan.drawn), lights, reach->distance,
+                    frame.local_lights.has_alpha ? &on_triangles : nullptr);
+  return reach;
 }
 
 }  // namespace
 
-void GenerateRays(const FrameView& frame, const WaveRange& range, const UniformColumns& film,
-                  const UniformColumns& lens, const PathColumns& paths, const RayColumns& rays) {
+void GenerateRays(const FrameView& frame, const WaveRange& range, const FilmUniforms& film,
+                  const LensUniforms& lens, const PathColumns& paths, const RayColumns& rays) {
   StartPaths(frame.options, frame.camera, range, paths);
   DrawUniforms(paths, nullptr, range.count, kFilmPair, {}, film);
   if (frame.camera.has_lens()) DrawUniforms(paths, nullptr, range.count, kLensPair, {}, lens);
   GenerateCameraRays(frame.camera, paths, film, lens, range.count, rays);
 }
 
-const std::uint32_t* RayKeys(const FrameView& frame, const PathColumns& paths,
-                             const std::uint32_t* rows, std::uint32_t n, std::uint32_t event,
-                             std::uint32_t* keys) {
-  if (!frame.geometry->has_alpha()) return nullptr;
-  DrawRayKeys(paths, rows, n, event, keys);
+RayKeys MakeRayKeys(const FrameView& frame, const PathColumns& paths, const std::uint32_t* rows,
+                    std::uint32_t n, std::uint32_t event, const Scratch& scratch) {
+  if (!frame.geometry->has_alpha()) return {};
+  RayKeys keys(scratch);
+  DrawRayKeys(paths, rows, n, event, keys->key);
   return keys;
 }
 
 std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
-                       std::uint32_t n, bool only_delta, std::uint32_t* queue,
+                       std::uint32_t n, bool only_delta, const RayQueues& queues,
                        SurfaceRanges& ranges) {
   std::uint32_t count[kBsdfKinds + 1] = {};
   ClassifyHits(hits, geometry.triangles(), geometry.bsdfs(), only_delta ? rays.pdf : nullptr, n,
-               queue, count);
+               queues->queue, count);
   for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
     ranges.begin[kind + 1] = ranges.begin[kind] + count[kind];
   }
@@ -129,12 +118,13 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
   return count[kMissQueue];
 }
 
-void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
+void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const RayQueues& queues,
                   std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces) {
-  // In ascending order: the last vector of a queue may spill over the first rows of the next.
+  // The order is ascending, as the last vector of a queue may spill over the first rows of the
+  // next.
   for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
     if (ranges.count(kind) == 0) continue;
-    MoveHits(rays, hits, queue, kind, n, Slice(surfaces, ranges.begin[kind]));
+    MoveHits(rays, hits, queues->queue, kind, n, Slice(surfaces, ranges.begin[kind]));
   }
 }
 
@@ -156,7 +146,7 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
     const std::uint32_t n = ranges.count(kind);
     if (n == 0) continue;
     const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
-    if (frame.geometry->absorbs() && HasInside(BsdfKind(kind))) AbsorbInside(materials, n, rows);
+    if (frame.geometry->absorbs() && Bsdfs()[kind].inside) AbsorbInside(materials, n, rows);
     switch (Bsdfs()[kind].varying) {
       case Varying::kNothing:
         break;
@@ -179,7 +169,7 @@ void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeCol
 }
 
 void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
-                std::uint32_t n, const EscapeColumns& emitter_hits, const PathColumns& paths) {
+                std::uint32_t n, const EmitterHits& emitter_hits, const PathColumns& paths) {
   if (!frame.has_emitters()) return;
   const LightShares shares = frame.light_shares();
   const std::uint32_t count = IntersectEmitters(frame.local_lights, shares.local, rays, hits, n,
@@ -187,29 +177,40 @@ void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns
   AddEscapedRadiance(emitter_hits, count, frame.mis(), paths);
 }
 
-const float* SampleLights(const FrameView& frame, const ShadePoints& points,
-                          const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
-                          const UniformColumns& uniforms, const UniformColumns& rest,
-                          const LightColumns& lights, const HitColumns& places) {
+void SampleStrategy(const EnvStrategy& strategy, const ShadePoints& points,
+                    const LightUniforms& uniforms, float local_share, std::uint32_t n,
+                    const LightCall& call, const Scratch& scratch, const LightColumns& lights) {
+  if (local_share <= 0) return strategy.Sample(points, uniforms, n, call, lights);
+  const SplitRemainder remainder(scratch);
+  SplitUniforms(uniforms->u, n, local_share, remainder->u);
+  strategy.Sample(points, {.u = remainder->u, .v = uniforms->v}, n, call, lights);
+}
+
+LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
+                        const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                        const LightUniforms& uniforms, const Scratch& scratch,
+                        const LightColumns& lights, const LightPlaces& places) {
   const std::uint32_t n = points.ranges.light_sampled();
   const LightCall call = {.index = index,
                           .requested = frame.light_samples(),
                           .pair = SamplePair(bounce, SampleUse::kLight),
                           .share = shares.of_strategy};
 #ifdef SKYWAVE_SLOWDOWN
-  // For scripts/gate_selftest.sh: that many percent of the rows in vain, by other random numbers,
-  // so that they read other texels and cost what samples cost, whatever the scene and the machine.
+  // scripts/gate_selftest.sh has that many percent of the rows sampled for nothing, by other random
+  // numbers, so that they read other texels and cost what samples cost, whatever the scene and the
+  // machine.
   static_assert(SKYWAVE_SLOWDOWN <= 100, "tables have no more rows");
   LightCall wasted = call;
   wasted.pair += kPairBlock * 4096;
-  SampleRows(frame, points, shares, wasted, n * SKYWAVE_SLOWDOWN / 100, uniforms, rest, lights,
+  SampleRows(frame, points, shares, wasted, n * SKYWAVE_SLOWDOWN / 100, uniforms, scratch, lights,
              places);
 #endif
-  return SampleRows(frame, points, shares, call, n, uniforms, rest, lights, places);
+  return SampleRows(frame, points, shares, call, n, uniforms, scratch, lights, places);
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, const float* reach, const LightColumns& lights) {
+                    const SurfaceRanges& ranges, const LightReach& reach,
+                    const LightColumns& lights) {
   const MaterialView materials = frame.geometry->materials();
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     if (ranges.count(kind) == 0) continue;
@@ -217,16 +218,16 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
     Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
                                   frame.mis(), Slice(lights, begin));
   }
-  if (reach != nullptr) LimitShadows(reach, ranges.light_sampled(), lights);
+  if (reach.limited()) LimitShadows(reach->distance, ranges.light_sampled(), lights);
 }
 
-void CloseTransparentSamples(const FrameView& frame, const HitColumns& places,
-                             const std::uint32_t* keys, std::uint32_t n, float* t_far) {
+void CloseTransparentSamples(const FrameView& frame, const LightPlaces& places, const RayKeys& keys,
+                             std::uint32_t n, float* t_far) {
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (t_far[i] < 0 || places.geom[i] == kNoHit) continue;
-    const std::uint32_t triangle = places.triangle[i];
+    if (t_far[i] < 0 || places->geom[i] == kNoHit) continue;
+    const std::uint32_t triangle = places->triangle[i];
     if (triangle < frame.geometry->first_with_alpha()) continue;
-    if (!StopsRay(frame.geometry->opacity(), keys[i], triangle, places.u[i], places.v[i])) {
+    if (!StopsRay(frame.geometry->opacity(), keys->key[i], triangle, places->u[i], places->v[i])) {
       t_far[i] = -1;
     }
   }
@@ -235,7 +236,7 @@ void CloseTransparentSamples(const FrameView& frame, const HitColumns& places,
 std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColumns& paths,
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
-                      const UniformColumns& direction, const UniformColumns& lobe,
+                      const DirectionUniforms& direction, const LobeUniforms& lobe,
                       const RayColumns& rays) {
   const MaterialView materials = frame.geometry->materials();
   const bool roulette = bounce >= kFirstRouletteBounce;

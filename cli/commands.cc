@@ -1,0 +1,10 @@
+#include "cli/commands.h"
+
+namespace skywave {
+
+std::vector<Command> AllCommands() {
+  return {RenderCommand(),   InfoCommand(),  PathsCommand(), CompareCommand(), StrategiesCommand(),
+          ConvergeCommand(), BenchCommand(), ProbeCommand(), OptionsCommand()};
+}
+
+}  // namespace skywave

@@ -1,0 +1,147 @@
+#include "cli/parse.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "base/error.h"
+
+namespace skywave {
+namespace {
+
+std::string FlagsOf(const OptionInfo& info) {
+  if (info.positional) return std::string(info.name);
+  const std::string name =
+      (info.is_switch && info.printed_default == "true" ? "--no-" : "--") + std::string(info.name);
+  return info.letter == 0 ? name : fmt::format("-{},{}", info.letter, name);
+}
+
+void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
+  const OptionInfo& info = option.info;
+  const std::string flags = FlagsOf(info), group(info.group);
+  const auto take = [&option, &given, flags](const std::vector<std::string>& texts) {
+    given.emplace(option.info.name);
+    const std::string problem = option.set(texts);
+    if (!problem.empty()) {
+      throw CLI::ValidationError(flags.substr(flags.find(',') + 1), problem);
+    }
+  };
+  if (info.is_switch) {
+    const bool on = info.printed_default == "true";
+    const auto put = [take](bool value) {
+      return [take, value](std::int64_t) { take({value ? "true" : "false"}); };
+    };
+    app.add_flag_function(flags, put(!on), Explanation(info))->group(group);
+    // The default can be said too, for scripts; it is not worth a line of help.
+    app.add_flag_function((on ? "--" : "--no-") + std::string(info.name), put(on))->group("");
+    return;
+  }
+  CLI::Option* added;
+  if (info.most_values > 1) {
+    added = app.add_option_function<std::vector<std::string>>(flags, take, Explanation(info))
+                ->expected(1, info.most_values);
+    if (info.delimiter != 0) added->delimiter(info.delimiter);
+  } else {
+    // Of an option that is given several times the last one counts, but all have to be right.
+    added = app.add_option_function<std::vector<std::string>>(
+                   flags,
+                   [take](const std::vector<std::string>& texts) {
+                     for (const std::string& text : texts) take({text});
+                   },
+                   Explanation(info))
+                ->expected(1)
+                ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  added->type_name(info.positional ? "" : info.value_name)->group(group)->required(info.required);
+}
+
+void AddCommand(CLI::App& parent, const Command& command, GivenOptions& given,
+                const Command*& chosen) {
+  CLI::App* const app = parent.add_subcommand(command.name, command.summary);
+  if (!command.options.empty()) app->get_help_ptr()->group("Common");
+  for (const BoundOption& option : command.options) AddOption(*app, option, given);
+  for (const BoundOption& option : command.options) {
+    const auto called = [app](std::string_view name) {
+      return app->get_option("--" + std::string(name));
+    };
+    if (!option.info.needs.empty()) {
+      called(option.info.name)->needs(called(option.info.needs));
+    }
+    if (!option.info.excludes.empty()) {
+      called(option.info.name)->excludes(called(option.info.excludes));
+    }
+  }
+  app->footer(command.footer);
+  for (const Command& child : command.children) AddCommand(*app, child, given, chosen);
+  if (!command.children.empty()) app->require_subcommand(1);
+  if (command.run) app->callback([&command, &chosen] { chosen = &command; });
+}
+
+int Run(const Command& command, const GivenOptions& given) {
+  try {
+    return command.run(given);
+  } catch (const OptionError& error) {
+    fmt::print(stderr, "skywave: {}\n", Message(error));
+    return error.exit_code();
+  } catch (const InputError& error) {
+    fmt::print(stderr, "skywave: {}\n", error.what());
+    return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "skywave: out of memory\n");
+    return kExitIo;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "skywave: {}\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace
+
+OptionInfo& OptionCalled(Command& command, std::string_view name) {
+  for (BoundOption& option : command.options) {
+    if (option.info.name == name) return option.info;
+  }
+  throw std::logic_error("no option " + std::string(name));
+}
+
+std::string SpellFlags(std::string_view text) {
+  std::string spelled;
+  bool mention = false;
+  for (const char c : text) {
+    if (c != '`') {
+      spelled += c;
+    } else if (mention = !mention; mention) {
+      spelled += "--";
+    }
+  }
+  return spelled;
+}
+
+std::string Message(const OptionError& error) {
+  std::string flags;
+  for (const OptionValue& option : error.options()) {
+    if (!flags.empty()) flags += ' ';
+    flags += "--" + option.name;
+    if (!option.value.empty()) flags += ' ' + option.value;
+  }
+  return flags + ": " + SpellFlags(error.why());
+}
+
+int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
+  CLI::App program{
+      "Skywave renders scenes lit by illumination maps (HDR light probes) on multicore CPUs.\n"
+      "Start with:  skywave render gallery -o gallery.exr"};
+  program.set_version_flag("--version", "skywave " SKYWAVE_VERSION);
+  program.require_subcommand(1);
+  GivenOptions given;
+  const Command* chosen = nullptr;
+  for (const Command& command : commands) AddCommand(program, command, given, chosen);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : kExitUsage;
+  }
+  return Run(*chosen, given);
+}
+
+}  // namespace skywave

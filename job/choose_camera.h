@@ -1,0 +1,15 @@
+// The camera that a request and its scene give.
+#pragma once
+
+#include "job/request.h"
+#include "scene/scene.h"
+
+namespace skywave {
+
+// The camera of the scene, or else one that sees all of `bounds`, with the changes of the request.
+// `aspect`: width / height of the whole film. Throws InputError for a view without a direction and
+// for a field of view that the camera cannot have.
+Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& request,
+                    float aspect);
+
+}  // namespace skywave

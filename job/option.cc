@@ -1,0 +1,155 @@
+#include "job/option.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+#include "wavefront/option_names.h"
+
+namespace skywave {
+namespace {
+
+template <class Number>
+std::optional<Number> ParseNumber(const std::string& text, Number low, Number high) {
+  Number value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || stop != end) return std::nullopt;
+  // A NaN is in no range.
+  return value >= low && value <= high ? std::optional(value) : std::nullopt;
+}
+
+template <class Number>
+Codec<Number> WholeNumberCodec(Number low, Number high) {
+  return {.values = fmt::format("a whole number from {} to {}", low, high),
+          .metavar = "N",
+          .parse = [=](const std::string& text) { return ParseNumber(text, low, high); },
+          .print = [](const Number& value) { return fmt::format("{}", value); }};
+}
+
+}  // namespace
+
+Codec<std::uint64_t> WholeNumbers(std::uint64_t low, std::uint64_t high) {
+  return WholeNumberCodec(low, high);
+}
+
+Codec<std::int64_t> SignedNumbers(std::int64_t low, std::int64_t high) {
+  return WholeNumberCodec(low, high);
+}
+
+Codec<float> Floats(double low, double high) {
+  return {.values = fmt::format("a number from {:g} to {:g}", low, high),
+          .metavar = "X",
+          .parse = [=](const std::string& text) -> std::optional<float> {
+            const std::optional<float> value = ParseNumber(text, -std::numeric_limits<float>::max(),
+                                                           std::numeric_limits<float>::max());
+            return value && double(*value) >= low && double(*value) <= high ? value : std::nullopt;
+          },
+          .print = [](const float& value) { return fmt::format("{}", value); }};
+}
+
+Codec<double> Doubles(double low, double high) {
+  return {.values = fmt::format("a number from {:g} to {:g}", low, high),
+          .metavar = "X",
+          .parse = [=](const std::string& text) { return ParseNumber(text, low, high); },
+          .print = [](const double& value) { return fmt::format("{}", value); }};
+}
+
+Codec<std::string> Texts(std::string values) {
+  return {.values = values,
+          .metavar = values,
+          .parse = [](const std::string& text) { return std::optional(text); },
+          .print = [](const std::string& value) { return value; }};
+}
+
+Codec<std::string> OneOf(std::string words) {
+  Codec<std::string> codec = Texts(words);
+  codec.parse = [words](const std::string& text) -> std::optional<std::string> {
+    const bool is_word = text.find('|') == std::string::npos &&
+                         ("|" + words + "|").find("|" + text + "|") != std::string::npos;
+    return is_word ? std::optional(text) : std::nullopt;
+  };
+  return codec;
+}
+
+Codec<bool> Switches() {
+  return {.values = "true|false",
+          .metavar = "",
+          .parse = [](const std::string& text) -> std::optional<bool> {
+            if (text == "true" || text == "1" || text == "on") return true;
+            if (text == "false" || text == "0" || text == "off") return false;
+            return std::nullopt;
+          },
+          .print = [](const bool& value) { return std::string(value ? "true" : "false"); },
+          .is_switch = true};
+}
+
+std::string NotAValue(const std::string& text, const std::string& values) {
+  return fmt::format("'{}' is not {}", text, values);
+}
+
+std::string Quoted(const std::string& text) {
+  const auto plain = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::strchr("_-+=:,./", c) != nullptr;
+  };
+  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string DefaultText(const OptionInfo& info) {
+  if (info.is_switch || info.printed_default.empty()) return "";
+  return (info.scene_may_set ? "the scene's, or " : "") + info.printed_default;
+}
+
+std::vector<std::string> IntegratorsOf(const OptionInfo& info) {
+  std::vector<std::string> names;
+  for (const Integrator integrator : ValuesOf<Integrator>()) {
+    if (info.applies == nullptr || info.applies(integrator)) {
+      names.emplace_back(ToString(integrator));
+    }
+  }
+  return names;
+}
+
+std::string Explanation(const OptionInfo& info) {
+  std::string text(info.help);
+  if (const std::string value = DefaultText(info); !value.empty()) {
+    text += fmt::format(" (default: {})", value);
+  }
+  if (info.applies != nullptr) text += fmt::format(" [{}]", fmt::join(IntegratorsOf(info), ", "));
+  return text;
+}
+
+std::string NearestName(std::string_view name, const std::vector<std::string_view>& names) {
+  // Levenshtein's distance, row by row.
+  const auto distance = [name](std::string_view other) {
+    std::vector<std::size_t> row(other.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 1; i <= name.size(); ++i) {
+      std::size_t diagonal = row[0];
+      row[0] = i;
+      for (std::size_t j = 1; j <= other.size(); ++j) {
+        const std::size_t replaced = diagonal + (name[i - 1] == other[j - 1] ? 0 : 1);
+        diagonal = row[j];
+        row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+      }
+    }
+    return row[other.size()];
+  };
+  std::string_view best;
+  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
+  for (const std::string_view other : names) {
+    if (const std::size_t d = distance(other); d < least) least = d, best = other;
+  }
+  return std::string(best);
+}
+
+}  // namespace skywave

@@ -1,0 +1,243 @@
+// What an option is: a name, what it does, which values it takes, and how text becomes the value of
+// one field and text again. Flags, help, job files, the command that a picture records, completions
+// and the reference are all made from such descriptions, so an option is one line of a table and
+// one field.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/names.h"
+#include "wavefront/frame.h"
+
+namespace skywave {
+
+// What an option changes.
+enum class OptionScope {
+  kInput,   // which files are read, and what they may be
+  kPixels,  // the picture
+  kSpeed,   // the time that the same picture takes
+  kOutput   // what is written or printed
+};
+template <>
+inline constexpr auto kEnumNames<OptionScope> =
+    std::to_array<Named<OptionScope>>({{OptionScope::kInput, "input"},
+                                       {OptionScope::kPixels, "pixels"},
+                                       {OptionScope::kSpeed, "speed"},
+                                       {OptionScope::kOutput, "output"}});
+
+// The text of an option for people and for programs.
+struct OptionInfo {
+  std::string_view name;              // without dashes, e.g. "max-depth"
+  std::string_view group = "Common";  // heading of the help text under which it stands
+  std::string_view help;              // half a sentence
+  OptionScope scope = OptionScope::kOutput;
+  // Arguments that try the option on a scene of the tests, together with what it needs, e.g.
+  // "--split 2 --continuation-strategy uniform". An option that changes pixels has to have one.
+  std::string_view example = {};
+  std::string_view default_text = {};  // where no field has a default value to print
+  std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
+  char letter = 0;                     // one-letter form, 0: none
+  bool positional = false, required = false;
+  bool scene_may_set = false;                  // a scene file may give it; the option comes first
+  bool in_suite = false;                       // `skywave bench` takes it for its suite of scenes
+  int most_values = 1;                         // more than 1: a list, separated by spaces
+  char delimiter = 0;                          // of a list in one word, 0: none
+  std::string_view needs = {}, excludes = {};  // another option
+  bool (*applies)(Integrator) = nullptr;       // null: to all integrators
+
+  // Filled in by MakeOption.
+  std::string values = {};           // see Codec
+  std::string value_name = {};       // the metavar: that of the option or of its codec
+  std::string printed_default = {};  // empty: none
+  bool is_switch = false;            // takes no value: --name or --no-name
+};
+
+// An option of a struct of fields, a request.
+template <class Request>
+struct OptionOf : OptionInfo {
+  // Puts the value that the words of `texts` stand for into the request. Returns what is wrong with
+  // them as half a sentence, or nothing if they are good.
+  std::function<std::string(Request&, const std::vector<std::string>& texts)> set;
+  // The words that make `set` put the same value there; none where the field is unset.
+  std::function<std::vector<std::string>(const Request&)> get;
+};
+
+// How text becomes a value and back. `parse` returns nothing for text that is none.
+template <class Value>
+struct Codec {
+  std::string values;            // what a value is: "a|b|c", or half a sentence
+  std::string metavar = values;  // what stands for it in help texts
+  std::function<std::optional<Value>(const std::string&)> parse;
+  std::function<std::string(const Value&)> print;
+  bool is_switch = false;
+};
+
+// A whole number in [low, high].
+Codec<std::uint64_t> WholeNumbers(std::uint64_t low, std::uint64_t high);
+Codec<std::int64_t> SignedNumbers(std::int64_t low, std::int64_t high);
+// A finite number in [low, high]; it is printed with as many digits as it takes to read it back.
+Codec<float> Floats(double low, double high);
+Codec<double> Doubles(double low, double high);
+Codec<std::string> Texts(std::string values);
+// One of the words of "a|b|c".
+Codec<std::string> OneOf(std::string words);
+Codec<bool> Switches();
+
+// The same codec for another type of number.
+template <class To, class From>
+Codec<To> As(Codec<From> codec) {
+  return {
+      .values = codec.values,
+      .metavar = codec.metavar,
+      .parse = [parse = codec.parse](const std::string& text) -> std::optional<To> {
+        const std::optional<From> value = parse(text);
+        if (!value) return std::nullopt;
+        return static_cast<To>(*value);
+      },
+      .print = [print = codec.print](const To& value) { return print(static_cast<From>(value)); }};
+}
+template <class Number>
+Codec<Number> Numbers(Number low, Number high) {
+  if constexpr (std::is_same_v<Number, float>) {
+    return Floats(low, high);
+  } else if constexpr (std::is_same_v<Number, double>) {
+    return Doubles(low, high);
+  } else if constexpr (std::is_signed_v<Number>) {
+    return As<Number>(SignedNumbers(low, high));
+  } else {
+    return As<Number>(WholeNumbers(low, high));
+  }
+}
+
+// One of the names of an enum (base/names.h).
+template <HasNames Enum>
+Codec<Enum> NamesOfEnum() {
+  return {.values = Choices<Enum>(),
+          .metavar = Choices<Enum>(),
+          .parse = [](const std::string& text) { return Parse<Enum>(text); },
+          .print = [](const Enum& value) { return std::string(ToString(value)); }};
+}
+
+// A value that stands for "unset" and is neither printed nor a value that users can give.
+template <class Value>
+Codec<Value> Unless(Value unset, Codec<Value> codec) {
+  codec.print = [unset, print = codec.print](const Value& value) {
+    return value == unset ? std::string() : print(value);
+  };
+  return codec;
+}
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
+
+// "'text' is not VALUES", as half a sentence of an error message.
+std::string NotAValue(const std::string& text, const std::string& values);
+
+// The option `info` of the field that `field` (a generic lambda) finds in a request. The field is a
+// value, an optional, or a vector for a list.
+template <class Request, class Field, class Value>
+OptionOf<Request> MakeOption(OptionInfo info, Field field, Codec<Value> codec) {
+  info.values = codec.values;
+  info.value_name = info.metavar.empty() ? codec.metavar : std::string(info.metavar);
+  info.is_switch = codec.is_switch;
+  OptionOf<Request> option = {info, {}, {}};
+  option.set = [field, codec](Request& request, const std::vector<std::string>& texts) {
+    auto& target = field(request);
+    using Target = std::remove_cvref_t<decltype(target)>;
+    if constexpr (IsVector<Target>::value) target.clear();
+    for (const std::string& text : texts) {
+      const std::optional<Value> value = codec.parse(text);
+      if (!value) return NotAValue(text, codec.values);
+      if constexpr (IsVector<Target>::value) {
+        target.push_back(*value);
+      } else {
+        target = *value;
+      }
+    }
+    return std::string();
+  };
+  option.get = [field, codec](const Request& request) {
+    const auto& source = field(request);
+    using Source = std::remove_cvref_t<decltype(source)>;
+    std::vector<std::string> texts;
+    const auto add = [&](const Value& value) {
+      if (std::string text = codec.print(value); !text.empty()) texts.push_back(std::move(text));
+    };
+    if constexpr (IsVector<Source>::value) {
+      for (const auto& value : source) add(value);
+    } else if constexpr (IsOptional<Source>::value) {
+      if (source) add(*source);
+    } else {
+      add(source);
+    }
+    return texts;
+  };
+  if (!info.default_text.empty()) {
+    option.printed_default = info.default_text;
+  } else {
+    for (const std::string& text : option.get(Request())) {
+      option.printed_default += (option.printed_default.empty() ? "" : " ") + text;
+    }
+  }
+  return option;
+}
+
+// The field `path` of a request, for MakeOption.
+#define SKYWAVE_FIELD(path) \
+  [](auto& fields) -> auto& { return fields.path; }
+
+// `text` as one word of a shell command.
+std::string Quoted(const std::string& text);
+
+// The words of a command that set `option` to what `request` has, with a blank before each: empty
+// where the field is unset or a switch has its default.
+template <class Request>
+std::string CommandWords(const OptionOf<Request>& option, const Request& request) {
+  const std::vector<std::string> texts = option.get(request);
+  if (texts.empty()) return "";
+  const std::string name(option.name);
+  if (option.positional) return " " + Quoted(texts.front());
+  if (option.is_switch) {
+    if (texts.front() == option.printed_default) return "";
+    return (texts.front() == "true" ? " --" : " --no-") + name;
+  }
+  if (option.delimiter != 0) {
+    std::string list;
+    for (const std::string& text : texts) {
+      list += (list.empty() ? std::string() : std::string(1, option.delimiter)) + text;
+    }
+    return " --" + name + " " + Quoted(list);
+  }
+  // A value that begins with a dash would be taken for a flag.
+  if (texts.size() == 1) {
+    return " --" + name + (texts.front().starts_with('-') ? "=" : " ") + Quoted(texts.front());
+  }
+  std::string words = " --" + name;
+  for (const std::string& text : texts) words += " " + Quoted(text);
+  return words;
+}
+
+// The default as help texts say it, "the scene's, or 64"; empty where there is none to say.
+std::string DefaultText(const OptionInfo& info);
+
+// The help of an option with its default and, where not all integrators know it, their names.
+std::string Explanation(const OptionInfo& info);
+
+// The names of the integrators that an option applies to.
+std::vector<std::string> IntegratorsOf(const OptionInfo& info);
+
+// The name among `names` that is most like `name`; empty where none is near.
+std::string NearestName(std::string_view name, const std::vector<std::string_view>& names);
+
+}  // namespace skywave

@@ -1,0 +1,322 @@
+#include "job/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "base/error.h"
+#include "job/resolve.h"
+#include "lights/maps/projections.h"
+#include "wavefront/film/aovs.h"
+#include "wavefront/option_names.h"
+#include "wavefront/photons/photon_map.h"
+
+namespace skywave {
+namespace {
+
+constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixels,
+                      kSpeed = OptionScope::kSpeed;
+constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera", kFilm = "Film",
+                           kPaths = "Paths",
+                           kPhotons = "Photon mapping and vertex merging (photon, vcm)",
+                           kReading = "Reading", kSpeedGroup = "Speed";
+
+// `count` numbers with the character `separators[i]` behind number i; 0: the text ends.
+template <class Number>
+bool ParseTuple(const std::string& text, const char* separators, int count, Number* values) {
+  const char *next = text.data(), *const end = next + text.size();
+  for (int i = 0; i < count; ++i) {
+    const auto [stop, error] = std::from_chars(next, end, values[i]);
+    if (error != std::errc()) return false;
+    next = stop;
+    if (separators[i] != 0 && (next == end || *next++ != separators[i])) return false;
+  }
+  return next == end;
+}
+
+Codec<glm::vec3> Points() {
+  return {.values = "X,Y,Z, for example 0,1.5,-3",
+          .metavar = "X,Y,Z",
+          .parse = [](const std::string& text) -> std::optional<glm::vec3> {
+            float p[3];
+            if (!ParseTuple(text, ",,", 3, p)) return std::nullopt;
+            for (const float x : p) {
+              if (!std::isfinite(x)) return std::nullopt;
+            }
+            return glm::vec3(p[0], p[1], p[2]);
+          },
+          .print = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
+}
+
+Codec<CropWindow> Crops() {
+  return {.values = "WxH+X+Y, for example 64x64+320+200",
+          .metavar = "WxH+X+Y",
+          .parse = [](const std::string& text) -> std::optional<CropWindow> {
+            int v[4];
+            if (!ParseTuple(text, "x++", 4, v)) return std::nullopt;
+            return CropWindow{.x = v[2], .y = v[3], .width = v[0], .height = v[1]};
+          },
+          .print =
+              [](const CropWindow& c) {
+                return fmt::format("{}x{}+{}+{}", c.width, c.height, c.x, c.y);
+              }};
+}
+
+Codec<SubpathLengths> Lengths() {
+  return {.values = "S,T, for example 1,2",
+          .metavar = "S,T",
+          .parse = [](const std::string& text) -> std::optional<SubpathLengths> {
+            std::uint32_t v[2];
+            if (!ParseTuple(text, ",", 2, v)) return std::nullopt;
+            return SubpathLengths{.light = v[0], .eye = v[1]};
+          },
+          .print = [](const SubpathLengths& l) { return fmt::format("{},{}", l.light, l.eye); }};
+}
+
+Codec<char> Axes() {
+  return {.values = "x|y|z",
+          .metavar = "x|y|z",
+          .parse = [](const std::string& text) -> std::optional<char> {
+            if (text == "x" || text == "y" || text == "z") return text[0];
+            return std::nullopt;
+          },
+          .print = [](const char& axis) { return std::string(1, axis); }};
+}
+
+Codec<AovSet> Layers() {
+  return {.values = "all, nor names separated by commas out of " + ToString(AllAovs()),
+          .metavar = "all|NAME,NAME...",
+          .parse = [](const std::string& text) { return ParseAovs(text); },
+          .print = [](const AovSet& aovs) { return aovs == 0 ? std::string() : ToString(aovs); }};
+}
+
+// Both sides of the film are one option and two fields.
+OptionOf<JobRequest> SizeOption(OptionInfo info) {
+  info.values = "WxH, for example 640x480";
+  info.value_name = "WxH";
+  info.printed_default = fmt::format("{}x{}", RenderOptions().width, RenderOptions().height);
+  OptionOf<JobRequest> option = {info, {}, {}};
+  option.set = [values = info.values](JobRequest& r, const std::vector<std::string>& texts) {
+    int side[2];
+    if (!ParseTuple(texts.front(), "x", 2, side) || side[0] < 1 || side[1] < 1) {
+      return NotAValue(texts.front(), values);
+    }
+    r.width = side[0], r.height = side[1];
+    return std::string();
+  };
+  option.get = [](const JobRequest& r) {
+    return r.width && r.height ? std::vector{fmt::format("{}x{}", *r.width, *r.height)}
+                               : std::vector<std::string>();
+  };
+  return option;
+}
+
+// An option that scene files do not know.
+template <class Field, class Value>
+JobOption Plain(const OptionInfo& info, Field field, const Codec<Value>& codec) {
+  return {MakeOption<JobRequest>(info, field, codec), nullptr};
+}
+
+// An option that the scene file gives where the request does not. Requests, settings of scene files
+// and RenderOptions have the same name for it, which `field` finds in each.
+template <class Field, class Value>
+JobOption FromScene(OptionInfo info, Field field, const Codec<Value>& codec) {
+  info.scene_may_set = true;
+  JobOption option = {MakeOption<JobRequest>(info, field, codec), nullptr};
+  option.printed_default = codec.print(field(static_cast<const RenderOptions&>(RenderOptions())));
+  option.resolve = [field](JobRequest& request, const SceneDefaults& scene) {
+    auto& value = field(request.options);
+    using Type = std::remove_cvref_t<decltype(value)>;
+    if (const auto& of_scene = field(scene.settings)) value = static_cast<Type>(*of_scene);
+    if (const auto& of_request = field(request)) value = static_cast<Type>(*of_request);
+    field(request) = value;
+  };
+  return option;
+}
+
+JobOption Resolved(OptionOf<JobRequest> option,
+                   void (*resolve)(JobRequest&, const SceneDefaults&)) {
+  option.scene_may_set = true;
+  return {std::move(option), resolve};
+}
+
+// Integrators that take an option.
+bool SelectsPaths(Integrator integrator) { return Describe(integrator).selects_paths; }
+bool Splits(Integrator integrator) { return Describe(integrator).splits; }
+bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
+bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
+bool LooksPhotonsUp(Integrator integrator) {
+  return Describe(integrator).stores == StoredLight::kPhotons;
+}
+bool TakesLightSamples(Integrator integrator) {
+  return Describe(integrator).light_samples == LightSamples::kRequested || Splits(integrator);
+}
+
+#define FIELD SKYWAVE_FIELD
+
+// One line an option. Help texts are half sentences; defaults are added to them.
+std::vector<JobOption> MakeJobOptions() {
+  // clang-format off
+  return {
+    Plain({.name = "scene", .help = "pbrt, OBJ, glTF or PLY file, or a built-in scene", .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
+          FIELD(scene), Texts("SCENE")),
+    Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM)", .scope = kInput, .example = "--env map.exr"},
+          FIELD(environment.path), Texts("MAP")),
+    Resolved(SizeOption({.name = "size", .help = "size of the film [pixels]", .scope = kPixels, .example = "--size 9x7"}), ResolveSize),
+    FromScene({.name = "spp", .help = "samples per pixel", .scope = kPixels, .example = "--spp 3"},
+          FIELD(samples_per_pixel), Numbers(1u, 1u << 24)),
+    Resolved(MakeOption<JobRequest>({.name = "integrator", .help = "how light is computed", .scope = kPixels, .example = "--integrator direct", .default_text = "path"},
+          FIELD(integrator), NamesOfEnum<Integrator>()), ResolveIntegrator),
+    Plain({.name = "strategy", .help = "where light samples come from: skywave strategies", .scope = kPixels, .example = "--strategy importance:compensate=1", .metavar = "NAME[:KEY=VALUE,...]"},
+          FIELD(strategy), Texts("a strategy")),
+    Plain({.name = "aovs", .help = "layers of the EXR in addition to the picture (see below)", .scope = kPixels, .example = "--aovs albedo,depth"},
+          FIELD(options.aovs), Layers()),
+    Plain({.name = "threads", .help = "0: as many as the process may use", .scope = kSpeed, .in_suite = true},
+          FIELD(options.threads), Numbers(0, 4096)),
+
+    Plain({.name = "env-projection", .group = kLight, .help = "projection of the map", .scope = kPixels, .example = "--env map.exr --env-projection latlong", .default_text = "by its shape", .metavar = "NAME"},
+          FIELD(environment.projection), NamesOfEnum<Projection>()),
+    Plain({.name = "env-rotate", .group = kLight, .help = "turn about the up axis, counter-clockwise seen from above", .scope = kPixels, .example = "--env-rotate 31.7", .metavar = "DEGREES"},
+          FIELD(environment.rotation_degrees), Numbers(-1e6f, 1e6f)),
+    Plain({.name = "env-intensity", .group = kLight, .help = "factor of the map's radiance", .scope = kPixels, .example = "--env-intensity 0.3"},
+          FIELD(environment.intensity), Numbers(0.0f, 1e12f)),
+    Plain({.name = "env-up", .group = kLight, .help = "up axis of map, ground and automatic camera", .scope = kPixels, .example = "--env map.exr --env-up z", .default_text = "the scene's"},
+          FIELD(environment.up_axis), Axes()),
+    Plain({.name = "mis", .group = kLight, .help = "combine light and BSDF samples by multiple importance sampling; without: light samples alone", .scope = kPixels, .example = "--no-mis"},
+          FIELD(options.mis), Switches()),
+    Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: per first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
+          FIELD(options.light_samples), Numbers(1u, 1u << 16)),
+
+    Plain({.name = "camera", .group = kCamera, .help = "kind of camera", .scope = kPixels, .example = "--camera orthographic", .default_text = "the scene's, or perspective"},
+          FIELD(camera.kind), NamesOfEnum<CameraKind>()),
+    Plain({.name = "eye", .group = kCamera, .help = "position", .scope = kPixels, .example = "--eye=-1.5,2,3", .default_text = "the scene's, or one that sees all of it"},
+          FIELD(camera.eye), Points()),
+    Plain({.name = "target", .group = kCamera, .help = "point that the camera looks at", .scope = kPixels, .example = "--target 0.1,0.2,-0.3", .default_text = "with --eye: the middle of the scene"},
+          FIELD(camera.target), Points()),
+    Plain({.name = "fov", .group = kCamera, .help = "field of view across the shorter side of the film, for a fisheye up to 360", .scope = kPixels, .example = "--fov 31.5", .default_text = "the scene's", .metavar = "DEGREES"},
+          FIELD(camera.fov_degrees), Floats(0.01, 360)),
+    Plain({.name = "lens-radius", .group = kCamera, .help = "radius of a thin lens; 0: none", .scope = kPixels, .example = "--lens-radius 0.1", .default_text = "the scene's"},
+          FIELD(camera.lens_radius), Floats(0, 1e12)),
+    Plain({.name = "focal-distance", .group = kCamera, .help = "distance that is sharp", .scope = kPixels, .example = "--lens-radius 0.1 --focal-distance 2.25", .default_text = "the middle of the scene"},
+          FIELD(camera.focal_distance), Floats(1e-12, 1e12)),
+    Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene", .scope = kPixels, .example = "--ground"},
+          FIELD(ground), Switches()),
+
+    Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
+          FIELD(crop), Crops()), ResolveCrop),
+    Resolved(MakeOption<JobRequest>({.name = "filter", .group = kFilm, .help = "pixel filter", .scope = kPixels, .example = "--filter gaussian", .default_text = "blackman-harris"},
+          FIELD(filter), NamesOfEnum<PixelFilter>()), ResolveFilter),
+    Resolved(MakeOption<JobRequest>({.name = "filter-radius", .group = kFilm, .help = "radius of the filter [pixels]; 0: the filter's own", .scope = kPixels, .example = "--filter-radius 0.7", .default_text = "the filter's own"},
+          FIELD(options.filter_radius), Floats(0, 100)), nullptr),
+    Plain({.name = "seed", .group = kFilm, .help = "seed of the random numbers", .scope = kPixels, .example = "--seed 77", .in_suite = true},
+          FIELD(options.seed), Numbers(0u, 0xFFFFFFFFu)),
+
+    FromScene({.name = "max-depth", .group = kPaths, .help = "surfaces at which a path scatters, at most", .scope = kPixels, .example = "--max-depth 2"},
+          FIELD(max_depth), Numbers(0u, kMaxDepth)),
+    Plain({.name = "split", .group = kPaths, .help = "continuations of a path behind its first hit", .scope = kPixels, .example = "--split 3", .default_text = "paths do not split", .applies = Splits},
+          FIELD(options.split), Unless(0u, Numbers(1u, 1u << 16))),
+    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples behind the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = Splits},
+          FIELD(continuation_strategy), Texts("a strategy")),
+    Plain({.name = "guide", .group = kPaths, .help = "light paths from the map start where a pilot of camera paths needed them", .scope = kPixels, .example = "--integrator light --guide", .applies = HasLightPaths},
+          FIELD(options.guide), Switches()),
+    Plain({.name = "paths", .group = kPaths, .help = "only paths of S vertices from the light and T from the eye; with --no-mis their weight is 1", .scope = kPixels, .example = "--integrator bdpt --paths 2,1 --no-mis", .default_text = "all", .applies = SelectsPaths},
+          FIELD(options.subpath_lengths), Lengths()),
+
+    Plain({.name = "photons", .group = kPhotons, .help = "photons to store for indirect light; vcm: light vertices that a pass keeps at most", .scope = kPixels, .example = "--integrator photon --photons 300", .applies = HasPhotons},
+          FIELD(options.photons.indirect), Numbers(0u, kMostPhotons)),
+    Plain({.name = "caustic-photons", .group = kPhotons, .help = "photons to store for light from mirrors and glass", .scope = kPixels, .example = "--integrator photon --caustic-photons 100", .applies = LooksPhotonsUp},
+          FIELD(options.photons.caustic), Numbers(0u, kMostPhotons)),
+    Plain({.name = "gather", .group = kPhotons, .help = "rays of a final gather per hit; 0: photons are seen directly", .scope = kPixels, .example = "--integrator photon --gather 2", .applies = LooksPhotonsUp},
+          FIELD(options.photons.gather), Numbers(0u, 4096u)),
+    Plain({.name = "photon-neighbors", .group = kPhotons, .help = "photons of a lookup, at most", .scope = kPixels, .example = "--integrator photon --photon-neighbors 7", .applies = HasPhotons},
+          FIELD(options.photons.neighbors), Numbers(2u, 1u << 16)),
+    Resolved(MakeOption<JobRequest>({.name = "progressive", .group = kPhotons, .help = "passes over --spp, each with photons of its own and a smaller radius", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3", .default_text = "photon 1, vcm one per sample", .applies = HasPhotons},
+          FIELD(options.photons.passes), Unless(0u, Numbers(1u, 1u << 20))), ResolvePasses),
+    Resolved(MakeOption<JobRequest>({.name = "photon-distance", .group = kPhotons, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons", .scope = kPixels, .example = "--integrator photon --photon-distance 0.5", .applies = HasPhotons},
+          FIELD(options.photons.distance), Floats(0, 1e12)), ResolvePhotonDistance),
+    Plain({.name = "photon-kernel", .group = kPhotons, .help = "weights of the photons of a lookup", .scope = kPixels, .example = "--integrator photon --photon-kernel cone", .applies = HasPhotons},
+          FIELD(options.photons.kernel), NamesOfEnum<PhotonKernel>()),
+    Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
+          FIELD(options.photons.alpha), Floats(0.01, 1)),
+
+    Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict"},
+          FIELD(read.strict), Switches()),
+    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000"},
+          FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
+    Plain({.name = "trust-input", .group = kReading, .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = kInput, .example = "--trust-input"},
+          FIELD(environment.limits.trust_input), Switches()),
+
+    Plain({.name = "wave", .group = kSpeedGroup, .help = "rows of a wave, rounded up to whole beams of 8", .scope = kSpeed, .in_suite = true},
+          FIELD(options.wave), Numbers(1u, 1u << 20)),
+    Plain({.name = "backend", .group = kSpeedGroup, .help = "how rays other than camera rays reach Embree", .scope = kSpeed, .in_suite = true},
+          FIELD(options.backend), NamesOfEnum<Backend>()),
+    // Other instruction sets find hits with other bits.
+    Plain({.name = "embree-config", .group = kSpeedGroup, .help = "configuration of rtcNewDevice, for example isa=avx2", .scope = kPixels, .example = "--embree-config isa=sse2", .in_suite = true},
+          FIELD(embree_config), Texts("KEY=VALUE,...")),
+  };
+  // clang-format on
+}
+
+#undef FIELD
+
+}  // namespace
+
+std::span<const JobOption> JobOptions() {
+  static const std::vector<JobOption> options = MakeJobOptions();
+  return options;
+}
+
+bool IsReadOption(const OptionInfo& option) {
+  return option.name == "strict" || option.name == "max-triangles";
+}
+
+void SetOption(JobRequest& request, const std::string& name, const std::string& text) {
+  std::vector<std::string_view> names;
+  for (const JobOption& option : JobOptions()) {
+    if (option.name != name) {
+      names.push_back(option.name);
+      continue;
+    }
+    const std::string problem = option.set(request, {text});
+    if (!problem.empty()) throw InputError(InputPosition::File(name), problem, kExitUsage);
+    return;
+  }
+  const std::string nearest = NearestName(name, names);
+  throw InputError(InputPosition::File(name),
+                   "there is no such option" +
+                       (nearest.empty() ? std::string() : "; did you mean " + nearest + "?"),
+                   kExitUsage);
+}
+
+JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
+                          std::vector<std::string>& notes) {
+  const std::string scene = request.scene;
+  for (const JobOption& option : JobOptions()) {
+    if (option.resolve) option.resolve(request, {settings, scene});
+  }
+  LimitDepth(request, notes);
+  CheckResolved(request);
+  return request;
+}
+
+std::string PictureOptions(const JobRequest& resolved, std::span<const std::string_view> without) {
+  const Integrator integrator = resolved.integrator.value_or(resolved.options.integrator);
+  static const JobRequest defaults;
+  std::string words;
+  for (const JobOption& option : JobOptions()) {
+    const bool asked_for =
+        std::find(without.begin(), without.end(), option.name) == without.end() &&
+        (option.applies == nullptr || option.applies(integrator));
+    // What changes pixels is told even where it has its default, which may change one day.
+    const bool decides =
+        option.scope == OptionScope::kPixels ||
+        (option.scope == OptionScope::kInput && option.get(resolved) != option.get(defaults));
+    if (asked_for && decides) words += CommandWords(option, resolved);
+  }
+  return words;
+}
+
+}  // namespace skywave

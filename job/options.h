@@ -1,0 +1,44 @@
+// The options of a job, each described once, in one table: flags, help, job files, the merging of
+// request and scene file, the command that a picture records and the reference walk it.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "job/option.h"
+#include "job/request.h"
+
+namespace skywave {
+
+struct JobOption : OptionOf<JobRequest> {
+  // Writes the value that counts, the request's, else the scene file's, else the default, into both
+  // the request and its RenderOptions. Null where scene_may_set is false. Options are resolved in
+  // the order of the table. Throws InputError.
+  std::function<void(JobRequest&, const SceneDefaults&)> resolve;
+};
+
+// In the order of help texts: groups of common options come before those of rare ones.
+std::span<const JobOption> JobOptions();
+
+// The options that say how scenes are read; `skywave info` takes them as well.
+bool IsReadOption(const OptionInfo& option);
+
+// Puts `text` into the field of the option `name`, as a flag of the command line does. Throws
+// InputError (kExitUsage) for an unknown name, and tells the nearest one, or for a bad value.
+void SetOption(JobRequest& request, const std::string& name, const std::string& text);
+
+// `request` with a value for every option: its own, else the scene file's, else the default;
+// request.options is complete then. Appends to `notes` what was changed. A pure function. Throws
+// InputError for options that do not go together.
+JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
+                          std::vector<std::string>& notes);
+
+// The options of a resolved request that decide the picture, as words of a command, each with a
+// blank before it. Those named in `without` are left out.
+std::string PictureOptions(const JobRequest& resolved,
+                           std::span<const std::string_view> without = {});
+
+}  // namespace skywave

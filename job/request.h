@@ -1,0 +1,64 @@
+// What a user asks for: a scene, its light and camera, and how they are rendered. Each field is an
+// option (job/options.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "lights/maps/environment_map.h"
+#include "scene/read_options.h"
+#include "scene/scene.h"
+#include "wavefront/film/film_area.h"
+#include "wavefront/frame.h"
+
+namespace skywave {
+
+// An illumination map in a file, and how it lies in the world.
+struct EnvironmentRequest {
+  std::string path;                      // empty: the scene's own lights
+  std::optional<Projection> projection;  // unset: by the picture's shape, see DetectProjection
+  float rotation_degrees = 0;            // counter-clockwise about the up axis, seen from above
+  float intensity = 1;
+  std::optional<char> up_axis;  // unset: the scene's
+  ReadLimits limits;
+};
+
+// Changes of the camera. Unset values are those of the scene's camera or of the automatic one.
+struct CameraRequest {
+  std::optional<CameraKind> kind;
+  std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
+  std::optional<float> fov_degrees;
+  std::optional<float> lens_radius;     // world space
+  std::optional<float> focal_distance;  // world space; unset: the middle of the scene is sharp
+};
+
+// Unset values come from the scene file, and where that has none from RenderOptions
+// (ResolveRequest).
+struct JobRequest {
+  std::string scene;    // file or built-in scene
+  bool ground = false;  // a plane under the scene
+  ReadOptions read;
+  EnvironmentRequest environment;
+  CameraRequest camera;
+  std::string strategy = "importance";
+  std::string continuation_strategy;  // where paths split; empty: the same
+  std::string embree_config;
+  std::optional<int> width, height;
+  std::optional<CropWindow> crop;
+  std::optional<Integrator> integrator;
+  std::optional<std::uint32_t> samples_per_pixel, max_depth;
+  std::optional<PixelFilter> filter;
+  RenderOptions options;  // everything that a scene file cannot set
+};
+
+// Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).
+inline constexpr std::uint32_t kMaxDepth = 16384;
+
+// The settings of a scene file, for what a request leaves to it.
+struct SceneDefaults {
+  const RenderSettings& settings;
+  const std::string& scene;  // its name, for errors
+};
+
+}  // namespace skywave

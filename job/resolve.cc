@@ -1,0 +1,137 @@
+#include "job/resolve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "wavefront/film/aovs.h"
+#include "wavefront/option_checks.h"
+#include "wavefront/option_names.h"
+
+namespace skywave {
+namespace {
+
+// Kernels find rows and columns of pixels by float arithmetic that is exact up to these.
+constexpr int kMaxFilmSide = 32768;
+constexpr std::int64_t kMaxFilmPixels = std::int64_t{1} << 28;
+
+// The window that a scene file gives as fractions of a film of `width` x `height` pixels.
+CropWindow PixelsOf(const CropFractions& crop, int width, int height) {
+  const auto pixel = [](float fraction, int size) {
+    return int(std::ceil(double(fraction) * size));
+  };
+  const int x = pixel(crop.left, width), y = pixel(crop.top, height);
+  return {x, y, pixel(crop.right, width) - x, pixel(crop.bottom, height) - y};
+}
+
+// Whether the scene file wants photons of their own for each sample, as pbrt's sppm does.
+bool WantsPassPerSample(const JobRequest& request, const SceneDefaults& scene) {
+  const IntegratorDescriptor& integrator = Describe(request.options.integrator);
+  return scene.settings.photons_each_sample && integrator.has_photons() &&
+         !integrator.pass_each_sample;
+}
+
+}  // namespace
+
+std::uint32_t MostPointsOfASample(const RenderOptions& options) {
+  return std::max(options.light_samples, options.split);
+}
+
+void ResolveSize(JobRequest& request, const SceneDefaults& scene) {
+  RenderOptions& options = request.options;
+  options.width = request.width.value_or(scene.settings.width.value_or(options.width));
+  options.height = request.height.value_or(scene.settings.height.value_or(options.height));
+  if (options.width <= 0 || options.height <= 0 || options.width > kMaxFilmSide ||
+      options.height > kMaxFilmSide ||
+      std::int64_t{options.width} * options.height > kMaxFilmPixels) {
+    throw InputError(
+        InputPosition::File(scene.scene),
+        fmt::format("a film of {} x {} pixels cannot be rendered", options.width, options.height));
+  }
+  request.width = options.width, request.height = options.height;
+}
+
+void ResolveIntegrator(JobRequest& request, const SceneDefaults& scene) {
+  Integrator& integrator = request.options.integrator;
+  integrator = request.integrator.value_or(
+      Parse<Integrator>(scene.settings.integrator.value_or("")).value_or(integrator));
+  request.integrator = integrator;
+}
+
+void ResolveCrop(JobRequest& request, const SceneDefaults& scene) {
+  RenderOptions& options = request.options;
+  if (!request.crop && scene.settings.crop) {
+    request.crop = PixelsOf(*scene.settings.crop, options.width, options.height);
+  }
+  if (!request.crop) return;
+  const CropWindow& crop = *request.crop;
+  if (crop.x < 0 || crop.y < 0 || crop.width <= 0 || crop.height <= 0 ||
+      crop.x > options.width - crop.width || crop.y > options.height - crop.height) {
+    throw InputError(
+        InputPosition::File(scene.scene),
+        fmt::format("no pixel, or not all, of the part {}x{}+{}+{} is on the film of {} x {}",
+                    crop.width, crop.height, crop.x, crop.y, options.width, options.height));
+  }
+  options.film_width = options.width, options.film_height = options.height;
+  options.width = crop.width, options.height = crop.height;
+  options.crop_x = crop.x, options.crop_y = crop.y;
+}
+
+void ResolveFilter(JobRequest& request, const SceneDefaults& scene) {
+  RenderOptions& options = request.options;
+  options.filter = request.filter.value_or(scene.settings.filter.value_or(options.filter));
+  if (options.filter_radius <= 0) {
+    const float own = DefaultFilterRadius(options.filter);
+    options.filter_radius = request.filter ? own : scene.settings.filter_radius.value_or(own);
+  }
+  request.filter = options.filter;
+}
+
+void ResolvePasses(JobRequest& request, const SceneDefaults& scene) {
+  std::uint32_t& passes = request.options.photons.passes;
+  if (WantsPassPerSample(request, scene) && passes == 0) {
+    passes = request.options.samples_per_pixel;
+  }
+}
+
+void ResolvePhotonDistance(JobRequest& request, const SceneDefaults& scene) {
+  float& distance = request.options.photons.distance;
+  if (WantsPassPerSample(request, scene) && distance <= 0) {
+    distance = scene.settings.photon_distance.value_or(0);
+  }
+}
+
+void LimitDepth(JobRequest& request, std::vector<std::string>& notes) {
+  std::uint32_t& depth = request.options.max_depth;
+  if (depth <= kMaxDepth) return;
+  notes.push_back(
+      fmt::format("{}: a depth of {} is lowered to {}", request.scene, depth, kMaxDepth));
+  depth = kMaxDepth;
+  request.max_depth = depth;
+}
+
+void CheckResolved(const JobRequest& request) {
+  const RenderOptions& options = request.options;
+  if (options.samples_per_pixel == 0) {
+    throw InputError(InputPosition::File(request.scene), "0 samples per pixel show nothing");
+  }
+  if (options.split == 0 && !request.continuation_strategy.empty()) {
+    throw OptionError("continuation-strategy", "",
+                      "belongs to paths that split at their first hit: give `split S` as well");
+  }
+  if (std::uint64_t{options.samples_per_pixel} * MostPointsOfASample(options) > 0xFFFFFFFFu) {
+    throw InputError(InputPosition::File(request.scene),
+                     fmt::format("{} samples per pixel with {} light samples or continuations each "
+                                 "are more than the 2^32 points of a pixel's sequence",
+                                 options.samples_per_pixel, MostPointsOfASample(options)),
+                     kExitUsage);
+  }
+  if (options.max_depth == 0 && ReadsHits(options.aovs)) {
+    throw OptionError("aovs", ToString(options.aovs), "at `max-depth 0` no surface is looked at");
+  }
+  CheckIntegrator(options);
+}
+
+}  // namespace skywave

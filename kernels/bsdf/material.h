@@ -1,0 +1,160 @@
+// What a material is, as plain data: readers write it, its BSDF packs it into a MaterialRecord, and
+// one visitor names its fields for everything else that needs them (SceneHash, `skywave info`).
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// Two materials, one of which a hit has.
+struct Mixture {
+  std::uint32_t first, second;  // indices of materials before this one
+  float share;                  // share of the second one, in [0, 1]
+};
+
+// A BRDF as it was measured (scene/materials/merl.h).
+struct MeasuredBrdf {
+  std::vector<float> rgb;  // kMeasuredFloats [1/sr], in the order that columns.h gives
+  // The lobe by which sampling approximates it: GGX width and probability; the rest is drawn by the
+  // cosine.
+  float alpha = 1, specular_share = 0;
+};
+
+// The parts of a material. Fields of a part that a material does not have mean nothing.
+enum class MaterialPart {
+  kBsdf,
+  kTextures,
+  kMixture,
+  kOpacity,
+  kNormalMap,
+  kAbsorption,
+  kEmission
+};
+
+struct Material {
+  std::string name;
+  BsdfKind bsdf = BsdfKind::kLambert;
+  // The parameters of the BSDF, of which each reads those that its BsdfTraits list.
+  // Lambert: albedo; mirror, conductor: factor of Fresnel; metallic-roughness: base colour. Linear
+  // RGB.
+  glm::vec3 reflectance{0.5f};
+  glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
+  glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
+  // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
+  // is 2 / alpha^2 - 2.
+  float alpha = 0.1f;
+  // Anisotropic conductors, Ward: the width across the tangent; unset: alpha.
+  std::optional<float> alpha_across;
+  float ior = 1.5f;    // dielectric: index inside (where the normal points away) / outside
+  float metallic = 0;  // metallic-roughness: share of metal
+  // Diffuse transmission: the transmitted share; Phong: the gloss.
+  glm::vec3 second_color{0.0f};
+  // Coated conductor (strength 1; `ior` is the coat's), coated metallic-roughness (index 1.5).
+  float coat = 1, coat_alpha = 1e-3f;
+  glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
+  float sheen_alpha = 0.1f;
+  std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
+  // BSDFs with an inside: the light lost there, by Beer and Lambert [1/length].
+  glm::vec3 absorption{0.0f};
+  // Textures are indices into the scene's textures. These are factors of the reflectance; of the
+  // square root of alpha (green) and of metallic (blue).
+  std::optional<std::uint32_t> color_texture, roughness_texture;
+  // The share of the surface that exists is this number times the texture. With a cutoff the
+  // surface exists where that product reaches it, and nowhere else.
+  float opacity = 1;
+  std::optional<float> opacity_cutoff;
+  std::optional<std::uint32_t> opacity_texture;
+  // This texture bends the shading normal. The scale is that of the tilt; for heights it is the
+  // height of 1 in the world or, for a height in texels, on the image.
+  std::optional<std::uint32_t> normal_texture;
+  float normal_scale = 1;
+  bool height_in_texels = false;
+  // A hit has one of two other materials: of this one only opacity and emission count then.
+  std::optional<Mixture> mixture;
+  // The radiance of the surface itself, on the side of its normals or on both; the texture is a
+  // factor.
+  glm::vec3 emission{0.0f};
+  bool emits_on_both_sides = false;
+  std::optional<std::uint32_t> emission_texture;
+
+  // False: rays may pass through.
+  bool opaque() const { return opacity >= 1 && !opacity_texture; }
+
+  bool has(MaterialPart part) const {
+    switch (part) {
+      case MaterialPart::kBsdf:
+      case MaterialPart::kTextures:
+        return true;
+      case MaterialPart::kMixture:
+        return mixture.has_value();
+      case MaterialPart::kOpacity:
+        return !opaque();
+      case MaterialPart::kNormalMap:
+        return normal_texture.has_value();
+      case MaterialPart::kAbsorption:
+        return absorption != glm::vec3(0);
+      case MaterialPart::kEmission:
+        return emission != glm::vec3(0);
+    }
+    return true;
+  }
+
+  // Calls f(name, part, field) for every field but the name, which decides nothing. SceneHash takes
+  // the fields in this order.
+  template <class Self, class F>
+  static void ForEachField(Self& self, F f) {
+    // A new member does not compile until it is named here; a test counts that all are visited.
+    auto& [name, bsdf, reflectance, eta, k, alpha, alpha_across, ior, metallic, second_color, coat,
+           coat_alpha, sheen, sheen_alpha, measured, absorption, color_texture, roughness_texture,
+           opacity, opacity_cutoff, opacity_texture, normal_texture, normal_scale, height_in_texels,
+           mixture, emission, emits_on_both_sides, emission_texture] = self;
+    using enum MaterialPart;
+    f("bsdf", kBsdf, bsdf);
+    f("reflectance", kBsdf, reflectance);
+    f("eta", kBsdf, eta);
+    f("k", kBsdf, k);
+    f("alpha", kBsdf, alpha);
+    f("ior", kBsdf, ior);
+    f("metallic", kBsdf, metallic);
+    f("color_texture", kTextures, color_texture);
+    f("roughness_texture", kTextures, roughness_texture);
+    f("alpha_across", kBsdf, alpha_across);
+    f("second_color", kBsdf, second_color);
+    f("coat", kBsdf, coat);
+    f("coat_alpha", kBsdf, coat_alpha);
+    f("sheen", kBsdf, sheen);
+    f("sheen_alpha", kBsdf, sheen_alpha);
+    f("measured", kBsdf, measured);
+    f("mixture", kMixture, mixture);
+    f("opacity", kOpacity, opacity);
+    f("opacity_cutoff", kOpacity, opacity_cutoff);
+    f("opacity_texture", kOpacity, opacity_texture);
+    f("normal_texture", kNormalMap, normal_texture);
+    f("normal_scale", kNormalMap, normal_scale);
+    f("height_in_texels", kNormalMap, height_in_texels);
+    f("absorption", kAbsorption, absorption);
+    f("emission", kEmission, emission);
+    f("emits_on_both_sides", kEmission, emits_on_both_sides);
+    f("emission_texture", kEmission, emission_texture);
+  }
+};
+
+// Calls f(index) for every texture that the material names.
+template <class F>
+void ForEachTexture(const Material& material, F f) {
+  Material::ForEachField(material, [&](std::string_view, MaterialPart, const auto& field) {
+    if constexpr (std::is_same_v<decltype(field), const std::optional<std::uint32_t>&>) {
+      if (field) f(*field);
+    }
+  });
+}
+
+}  // namespace skywave

@@ -1,0 +1,78 @@
+#include "kernels/bsdf/pack.h"
+
+#include <algorithm>
+#include <cstring>
+#include <glm/common.hpp>
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/conductor_tables.h"
+
+namespace skywave {
+namespace {
+
+template <class T>
+void PutWords(MaterialRecord& record, MaterialField field, const T& value) {
+  auto* const words = reinterpret_cast<unsigned char*>(&record);
+  std::memcpy(words + sizeof(std::uint32_t) * std::uint32_t(field), &value, sizeof value);
+}
+
+}  // namespace
+
+void PutField(MaterialRecord& record, MaterialField field, float value) {
+  PutWords(record, field, value);
+}
+void PutField(MaterialRecord& record, MaterialField field, const glm::vec3& value) {
+  PutWords(record, field, value);
+}
+void PutField(MaterialRecord& record, MaterialField field, std::uint32_t value) {
+  PutWords(record, field, value);
+}
+
+float MicrofacetWidth(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
+
+void PackConductorIndex(const Material& material, MaterialRecord& record) {
+  PutField(record, MaterialField::kEta, material.eta);
+  PutField(record, MaterialField::kK, material.k);
+}
+
+void PackConductor(const Material& material, MaterialRecord& record) {
+  const float alpha = MicrofacetWidth(material.alpha);
+  PutField(record, MaterialField::kAlpha, alpha);
+  PackConductorIndex(material, record);
+  glm::vec3 multiscatter;
+  for (int c = 0; c < 3; ++c) {
+    multiscatter[c] = ConductorMultiscatter(GgxTables(), alpha, material.eta[c], material.k[c]);
+  }
+  PutField(record, MaterialField::kMultiscatter, multiscatter);
+}
+
+void PackWidths(const Material& material, MaterialRecord& record) {
+  const float across = material.alpha_across.value_or(material.alpha);
+  PutField(record, MaterialField::kAlpha, MicrofacetWidth(material.alpha));
+  PutField(record, MaterialField::kAlphaAcross, MicrofacetWidth(across));
+}
+
+void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
+  PutField(record, MaterialField::kAlpha, MicrofacetWidth(material.alpha));
+  PutField(record, MaterialField::kMetallic, material.metallic);
+  PutField(record, MaterialField::kIor, material.ior);
+  if (const auto& texture = material.roughness_texture) {
+    PutField(record, MaterialField::kRoughnessTexture, *texture + 1);
+  }
+}
+
+MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured) {
+  const BsdfKernels& bsdf = Bsdfs()[std::size_t(material.bsdf)];
+  MaterialRecord record = {};
+  PutField(record, MaterialField::kColor, material.reflectance);
+  if (const auto& texture = material.color_texture) {
+    PutField(record, MaterialField::kColorTexture, *texture + 1);
+  }
+  if (bsdf.inside) {
+    PutField(record, MaterialField::kAbsorption, glm::max(material.absorption, glm::vec3(0)));
+  }
+  if (bsdf.pack != nullptr) bsdf.pack(material, measured, record);
+  return record;
+}
+
+}  // namespace skywave

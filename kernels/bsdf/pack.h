@@ -1,0 +1,34 @@
+// How a material becomes a MaterialRecord: what BSDFs need to write their `pack` (BsdfTraits).
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/material.h"
+#include "kernels/columns.h"
+
+namespace skywave {
+
+// These write a field of `record`.
+void PutField(MaterialRecord& record, MaterialField field, float value);
+void PutField(MaterialRecord& record, MaterialField field, const glm::vec3& value);
+void PutField(MaterialRecord& record, MaterialField field, std::uint32_t value);
+
+// Returns a width of microfacets that kernels can take: it is clamped to [0.001, 1].
+float MicrofacetWidth(float alpha);
+
+// These pack the parameters that several BSDFs have in common: eta and k of a conductor;
+void PackConductorIndex(const Material& material, MaterialRecord& record);
+// alpha, eta and k of a conductor with multiple scattering;
+void PackConductor(const Material& material, MaterialRecord& record);
+// alpha and alpha_across of anisotropic facets;
+void PackWidths(const Material& material, MaterialRecord& record);
+// alpha, metallic, ior and the roughness texture of metallic-roughness.
+void PackMetallicRoughness(const Material& material, MaterialRecord& record);
+
+// Returns the record of `material`: the fields that all BSDFs have and those that its own BSDF
+// packs. Materials name the tables `measured` by their index.
+MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured);
+
+}  // namespace skywave

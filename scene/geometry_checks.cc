@@ -1,0 +1,91 @@
+#include "scene/geometry_checks.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "kernels/bsdf/bsdf.h"
+
+namespace skywave {
+namespace {
+
+constexpr float kEndOfWorld = 1e18f;  // Embree's limit; beyond it the arithmetic of boxes overflows
+
+bool Finite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void CheckMesh(const Mesh& mesh, std::size_t materials, const std::string& path) {
+  const auto fail = [&](const std::string& reason) {
+    throw InputError(InputPosition::File(path), fmt::format("mesh '{}': {}", mesh.name, reason));
+  };
+  const auto check_count = [&](std::size_t count, const char* what) {
+    if (count != 0 && count != mesh.positions.size()) {
+      fail(fmt::format("{} {} for {} positions", count, what, mesh.positions.size()));
+    }
+  };
+  if (mesh.material >= materials) fail("its material does not exist");
+  check_count(mesh.normals.size(), "normals");
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec3& p = mesh.positions[i];
+    if (!Finite(p) || glm::length(p) > kEndOfWorld) {
+      fail(fmt::format("vertex {} is at ({}, {}, {}); the world ends at 1e18", i, p.x, p.y, p.z));
+    }
+  }
+  check_count(mesh.uvs.size(), "uvs");
+  check_count(mesh.colors.size(), "colours");
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      if (mesh.triangles[i][corner] >= mesh.positions.size()) {
+        fail(fmt::format("triangle {} names vertex {} of {}", i, mesh.triangles[i][corner],
+                         mesh.positions.size()));
+      }
+    }
+  }
+}
+
+void CheckMaterial(const Scene& scene, std::size_t index, const std::string& path) {
+  const Material& material = scene.materials[index];
+  const auto fail = [&](const std::string& reason) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("material '{}': {}", material.name, reason));
+  };
+  ForEachTexture(material, [&](std::uint32_t texture) {
+    if (texture >= scene.textures.size() || scene.textures[texture].image >= scene.images.size()) {
+      fail("its texture does not exist");
+    }
+  });
+  if (const auto& mixture = material.mixture) {
+    if (mixture->first >= index || mixture->second >= index) fail("it is mixed of later materials");
+  }
+  if (Bsdfs()[std::size_t(material.bsdf)].tables.measured &&
+      (material.measured >= scene.measured.size() ||
+       scene.measured[material.measured].rgb.size() != kMeasuredFloats)) {
+    fail("its measured BRDF does not exist");
+  }
+}
+
+}  // namespace
+
+void CheckMeshes(const Scene& scene, const std::string& path) {
+  std::size_t triangles = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    CheckMesh(mesh, scene.materials.size(), path);
+    triangles += mesh.triangles.size();
+  }
+  if (triangles == 0) {
+    throw InputError(InputPosition::File(path), "there is no triangle to render");
+  }
+  if (scene.materials.size() > kMaterialMask || triangles >= kMaxRecords) {
+    throw InputError(InputPosition::File(path),
+                     fmt::format("{} materials and {} triangles are more than a scene can hold",
+                                 scene.materials.size(), triangles));
+  }
+}
+
+void CheckMaterials(const Scene& scene, const std::string& path) {
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) CheckMaterial(scene, i, path);
+}
+
+}  // namespace skywave

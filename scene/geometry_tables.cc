@@ -1,0 +1,286 @@
+#include "scene/geometry_tables.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "base/error.h"
+#include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/pack.h"
+#include "kernels/surface/surface.h"
+#include "scene/geometry_checks.h"
+#include "scene/materials/opacity.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::size_t kMaxVariants = 128;  // mean number of records per triangle
+constexpr float kSteepest = 1e6f;          // scale of a normal map; steeper ones are walls, too
+
+const BsdfKernels& BsdfOf(const Material& material) { return Bsdfs()[std::size_t(material.bsdf)]; }
+
+// ---- Triangles ----
+
+// The columns of a triangle that only some scenes have.
+struct TriangleColumns {
+  bool uvs, tangents, colors;
+};
+
+TriangleColumns ColumnsOf(const Scene& scene, bool uvs) {
+  const auto& materials = scene.materials;
+  const auto& meshes = scene.meshes;
+  return {.uvs = uvs,
+          .tangents =
+              std::any_of(materials.begin(), materials.end(),
+                          [](const Material& m) { return BsdfOf(m).varying == Varying::kTangent; }),
+          .colors = std::any_of(meshes.begin(), meshes.end(),
+                                [](const Mesh& mesh) { return !mesh.colors.empty(); })};
+}
+
+// Returns the indices of meshes in their order, those whose material is opaque first.
+std::vector<std::uint32_t> OpaqueFirst(const Scene& scene) {
+  std::vector<std::uint32_t> meshes(scene.meshes.size());
+  std::iota(meshes.begin(), meshes.end(), 0u);
+  std::stable_partition(meshes.begin(), meshes.end(), [&](std::uint32_t mesh) {
+    return scene.materials[scene.meshes[mesh].material].opaque();
+  });
+  return meshes;
+}
+
+// Makes the record of a triangle, and turns `corners` so that its vertex normals are on its outer
+// side. A triangle whose normals are no directions is flat.
+TriangleRecord MakeRecord(const Mesh& mesh, glm::uvec3& corners) {
+  const glm::vec3 &a = mesh.positions[corners.x], &b = mesh.positions[corners.y],
+                  &c = mesh.positions[corners.z];
+  const glm::vec3 face = glm::cross(b - a, c - a);
+  TriangleRecord record = {.normal = {}, .tag = mesh.material};
+  bool smooth = !mesh.normals.empty();
+  if (smooth) {
+    glm::vec3 normals[3], sum(0);
+    for (int i = 0; i < 3; ++i) {
+      normals[i] = mesh.normals[corners[i]];
+      const float length = glm::length(normals[i]);
+      smooth = smooth && std::isfinite(length) && length > 0;
+      sum += normals[i];
+    }
+    if (smooth && glm::dot(sum, face) < 0) {
+      std::swap(corners.y, corners.z);
+      std::swap(normals[1], normals[2]);
+    }
+    for (int i = 0; smooth && i < 3; ++i) {
+      record.normal[i] = EncodeNormal(normals[i].x, normals[i].y, normals[i].z);
+    }
+  }
+  if (!smooth) record.tag |= kFlatTriangle;
+  return record;
+}
+
+// Returns the direction in which u grows over a triangle, or the world's +y where it has no uvs.
+std::uint32_t PackTangent(const Mesh& mesh, const glm::uvec3& corners) {
+  glm::dvec3 tangent(0, 1, 0);
+  if (!mesh.uvs.empty()) {
+    const glm::dvec3 a(mesh.positions[corners.x]), b(mesh.positions[corners.y]),
+        c(mesh.positions[corners.z]);
+    const glm::dvec2 s(mesh.uvs[corners.x]), t(mesh.uvs[corners.y]), w(mesh.uvs[corners.z]);
+    const glm::dvec2 along = t - s, across = w - s;
+    const double area = along.x * across.y - along.y * across.x;
+    const glm::dvec3 u = (across.y * (b - a) - along.y * (c - a)) * (area < 0 ? -1.0 : 1.0);
+    const double length = glm::length(u);
+    if (std::isfinite(length) && length > 0) tangent = u / length;
+  }
+  return EncodeNormal(float(tangent.x), float(tangent.y), float(tangent.z));
+}
+
+void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_vertex,
+                    const TriangleColumns& columns, GeometryTables& tables) {
+  tables.triangles.push_back(MakeRecord(mesh, corners));
+  for (int i = 0; i < 3; ++i) tables.indices.push_back(first_vertex + corners[i]);
+  if (columns.uvs) tables.textures.uvs.push_back(MakeTriangleUvs(mesh, corners));
+  if (columns.tangents) tables.tangents.push_back(PackTangent(mesh, corners));
+  for (int i = 0; columns.colors && i < 3; ++i) {
+    const glm::vec3 color = mesh.colors.empty() ? glm::vec3(1) : mesh.colors[corners[i]];
+    tables.vertex_colors.push_back(PackTexel(&color.x));
+  }
+}
+
+void AddMeshes(const Scene& scene, const TriangleColumns& columns, GeometryTables& tables) {
+  std::size_t vertices = 0, triangles = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    vertices += mesh.positions.size(), triangles += mesh.triangles.size();
+  }
+  if (columns.uvs) tables.textures.uvs.reserve(triangles);
+  tables.vertices.reserve(vertices * 3 + 1);
+  tables.indices.reserve(triangles * 3);
+  tables.triangles.reserve(triangles);
+  for (const std::uint32_t index : OpaqueFirst(scene)) {
+    const Mesh& mesh = scene.meshes[index];
+    const auto first_vertex = std::uint32_t(tables.vertices.size() / 3);
+    for (const glm::vec3& p : mesh.positions) {
+      tables.vertices.insert(tables.vertices.end(), {p.x, p.y, p.z});
+    }
+    tables.meshes.push_back({index, std::uint32_t(tables.triangles.size()), first_vertex});
+    for (const glm::uvec3& triangle : mesh.triangles) {
+      AppendTriangle(mesh, triangle, first_vertex, columns, tables);
+    }
+    if (scene.materials[mesh.material].opaque()) {
+      tables.first_with_alpha = std::uint32_t(tables.triangles.size());
+    }
+  }
+  tables.vertices.push_back(0);  // Embree reads vertices four floats at a time
+}
+
+// ---- Variants ----
+
+// Appends a copy of record `i` with another material.
+void AppendVariant(std::uint32_t i, std::uint32_t material, GeometryTables& tables) {
+  TriangleRecord record = tables.triangles[i];
+  record.tag = (record.tag & ~kMaterialMask) | material;
+  tables.triangles.push_back(record);
+  tables.mixed.push_back(i);
+  const auto repeat = [&](auto& column, std::size_t from) {
+    column.push_back(std::decay_t<decltype(column[0])>(column[from]));
+  };
+  if (!tables.textures.uvs.empty()) repeat(tables.textures.uvs, i);
+  if (!tables.tangents.empty()) repeat(tables.tangents, i);
+  for (std::size_t c = 0; !tables.vertex_colors.empty() && c < 3; ++c) {
+    repeat(tables.vertex_colors, 3 * std::size_t{i} + c);
+  }
+}
+
+// Gives record `i` the BSDF of its material, or two more records where that is a mixture.
+void ResolveMaterial(const Scene& scene, std::uint32_t i, GeometryTables& tables) {
+  const std::uint32_t material = tables.triangles[i].tag & kMaterialMask;
+  const auto& mixture = scene.materials[material].mixture;
+  if (!mixture) {
+    const auto bsdf = std::uint32_t(scene.materials[material].bsdf);
+    tables.triangles[i].tag |= bsdf << kKindShift;
+    tables.bsdfs |= BsdfSet{1} << bsdf;
+    return;
+  }
+  const auto first = std::uint32_t(tables.triangles.size());
+  AppendVariant(i, mixture->first, tables);
+  AppendVariant(i, mixture->second, tables);
+  tables.triangles[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), material},
+                         .tag = kMixedTriangle};
+}
+
+// Variants come behind all triangles, and variants of variants behind those.
+void AddVariants(const Scene& scene, const std::string& path, GeometryTables& tables) {
+  for (std::size_t i = 0; i < tables.triangles.size(); ++i) {
+    ResolveMaterial(scene, std::uint32_t(i), tables);
+    // Mixtures of mixtures double with every level.
+    const std::size_t records = tables.triangles.size();
+    if (records > kMaxVariants * tables.triangle_count() || records >= kMaxRecords) {
+      throw InputError(InputPosition::File(path),
+                       "the mixtures of materials have more variants than a scene can hold");
+    }
+  }
+}
+
+// ---- Materials ----
+
+NormalMapRecord MakeNormalMap(const Material& material, const Scene& scene,
+                              const TextureTables& textures) {
+  if (!material.normal_texture) return {};
+  const std::uint32_t texture = *material.normal_texture;
+  const bool heights = scene.textures[texture].use == TextureUse::kHeights;
+  const float scale = material.normal_scale * textures.slopes[texture];
+  return {.texture = texture + 1,
+          .scale = std::isnan(scale) ? 0 : std::clamp(scale, -kSteepest, kSteepest),
+          .per_texel = heights && !material.height_in_texels,
+          .unused = 0};
+}
+
+// Adds the normal maps, and their axes on each record: variants of one triangle may have different
+// maps.
+void AddNormalMaps(const Scene& scene, GeometryTables& tables) {
+  if (std::none_of(scene.materials.begin(), scene.materials.end(),
+                   [](const Material& m) { return m.has(MaterialPart::kNormalMap); })) {
+    return;
+  }
+  for (const Material& material : scene.materials) {
+    tables.normal_maps.push_back(MakeNormalMap(material, scene, tables.textures));
+  }
+  tables.map_axes.resize(tables.triangles.size());
+  for (std::uint32_t record = 0; record < tables.triangles.size(); ++record) {
+    const std::uint32_t tag = tables.triangles[record].tag;
+    const auto& texture = scene.materials[tag & kMaterialMask].normal_texture;
+    if ((tag & kMixedTriangle) != 0 || !texture) continue;
+    const std::uint32_t triangle = tables.TriangleOf(record);
+    const MeshPlace& place = tables.PlaceOf(triangle);
+    const std::uint32_t* const corners = &tables.indices[3 * std::size_t{triangle}];
+    tables.map_axes[record] =
+        MakeTriangleTangents(scene.meshes[place.mesh],
+                             glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex,
+                             scene.textures[*texture]);
+  }
+}
+
+// Adds the records of materials and the tables that their BSDFs read.
+void AddMaterials(const Scene& scene, GeometryTables& tables) {
+  for (const Material& material : scene.materials) {
+    tables.materials.push_back(PackMaterial(material, scene.measured));
+    tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
+    // These take tens of milliseconds, so only scenes that need them compute them.
+    if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();
+    if (BsdfOf(material).tables.sheen) tables.sheen = &GetSheenTables();
+  }
+  for (const MeasuredBrdf& brdf : scene.measured) {
+    tables.measured.insert(tables.measured.end(), brdf.rgb.begin(), brdf.rgb.end());
+  }
+  if (tables.has_alpha()) tables.opacity = MakeOpacityRecords(scene.materials);
+}
+
+bool IsTextured(const Scene& scene) {
+  bool textured = false;
+  for (const Material& material : scene.materials) {
+    ForEachTexture(material, [&](std::uint32_t) { textured = true; });
+  }
+  return textured;
+}
+
+}  // namespace
+
+GeometryTables MakeGeometryTables(const Scene& scene, const std::string& path, bool keep_uvs) {
+  CheckMeshes(scene, path);
+  CheckMaterials(scene, path);
+  const bool textured = IsTextured(scene);
+  GeometryTables tables;
+  if (textured) tables.textures = MakeTextureTables(scene, path);
+  AddMeshes(scene, ColumnsOf(scene, keep_uvs || textured), tables);
+  AddVariants(scene, path, tables);
+  AddNormalMaps(scene, tables);
+  AddMaterials(scene, tables);
+  return tables;
+}
+
+std::uint32_t GeometryTables::TriangleOf(std::uint32_t record) const {
+  while (record >= triangle_count()) record = mixed[record - triangle_count()];
+  return record;
+}
+
+const MeshPlace& GeometryTables::PlaceOf(std::uint32_t triangle) const {
+  const auto next = std::upper_bound(
+      meshes.begin(), meshes.end(), triangle,
+      [](std::uint32_t t, const MeshPlace& place) { return t < place.first_triangle; });
+  return *std::prev(next);
+}
+
+OpacityView GeometryTables::opacity_view() const {
+  if (!has_alpha()) return {};
+  return {.triangles = triangles.data(), .records = opacity.data(), .textures = textures.view()};
+}
+
+std::size_t GeometryTables::bytes() const {
+  const auto bytes_of = [](const auto&... table) {
+    return (... + (table.size() * sizeof table[0]));
+  };
+  return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, mixed, measured,
+                  normal_maps, map_axes, opacity) +
+         textures.bytes();
+}
+
+}  // namespace skywave

@@ -1,0 +1,105 @@
+#include "scene/scene_hash.h"
+
+#include <xxhash.h>
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "kernels/bsdf/bsdf.h"
+
+namespace skywave {
+namespace {
+
+class Hash {
+ public:
+  Hash() { XXH64_reset(state_.get(), 0); }
+  std::uint64_t value() const { return XXH64_digest(state_.get()); }
+
+  template <class T>
+  void Add(const T& value) {
+    XXH64_update(state_.get(), &value, sizeof value);
+  }
+  template <class T>
+  void AddAll(const T& values) {
+    Add(std::uint64_t{values.size()});
+    XXH64_update(state_.get(), values.data(), values.size() * sizeof values[0]);
+  }
+
+ private:
+  struct Free {
+    void operator()(XXH64_state_t* state) const { XXH64_freeState(state); }
+  };
+  std::unique_ptr<XXH64_state_t, Free> state_{XXH64_createState()};
+};
+
+// These add a field of a material. A BSDF goes by its name, so that new ones change no hash; an
+// optional field that is unset goes by a value that it cannot have.
+template <class T>
+void AddField(const T& field, Hash& hash) {
+  hash.Add(field);
+}
+void AddField(BsdfKind bsdf, Hash& hash) { hash.AddAll(Bsdfs()[std::size_t(bsdf)].name); }
+void AddField(const std::optional<float>& field, Hash& hash) { hash.Add(field.value_or(-1)); }
+void AddField(const std::optional<std::uint32_t>& field, Hash& hash) {
+  hash.Add(field.value_or(~0u));
+}
+void AddField(const std::optional<Mixture>& field, Hash& hash) { hash.Add(field.value()); }
+static_assert(sizeof(Mixture) == 3 * sizeof(std::uint32_t), "padding has no value to hash");
+
+void AddMaterial(const Material& material, Hash& hash) {
+  Material::ForEachField(material, [&](std::string_view, MaterialPart part, const auto& field) {
+    if (material.has(part)) AddField(field, hash);
+  });
+}
+
+void AddMesh(const Mesh& mesh, Hash& hash) {
+  hash.AddAll(mesh.positions), hash.AddAll(mesh.normals), hash.AddAll(mesh.uvs);
+  hash.AddAll(mesh.triangles);
+  hash.Add(mesh.material);
+  if (!mesh.tangents.empty()) hash.AddAll(mesh.tangents);
+  if (!mesh.colors.empty()) hash.AddAll(mesh.colors);
+}
+
+void AddTexture(const Texture& texture, Hash& hash) {
+  hash.Add(texture.image), hash.Add(texture.wrap_u), hash.Add(texture.wrap_v);
+  hash.Add(texture.transform);
+  if (texture.use != TextureUse::kColor) hash.Add(texture.use);
+}
+
+void AddImage(const Image& image, Hash& hash) {
+  hash.Add(image.width), hash.Add(image.height), hash.AddAll(image.rgb);
+}
+
+void AddCamera(const Camera& camera, Hash& hash) {
+  hash.Add(camera.kind), hash.Add(camera.world_from_camera), hash.Add(camera.fov_degrees);
+  if (camera.window) hash.Add(*camera.window);
+  hash.Add(camera.lens_radius), hash.Add(camera.focal_distance);
+}
+
+void AddEnvironment(const EnvironmentLight& light, Hash& hash) {
+  if (light.map) AddImage(*light.map, hash);
+  hash.Add(light.scale), hash.Add(light.world_from_map);
+}
+
+void AddLight(const PunctualLight& light, Hash& hash) {
+  hash.Add(light.kind), hash.Add(light.emission), hash.Add(light.position);
+  hash.Add(light.direction), hash.Add(light.cos_full), hash.Add(light.cos_dark);
+}
+
+}  // namespace
+
+std::uint64_t SceneHash(const Scene& scene) {
+  Hash hash;
+  for (const Mesh& mesh : scene.meshes) AddMesh(mesh, hash);
+  for (const Material& material : scene.materials) AddMaterial(material, hash);
+  for (const MeasuredBrdf& brdf : scene.measured) hash.AddAll(brdf.rgb);
+  for (const Texture& texture : scene.textures) AddTexture(texture, hash);
+  for (const Image& image : scene.images) AddImage(image, hash);
+  if (scene.camera) AddCamera(*scene.camera, hash);
+  for (const EnvironmentLight& light : scene.environments) AddEnvironment(light, hash);
+  for (const PunctualLight& light : scene.lights) AddLight(light, hash);
+  return hash.value();
+}
+
+}  // namespace skywave

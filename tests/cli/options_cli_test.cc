@@ -1,0 +1,136 @@
+// What follows from the table of options: the list, the reference, completions, and commands in
+// pictures that repeat them.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "image/exr_header.h"
+#include "image/image.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+class OptionsCli : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    Put("scene.pbrt",
+        "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+        "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+    Put("good.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    Image map(8, 4);
+    for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = float(1 + i % 5);
+    WriteExr(Path("map.exr"), map);
+  }
+
+  nlohmann::json Options() {
+    const Result result = Run("options --json");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(result.out).at("commands");
+  }
+};
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+// The options that a line of help shows: "--max-depth" of "  --max-depth N   surfaces ...".
+std::set<std::string> FlagsOfHelp(const std::string& help) {
+  std::set<std::string> flags;
+  std::istringstream lines(help.substr(0, help.find("Example")));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t dashes = line.find("--");
+    if (line.rfind("  ", 0) != 0 || dashes > 5 || dashes == std::string::npos) continue;
+    flags.insert(line.substr(dashes, line.find_first_of(" ,", dashes) - dashes));
+  }
+  return flags;
+}
+
+TEST_F(OptionsCli, TheListHasEveryFlagOfEverySubcommandAndNoOther) {
+  const nlohmann::json commands = Options();
+  EXPECT_GE(commands.size(), 13u);
+  for (const auto& [name, options] : commands.items()) {
+    SCOPED_TRACE(name);
+    std::set<std::string> listed = {"--help"};
+    for (const nlohmann::json& option : options) {
+      for (const char* const key : {"group", "help", "scope", "default", "values"}) {
+        EXPECT_TRUE(option.contains(key)) << option;
+      }
+      if (option.at("positional")) continue;
+      const bool negative = option.at("switch") && Contains(option.at("usage"), "--no-");
+      listed.insert((negative ? "--no-" : "--") + option.at("name").get<std::string>());
+    }
+    EXPECT_EQ(FlagsOfHelp(Run(name + " --help").out), listed);
+  }
+}
+
+// For each option that decides the picture: the metadata of a picture that was made with it holds a
+// command with the option, and the command makes both files again, to the last byte.
+TEST_F(OptionsCli, TheRecordedCommandRepeatsThePictureOfEveryOption) {
+  const nlohmann::json options = Options().at("render");
+  for (const nlohmann::json& option : options) {
+    const std::string scope = option.at("scope"), name = option.at("name");
+    if (scope != "pixels" && scope != "input") continue;
+    const std::string example = option.at("example");
+    ASSERT_NE(example, "") << name << ": an option that decides pictures needs an example";
+    std::string command = "render " + (option.at("positional") ? example : "good.ply");
+    for (const std::string given : {"--env map.exr", "--ground", "--size 12x9", "--spp 2"}) {
+      if (!Contains(example, given.substr(0, given.find(' ') + 1))) command += " " + given;
+    }
+    if (!option.at("positional")) command += " " + example;
+    SCOPED_TRACE(command);
+    const Result first = Run(command + " -q -o first.exr");
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    std::string repeat;
+    for (const auto& [key, value] : ReadExrMetadata(Path("first.exr"))) {
+      if (key == "command") repeat = value;
+    }
+    ASSERT_EQ(repeat.substr(0, 8), "skywave ");
+    if (!option.at("positional")) {
+      EXPECT_TRUE(Contains(repeat, " --" + name) || Contains(repeat, " --no-" + name)) << repeat;
+    }
+    const Result second = Run(repeat.substr(8) + " -q -o second.exr");
+    ASSERT_EQ(second.exit_code, 0) << repeat << "\n" << second.err;
+    EXPECT_TRUE(Bytes("first.exr") == Bytes("second.exr")) << repeat;
+    EXPECT_TRUE(Bytes("first.png") == Bytes("second.png")) << repeat;
+  }
+}
+
+TEST_F(OptionsCli, SwitchesCanBeTakenBack) {
+  const std::string base = "render good.ply --env map.exr --size 12x9 --spp 2 -q -o ";
+  ASSERT_EQ(Run(base + "plain.exr").exit_code, 0);
+  ASSERT_EQ(Run(base + "back.exr --ground --no-ground --no-mis --mis").exit_code, 0);
+  EXPECT_EQ(Bytes("plain.exr"), Bytes("back.exr"));
+}
+
+TEST_F(OptionsCli, TheReferenceIsCurrent) {
+  EXPECT_EQ(Run("options --format markdown").out, ReadFile(SourcePath("docs/options.md")))
+      << "make it anew: skywave options --format markdown > docs/options.md";
+}
+
+TEST_F(OptionsCli, BashCompletesSubcommandsFlagsAndValues) {
+  Put("skywave.bash", Run("options --format bash").out);
+  const auto complete = [&](const std::string& words, int at) {
+    const std::string command = "cd '" + Path("") + "' && bash -c '. ./skywave.bash; COMP_WORDS=(" +
+                                words + "); COMP_CWORD=" + std::to_string(at) +
+                                "; _skywave; echo \"${COMPREPLY[@]}\"' > completed";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return Bytes("completed");
+  };
+  EXPECT_EQ(complete("skywave ren", 1), "render\n");
+  EXPECT_EQ(complete("skywave render --max-d", 2), "--max-depth\n");
+  EXPECT_EQ(complete("skywave render --integrator b", 3), "bdpt\n");
+  EXPECT_EQ(complete("skywave probe conv", 2), "convert\n");
+  EXPECT_EQ(complete("skywave probe plot --vi", 3), "--view\n");
+}
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,221 @@
+// The table of options: every line is complete, text becomes a value and the same text again, and
+// request, scene file and default come in this order.
+#include "job/options.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "base/error.h"
+#include "job/resolve.h"
+
+namespace skywave {
+namespace {
+
+const JobOption& OptionCalled(std::string_view name) {
+  for (const JobOption& option : JobOptions()) {
+    if (option.name == name) return option;
+  }
+  throw std::logic_error("no option");
+}
+
+TEST(Options, HaveNamesOfTheirOwnAndSayWhatTheyDo) {
+  std::set<std::string_view> names;
+  for (const JobOption& option : JobOptions()) {
+    SCOPED_TRACE(option.name);
+    EXPECT_TRUE(names.insert(option.name).second);
+    EXPECT_FALSE(option.help.empty());
+    EXPECT_NE(option.help.back(), '.');
+    EXPECT_FALSE(option.values.empty());
+    EXPECT_EQ(option.needs.empty() && option.excludes.empty(), true)
+        << "only subcommands have these";
+  }
+}
+
+// Without an example the test of recorded commands would not see the option.
+TEST(Options, ThatDecideAPictureHaveAnExampleThatNamesThem) {
+  for (const JobOption& option : JobOptions()) {
+    SCOPED_TRACE(option.name);
+    if (option.scope != OptionScope::kPixels && option.scope != OptionScope::kInput) continue;
+    if (option.positional) continue;
+    const std::string flag =
+        (option.printed_default == "true" ? "--no-" : "--") + std::string(option.name);
+    EXPECT_NE(std::string(option.example).find(flag), std::string::npos) << option.example;
+  }
+}
+
+TEST(Options, ReadTheWordsThatTheyPrint) {
+  const std::pair<const char*, const char*> values[] = {{"size", "31x17"},
+                                                        {"spp", "7"},
+                                                        {"integrator", "vcm"},
+                                                        {"strategy", "bsdf"},
+                                                        {"env", "a b.exr"},
+                                                        {"env-projection", "mirror-ball"},
+                                                        {"env-rotate", "-12.5"},
+                                                        {"env-up", "z"},
+                                                        {"mis", "false"},
+                                                        {"eye", "1,-2.5,3e-05"},
+                                                        {"fov", "33.3"},
+                                                        {"camera", "equal-area"},
+                                                        {"crop", "3x4+5+6"},
+                                                        {"filter", "triangle"},
+                                                        {"seed", "4294967295"},
+                                                        {"split", "9"},
+                                                        {"paths", "2,3"},
+                                                        {"photons", "123456"},
+                                                        {"progressive-alpha", "0.25"},
+                                                        {"photon-kernel", "cone"},
+                                                        {"aovs", "albedo,depth"},
+                                                        {"max-triangles", "77"},
+                                                        {"backend", "packet"},
+                                                        {"guide", "true"}};
+  for (const auto& [name, text] : values) {
+    JobRequest request;
+    SetOption(request, name, text);
+    EXPECT_EQ(OptionCalled(name).get(request), std::vector<std::string>{text}) << name;
+  }
+}
+
+// Every printed default is a value that the option takes, and sets what the field has anyway.
+TEST(Options, TakeTheirOwnDefaults) {
+  const JobRequest defaults;
+  for (const JobOption& option : JobOptions()) {
+    for (const std::string& text : option.get(defaults)) {
+      if (text.empty()) continue;
+      JobRequest request;
+      EXPECT_EQ(option.set(request, {text}), "") << option.name;
+      EXPECT_EQ(option.get(request), option.get(defaults)) << option.name;
+    }
+  }
+}
+
+TEST(Options, RefuseOtherTextsAndNames) {
+  const std::pair<const char*, const char*> values[] = {
+      {"size", "0x3"},        {"size", "3"},
+      {"size", "3x4x5"},      {"spp", "0"},
+      {"spp", "1.5"},         {"spp", "16777217"},
+      {"integrator", "p"},    {"env-rotate", "nan"},
+      {"env-rotate", "1e7"},  {"env-intensity", "-1"},
+      {"env-up", "xy"},       {"eye", "1,2"},
+      {"eye", "1,2,inf"},     {"fov", "0"},
+      {"crop", "1x1"},        {"seed", "-1"},
+      {"seed", "4294967296"}, {"split", "0"},
+      {"paths", "1"},         {"aovs", "colour"},
+      {"mis", "maybe"},       {"photon-neighbors", "1"}};
+  for (const auto& [name, text] : values) {
+    JobRequest request;
+    try {
+      SetOption(request, name, text);
+      ADD_FAILURE() << name << " took " << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.exit_code(), kExitUsage);
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  }
+  JobRequest request;
+  try {
+    SetOption(request, "max-dept", "3");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("max-depth"), std::string::npos) << error.what();
+  }
+}
+
+JobRequest Resolve(const JobRequest& request, const RenderSettings& settings = {}) {
+  std::vector<std::string> notes;
+  return ResolveRequest(request, settings, notes);
+}
+
+TEST(Resolve, TakesTheRequestThenTheSceneThenTheDefault) {
+  RenderSettings scene;
+  scene.width = 50, scene.height = 40;
+  scene.samples_per_pixel = 3;
+  scene.max_depth = 2;
+  scene.integrator = "direct";
+  scene.filter = PixelFilter::kTriangle;
+  scene.filter_radius = 1.25f;
+  JobRequest request;
+  EXPECT_EQ(Resolve(request).options.width, RenderOptions().width);
+  EXPECT_EQ(*Resolve(request).samples_per_pixel, RenderOptions().samples_per_pixel);
+  EXPECT_EQ(*Resolve(request).max_depth, RenderOptions().max_depth);
+
+  const RenderOptions of_scene = Resolve(request, scene).options;
+  EXPECT_EQ(of_scene.width, 50);
+  EXPECT_EQ(of_scene.height, 40);
+  EXPECT_EQ(of_scene.samples_per_pixel, 3u);
+  EXPECT_EQ(of_scene.max_depth, 2u);
+  EXPECT_EQ(of_scene.integrator, Integrator::kDirect);
+  EXPECT_EQ(of_scene.filter, PixelFilter::kTriangle);
+  EXPECT_EQ(of_scene.filter_radius, 1.25f);
+
+  request.width = 6, request.height = 5;
+  request.samples_per_pixel = 9;
+  request.max_depth = 7;
+  request.integrator = Integrator::kPath;
+  request.filter = PixelFilter::kBox;
+  const RenderOptions own = Resolve(request, scene).options;
+  EXPECT_EQ(own.width, 6);
+  EXPECT_EQ(own.samples_per_pixel, 9u);
+  EXPECT_EQ(own.max_depth, 7u);
+  EXPECT_EQ(own.integrator, Integrator::kPath);
+  EXPECT_EQ(own.filter, PixelFilter::kBox);
+  EXPECT_EQ(own.filter_radius, DefaultFilterRadius(PixelFilter::kBox)) << "not the scene's";
+}
+
+// Resolving again changes nothing: a recorded command is a fixed point.
+TEST(Resolve, IsAFixedPoint) {
+  RenderSettings scene;
+  scene.crop = CropFractions{0.25f, 0.75f, 0.5f, 1};
+  scene.integrator = "photon";
+  scene.photons_each_sample = true;
+  scene.photon_distance = 0.5f;
+  JobRequest request;
+  request.width = 9, request.height = 6;
+  request.samples_per_pixel = 4;
+  const JobRequest once = Resolve(request, scene);
+  EXPECT_EQ(once.options.photons.passes, 4u);
+  EXPECT_EQ(once.options.photons.distance, 0.5f);
+  EXPECT_EQ(once.options.width, 4);
+  EXPECT_EQ(once.options.film_width, 9);
+  EXPECT_EQ(once.options.crop_x, 3);
+  const JobRequest twice = Resolve(once, scene);
+  EXPECT_EQ(PictureOptions(once), PictureOptions(twice));
+  EXPECT_EQ(twice.options.width, 4);
+  EXPECT_EQ(twice.options.film_width, 9);
+}
+
+TEST(Resolve, LowersADepthThatNoPathCanHave) {
+  RenderSettings scene;
+  scene.max_depth = 100000;
+  std::vector<std::string> notes;
+  EXPECT_EQ(ResolveRequest({}, scene, notes).options.max_depth, kMaxDepth);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("100000"), std::string::npos);
+}
+
+// Options of other integrators stay out of a recorded command; input that has its default does too.
+TEST(PictureOptions, NamesWhatDecidesThePictureAndNothingElse) {
+  JobRequest request;
+  request.scene = "a b.pbrt";
+  request.options.threads = 3;
+  request.options.wave = 64;
+  const std::string words = PictureOptions(Resolve(request));
+  EXPECT_NE(words.find(" 'a b.pbrt'"), std::string::npos) << words;
+  for (const char* const flag : {"--threads", "--wave", "--backend", "--photons", "--split",
+                                 "--strict", "--max-triangles", "--no-mis", "--ground"}) {
+    EXPECT_EQ(words.find(flag), std::string::npos) << flag << words;
+  }
+  request.integrator = Integrator::kVcm;
+  request.read.max_triangles = 5;
+  const std::string of_vcm = PictureOptions(Resolve(request));
+  for (const char* const flag : {"--photons 200000", "--progressive-alpha", "--max-triangles 5"}) {
+    EXPECT_NE(of_vcm.find(flag), std::string::npos) << flag << of_vcm;
+  }
+  EXPECT_EQ(of_vcm.find("--gather"), std::string::npos) << of_vcm;
+  const std::string_view without[] = {"photons"};
+  EXPECT_EQ(PictureOptions(Resolve(request), without).find("--photons"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace skywave

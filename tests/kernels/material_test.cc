@@ -1,0 +1,122 @@
+// Materials as data: that nothing of one is forgotten, and that BSDFs pack what they say they read.
+
+#include "kernels/bsdf/material.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/pack.h"
+#include "tests/support/changed_field.h"
+
+namespace skywave {
+namespace {
+
+TEST(Material, VisitsEveryMemberButTheName) {
+  const Material m;
+  // As many names as members: a new member does not compile here, nor without its line below.
+  const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
+               m19, m20, m21, m22, m23, m24, m25, m26, m27] = m;
+  constexpr std::size_t kMembers = 28;
+  const std::map<std::string_view, const void*> members = {
+      {"bsdf", &m.bsdf},
+      {"reflectance", &m.reflectance},
+      {"eta", &m.eta},
+      {"k", &m.k},
+      {"alpha", &m.alpha},
+      {"alpha_across", &m.alpha_across},
+      {"ior", &m.ior},
+      {"metallic", &m.metallic},
+      {"second_color", &m.second_color},
+      {"coat", &m.coat},
+      {"coat_alpha", &m.coat_alpha},
+      {"sheen", &m.sheen},
+      {"sheen_alpha", &m.sheen_alpha},
+      {"measured", &m.measured},
+      {"absorption", &m.absorption},
+      {"color_texture", &m.color_texture},
+      {"roughness_texture", &m.roughness_texture},
+      {"opacity", &m.opacity},
+      {"opacity_cutoff", &m.opacity_cutoff},
+      {"opacity_texture", &m.opacity_texture},
+      {"normal_texture", &m.normal_texture},
+      {"normal_scale", &m.normal_scale},
+      {"height_in_texels", &m.height_in_texels},
+      {"mixture", &m.mixture},
+      {"emission", &m.emission},
+      {"emits_on_both_sides", &m.emits_on_both_sides},
+      {"emission_texture", &m.emission_texture}};
+  ASSERT_EQ(members.size() + 1, kMembers);
+  EXPECT_EQ(&m0, &m.name);
+  std::map<std::string_view, const void*> visited;
+  Material::ForEachField(m, [&](std::string_view name, MaterialPart, const auto& field) {
+    EXPECT_TRUE(visited.emplace(name, &field).second) << name;
+  });
+  EXPECT_EQ(visited, members);
+}
+
+TEST(Material, NamesItsTextures) {
+  Material m;
+  m.color_texture = 3, m.roughness_texture = 1, m.opacity_texture = 4, m.normal_texture = 5;
+  m.emission_texture = 9, m.measured = 2, m.alpha_across = 0.5f;
+  std::multiset<std::uint32_t> textures;
+  ForEachTexture(m, [&](std::uint32_t texture) { textures.insert(texture); });
+  EXPECT_EQ(textures, (std::multiset<std::uint32_t>{1, 3, 4, 5, 9}));
+}
+
+class PackedBsdf : public testing::TestWithParam<std::uint32_t> {
+ protected:
+  const BsdfKernels& bsdf_ = Bsdfs()[GetParam()];
+  const std::vector<MeasuredBrdf> measured_ = {{.rgb = {}, .alpha = 0.3f, .specular_share = 0.5f},
+                                               {.rgb = {}, .alpha = 0.2f, .specular_share = 0.4f}};
+};
+
+bool Lists(const BsdfTraits& bsdf, std::string_view field) {
+  const auto parameters = ParametersOf(bsdf);
+  return std::any_of(parameters.begin(), parameters.end(),
+                     [&](const MaterialParameter& p) { return p.field == field; });
+}
+
+TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
+  std::set<std::string_view> fields, names;
+  Material::ForEachField(Material{}, [&](std::string_view name, MaterialPart part, const auto&) {
+    if (part == MaterialPart::kBsdf) fields.insert(name);
+  });
+  for (const MaterialParameter& parameter : ParametersOf(bsdf_)) {
+    EXPECT_TRUE(fields.contains(parameter.field)) << parameter.field;
+    EXPECT_TRUE(names.insert(parameter.name).second) << parameter.name;
+  }
+}
+
+// The record is that of the fields that the traits list, and of what all BSDFs have.
+TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
+  const Material base = MaterialOfAllParts(BsdfKind(GetParam()));
+  const MaterialRecord before = PackMaterial(base, measured_);
+  Material changed = base;
+  Material::ForEachField(changed, [&](std::string_view name, MaterialPart part, auto& field) {
+    if (name == "bsdf") return;
+    changed = base;
+    ChangeField(field);
+    const MaterialRecord after = PackMaterial(changed, measured_);
+    const bool common = name == "reflectance" || name == "color_texture";
+    const bool read = common || Lists(bsdf_, name) ||
+                      (name == "roughness_texture" && bsdf_.varying == Varying::kRoughness) ||
+                      (part == MaterialPart::kAbsorption && bsdf_.inside);
+    EXPECT_EQ(std::memcmp(&before, &after, sizeof before) != 0, read) << name;
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PackedBsdf, testing::Range(0u, kBsdfKinds), [](const auto& kind) {
+  std::string name(Bsdfs()[kind.param].name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,55 @@
+// The hash of a scene: that every field of a material counts, and that hashes stay what they were.
+
+#include "scene/scene_hash.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <set>
+#include <string_view>
+
+#include "tests/support/changed_field.h"
+
+namespace skywave {
+namespace {
+
+std::uint64_t HashOf(const Material& material) { return SceneHash({.materials = {material}}); }
+
+template <class T>
+bool Unset(T&) {
+  return false;
+}
+template <class T>
+bool Unset(std::optional<T>& field) {
+  field.reset();
+  return true;
+}
+
+TEST(SceneHash, TellsEveryFieldOfAMaterial) {
+  const Material base = MaterialOfAllParts(BsdfKind::kConductor);
+  std::set<std::uint64_t> hashes = {HashOf(base)};
+  Material changed = base;
+  Material::ForEachField(changed, [&](std::string_view name, MaterialPart, auto& field) {
+    changed = base;
+    ChangeField(field);
+    EXPECT_TRUE(hashes.insert(HashOf(changed)).second) << name;
+    changed = base;
+    if (Unset(field)) EXPECT_TRUE(hashes.insert(HashOf(changed)).second) << name << " unset";
+  });
+}
+
+TEST(SceneHash, DoesNotKnowNames) {
+  Material material = MaterialOfAllParts(BsdfKind::kConductor);
+  const std::uint64_t hash = HashOf(material);
+  material.name = "other";
+  EXPECT_EQ(HashOf(material), hash);
+}
+
+// Pictures carry hashes in their files, so those of scenes that there are must not change.
+TEST(SceneHash, StaysWhatItWas) {
+  EXPECT_EQ(HashOf({}), 0x6261c5dbb102e218u);
+  EXPECT_EQ(HashOf(MaterialOfAllParts(BsdfKind::kConductor)), 0x3029de41f722c611u);
+}
+
+}  // namespace
+}  // namespace skywave
