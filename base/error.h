@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace skywave {
 
@@ -43,6 +44,27 @@ class InputError : public std::runtime_error {
 
  private:
   int exit_code_;
+};
+
+// An option by its bare name, and its value as the user gives it; empty: the option alone matters.
+struct OptionValue {
+  std::string name, value;
+};
+
+// An option that makes no sense as it is, or not together with others. How options are spelled is
+// the business of whoever reads them: names here have no dashes, and `why` has mentions of options
+// in backticks, as in "each pass needs a sample, and `spp` is 4". Ends with kExitUsage.
+class OptionError : public InputError {
+ public:
+  OptionError(const std::string& name, const std::string& value, const std::string& why)
+      : OptionError({{name, value}}, why) {}
+  OptionError(std::vector<OptionValue> options, const std::string& why);
+  const std::vector<OptionValue>& options() const { return options_; }
+  const std::string& why() const { return why_; }
+
+ private:
+  std::vector<OptionValue> options_;
+  std::string why_;
 };
 
 }  // namespace skywave

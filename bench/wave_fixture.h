@@ -9,7 +9,7 @@
 #include "job/job.h"
 #include "kernels/partition.h"
 #include "wavefront/flush_denormals.h"
-#include "wavefront/integrators/integrator.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
 

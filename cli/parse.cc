@@ -83,6 +83,9 @@ void AddCommand(CLI::App& parent, const Command& command, GivenOptions& given,
 int Run(const Command& command, const GivenOptions& given) {
   try {
     return command.run(given);
+  } catch (const OptionError& error) {
+    fmt::print(stderr, "skywave: {}\n", Message(error));
+    return error.exit_code();
   } catch (const InputError& error) {
     fmt::print(stderr, "skywave: {}\n", error.what());
     return error.exit_code();
@@ -102,6 +105,29 @@ OptionInfo& OptionCalled(Command& command, std::string_view name) {
     if (option.info.name == name) return option.info;
   }
   throw std::logic_error("no option " + std::string(name));
+}
+
+std::string SpellFlags(std::string_view text) {
+  std::string spelled;
+  bool mention = false;
+  for (const char c : text) {
+    if (c != '`') {
+      spelled += c;
+    } else if (mention = !mention; mention) {
+      spelled += "--";
+    }
+  }
+  return spelled;
+}
+
+std::string Message(const OptionError& error) {
+  std::string flags;
+  for (const OptionValue& option : error.options()) {
+    if (!flags.empty()) flags += ' ';
+    flags += "--" + option.name;
+    if (!option.value.empty()) flags += ' ' + option.value;
+  }
+  return flags + ": " + SpellFlags(error.why());
 }
 
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {

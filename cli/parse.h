@@ -1,8 +1,11 @@
 // The command line: arguments to a subcommand and its options, by CLI11.
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "cli/command.h"
 
 namespace skywave {
@@ -10,5 +13,11 @@ namespace skywave {
 // Parses the arguments of main(), prints help or what is wrong with them, and runs the subcommand.
 // Returns the exit code of the program.
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands);
+
+// Spells the options that `text` mentions in backticks (OptionError) as flags.
+std::string SpellFlags(std::string_view text);
+
+// The message of an error: "--photons 0 --caustic-photons 0: why".
+std::string Message(const OptionError& error);
 
 }  // namespace skywave

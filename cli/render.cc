@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/parse.h"
 #include "cli/progress.h"
 #include "cli/report.h"
 #include "job/job.h"
@@ -126,7 +127,7 @@ int RenderMain(RenderFlags& flags) {
   const RenderJob job(flags.request);
   if (!flags.quiet) {
     for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
-    if (job.options().guide && !HasLightPaths(job.options().integrator)) {
+    if (job.options().guide && !Describe(job.options().integrator).has_light_paths()) {
       fmt::print(stderr, "note: --guide changes nothing: --integrator {} has no light paths\n",
                  ToString(job.options().integrator));
     }
@@ -160,15 +161,14 @@ int RenderMain(RenderFlags& flags) {
   return 0;
 }
 
-constexpr char kIntegratorHelp[] =
-    "Integrators (--integrator):\n"
-    "  path    paths from the camera; caustics of small lights stay noisy or are missed\n"
-    "  direct  light over mirrors and glass at most\n"
-    "  light   paths from the lights; sees nothing in mirrors and through glass\n"
-    "  bdpt    paths from both ends, joined in every way: lamps in rooms, caustics\n"
-    "  photon  photon maps with a final gather; biased, --progressive N converges\n"
-    "  vcm     bdpt with merging: caustics in mirrors and behind glass too; converges with "
-    "--spp\n\n";
+std::string IntegratorHelp() {
+  std::string text = "Integrators (--integrator):\n";
+  for (const Integrator integrator : ValuesOf<Integrator>()) {
+    const std::string help = SpellFlags(Describe(integrator).help);
+    text += fmt::format("  {:<7} {}\n", ToString(integrator), help);
+  }
+  return text + "\n";
+}
 
 std::string AovHelp() {
   std::string text = "Layers (--aovs):\n";
@@ -186,7 +186,7 @@ Command RenderCommand() {
       .name = "render",
       .summary = "Render a scene to EXR and PNG",
       .footer =
-          kIntegratorHelp + AovHelp() +
+          IntegratorHelp() + AovHelp() +
           "Examples:\n"
           "  skywave render gallery -o gallery.exr\n"
           "  skywave render killeroo.pbrt --env grace.exr --env-up z --size 640x480 --spp 64\n"

@@ -19,8 +19,8 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
     const glm::vec3 up = EnvironmentFrame(scene.up_axis, scene.left_handed, 0)[2];
     const glm::vec3 view = target - eye;
     if (!(glm::length(glm::cross(view, up)) > 1e-5f * glm::length(view))) {
-      throw InputError(InputPosition::File("--eye, --target"),
-                       "the camera has to look somewhere, and not straight up or down", kExitUsage);
+      throw OptionError({{"eye", ""}, {"target", ""}},
+                        "the camera has to look somewhere, and not straight up or down");
     }
     camera.world_from_camera =
         LookAtCamera(eye, target, up, camera.fov_degrees, scene.left_handed).world_from_camera;
@@ -31,10 +31,9 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
   }
   constexpr float kWidestPlane = 179;
   if (request.fov_degrees > kWidestPlane && camera.kind != CameraKind::kFisheye) {
-    throw InputError(InputPosition::File(fmt::format("--fov {}", *request.fov_degrees)),
-                     fmt::format("a {} camera sees at most {} degrees; --camera fisheye sees more",
-                                 ToString(camera.kind), kWidestPlane),
-                     kExitUsage);
+    throw OptionError("fov", fmt::format("{}", *request.fov_degrees),
+                      fmt::format("a {} camera sees at most {} degrees; `camera fisheye` sees more",
+                                  ToString(camera.kind), kWidestPlane));
   }
   const glm::mat3 axes(camera.world_from_camera);
   const float depth = glm::length(axes[2]);

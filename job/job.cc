@@ -18,7 +18,6 @@
 #include "scene/shapes/ground.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
-#include "wavefront/photons/photon_pass.h"
 
 namespace skywave {
 namespace {
@@ -53,16 +52,16 @@ std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification
                                                 const RenderOptions& options) {
   std::unique_ptr<EnvStrategy> strategy = MakeStrategy(specification, map);
   if (!options.mis && !strategy->complete()) {
-    throw InputError(InputPosition::File("--strategy " + specification),
-                     "leaves light to BSDF sampling, so it cannot go with --no-mis", kExitUsage);
+    throw OptionError("strategy", specification,
+                      "leaves light to BSDF sampling, so it cannot go with `no-mis`");
   }
-  if (HasSplats(options.integrator) && environment && !CanEmit(*strategy)) {
-    throw InputError(InputPosition::File("--strategy " + specification),
-                     fmt::format("no light path can start with its samples, as --integrator {} "
-                                 "needs it: use importance, alias, warp, uniform, presampled, or "
-                                 "directional lights with pick=power",
-                                 ToString(options.integrator)),
-                     kExitUsage);
+  if (Describe(options.integrator).light_paths == LightPaths::kStrategy && environment &&
+      !CanEmit(*strategy)) {
+    throw OptionError("strategy", specification,
+                      fmt::format("no light path can start with its samples, as `integrator {}` "
+                                  "needs it: use importance, alias, warp, uniform, presampled, or "
+                                  "directional lights with pick=power",
+                                  ToString(options.integrator)));
   }
   return strategy;
 }
@@ -162,10 +161,11 @@ void RenderJob::BuildStrategies() {
     continuation_strategy_ =
         MakeUsableStrategy(request_.continuation_strategy, map_, has_environment(), options());
   }
-  if (options().integrator == Integrator::kPhoton && has_environment() && !CanEmit(*strategy_)) {
+  const IntegratorDescriptor& integrator = Describe(options().integrator);
+  if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(*strategy_)) {
     emitter_ = MakeStrategy("importance", map_);
   }
-  if (options().guide && HasLightPaths(options().integrator) && !has_environment()) {
+  if (options().guide && integrator.has_light_paths() && !has_environment()) {
     notes_.push_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
@@ -174,7 +174,7 @@ void RenderJob::BuildStrategies() {
 
 // Throws InputError where no light path can start or is merged with everything.
 void RenderJob::CheckLightPaths(Integrator integrator) const {
-  if (!HasLightPaths(integrator)) return;
+  if (!Describe(integrator).has_light_paths()) return;
   if (!(brightest_ > 0)) {
     throw InputError(InputPosition::File(request_.scene),
                      "nothing shines: the map is black and there are no lights, so no light path "
@@ -186,22 +186,7 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
         fmt::format("its bounds, of radius {}, are no place for light paths; use --integrator path",
                     sphere_.radius));
   }
-  const PhotonOptions& photons = options().photons;
-  if (integrator == Integrator::kPhoton && photons.indirect == 0 && !HasCaustics(*geometry_)) {
-    throw InputError(
-        InputPosition::File("--photons 0"),
-        "without mirrors and glass there are no caustics, so --integrator photon would "
-        "store nothing; for direct light alone use --integrator direct",
-        kExitUsage);
-  }
-  if (integrator == Integrator::kVcm && photons.distance > sphere_.radius) {
-    throw InputError(
-        InputPosition::File(fmt::format("--photon-distance {}", photons.distance)),
-        fmt::format("--integrator vcm would merge what is farther apart than half of the scene, "
-                    "whose radius is {}",
-                    sphere_.radius),
-        kExitUsage);
-  }
+  if (const auto check = Describe(integrator).check_scene) check(options(), *geometry_, sphere_);
 }
 
 FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
@@ -210,7 +195,7 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
   const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
                                      : emitter_        ? emitter_.get()
                                                        : strategy_.get();
-  assert(!HasLightPaths(integrator) || !has_environment() || CanEmit(*emitter));
+  assert(!Describe(integrator).has_light_paths() || !has_environment() || CanEmit(*emitter));
   return {.options = changed,
           .geometry = geometry_.get(),
           .strategy = &strategy,
@@ -255,7 +240,7 @@ Film RenderJob::MakeFilm(Integrator integrator) const {
       int(camera_.height),
       {options().crop_x - int(camera_.first_column), options().crop_y - int(camera_.first_row),
        options().width, options().height}};
-  return Film(area, brightest_, options().aovs, world_extent_, HasSplats(integrator),
+  return Film(area, brightest_, options().aovs, world_extent_, Describe(integrator).has_splats,
               light_groups_.names);
 }
 

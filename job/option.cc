@@ -111,7 +111,7 @@ std::string DefaultText(const OptionInfo& info) {
 
 std::vector<std::string> IntegratorsOf(const OptionInfo& info) {
   std::vector<std::string> names;
-  for (const Integrator integrator : kIntegrators) {
+  for (const Integrator integrator : ValuesOf<Integrator>()) {
     if (info.applies == nullptr || info.applies(integrator)) {
       names.emplace_back(ToString(integrator));
     }

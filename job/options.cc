@@ -144,11 +144,16 @@ JobOption Resolved(OptionOf<JobRequest> option,
   return {std::move(option), resolve};
 }
 
-bool IsBdpt(Integrator integrator) { return integrator == Integrator::kBdpt; }
-bool IsPath(Integrator integrator) { return integrator == Integrator::kPath; }
-bool IsPhoton(Integrator integrator) { return integrator == Integrator::kPhoton; }
+// Integrators that take an option.
+bool SelectsPaths(Integrator integrator) { return Describe(integrator).selects_paths; }
+bool Splits(Integrator integrator) { return Describe(integrator).splits; }
+bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
+bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
+bool LooksPhotonsUp(Integrator integrator) {
+  return Describe(integrator).stores == StoredLight::kPhotons;
+}
 bool TakesLightSamples(Integrator integrator) {
-  return integrator == Integrator::kDirect || IsPhoton(integrator) || IsPath(integrator);
+  return Describe(integrator).light_samples == LightSamples::kRequested || Splits(integrator);
 }
 
 std::string_view SceneHelp() {
@@ -217,20 +222,20 @@ std::vector<JobOption> MakeJobOptions() {
 
     FromScene({.name = "max-depth", .group = kPaths, .help = "surfaces at which a path scatters, at most", .scope = kPixels, .example = "--max-depth 2"},
           FIELD(max_depth), Numbers(0u, kMaxDepth)),
-    Plain({.name = "split", .group = kPaths, .help = "continuations of a path behind its first hit", .scope = kPixels, .example = "--split 3", .default_text = "paths do not split", .applies = IsPath},
+    Plain({.name = "split", .group = kPaths, .help = "continuations of a path behind its first hit", .scope = kPixels, .example = "--split 3", .default_text = "paths do not split", .applies = Splits},
           FIELD(options.split), Unless(0u, Numbers(1u, 1u << 16))),
-    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples behind the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = IsPath},
+    Plain({.name = "continuation-strategy", .group = kPaths, .help = "strategy of the light samples behind the split", .scope = kPixels, .example = "--split 2 --continuation-strategy uniform", .default_text = "that of --strategy", .metavar = "NAME[:KEY=VALUE,...]", .applies = Splits},
           FIELD(continuation_strategy), Texts("a strategy")),
     Plain({.name = "guide", .group = kPaths, .help = "light paths from the map start where a pilot of camera paths needed them", .scope = kPixels, .example = "--integrator light --guide", .applies = HasLightPaths},
           FIELD(options.guide), Switches()),
-    Plain({.name = "paths", .group = kPaths, .help = "only paths of S vertices from the light and T from the eye; with --no-mis their weight is 1", .scope = kPixels, .example = "--integrator bdpt --paths 2,1 --no-mis", .default_text = "all", .applies = IsBdpt},
+    Plain({.name = "paths", .group = kPaths, .help = "only paths of S vertices from the light and T from the eye; with --no-mis their weight is 1", .scope = kPixels, .example = "--integrator bdpt --paths 2,1 --no-mis", .default_text = "all", .applies = SelectsPaths},
           FIELD(options.subpath_lengths), Lengths()),
 
     Plain({.name = "photons", .group = kPhotons, .help = "photons to store for indirect light; vcm: light vertices that a pass keeps at most", .scope = kPixels, .example = "--integrator photon --photons 300", .applies = HasPhotons},
           FIELD(options.photons.indirect), Numbers(0u, kMostPhotons)),
-    Plain({.name = "caustic-photons", .group = kPhotons, .help = "photons to store for light from mirrors and glass", .scope = kPixels, .example = "--integrator photon --caustic-photons 100", .applies = IsPhoton},
+    Plain({.name = "caustic-photons", .group = kPhotons, .help = "photons to store for light from mirrors and glass", .scope = kPixels, .example = "--integrator photon --caustic-photons 100", .applies = LooksPhotonsUp},
           FIELD(options.photons.caustic), Numbers(0u, kMostPhotons)),
-    Plain({.name = "gather", .group = kPhotons, .help = "rays of a final gather per hit; 0: photons are seen directly", .scope = kPixels, .example = "--integrator photon --gather 2", .applies = IsPhoton},
+    Plain({.name = "gather", .group = kPhotons, .help = "rays of a final gather per hit; 0: photons are seen directly", .scope = kPixels, .example = "--integrator photon --gather 2", .applies = LooksPhotonsUp},
           FIELD(options.photons.gather), Numbers(0u, 4096u)),
     Plain({.name = "photon-neighbors", .group = kPhotons, .help = "photons of a lookup, at most", .scope = kPixels, .example = "--integrator photon --photon-neighbors 7", .applies = HasPhotons},
           FIELD(options.photons.neighbors), Numbers(2u, 1u << 16)),

@@ -28,7 +28,9 @@ CropWindow PixelsOf(const CropFractions& crop, int width, int height) {
 
 // Whether the scene file wants photons of their own for each sample, as pbrt's sppm does.
 bool WantsPassPerSample(const JobRequest& request, const SceneDefaults& scene) {
-  return scene.settings.photons_each_sample && request.options.integrator == Integrator::kPhoton;
+  const IntegratorDescriptor& integrator = Describe(request.options.integrator);
+  return scene.settings.photons_each_sample && integrator.has_photons() &&
+         !integrator.pass_each_sample;
 }
 
 }  // namespace
@@ -116,9 +118,8 @@ void CheckResolved(const JobRequest& request) {
     throw InputError(InputPosition::File(request.scene), "0 samples per pixel show nothing");
   }
   if (options.split == 0 && !request.continuation_strategy.empty()) {
-    throw InputError(InputPosition::File("--continuation-strategy"),
-                     "belongs to paths that split at their first hit: give --split S as well",
-                     kExitUsage);
+    throw OptionError("continuation-strategy", "",
+                      "belongs to paths that split at their first hit: give `split S` as well");
   }
   if (std::uint64_t{options.samples_per_pixel} * MostPointsOfASample(options) > 0xFFFFFFFFu) {
     throw InputError(InputPosition::File(request.scene),
@@ -128,8 +129,7 @@ void CheckResolved(const JobRequest& request) {
                      kExitUsage);
   }
   if (options.max_depth == 0 && ReadsHits(options.aovs)) {
-    throw InputError(InputPosition::File("--aovs " + ToString(options.aovs)),
-                     "at --max-depth 0 no surface is looked at", kExitUsage);
+    throw OptionError("aovs", ToString(options.aovs), "at `max-depth 0` no surface is looked at");
   }
   CheckIntegrator(options);
 }

@@ -126,9 +126,9 @@ void WarmUp(const RenderJob& job, const Contestant& contestant) {
 
 Integrator ReferenceIntegrator(const std::vector<Contestant>& contestants) {
   const bool direct = std::all_of(contestants.begin(), contestants.end(), [](const Contestant& c) {
-    return c.integrator == Integrator::kDirect;
+    return Describe(c.integrator).direct_light_only;
   });
-  return direct ? Integrator::kDirect : Integrator::kPath;
+  return direct && !contestants.empty() ? contestants.front().integrator : Integrator::kPath;
 }
 
 Reference RenderReference(const RenderJob& job, Integrator integrator,

@@ -17,30 +17,10 @@
 #include "scene/scene.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/film/film_area.h"
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/rays/trace.h"
 
 namespace skywave {
-
-enum class Integrator { kDirect, kPath, kLight, kBdpt, kPhoton, kVcm };
-inline constexpr Integrator kIntegrators[] = {Integrator::kDirect, Integrator::kPath,
-                                              Integrator::kLight,  Integrator::kBdpt,
-                                              Integrator::kPhoton, Integrator::kVcm};
-// Whether paths start at lights too.
-constexpr bool HasLightPaths(Integrator integrator) {
-  return integrator != Integrator::kDirect && integrator != Integrator::kPath;
-}
-// Whether sub-paths from both ends are joined.
-constexpr bool ConnectsSubpaths(Integrator integrator) {
-  return integrator == Integrator::kBdpt || integrator == Integrator::kVcm;
-}
-// Whether light paths bring splats to the film.
-constexpr bool HasSplats(Integrator integrator) {
-  return integrator == Integrator::kLight || ConnectsSubpaths(integrator);
-}
-// Whether light paths are stored in passes of their own.
-constexpr bool HasPhotons(Integrator integrator) {
-  return integrator == Integrator::kPhoton || integrator == Integrator::kVcm;
-}
 
 // A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
 struct SubpathLengths {
@@ -136,9 +116,8 @@ struct FrameView {
   }
   // Light samples a hit that the user asks for.
   std::uint32_t light_samples() const {
-    const bool many = options.integrator == Integrator::kDirect ||
-                      options.integrator == Integrator::kPhoton || splits();
-    return many ? options.light_samples : 1;
+    const LightSamples taken = Describe(options.integrator).light_samples;
+    return taken == LightSamples::kRequested || splits() ? options.light_samples : 1;
   }
   // The frame in which continuations go on: paths that do not split again.
   FrameView of_continuations() const;

@@ -8,10 +8,10 @@
 
 namespace skywave {
 
-// Throws InputError where options do not go together with their integrator.
+// Throws OptionError where options do not go together with their integrator.
 void CheckIntegrator(const RenderOptions& options);
 
-// Throws InputError where what is stored of light paths would not fit in `memory` [bytes].
+// Throws OptionError where what is stored of light paths would not fit in `memory` [bytes].
 void CheckPhotonMemory(const RenderOptions& options, std::uint64_t memory);
 
 // The same for memory that was not to be had when it was asked for.

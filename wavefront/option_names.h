@@ -5,7 +5,6 @@
 #include "kernels/camera.h"
 #include "kernels/light_paths/photons.h"
 #include "scene/scene.h"
-#include "wavefront/frame.h"
 
 namespace skywave {
 
@@ -29,14 +28,5 @@ inline constexpr auto kEnumNames<PixelFilter> =
                                        {PixelFilter::kTriangle, "triangle"},
                                        {PixelFilter::kGaussian, "gaussian"},
                                        {PixelFilter::kBlackmanHarris, "blackman-harris"}});
-
-template <>
-inline constexpr auto kEnumNames<Integrator> =
-    std::to_array<Named<Integrator>>({{Integrator::kDirect, "direct"},
-                                      {Integrator::kPath, "path"},
-                                      {Integrator::kLight, "light"},
-                                      {Integrator::kBdpt, "bdpt"},
-                                      {Integrator::kPhoton, "photon"},
-                                      {Integrator::kVcm, "vcm"}});
 
 }  // namespace skywave

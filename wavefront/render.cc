@@ -8,10 +8,8 @@
 
 #include "base/clock.h"
 #include "wavefront/guiding/emission_guide.h"
-#include "wavefront/integrators/integrator.h"
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/option_checks.h"
-#include "wavefront/photons/merging_pass.h"
-#include "wavefront/photons/photon_pass.h"
 #include "wavefront/worker_pool.h"
 
 namespace skywave {
@@ -69,20 +67,7 @@ void RenderTiles(const FrameView& frame, WorkerPool& pool, Film& film, Progress*
 }  // namespace
 
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
-  switch (frame.options.integrator) {
-    case Integrator::kDirect:
-      return RenderDirectWave(frame, range, worker, film);
-    case Integrator::kPath:
-      if (worker.continuations) return RenderSplitWave(frame, range, worker, film);
-      return RenderPathWave(frame, range, worker, film);
-    case Integrator::kLight:
-      return RenderLightWave(frame, range, worker, film);
-    case Integrator::kBdpt:
-    case Integrator::kVcm:
-      return RenderBdptWave(frame, range, worker, film);
-    case Integrator::kPhoton:
-      return RenderPhotonWave(frame, range, worker, film);
-  }
+  Describe(frame.options.integrator).render_wave(frame, range, worker, film);
 }
 
 int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
@@ -100,47 +85,15 @@ std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
   return tiles;
 }
 
-namespace {
-
-// What a pass stores of light paths.
-PhotonMaps TracePass(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
-                     WorkerPool& pool) {
-  try {
-    if (frame.options.integrator != Integrator::kVcm) {
-      return TracePhotons(frame, pass, pool);
-    }
-    PhotonMaps maps;
-    maps.indirect = TraceVertices(frame, plan, pass, pool);
-    return maps;
-  } catch (const std::bad_alloc&) {
-    RefusePhotons(frame.options, "there is no memory left for so many");
-  }
-}
-
-}  // namespace
-
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
-                 const std::function<void(const FrameView&)>& render) {
-  if (!HasPhotons(frame.options.integrator)) return render(frame);
-  const bool merges = frame.options.integrator == Integrator::kVcm;
-  const MergePlan plan = merges ? PlanMerging(frame, pool) : MergePlan{};
-  float caustic_radius = 0, indirect_radius = 0;  // of the first pass
-  for (const PhotonPass& pass : PhotonPasses(frame.options)) {
-    const auto start = Clock::now();
-    FrameView view = frame;
-    if (merges) view.eta_vcm = plan.MergedArea(pass);
-    PhotonMaps maps = TracePass(view, plan, pass, pool);
-    if (!merges) {
-      if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
-      if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
-      maps.caustic.radius = caustic_radius * pass.shrink;
-      maps.indirect.radius = indirect_radius * pass.shrink;
-    }
-    counts.Add(maps, SecondsSince(start));
-    view.photons = &maps;
-    view.options.first_sample = pass.first_sample;
-    view.options.samples_per_pixel = pass.samples;
-    render(view);
+                 const RenderPass& render) {
+  const auto for_each_pass = Describe(frame.options.integrator).for_each_pass;
+  if (for_each_pass == nullptr) return render(frame);
+  try {
+    for_each_pass(frame, pool, counts, render);
+  } catch (const std::bad_alloc&) {
+    // Whoever has asked for it: nothing else takes as much.
+    RefusePhotons(frame.options, "there is no memory left for so many");
   }
 }
 
@@ -156,7 +109,8 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
   const auto start = Clock::now();
   pool.Run([&] {
     EmissionGuide guide;
-    if (options.guide && HasLightPaths(options.integrator) && frame.has_environment()) {
+    if (options.guide && Describe(options.integrator).has_light_paths() &&
+        frame.has_environment()) {
       guide = LearnEmission(frame, pool, result.guide);
       if (!guide.empty()) frame.guide = &guide;
     }

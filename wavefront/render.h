@@ -3,12 +3,12 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "wavefront/film/film.h"
 #include "wavefront/frame.h"
 #include "wavefront/guiding/guide_counts.h"
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/photons/photon_pass.h"
 #include "wavefront/rays/ray_recorder.h"
 #include "wavefront/stages/stages.h"
@@ -35,10 +35,13 @@ struct FrameResult {
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
 
+// Renders the samples of a wave with the worker's tables, which are those of the integrator.
+void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
+
 // Calls `render` for each pass of a frame, whose photons it traces before, with the frame as the
-// samples of the pass see it; once with the frame itself where there are none (HasPhotons).
+// samples of the pass see it; once with the frame itself where there are none.
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
-                 const std::function<void(const FrameView&)>& render);
+                 const RenderPass& render);
 
 // Threads that `threads` = 0 stands for: those the process may run on.
 int AvailableThreads();

@@ -15,16 +15,10 @@ Worker::~Worker() = default;
 
 std::unique_ptr<Worker> MakeWorker(const RenderOptions& options) {
   auto worker = std::make_unique<Worker>(options.wave);
-  if (HasLightPaths(options.integrator)) worker->light.emplace(options.wave);
-  if (ConnectsSubpaths(options.integrator)) {
-    worker->bidirectional.emplace(options.wave, options.max_depth);
-  }
-  if (options.integrator == Integrator::kVcm) worker->merging.emplace();
-  if (options.integrator == Integrator::kPhoton) {
-    worker->photon.emplace(options.wave, options.photons.neighbors);
-  }
+  const IntegratorDescriptor& integrator = Describe(options.integrator);
+  if (integrator.has_light_paths()) worker->light.emplace(options.wave);
   if (Sums(options.aovs, AovSum::kLightGroups)) worker->groups.emplace(options.wave);
-  if (options.split > 0) worker->continuations = std::make_unique<Continuations>(options.wave);
+  if (integrator.add_tables != nullptr) integrator.add_tables(options, *worker);
   return worker;
 }
 

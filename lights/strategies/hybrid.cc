@@ -188,8 +188,7 @@ HybridOptions ReadHybridOptions(const StrategyValues& values) {
   options.rest_samples = IntValue(values, "rest-samples", 1, 30000);
   options.inside = BoolValue(values, "inside");
   if (options.inside && !options.all) {
-    throw InputError(InputPosition::File("--strategy hybrid"), "inside=1 needs pick=all",
-                     kExitUsage);
+    throw OptionError("strategy", "hybrid", "inside=1 needs pick=all");
   }
   return options;
 }

@@ -32,7 +32,7 @@ SKYWAVE_STRATEGIES(SKYWAVE_DECLARE)
 namespace {
 
 [[noreturn]] void ThrowUsage(const std::string& reason) {
-  throw InputError(InputPosition::File("--strategy"), reason, kExitUsage);
+  throw OptionError("strategy", "", reason);
 }
 
 // Splits "key=value,key=value" and adds the defaults of all other keys.

@@ -11,6 +11,7 @@
 #include "measure/error_split.h"
 #include "measure/suite.h"
 #include "scene/local_lights.h"
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/option_names.h"
 #include "wavefront/rays/trace.h"
 
@@ -20,9 +21,9 @@ namespace {
 template <class Enum>
 class Names : public testing::Test {};
 
-using NamedEnums = testing::Types<Backend, CameraKind, ClusterFrequency, ErrorMeasure, LightFormat,
-                                  LightPosition, LightSource, LocalLightKind, PhotonKernel,
-                                  PictureCheck, PixelFilter, Projection>;
+using NamedEnums = testing::Types<Backend, CameraKind, ClusterFrequency, ErrorMeasure, Integrator,
+                                  LightFormat, LightPosition, LightSource, LocalLightKind,
+                                  PhotonKernel, PictureCheck, PixelFilter, Projection>;
 TYPED_TEST_SUITE(Names, NamedEnums);
 
 TYPED_TEST(Names, BelongToOneValueEach) {

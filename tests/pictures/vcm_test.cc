@@ -251,12 +251,12 @@ TEST(Vcm, RefusesImpossibleRequests) {
     change(request);
     ExpectRefused(scene, request, word);
   };
-  refused("--no-mis", [](JobRequest& r) { r.options.mis = false; });
-  refused("--max-depth", [](JobRequest& r) { r.max_depth = kMaxBidirectionalDepth + 1; });
+  refused("no-mis", [](JobRequest& r) { r.options.mis = false; });
+  refused("max-depth", [](JobRequest& r) { r.max_depth = kMaxBidirectionalDepth + 1; });
   refused("cosine", [](JobRequest& r) { r.strategy = "cosine"; });
-  refused("--paths",
+  refused("paths",
           [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2}; });
-  refused("--photons 0", [](JobRequest& r) { r.options.photons.indirect = 0; });
+  refused("photons 0", [](JobRequest& r) { r.options.photons.indirect = 0; });
   refused("--spp", [](JobRequest& r) { r.options.photons.passes = 33; });
   refused("--photon-distance", [](JobRequest& r) { r.options.photons.distance = 100; });
   refused("variance", [](JobRequest& r) { r.options.aovs = *ParseAovs("variance"); });

@@ -9,7 +9,7 @@ namespace skywave {
 inline EmissionGuide GuideFor(const FrameView& frame, int threads = 2) {
   EmissionGuide guide;
   const RenderOptions& options = frame.options;
-  if (!options.guide || !HasLightPaths(options.integrator) || !frame.has_environment())
+  if (!options.guide || !Describe(options.integrator).has_light_paths() || !frame.has_environment())
     return guide;
   RenderOptions on_threads = options;
   on_threads.threads = threads;

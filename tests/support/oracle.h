@@ -2,7 +2,7 @@
 // traces one path at a time with single rays of Embree and shades in double, with its own BSDFs,
 // environment, light samples, camera and random numbers. It shares with the engine only the meaning
 // of the scene (the conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and
-// wavefront/integrators/integrator.h) and the tables FilterOffsets() and GgxTables().
+// wavefront/integrators/{path,direct}.cc) and the tables FilterOffsets() and GgxTables().
 #pragma once
 
 #include <embree3/rtcore.h>

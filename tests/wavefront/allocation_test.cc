@@ -13,7 +13,6 @@
 #include "tests/support/painted_scene.h"
 #include "tests/support/photon_maps.h"
 #include "tests/support/screens_scene.h"
-#include "wavefront/integrators/integrator.h"
 #include "wavefront/render.h"
 
 namespace {

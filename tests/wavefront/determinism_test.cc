@@ -18,7 +18,6 @@
 #include "tests/support/screens_scene.h"
 #include "tests/support/targets.h"
 #include "wavefront/flush_denormals.h"
-#include "wavefront/integrators/integrator.h"
 #include "wavefront/render.h"
 #include "wavefront/worker.h"
 
@@ -173,7 +172,7 @@ TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
     const bool emits = CanEmit(of_path.strategy());
     for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect, Integrator::kLight,
                                         Integrator::kBdpt, Integrator::kVcm}) {
-      if (HasLightPaths(integrator) && !emits) continue;
+      if (Describe(integrator).has_light_paths() && !emits) continue;
       request.integrator = integrator;
       request.options.light_samples = 2;
       const RenderJob job(scene, request);

@@ -102,7 +102,7 @@ bool Refused(const RenderOptions& options, std::uint64_t memory) {
     CheckPhotonMemory(options, memory);
     return false;
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("--photons"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("photons"), std::string::npos) << error.what();
     EXPECT_EQ(error.exit_code(), kExitUsage);
     return true;
   }

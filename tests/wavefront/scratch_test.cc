@@ -20,7 +20,7 @@
 #include "tests/support/random_rows.h"
 #include "tests/support/screens_scene.h"
 #include "wavefront/flush_denormals.h"
-#include "wavefront/integrators/integrator.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/render.h"
 #include "wavefront/worker.h"
 

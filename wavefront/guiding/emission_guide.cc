@@ -323,11 +323,10 @@ EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCount
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * pilot.options.samples_per_pixel;
   const std::uint64_t wave = pilot.options.wave;
-  // Light samples find light that reaches a surface directly and goes to the eye from there; only
-  // `light` has none.
-  const PilotQuestion question = {
-      .radiance = radiance,
-      .least_surfaces = frame.options.integrator == Integrator::kLight ? 1u : 2u};
+  // Light samples find light that reaches a surface directly and goes to the eye from there.
+  const LightSamples taken = Describe(frame.options.integrator).light_samples;
+  const PilotQuestion question = {.radiance = radiance,
+                                  .least_surfaces = taken == LightSamples::kNone ? 1u : 2u};
   std::vector<std::vector<GuideSample>> waves((total + wave - 1) / wave);
   pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
     const RenderStats stats = worker.stats;

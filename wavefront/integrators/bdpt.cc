@@ -1,7 +1,17 @@
+// Bidirectional path tracing (Lafortune and Willems 1993; Veach and Guibas 1995): each path has a
+// sub-path from the camera and one from a light; all their vertices are connected with each other,
+// with light samples and with the camera, and weighted by the power heuristic over all of that
+// (kernels/light_paths/bidirectional.h). At most max_depth surfaces over both; roulette as in path
+// tracing.
+#include "wavefront/integrators/bdpt.h"
+
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "base/error.h"
 #include "kernels/partition.h"
-#include "wavefront/integrators/integrator.h"
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/stages/bidirectional.h"
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/merging.h"
@@ -76,6 +86,59 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     std::swap(rays, next);
   }
   FinishWave(range.count, bounce, w, film, clock);
+}
+
+void AddConnectionTables(const RenderOptions& options, Worker& worker) {
+  worker.bidirectional.emplace(options.wave, options.max_depth);
+}
+
+void CheckConnections(const RenderOptions& options) {
+  const std::string_view name = ToString(options.integrator);
+  if (!options.mis && !options.subpath_lengths) {
+    throw OptionError("no-mis", "",
+                      fmt::format("`integrator {}` would add what every technique brings in full; "
+                                  "`integrator bdpt` with `paths S,T` shows one, unweighted",
+                                  name));
+  }
+  if (options.max_depth > kMaxBidirectionalDepth) {
+    throw OptionError("max-depth", fmt::format("{}", options.max_depth),
+                      fmt::format("`integrator {}` keeps a table a bounce, for at most {}", name,
+                                  kMaxBidirectionalDepth));
+  }
+}
+
+namespace {
+
+void CheckSubpathLengths(const SubpathLengths& lengths, std::uint32_t max_depth) {
+  const std::string value = fmt::format("{},{}", lengths.light, lengths.eye);
+  const std::uint64_t vertices = std::uint64_t(lengths.light) + lengths.eye;
+  if (lengths.eye == 0 || vertices < 2 || (lengths.light == 1 && lengths.eye == 1)) {
+    throw OptionError("paths", value,
+                      "there are paths of light vertices S and eye vertices T, the eye counted, "
+                      "for T >= 2, and for T = 1 and S >= 2");
+  }
+  if (vertices - 2 > max_depth) {
+    throw OptionError("paths", value,
+                      fmt::format("such paths scatter at {} surfaces, and `max-depth` is {}",
+                                  vertices - 2, max_depth));
+  }
+}
+
+void Check(const RenderOptions& options) {
+  if (options.subpath_lengths) CheckSubpathLengths(*options.subpath_lengths, options.max_depth);
+  CheckConnections(options);
+}
+
+}  // namespace
+
+IntegratorDescriptor BdptIntegrator() {
+  return {.help = "paths from both ends, joined in every way: lamps in rooms, caustics",
+          .selects_paths = true,
+          .light_paths = LightPaths::kStrategy,
+          .has_splats = true,
+          .check = Check,
+          .add_tables = AddConnectionTables,
+          .render_wave = RenderBdptWave};
 }
 
 }  // namespace skywave

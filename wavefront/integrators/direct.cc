@@ -1,10 +1,12 @@
-#include "wavefront/integrators/integrator.h"
-
+// Direct light (T 4.2.1): light_samples light samples at the first surface that is no mirror or
+// glass, and one BSDF sample against them; mirrors and glass are followed up to max_depth surfaces.
 #include <utility>
 
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
+namespace {
 
 void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
@@ -29,6 +31,16 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     std::swap(rays, next);
   }
   FinishWave(range.count, bounce, w, film, clock);
+}
+
+}  // namespace
+
+IntegratorDescriptor DirectIntegrator() {
+  return {.help = "light over mirrors and glass at most",
+          .direct_light_only = true,
+          .light_samples = LightSamples::kRequested,
+          .has_light_groups = true,
+          .render_wave = RenderDirectWave};
 }
 
 }  // namespace skywave

@@ -1,6 +1,10 @@
-#include "wavefront/integrators/integrator.h"
-
+// Light tracing (Arvo 1986; Dutre, Lafortune and Willems 1993): one light path a sample, every
+// surface of which is connected to the camera and splatted. Camera rays see the sky and what shines
+// itself, and go no further: nothing is seen through mirrors and glass. At most max_depth surfaces
+// a path; roulette from the third one on.
 #include <utility>
+
+#include "wavefront/integrators/integrators.h"
 
 #include "wavefront/stages/light_stages.h"
 #include "wavefront/stages/path_stages.h"
@@ -18,8 +22,6 @@ std::uint64_t FirstLightPath(const FrameView& frame, const WaveRange& range) {
       std::uint64_t(tile.y) * frame.camera.width + std::uint64_t(tile.x) * tile.height;
   return frame.options.first_sample * frame.light_paths() + pixels_before * spp + range.first;
 }
-
-}  // namespace
 
 void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
@@ -48,6 +50,16 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
     n = ScatterSurfaces(frame, kLightEnd, 0, bounce, *next, w, clock);
     std::swap(rays, next);
   }
+}
+
+}  // namespace
+
+IntegratorDescriptor LightIntegrator() {
+  return {.help = "paths from the lights; sees nothing in mirrors and through glass",
+          .light_samples = LightSamples::kNone,
+          .light_paths = LightPaths::kStrategy,
+          .has_splats = true,
+          .render_wave = RenderLightWave};
 }
 
 }  // namespace skywave

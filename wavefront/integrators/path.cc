@@ -1,7 +1,12 @@
-#include "wavefront/integrators/integrator.h"
+// Unidirectional path tracing (T 4.2.3, P 3): one light sample a bounce, BSDF sampling, both
+// combined by multiple importance sampling, Russian roulette from the fourth bounce on, at most
+// max_depth surfaces a path. With the option `split` paths branch (split.cc).
+#include "wavefront/integrators/path.h"
 
+#include <memory>
 #include <utility>
 
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
@@ -36,6 +41,28 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   const std::uint32_t end =
       FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
   FinishWave(range.count, end, w, film, clock);
+}
+
+namespace {
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  if (options.split > 0) worker.continuations = std::make_unique<Continuations>(options.wave);
+}
+
+void RenderWholeOrSplitPaths(const FrameView& frame, const WaveRange& range, Worker& worker,
+                             Film& film) {
+  if (frame.splits()) return RenderSplitWave(frame, range, worker, film);
+  RenderPathWave(frame, range, worker, film);
+}
+
+}  // namespace
+
+IntegratorDescriptor PathIntegrator() {
+  return {.help = "paths from the camera; caustics of small lights stay noisy or are missed",
+          .splits = true,
+          .has_light_groups = true,
+          .add_tables = AddTables,
+          .render_wave = RenderWholeOrSplitPaths};
 }
 
 }  // namespace skywave

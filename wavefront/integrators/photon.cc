@@ -1,35 +1,19 @@
-#include <algorithm>
+// Photon mapping (Jensen 1996, T 4.3). A first pass stores photons (photons/photon_pass.cc). The
+// second one takes direct light as `direct` does; at the surfaces that take light samples, caustics
+// come from the caustic map, and other light from the indirect map: looked up there, or where the
+// rays of a final gather meet the next ones. BSDFs with a density, however narrow their lobe, count
+// as diffuse; mirrors and glass as specular. At most max_depth surfaces on both sides of a photon
+// together.
 #include <utility>
 
-#include "wavefront/integrators/integrator.h"
-#include "wavefront/stages/light_stages.h"
+#include "base/error.h"
+#include "wavefront/integrators/integrators.h"
+#include "wavefront/photons/photon_pass.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
 
 namespace skywave {
-
-void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
-                     const WantedPhotons& wanted, Worker& w, PhotonLists& lists) {
-  StageClock clock(w.stats);
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  StartLightPaths(frame.options, first, count, w.paths);
-  std::fill_n(w.photon->history->met, count, 0u);
-  EmitRays(frame, count, *rays, w, clock);
-
-  // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
-  const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
-  std::uint32_t n = count;
-  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
-    StorePhotons(wanted, bounce, w, lists, clock);
-    if (bounce == frame.options.max_depth) break;
-    n = ScatterSurfaces(frame, kLightEnd, first_kind, bounce, *next, w, clock);
-    std::swap(rays, next);
-  }
-  lists.caustic.SortByPath(count);
-  lists.indirect.SortByPath(count);
-  clock.Lap(Stage::kPhotons);
-}
+namespace {
 
 void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
   StageClock clock(w.stats);
@@ -60,6 +44,58 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     std::swap(rays, next);
   }
   FinishWave(range.count, bounce, w, film, clock);
+}
+
+void Check(const RenderOptions& options) {
+  if (options.photons.indirect == 0 && options.photons.caustic == 0) {
+    throw OptionError({{"photons", "0"}, {"caustic-photons", "0"}},
+                      "`integrator photon` needs photons; for direct light alone use `integrator "
+                      "direct`");
+  }
+  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
+    throw OptionError("aovs", ToString(options.aovs),
+                      "`integrator photon` does not keep direct and indirect light apart");
+  }
+}
+
+void CheckScene(const RenderOptions& options, const Geometry& geometry, const SceneSphere&) {
+  if (options.photons.indirect == 0 && !HasCaustics(geometry)) {
+    throw OptionError("photons", "0",
+                      "without mirrors and glass there are no caustics, so `integrator photon` "
+                      "would store nothing; for direct light alone use `integrator direct`");
+  }
+}
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  worker.photon.emplace(options.wave, options.photons.neighbors);
+}
+
+void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
+                 const RenderPass& render) {
+  float caustic_radius = 0, indirect_radius = 0;  // of the first pass
+  const auto trace = [&](const FrameView& view, const PhotonPass& pass) {
+    PhotonMaps maps = TracePhotons(view, pass, pool);
+    if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
+    if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
+    maps.caustic.radius = caustic_radius * pass.shrink;
+    maps.indirect.radius = indirect_radius * pass.shrink;
+    return maps;
+  };
+  ForEachPhotonPass(frame, trace, counts, render);
+}
+
+}  // namespace
+
+IntegratorDescriptor PhotonIntegrator() {
+  return {.help = "photon maps with a final gather; biased, `progressive N` converges",
+          .light_samples = LightSamples::kRequested,
+          .light_paths = LightPaths::kAny,
+          .stores = StoredLight::kPhotons,
+          .check = Check,
+          .check_scene = CheckScene,
+          .add_tables = AddTables,
+          .for_each_pass = ForEachPass,
+          .render_wave = RenderPhotonWave};
 }
 
 }  // namespace skywave

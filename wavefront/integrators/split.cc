@@ -1,7 +1,11 @@
+// Path tracing that splits (T fig. 8.26, the integrator PT2): at the first surface that is no
+// mirror or glass a path takes all its direct light, light_samples light samples, and goes on as
+// `split` continuations, whose mean is its indirect light. Continuations are paths like those of
+// RenderPathWave; their light samples are of the frame's strategy for continuations.
 #include <algorithm>
 #include <utility>
 
-#include "wavefront/integrators/integrator.h"
+#include "wavefront/integrators/path.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {

@@ -1,32 +1,66 @@
-#include <utility>
+// Vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012): bidirectional
+// path tracing with one technique more at every surface of the eye, which is merged with the light
+// vertices near it: those of a first pass (photons/merging_pass.cc). The stage order is that of
+// bdpt.cc.
+#include <fmt/format.h>
 
-#include "wavefront/integrators/integrator.h"
-#include "wavefront/stages/bidirectional.h"
-#include "wavefront/stages/light_stages.h"
-#include "wavefront/stages/merging.h"
-#include "wavefront/stages/path_stages.h"
+#include "base/error.h"
+#include "wavefront/integrators/bdpt.h"
+#include "wavefront/integrators/integrators.h"
+#include "wavefront/photons/merging_pass.h"
 
 namespace skywave {
+namespace {
 
-void TraceVertexWave(const FrameView& frame, std::uint64_t first, std::uint32_t count, Worker& w,
-                     PhotonList& list) {
-  StageClock clock(w.stats);
-  BidirectionalTables& b = *w.bidirectional;
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  StartLightPaths(frame.options, first, count, w.paths);
-  EmitRays(frame, count, *rays, w, clock);
-  LeaveLights(w.light->emission, count, b.light);
-  std::uint32_t n = count;
-  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
-    ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, b.at);
-    StoreVertices(bounce, w, list, clock);
-    if (bounce == frame.options.max_depth) break;
-    n = ScatterSubpaths(frame, kLightEnd, b.at, 0, bounce, *next, b.light, w, clock);
-    std::swap(rays, next);
+void Check(const RenderOptions& options) {
+  CheckConnections(options);
+  if (options.photons.indirect == 0) {
+    throw OptionError("photons", "0",
+                      "`integrator vcm` merges with light vertices, which are its photons; without "
+                      "them it is `integrator bdpt`");
   }
-  list.SortByPath(count);
-  clock.Lap(Stage::kPhotons);
+}
+
+void CheckScene(const RenderOptions& options, const Geometry&, const SceneSphere& sphere) {
+  if (options.photons.distance > sphere.radius) {
+    throw OptionError("photon-distance", fmt::format("{}", options.photons.distance),
+                      fmt::format("`integrator vcm` would merge what is farther apart than half of "
+                                  "the scene, whose radius is {}",
+                                  sphere.radius));
+  }
+}
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  AddConnectionTables(options, worker);
+  worker.merging.emplace();
+}
+
+void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
+                 const RenderPass& render) {
+  const MergePlan plan = PlanMerging(frame, pool);
+  const auto trace = [&](FrameView& view, const PhotonPass& pass) {
+    view.eta_vcm = plan.MergedArea(pass);
+    PhotonMaps maps;
+    maps.indirect = TraceVertices(view, plan, pass, pool);
+    return maps;
+  };
+  ForEachPhotonPass(frame, trace, counts, render);
+}
+
+}  // namespace
+
+IntegratorDescriptor VcmIntegrator() {
+  return {
+      .help = "bdpt with merging: caustics in mirrors and behind glass too; converges with `spp`",
+      .light_paths = LightPaths::kStrategy,
+      .has_splats = true,
+      .stores = StoredLight::kVertices,
+      .pass_each_sample = true,
+      .check = Check,
+      .check_scene = CheckScene,
+      .add_tables = AddTables,
+      .for_each_pass = ForEachPass,
+      .render_wave = RenderBdptWave};
 }
 
 }  // namespace skywave

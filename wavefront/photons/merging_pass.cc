@@ -4,9 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
-#include "wavefront/integrators/integrator.h"
 #include "wavefront/photons/photon_collector.h"
+#include "wavefront/stages/bidirectional.h"
+#include "wavefront/stages/light_stages.h"
+#include "wavefront/stages/merging.h"
+#include "wavefront/stages/path_stages.h"
 
 namespace skywave {
 namespace {
@@ -24,6 +28,29 @@ constexpr float kMergedDistance = 0.5f;
 // average out over pixels as that of other techniques does, and weights by densities alone overrate
 // them (Grittmann, Georgiev and Slusallek 2021). They count as this share of their number.
 constexpr float kMergeWorth = 0.3f;
+
+// The vertices with a density of light sub-paths [first, first + count) of the frame, in the order
+// (path, surface), with what weights need.
+void TraceVertexWave(const FrameView& frame, std::uint64_t first, std::uint32_t count, Worker& w,
+                     PhotonList& list) {
+  StageClock clock(w.stats);
+  BidirectionalTables& b = *w.bidirectional;
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  StartLightPaths(frame.options, first, count, w.paths);
+  EmitRays(frame, count, *rays, w, clock);
+  LeaveLights(w.light->emission, count, b.light);
+  std::uint32_t n = count;
+  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
+    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
+    ArriveAtSurfaces(w.surfaces, w.ranges.total(), b.light, b.at);
+    StoreVertices(bounce, w, list, clock);
+    if (bounce == frame.options.max_depth) break;
+    n = ScatterSubpaths(frame, kLightEnd, b.at, 0, bounce, *next, b.light, w, clock);
+    std::swap(rays, next);
+  }
+  list.SortByPath(count);
+  clock.Lap(Stage::kPhotons);
+}
 
 // Returns the vertices of light paths [first, first + count) of the frame, or of the first of them
 // that have `most` together.

@@ -4,12 +4,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "wavefront/integrators/integrator.h"
+#include "base/clock.h"
 #include "wavefront/photons/photon_collector.h"
+#include "wavefront/stages/light_stages.h"
+#include "wavefront/stages/path_stages.h"
+#include "wavefront/stages/photon_stages.h"
 
 namespace skywave {
 namespace {
+
+// Light paths [first, first + count) of the frame, stored at surfaces with a density in the lists
+// that `wanted` names, in the order (path, surface).
+void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
+                     const WantedPhotons& wanted, Worker& w, PhotonLists& lists) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  StartLightPaths(frame.options, first, count, w.paths);
+  std::fill_n(w.photon->history->met, count, 0u);
+  EmitRays(frame, count, *rays, w, clock);
+
+  // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
+  const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
+  std::uint32_t n = count;
+  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
+    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
+    StorePhotons(wanted, bounce, w, lists, clock);
+    if (bounce == frame.options.max_depth) break;
+    n = ScatterSurfaces(frame, kLightEnd, first_kind, bounce, *next, w, clock);
+    std::swap(rays, next);
+  }
+  lists.caustic.SortByPath(count);
+  lists.indirect.SortByPath(count);
+  clock.Lap(Stage::kPhotons);
+}
 
 // The strategy of camera paths may need many light samples or surfaces to draw them for.
 FrameView LightPathView(const FrameView& frame) {
@@ -41,7 +70,7 @@ void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
 
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
   const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;
-  const bool each_sample = options.integrator == Integrator::kVcm && wanted == 0;
+  const bool each_sample = Describe(options.integrator).pass_each_sample && wanted == 0;
   const std::uint32_t passes = each_sample ? samples : std::clamp(wanted, 1u, samples);
   const auto first_of = [&](std::uint32_t pass) {
     return std::uint32_t(std::uint64_t(samples) * pass / passes);
@@ -94,6 +123,20 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPo
   tbb::parallel_invoke([&] { build(caustic, maps.caustic); },
                        [&] { build(indirect, maps.indirect); });
   return maps;
+}
+
+void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
+                       const RenderPass& render) {
+  for (const PhotonPass& pass : PhotonPasses(frame.options)) {
+    const auto start = Clock::now();
+    FrameView view = frame;
+    const PhotonMaps maps = trace(view, pass);
+    counts.Add(maps, SecondsSince(start));
+    view.photons = &maps;
+    view.options.first_sample = pass.first_sample;
+    view.options.samples_per_pixel = pass.samples;
+    render(view);
+  }
 }
 
 }  // namespace skywave

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "wavefront/frame.h"
+#include "wavefront/integrators/integrators.h"
 #include "wavefront/photons/photon_map.h"
 #include "wavefront/worker_pool.h"
 
@@ -31,10 +33,10 @@ struct PhotonCounts {
   void Add(const PhotonMaps& maps, double pass_seconds);
 };
 
-// Returns the passes of a frame: options.photons.passes of them. 0 means one, or, for `vcm`, one
-// for each sample, with radii that go by the number of the sample. Radii shrink as in Knaus and
-// Zwicker 2011 (eq. 15): r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias of the mean of
-// all passes then both vanish.
+// Returns the passes of a frame: options.photons.passes of them. 0 means one, or one for each
+// sample (IntegratorDescriptor::pass_each_sample), with radii that go by the number of the sample.
+// Radii shrink as in Knaus and Zwicker 2011 (eq. 15): r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1).
+// Variance and bias of the mean of all passes then both vanish.
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
 // Traces light paths of `pass`, in progressive frames numbered from 2^32 first_sample on, and
@@ -43,5 +45,11 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 // stay as they are. Bits depend on neither threads nor wave. Radii are those of a first pass.
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
+
+// Calls `render` for each pass of a frame, whose maps are those that `trace` has made before of the
+// frame that it may change.
+using TracePass = std::function<PhotonMaps(FrameView& frame, const PhotonPass& pass)>;
+void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
+                       const RenderPass& render);
 
 }  // namespace skywave
