@@ -309,7 +309,7 @@ TEST(Photon, RefusesImpossibleRequests) {
   ExpectRefused(scene, none, "needs photons");
   JobRequest passes = Request(4, 4, 3, 3);
   passes.options.photons.passes = 4;
-  ExpectRefused(scene, passes, "--spp");
+  ExpectRefused(scene, passes, "spp");
   JobRequest layers = Request(4, 4, 1, 3);
   layers.options.aovs = *ParseAovs("direct");
   ExpectRefused(scene, layers, "direct");

@@ -257,8 +257,8 @@ TEST(Vcm, RefusesImpossibleRequests) {
   refused("paths",
           [](JobRequest& r) { r.options.subpath_lengths = SubpathLengths{.light = 1, .eye = 2}; });
   refused("photons 0", [](JobRequest& r) { r.options.photons.indirect = 0; });
-  refused("--spp", [](JobRequest& r) { r.options.photons.passes = 33; });
-  refused("--photon-distance", [](JobRequest& r) { r.options.photons.distance = 100; });
+  refused("spp", [](JobRequest& r) { r.options.photons.passes = 33; });
+  refused("photon-distance", [](JobRequest& r) { r.options.photons.distance = 100; });
   refused("variance", [](JobRequest& r) { r.options.aovs = *ParseAovs("variance"); });
   Scene dark = MattRoom(Of(BsdfKind::kLambert), 0);
   SetConstantLight(dark, 0);
