@@ -1,7 +1,8 @@
 // Stages borrow the columns that they need for a moment: named views of columns that lie idle in
 // the tables of a wave.
 //
-// A view holds its columns for a scope; their values are lost afterwards (kernels/borrowed.h). Views that are needed at the same time lie in different columns:
+// A view holds its columns for a scope; their values are lost afterwards (kernels/borrowed.h).
+// Views that are needed at the same time lie in different columns:
 //
 //   - Scratch::first lends FilmUniforms, MixtureUniforms, LightUniforms, DirectionUniforms and
 //     PixelUniforms;
@@ -32,7 +33,7 @@ struct WordColumns {
   }
 };
 
-// Tables that mean nothing by themselves. Only views name their columns.
+// These tables mean nothing by themselves. Only views name their columns.
 struct Scratch {
   explicit Scratch(std::uint32_t wave) : first(wave), second(wave), words(wave) {}
   soa::Table<UniformColumns> first, second;
@@ -44,34 +45,34 @@ struct Scratch {
 
 // ---- Uniform random numbers, one row a path, ray or surface (kernels/sampler.h) ----
 
-// Where in the pixel's filter a path lies.
+// They place a path in the filter of its pixel.
 struct FilmUniforms : Borrowed<UniformColumns> {
   explicit FilmUniforms(const Scratch& s) : Borrowed(s.first, s.first.rows(), "FilmUniforms") {}
 };
 
-// Where on the camera's lens a ray starts or a connection ends. They are drawn only for cameras
-// with a lens.
+// They place the start of a ray or the end of a connection on the camera's lens, and are drawn only
+// for cameras with a lens.
 struct LensUniforms : Borrowed<UniformColumns> {
   explicit LensUniforms(const Scratch& s) : Borrowed(s.second, s.second.rows(), "LensUniforms") {}
 };
 
-// Which of two mixed materials a hit has (u).
+// They choose between the two materials of a mixture that a ray has hit (u).
 struct MixtureUniforms : Borrowed<UniformColumns> {
   explicit MixtureUniforms(const Scratch& s)
       : Borrowed(s.first, s.first.rows(), "MixtureUniforms") {}
 };
 
-// Which light a sample picks, and where on it.
+// They pick the light of a sample, and a place on it.
 struct LightUniforms : Borrowed<UniformColumns> {
   explicit LightUniforms(const Scratch& s) : Borrowed(s.first, s.first.rows(), "LightUniforms") {}
 };
 
-// Where a light path aims: its direction from a local light, or its place on a disk.
+// They aim a light path: its direction from a local light, or its place on a disk.
 struct AimUniforms : Borrowed<UniformColumns> {
   explicit AimUniforms(const Scratch& s) : Borrowed(s.second, s.second.rows(), "AimUniforms") {}
 };
 
-// ScatterUniforms::direction and ScatterUniforms::lobe (kernels/bsdf/bsdf.h).
+// These two are ScatterUniforms::direction and ScatterUniforms::lobe (kernels/bsdf/bsdf.h).
 struct DirectionUniforms : Borrowed<UniformColumns> {
   explicit DirectionUniforms(const Scratch& s)
       : Borrowed(s.first, s.first.rows(), "DirectionUniforms") {}
@@ -80,7 +81,7 @@ struct LobeUniforms : Borrowed<UniformColumns> {
   explicit LobeUniforms(const Scratch& s) : Borrowed(s.second, s.second.rows(), "LobeUniforms") {}
 };
 
-// Which of the pixels that a connection to the camera can go to it gets.
+// They choose one of the pixels that a connection to the camera can go to.
 struct PixelUniforms : Borrowed<UniformColumns> {
   explicit PixelUniforms(const Scratch& s) : Borrowed(s.first, s.first.rows(), "PixelUniforms") {}
 };
@@ -96,7 +97,8 @@ struct RemainderColumns {
   }
 };
 
-// What a uniform has left for the strategy once it has not picked a local light (SplitUniforms).
+// The strategy draws by what a uniform has left once it has not picked a local light
+// (SplitUniforms).
 struct SplitRemainder : Borrowed<RemainderColumns> {
   explicit SplitRemainder(const Scratch& s)
       : Borrowed({s.second->u}, s.second.rows(), "SplitRemainder") {}
@@ -111,7 +113,7 @@ struct ReachColumns {
   }
 };
 
-// How far the shadow rays of light samples reach. Where no local light is sampled all of them reach
+// Shadow rays of light samples reach so far. Where no local light is sampled all of them reach
 // infinitely far, and there is no column.
 struct LightReach : Borrowed<ReachColumns> {
   LightReach() = default;
@@ -119,14 +121,15 @@ struct LightReach : Borrowed<ReachColumns> {
   bool limited() const { return (*this)->distance != nullptr; }
 };
 
-// Where on triangles light samples are or light paths start, as hits of those triangles
+// Light samples are, or light paths start, in these places on triangles, which are written as hits
 // (SampleLocalLights, EmitFromLocalLights).
 struct LightPlaces : Borrowed<HitColumns> {
   explicit LightPlaces(const soa::Table<HitColumns>& hits)
       : Borrowed(hits, hits.rows(), "LightPlaces") {}
 };
 
-// Radiance and density of the environment in directions that nothing has escaped in.
+// The strategy says radiance and density of the environment here for directions in which no ray has
+// escaped.
 struct EnvironmentDensities : Borrowed<EscapeColumns> {
   explicit EnvironmentDensities(const soa::Table<EscapeColumns>& escaped)
       : Borrowed(escaped, escaped.rows(), "EnvironmentDensities") {}
@@ -143,7 +146,7 @@ struct QueueColumns {
   }
 };
 
-// The queue of each ray, from classification until surfaces have been moved.
+// Each ray has a queue from classification until surfaces have been moved.
 struct RayQueues : Borrowed<QueueColumns> {
   explicit RayQueues(const Scratch& s) : Borrowed({s.words->word}, s.words.rows(), "RayQueues") {}
 };
@@ -157,14 +160,14 @@ struct KeyColumns {
   }
 };
 
-// The keys that decide which surfaces with alpha rays pass through, while they are traced. Scenes
-// without alpha have none; the pointer is null then, as Trace* wants it.
+// Keys decide which surfaces with alpha rays pass through while they are traced. Scenes without
+// alpha have none; the pointer is null then, as TraceClosest and its like take it.
 struct RayKeys : Borrowed<KeyColumns> {
   RayKeys() = default;
   explicit RayKeys(const Scratch& s) : Borrowed({s.words->word}, s.words.rows(), "RayKeys") {}
 };
 
-// The rays that hit emitters. They come after those that escaped, whose light has been added.
+// Rays that hit emitters come after those that escaped, whose light has been added by then.
 struct EmitterHits : Borrowed<EscapeColumns> {
   explicit EmitterHits(const soa::Table<EscapeColumns>& escaped)
       : Borrowed(escaped, escaped.rows(), "EmitterHits") {}
@@ -172,8 +175,8 @@ struct EmitterHits : Borrowed<EscapeColumns> {
 
 // ---- Sub-paths ----
 
-// The directions (dir) in which surfaces have scattered, row by row; those of rows that have not
-// mean nothing.
+// Surfaces have scattered in these directions (dir), row by row; rows that have not scattered mean
+// nothing.
 struct ScatteredDirections : Borrowed<LightColumns> {
   explicit ScatteredDirections(const soa::Table<LightColumns>& lights)
       : Borrowed(lights, lights.rows(), "ScatteredDirections") {}
@@ -188,12 +191,12 @@ struct PointColumns {
   }
 };
 
-// Points on camera rays that have not met a surface yet.
+// These points lie on camera rays that have not hit a surface yet.
 struct CameraRayPoints : Borrowed<PointColumns> {
   explicit CameraRayPoints(const soa::Table<SurfaceColumns>& surfaces)
       : Borrowed({surfaces->org_x, surfaces->org_y, surfaces->org_z}, surfaces.rows(),
                  "CameraRayPoints") {}
-  // As ConnectCamera takes points: the other columns are null.
+  // Returns the points as ConnectCamera takes them: the other columns are null.
   SurfaceColumns as_surfaces() const {
     return {.org_x = (*this)->x, .org_y = (*this)->y, .org_z = (*this)->z};
   }

@@ -24,8 +24,8 @@ struct StratumColumns {
   }
 };
 
-// What a uniform has left for B once it has not picked a light of A (SplitUniforms). Light samples
-// lend t_far, which nobody writes until they are evaluated.
+// B is drawn by what a uniform has left once it has not picked a light of A (SplitUniforms). Light
+// samples lend t_far, which nobody writes until they are evaluated.
 struct StratumUniforms : Borrowed<StratumColumns> {
   StratumUniforms(const LightColumns& samples, std::uint32_t n)
       : Borrowed({samples.t_far}, n, "StratumUniforms") {}

@@ -1,5 +1,5 @@
-// Borrowed columns: views name the memory that they promise, nobody shares it, and nothing of it is
-// read once a view has ended.
+// Views of borrowed columns name the memory that they promise, no two of them share it, and nothing
+// of it is read once a view has ended.
 #include "wavefront/scratch.h"
 
 #include <gtest/gtest.h>

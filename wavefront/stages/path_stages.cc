@@ -16,7 +16,7 @@ namespace {
 // camera.
 constexpr std::uint32_t kFirstIndirectBounce = 1;
 
-// The kind of the rays that arrive at a bounce.
+// Returns the kind of the rays that arrive at a bounce.
 RayKind KindOf(std::uint32_t bounce) { return bounce == 0 ? RayKind::kCamera : RayKind::kBounce; }
 
 // Checks and counts rays [0, n) before they are traced.
