@@ -41,6 +41,9 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
     added = app.add_option_function<std::vector<std::string>>(flags, take, Explanation(info))
                 ->expected(1, info.most_values);
     if (info.delimiter != 0) added->delimiter(info.delimiter);
+  } else if (info.positional) {
+    added = app.add_option_function<std::string>(
+        flags, [take](const std::string& text) { take({text}); }, Explanation(info));
   } else {
     // If an option is given several times, the last one counts, but all have to be valid.
     added = app.add_option_function<std::vector<std::string>>(

@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-
+#include "base/clock.h"
 #include "base/error.h"
 
 namespace skywave {
@@ -25,7 +24,7 @@ void EmbreeScene::DropTransparent(const RTCFilterFunctionNArguments* arguments) 
 EmbreeScene::EmbreeScene(const EmbreeTriangles& triangles, const std::string& path, int threads,
                          const std::string& config)
     : filter_{triangles.opacity, triangles.first_with_alpha} {
-  const auto start = std::chrono::steady_clock::now();
+  const Clock::time_point start = Clock::now();
   StartDevice(path, fmt::format("threads={},set_affinity=0,{}", threads,
                                 config.empty() ? DefaultEmbreeConfig() : config));
   scene_.reset(rtcNewScene(device_.get()));
@@ -38,7 +37,7 @@ EmbreeScene::EmbreeScene(const EmbreeTriangles& triangles, const std::string& pa
     throw InputError(InputPosition::File(path),
                      fmt::format("Embree cannot build the scene (error {})", int(error)));
   }
-  build_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  build_seconds_ = SecondsSince(start);
 }
 
 void EmbreeScene::StartDevice(const std::string& path, const std::string& config) {
