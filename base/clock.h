@@ -1,4 +1,4 @@
-// Wall-clock time, as reports give it.
+// Measures wall-clock time for reports.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// Names of the values of an enum, as options, files and reports have them. A header specialises
+// Names of the values of an enum, as used in options, files and reports. A header specialises
 // kEnumNames for an enum; reading, writing and listing its names follow from that table.
 #pragma once
 
@@ -52,7 +52,7 @@ constexpr auto NamesOf() {
   return names;
 }
 
-// "box|triangle|gaussian", as usage texts have them.
+// Returns "box|triangle|gaussian", the form of usage texts.
 template <HasNames Enum>
 std::string Choices() {
   std::string text;

@@ -69,7 +69,8 @@ void GenerateCameraRaysKernel(benchmark::State& state) {
   DrawUniforms(w.paths, nullptr, f.n, kLensPair, {}, lens);
   Run(state, f.n, [&] { GenerateCameraRays(f.frame.camera, w.paths, film, lens, f.n, w.rays[1]); });
 }
-// Camera rays are traced as beams, whatever the backend; without beams by the backend, as others.
+// With `beams`, camera rays are traced as beams, whatever the backend; otherwise the backend traces
+// them like other rays.
 void TraceClosestStage(benchmark::State& state, bool bounce, bool beams, Backend backend) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
   const RayColumns& rays = f.worker.rays[0];
@@ -102,7 +103,8 @@ void MoveEscapedKernel(benchmark::State& state) {
   Run(state, f.n, [&] { MoveEscaped(w.rays[0], queues->queue, f.n, w.escaped); });
 }
 void MoveSurfacesStage(benchmark::State& state) {
-  static BouncedFixture f;  // its own: the surfaces that the rays have left are overwritten
+  static BouncedFixture f;  // a separate fixture because the surfaces that the rays have left are
+                            // overwritten
   Worker& w = f.worker;
   const RayQueues queues = f.Sort();
   Run(state, f.n, [&] { MoveSurfaces(w.rays[0], w.hits, queues, f.n, f.ranges, w.surfaces); });

@@ -45,7 +45,7 @@ struct WaveFixture {
   }
 
   // Advances by one bounce: rays[0] are then scattered and traced rays. The surfaces are still
-  // those that the rays have left; `ranges` says where the ones that they hit will be.
+  // those that the rays have left; `ranges` describes those that they will hit.
   void Bounce() {
     n = Scatter(frame, kCameraEnd, worker.paths, worker.surfaces, ranges, 0, 0,
                 DirectionUniforms(worker.scratch), LobeUniforms(worker.scratch), worker.rays[0]);
@@ -70,7 +70,7 @@ struct WaveFixture {
     return queues;
   }
 
-  // The surfaces of the worker, as strategies see them.
+  // Returns the surfaces of the worker in the form that strategies need.
   ShadePoints Points() const { return skywave::Points(frame, worker); }
 
   static JobRequest Request(const std::string& strategy) {
@@ -87,7 +87,7 @@ struct WaveFixture {
 
   LightShares shares() const { return frame.light_shares(); }
 
-  // Draws and evaluates light sample `index` of the plan; returns how far the lights are.
+  // Draws and evaluates light sample `index` of the plan; returns the distances of the lights.
   LightReach SampleAndEvaluate(std::uint32_t index) {
     LightReach reach =
         SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),

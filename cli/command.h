@@ -1,5 +1,5 @@
-// A subcommand as data: its options, bound to the fields that they set, and what it does. The
-// parser, the help texts and `skywave options` are made from it; only cli/parse.cc knows CLI11.
+// A subcommand as data: its options, bound to the fields that they set, and its action. The parser,
+// the help texts and `skywave options` are made from it; only cli/parse.cc knows CLI11.
 #pragma once
 
 #include <functional>
@@ -24,13 +24,13 @@ using GivenOptions = std::set<std::string, std::less<>>;
 
 struct Command {
   std::string name, summary;
-  std::string footer = {};  // of the help text: lists and examples
+  std::string footer = {};  // end of the help text: lists and examples
   std::vector<BoundOption> options = {};
   std::function<int(const GivenOptions& given)> run = {};  // returns the exit code
-  std::vector<Command> children = {};                      // one of which has to be named
+  std::vector<Command> children = {};                      // if there are any, one has to be named
 };
 
-// Adds `options`, but for those named in `without`, to `command`. They set fields of `*target`.
+// Adds `options`, except for those named in `without`, to `command`. They set fields of `*target`.
 template <class Options, class Request>
 void AddOptions(Command& command, const Options& options, const std::shared_ptr<Request>& target,
                 const std::set<std::string_view>& without = {}) {
@@ -43,7 +43,7 @@ void AddOptions(Command& command, const Options& options, const std::shared_ptr<
   }
 }
 
-// The option `name` of a command that has it, to change what its help says.
+// Returns the option `name`, which the command must have, so that its help text can be changed.
 OptionInfo& OptionCalled(Command& command, std::string_view name);
 
 }  // namespace skywave

@@ -17,7 +17,7 @@ Command BenchCommand();
 Command ProbeCommand();
 Command OptionsCommand();
 
-// All of them, in the order of the help text.
+// Returns all of them, in the order of the help text.
 std::vector<Command> AllCommands();
 
 }  // namespace skywave

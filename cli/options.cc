@@ -1,4 +1,4 @@
-// skywave options: every option of every subcommand, for people and for programs.
+// Implements skywave options: every option of every subcommand, for people and for programs.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -13,7 +13,7 @@ struct OptionsFlags {
   bool json = false;
 };
 
-// A subcommand as users type it, "probe info".
+// A subcommand as users type it, for example "probe info".
 struct NamedCommand {
   std::string name;
   Command command;
@@ -34,7 +34,7 @@ std::vector<NamedCommand> CommandsWithOptions() {
   return all;
 }
 
-// As it is typed: "-o, --output EXR", "--no-mis", "SCENE".
+// Returns the usage as it is typed: "-o, --output EXR", "--no-mis", "SCENE".
 std::string Usage(const OptionInfo& info) {
   if (info.positional) return info.value_name;
   const bool on = info.is_switch && info.printed_default == "true";
@@ -108,7 +108,7 @@ std::string Markdown(const std::vector<NamedCommand>& commands) {
   return text;
 }
 
-// The words of "a|b|c" where the values of an option are such words, else none.
+// Returns the words of "a|b|c" if the values of an option are such words, else none.
 std::string WordsOf(const OptionInfo& info) {
   if (info.is_switch || info.values.find('|') == std::string::npos ||
       info.values.find_first_of(" ,:<>") != std::string::npos) {

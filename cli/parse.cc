@@ -32,7 +32,7 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
       return [take, value](std::int64_t) { take({value ? "true" : "false"}); };
     };
     app.add_flag_function(flags, put(!on), Explanation(info))->group(group);
-    // The default can be said too, for scripts; it is not worth a line of help.
+    // The default value can be given explicitly too, for scripts; it is not worth a line of help.
     app.add_flag_function((on ? "--" : "--no-") + std::string(info.name), put(on))->group("");
     return;
   }
@@ -45,7 +45,7 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
     added = app.add_option_function<std::string>(
         flags, [take](const std::string& text) { take({text}); }, Explanation(info));
   } else {
-    // Of an option that is given several times the last one counts, but all have to be right.
+    // If an option is given several times, the last one counts, but all have to be valid.
     added = app.add_option_function<std::vector<std::string>>(
                    flags,
                    [take](const std::vector<std::string>& texts) {

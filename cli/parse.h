@@ -1,4 +1,4 @@
-// The command line: arguments to a subcommand and its options, by CLI11.
+// Maps the command line to a subcommand and its options with CLI11.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace skywave {
 
-// Parses the arguments of main(), prints help or what is wrong with them, and runs the subcommand.
-// Returns the exit code of the program.
+// Parses the arguments of main(), prints help or an error, and runs the subcommand. Returns the
+// exit code of the program.
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands);
 
 // Spells the options that `text` mentions in backticks (OptionError) as flags.

@@ -23,7 +23,7 @@ namespace {
 // There are two pictures per technique: 2 (1 + 3 + 4 + ... ) of them.
 constexpr std::uint32_t kDeepest = 8;
 
-// The layers are those of the ways to connect sub-paths.
+// The layers are reserved for the techniques.
 constexpr std::string_view kNotOfPaths[] = {"aovs"};
 
 struct PathsFlags {

@@ -1,4 +1,4 @@
-// skywave render: a scene to an EXR and a PNG.
+// Implements skywave render: a scene becomes an EXR and a PNG.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -36,7 +36,7 @@ std::string PngPath(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }
 
-// 1/125 or 0.008
+// Parses 1/125 or 0.008.
 std::optional<float> ParseShutter(const std::string& text) {
   const std::size_t slash = text.find('/');
   float value = 0, divisor = 1;
@@ -78,7 +78,7 @@ std::vector<OptionOf<RenderFlags>> Options() {
 }
 #undef FIELD
 
-// What repeats both files, and nothing that changes from run to run.
+// Returns the command that repeats both files, without anything that changes from run to run.
 std::string RepeatCommand(const RenderFlags& flags, const JobRequest& resolved) {
   static const RenderFlags defaults;
   std::string text = "skywave render" + PictureOptions(resolved);
@@ -99,7 +99,7 @@ Metadata Provenance(const RenderFlags& flags, const RenderJob& job) {
           {"sceneHash", fmt::format("{:016x}", job.scene_hash())}};
 }
 
-// The curve of the PNG, the exposure of the camera in it.
+// Returns the curve of the PNG, including the exposure of the camera.
 ToneMapping Tone(const RenderFlags& flags) {
   ToneMapping tone = flags.tone;
   if (flags.photo.shutter_seconds > 0) tone.exposure_stops += ExposureStops(flags.photo);

@@ -1,4 +1,4 @@
-// Statistics of a render for people (a table) and for programs (JSON).
+// Reports the statistics of a render for people (a table) and for programs (JSON).
 #pragma once
 
 #include <nlohmann/json.hpp>

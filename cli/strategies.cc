@@ -1,4 +1,4 @@
-// skywave strategies: what --strategy takes.
+// Implements skywave strategies: the values that --strategy takes.
 #include <fmt/format.h>
 
 #include "cli/commands.h"

@@ -54,7 +54,7 @@ void EmbreeScene::StartDevice(const std::string& path, const std::string& config
       &bytes_);
 }
 
-// Adds triangles [first, first + count) as a geometry; geometry 1 is the one with holes.
+// Adds triangles [first, first + count) as a geometry; geometry 1 is the one with alpha.
 void EmbreeScene::Attach(const EmbreeTriangles& triangles, unsigned id, std::uint32_t first,
                          std::uint32_t count) {
   if (count == 0) return;

@@ -1,5 +1,5 @@
-// Embree's scene of the triangles of a Geometry: the device, the BVH, and the filter by which rays
-// pass through holes. Only this file and wavefront/rays/trace.cc call Embree.
+// Embree's scene of the triangles of a Geometry: the device, the BVH, and the filter that lets rays
+// pass through alpha. Only this file and wavefront/rays/trace.cc call Embree.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -17,7 +17,7 @@ namespace skywave {
 
 // The triangles that Embree builds over. They must stay where they are as long as the scene lives.
 struct EmbreeTriangles {
-  const float* vertices;  // xyz of each, and one float of padding behind the last one
+  const float* vertices;  // xyz of each, and one float of padding after the last one
   std::size_t vertex_count;
   const std::uint32_t* indices;  // three per triangle
   std::uint32_t triangle_count;

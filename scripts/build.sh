@@ -12,7 +12,7 @@ needs=test
 scripts/setup.sh $needs
 cmake --preset "$preset" "${@:2}" >/dev/null
 cmake --build --preset "$preset" -j"${JOBS:-$(nproc)}" -- --quiet
-# For editors and clang-tidy, which look for it here.
+# Editors and clang-tidy look for the file here.
 case $preset in
   program | release) ln -sf build/release/compile_commands.json compile_commands.json ;;
 esac

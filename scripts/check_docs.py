@@ -33,7 +33,7 @@ NOT_RUN = re.compile(r"<!-- not run: (.+?) -->")
 
 
 class Document:
-    """The lines of a file, and what each line is: prose, table, code, generated."""
+    """The lines of a file, and the kind of each line: prose, table, code, generated."""
 
     def __init__(self, path):
         self.path = path
@@ -72,7 +72,7 @@ class Document:
         return None
 
     def anchors(self):
-        """GitHub's names of the headings."""
+        """Returns GitHub's names of the headings."""
         names = set()
         for line, kind in zip(self.lines, self.kinds):
             if kind == "prose" and line.startswith("#"):
@@ -115,7 +115,7 @@ def check_links(document, documents, fail):
 
 
 def braces(text):
-    """a/{b,c}.h -> a/b.h, a/c.h"""
+    """Expands a/{b,c}.h to a/b.h, a/c.h."""
     found = re.search(r"\{([^{}]*)\}", text)
     if not found:
         return [text]
@@ -124,7 +124,7 @@ def braces(text):
 
 
 def check_paths(document, files, fail):
-    """`folder/file` has to exist if `folder` is one of the tree; `file.cc` somewhere in the tree."""
+    """Checks that `folder/file` exists if `folder` does, and `file.cc` somewhere in the tree."""
     folders = {file.split("/")[0] for file in files if "/" in file}
     names = {file.rsplit("/", 1)[-1] for file in files}
     for number, (line, kind) in enumerate(zip(document.lines, document.kinds), 1):
@@ -158,7 +158,7 @@ CUBE = [triangle for a, b, c, d in CUBE_SIDES for triangle in ((a, b, c), (a, c,
 
 
 def sky_pfm():
-    """A lat-long map with a sun, as a little-endian PFM, bottom row first."""
+    """Returns a lat-long map with a sun as a little-endian PFM, bottom row first."""
     width, height = 64, 32
     pixels = b""
     for y in range(height):
@@ -214,7 +214,7 @@ def cube_glb():
 
 
 def make_stand_ins(program, folder):
-    """Everything that commands of the documents read and that the tree does not have."""
+    """Makes everything that commands of the documents read and that the tree does not have."""
     def run(*arguments):
         subprocess.run([program, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
@@ -240,8 +240,8 @@ def make_stand_ins(program, folder):
 
 # ---- Commands ----
 
-# What makes a command quick: values that replace those of the document, and flags that are added
-# where it has none of `unless`.
+# These changes make a command quick: values that replace those of the document, and flags that are
+# added if it has none of `unless`.
 QUICK = {
     "render": ({"--size": "64x48", "--spp": "2"}, ("--crop",)),
     "paths": ({"--size": "32x24", "--spp": "2"}, ()),
@@ -253,7 +253,7 @@ DROPPED = {"converge": ("--time",)}
 
 
 def quick(words):
-    """The command with less work; `words` begins with skywave."""
+    """Returns the command with less work; `words` begins with skywave."""
     if len(words) < 2 or words[1] not in QUICK or "--help" in words:
         return words
     values, unless = QUICK[words[1]]
@@ -267,12 +267,12 @@ def quick(words):
             skip = True
         else:
             kept.append(word)
-    # In front of lists, which would take what follows for their own.
+    # They precede lists, which would swallow the words after them.
     return kept[:3] + [word for pair in values.items() for word in pair] + kept[3:]
 
 
 def commands_of(lines, first):
-    """(line number, words) of each command: comments and continuations taken away."""
+    """Returns (line number, words) of each command, without comments and continuations."""
     pending, start = "", 0
     for number, line in enumerate(lines, first):
         pending, start = pending + line, start if pending else number
@@ -286,7 +286,7 @@ def commands_of(lines, first):
 
 
 def run_command(program, words, folder):
-    """What is wrong with a command, or nothing."""
+    """Returns the error of a command, or nothing."""
     if words[0] == "skywave":
         words = quick(words)
         words[0] = str(program)

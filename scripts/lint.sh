@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Holds the sources to .clang-format and .clang-tidy:
+# Checks the sources with .clang-format and .clang-tidy:
 #   scripts/lint.sh format           every file; some seconds
 #   scripts/lint.sh tidy [COUNT]     COUNT units (default: 16): those that differ from the branch
-#                                    main first, then others, by turns from commit to commit
+#                                    main first, then others, in rotation from commit to commit
 #   scripts/lint.sh tidy all         every unit; most of an hour on two cores
 #   scripts/lint.sh tidy FILE...
 # Needs version 14 of both, because others format and warn differently, and for tidy a configured
-# build/release. Skipped (77) where they are missing.
+# build/release. Skipped (77) if they are missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 skip() { echo "skipped: $1"; exit 77; }
@@ -30,7 +30,7 @@ fi
 tidy=$(tool clang-tidy)
 [[ -n $tidy ]] || skip "there is no clang-tidy 14 (scripts/setup.sh test)"
 [[ -f build/release/compile_commands.json ]] || skip "build/release is not configured"
-# clang reads no headers that g++ has precompiled, and does not know all of its warnings.
+# clang cannot read headers that g++ has precompiled, and does not know all of its warnings.
 database=$(mktemp -d)
 trap 'rm -rf "$database"' EXIT
 sed -E 's/ -Winvalid-pch//; s/ -fpch-preprocess//; s/ -include [^ ]*cmake_pch\.hxx//; s/ -Wno-restrict//' \

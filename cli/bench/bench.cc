@@ -1,4 +1,4 @@
-// skywave bench: how fast the suite or a scene renders, and how much of that is Embree.
+// Implements skywave bench: the speed of the suite or of a scene, and Embree's share of it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,13 +25,13 @@ struct BenchFlags {
 
 constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
 constexpr int kExitWrongPicture = 1;
-// Rays that a replay may keep in memory without a word: 72 bytes each, in three orders.
+// Limit of rays that a replay keeps in memory without asking: 72 bytes each, in three orders.
 constexpr double kMaxRecordedRays = 2e7;
 
 constexpr std::string_view kSuite = "Suite";
 
-// The suite takes the options of a job that leave its pictures as they are, and --seed, which is
-// there to see the comparison fail; a scene takes none of the suite's.
+// The suite takes the options of a job that do not change its pictures, and --seed, which makes the
+// comparison fail on purpose; a scene takes none of the suite's options.
 void CheckGiven(const Command& command, const GivenOptions& given, bool has_scene) {
   for (const BoundOption& option : command.options) {
     const OptionInfo& info = option.info;
@@ -97,7 +97,7 @@ int BenchScene(const BenchFlags& flags) {
   return 0;
 }
 
-// Says which picture is wrong and what the program would have to hold if it were right.
+// Reports a wrong picture, and the expected values under which it would be right.
 bool PictureIsRight(const SuiteResult& result) {
   if (result.check == PictureCheck::kSameBits) return true;
   if (result.check == PictureCheck::kWithinBounds) {
@@ -145,7 +145,7 @@ int BenchSuite(const BenchFlags& flags) {
     right &= PictureIsRight(report.results.back());
   }
   report.options = report.results.front().options;
-  // The counters of a wrong picture are shown: what changed is what one wants to see.
+  // The counters of a wrong picture are shown because they help to find the change.
   if (flags.counters) {
     fmt::print("{}", CountersText(report.results));
     return right ? 0 : kExitWrongPicture;

@@ -17,8 +17,7 @@ inline constexpr std::string_view kRayOrderNames[kRayOrders] = {"traced", "wave"
 struct SuiteReport {
   bool full = false;
   Machine machine;
-  RenderOptions options;  // those of the first scene; threads, wave and backend are the same for
-                          // all
+  RenderOptions options;  // those of the first scene; threads, wave and backend hold for all
   int repetitions = 0;
   bool replayed = true;  // also rendered with other numbers of threads
   std::vector<SuiteResult> results;

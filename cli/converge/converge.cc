@@ -1,4 +1,4 @@
-// skywave converge: light strategies and integrators by their error at equal time.
+// Implements skywave converge: light strategies and integrators by their error at equal time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,8 +24,8 @@ namespace {
 
 constexpr std::uint32_t kMaxSamples = 1 << 24;
 
-// Samples a pixel whose light samples and continuations are still points of its sequence (see
-// RenderJob).
+// Returns the largest number of samples per pixel whose light samples and continuations are still
+// points of its sequence (see RenderJob).
 std::uint32_t MostSamples(const RenderOptions& options) {
   return std::min(kMaxSamples,
                   std::numeric_limits<std::uint32_t>::max() / MostPointsOfASample(options));
@@ -34,14 +34,14 @@ std::uint32_t MostSamples(const RenderOptions& options) {
 struct ConvergeFlags {
   JobRequest request;
   std::vector<std::string> strategies = {"importance"};
-  std::vector<Integrator> integrators;  // empty: the job's
+  std::vector<Integrator> integrators;  // empty: that of the job
   std::vector<std::uint32_t> budgets;
-  double seconds = 0;  // 0: budgets decide
+  double seconds = 0;  // 0: budgets determine the samples
   ConvergeSettings settings;
   std::optional<double> target;
   std::string reference = "auto";
-  std::optional<Integrator> reference_integrator;  // none: from the contestants
-  std::uint32_t reference_samples = 0;             // 0: from the budgets
+  std::optional<Integrator> reference_integrator;  // unset: derived from the contestants
+  std::uint32_t reference_samples = 0;             // 0: derived from the budgets
   std::string save_reference, json, plot, html;
   ToneMapping tone;
   bool quiet = false;
@@ -67,7 +67,7 @@ void CheckOutputs(const ConvergeFlags& flags) {
   }
 }
 
-// The options of a job that converge has in another form.
+// These options of a job have a different form in converge.
 constexpr std::string_view kOwnForm[] = {"strategy", "spp", "aovs"};
 
 #define FIELD SKYWAVE_FIELD
@@ -102,13 +102,13 @@ std::vector<OptionOf<ConvergeFlags>> Options() {
 }
 #undef FIELD
 
-// The command that measures the same again.
+// Returns the command that repeats the same measurement.
 std::string CommandText(const ConvergeFlags& flags, const JobRequest& resolved) {
   std::vector<std::string_view> without(std::begin(kOwnForm), std::end(kOwnForm));
   if (!flags.integrators.empty()) without.push_back("integrator");
   std::string text = "skywave converge" + PictureOptions(resolved, without);
   for (const OptionOf<ConvergeFlags>& option : Options()) {
-    // Budgets are those of --time where that is given.
+    // If --time is given, it determines the budgets.
     if (option.scope != OptionScope::kPixels) continue;
     if (option.name == "budgets" && flags.seconds > 0) continue;
     text += CommandWords(option, flags);
@@ -117,7 +117,7 @@ std::string CommandText(const ConvergeFlags& flags, const JobRequest& resolved) 
 }
 
 std::vector<Contestant> PrepareContestants(const ConvergeFlags& flags, const RenderJob& job) {
-  // All tables first: a strategy that cannot be made is told before anything is rendered.
+  // All tables come first, so that a strategy that cannot be built is reported before rendering.
   std::vector<Contestant> contestants = MakeContestants(
       job, flags.strategies,
       flags.integrators.empty() ? std::vector{job.options().integrator} : flags.integrators);

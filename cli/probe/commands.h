@@ -1,4 +1,4 @@
-// The subcommands of `skywave probe`, one file each, and what they share: a map and how to read it.
+// The subcommands of `skywave probe`, one file each, and their shared helpers that read a map.
 #pragma once
 
 #include <memory>
@@ -19,18 +19,18 @@ struct MapFlags {
 };
 void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags);
 
-// As read and repaired, with its projection.
+// A map as read and repaired, with its projection.
 struct ProbeFile {
   Image image;
   Projection projection = Projection::kLatLong;
-  bool assumed = false;  // by --projection, not by shape
+  bool assumed = false;  // given by --projection instead of by its shape
   BadPixels bad;
 };
-// Notes bad pixels on standard error.
+// Reports bad pixels on standard error.
 ProbeFile ReadProbe(const MapFlags& flags);
 Image ReadProbeAsLatLong(const MapFlags& flags);
 
-// The options --method, -n and the others that make lights.
+// Adds --method, -n and the other options that make lights.
 void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& request);
 
 Command ProbeInfoCommand();

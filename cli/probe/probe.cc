@@ -1,4 +1,4 @@
-// skywave probe: looks at illumination maps, converts them and turns them into lights.
+// Implements skywave probe: analyses illumination maps, converts them and turns them into lights.
 #include <fmt/format.h>
 
 #include <numbers>
@@ -49,9 +49,9 @@ void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& requ
     info.scope = OptionScope::kPixels;
     return MakeOption<LightRequest>(info, field, codec);
   };
-  // Values that nobody prints: their defaults are told in words.
+  // These values are never printed because words describe their defaults.
   const auto unprinted = [](const auto&) { return ""; };
-  // A limit of clustering asks for it.
+  // A limit for clustering implies clustering.
   const auto cluster_too = [](OptionOf<LightRequest> limit) {
     limit.set = [set = limit.set](LightRequest& r, const std::vector<std::string>& texts) {
       if (!r.lights.cluster) r.lights.cluster = ClusterFrequency::kEnergy;

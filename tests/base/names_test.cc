@@ -1,4 +1,4 @@
-// Tables of names: what is read is what was written, for every enum that has one.
+// Tests tables of names: every enum that has one is read as it was written.
 #include "base/names.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What follows from the table of options: the list, the reference, completions, and commands in
-// pictures that repeat them.
+// Tests everything that follows from the table of options: the list, the reference, completions,
+// and the commands in pictures that repeat them.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -42,7 +42,7 @@ bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-// The options that a line of help shows: "--max-depth" of "  --max-depth N   surfaces ...".
+// Returns the options that the help text shows: "--max-depth" of "  --max-depth N   surfaces ...".
 std::set<std::string> FlagsOfHelp(const std::string& help) {
   std::set<std::string> flags;
   std::istringstream lines(help.substr(0, help.find("Example")));
@@ -72,8 +72,8 @@ TEST_F(OptionsCli, TheListHasEveryFlagOfEverySubcommandAndNoOther) {
   }
 }
 
-// For each option that decides the picture: the metadata of a picture that was made with it holds a
-// command with the option, and the command makes both files again, to the last byte.
+// For each option that affects the picture, the metadata of a picture made with it hold a command
+// with the option, and the command reproduces both files to the last byte.
 TEST_F(OptionsCli, TheRecordedCommandRepeatsThePictureOfEveryOption) {
   const nlohmann::json options = Options().at("render");
   for (const nlohmann::json& option : options) {

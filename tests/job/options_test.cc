@@ -1,5 +1,5 @@
-// The table of options: every line is complete, text becomes a value and the same text again, and
-// request, scene file and default come in this order.
+// Tests the table of options: every line is complete, text becomes a value and the same text again,
+// and request, scene file and default take precedence in this order.
 #include "job/options.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ TEST(Options, HaveNamesOfTheirOwnAndSayWhatTheyDo) {
   }
 }
 
-// Without an example the test of recorded commands would not see the option.
+// Without an example, the test of recorded commands would skip the option.
 TEST(Options, ThatDecideAPictureHaveAnExampleThatNamesThem) {
   for (const JobOption& option : JobOptions()) {
     SCOPED_TRACE(option.name);
@@ -76,7 +76,7 @@ TEST(Options, ReadTheWordsThatTheyPrint) {
   }
 }
 
-// Every printed default is a value that the option takes, and sets what the field has anyway.
+// Every printed default is a valid value of the option, and equals the default of the field.
 TEST(Options, TakeTheirOwnDefaults) {
   const JobRequest defaults;
   for (const JobOption& option : JobOptions()) {
@@ -194,7 +194,7 @@ TEST(Resolve, LowersADepthThatNoPathCanHave) {
   EXPECT_NE(notes[0].find("100000"), std::string::npos);
 }
 
-// Options of other integrators stay out of a recorded command; input that has its default does too.
+// A recorded command omits options of other integrators and input options with their default.
 TEST(PictureOptions, NamesWhatDecidesThePictureAndNothingElse) {
   JobRequest request;
   request.scene = "a b.pbrt";

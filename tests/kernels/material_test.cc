@@ -1,4 +1,4 @@
-// Materials as data: that nothing of one is forgotten, and that BSDFs pack what they say they read.
+// Tests materials as data: no part of one is forgotten, and BSDFs pack what they claim to read.
 
 #include "kernels/bsdf/material.h"
 
@@ -20,7 +20,8 @@ namespace {
 
 TEST(Material, VisitsEveryMemberButTheName) {
   const Material m;
-  // As many names as members: a new member does not compile here, nor without its line below.
+  // There are as many names as members: a new member compiles neither here nor without its line
+  // below.
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
                m19, m20, m21, m22, m23, m24, m25, m26, m27] = m;
   constexpr std::size_t kMembers = 28;
@@ -95,7 +96,7 @@ TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   }
 }
 
-// The record is that of the fields that the traits list, and of what all BSDFs have.
+// The record depends on the fields that the traits list, and on those common to all BSDFs.
 TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
   const Material base = MaterialOfAllParts(BsdfKind(GetParam()));
   const MaterialRecord before = PackMaterial(base, measured_);

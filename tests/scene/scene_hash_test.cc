@@ -1,4 +1,4 @@
-// The hash of a scene: that every field of a material counts, and that hashes stay what they were.
+// Tests the hash of a scene: every field of a material counts, and hashes remain stable.
 
 #include "scene/scene_hash.h"
 
@@ -45,7 +45,7 @@ TEST(SceneHash, DoesNotKnowNames) {
   EXPECT_EQ(HashOf(material), hash);
 }
 
-// Pictures carry hashes in their files, so those of scenes that there are must not change.
+// Pictures carry hashes in their files, so those of existing scenes must not change.
 TEST(SceneHash, StaysWhatItWas) {
   EXPECT_EQ(HashOf({}), 0x6261c5dbb102e218u);
   EXPECT_EQ(HashOf(MaterialOfAllParts(BsdfKind::kConductor)), 0x3029de41f722c611u);

@@ -1,4 +1,4 @@
-// Materials with one field that differs, for tests of what looks at every field.
+// Materials that differ in one field, for tests of functions that read every field.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace skywave {
 
-// A material that has every part, so that each of its fields counts.
+// Returns a material that has every part, so that each of its fields counts.
 inline Material MaterialOfAllParts(BsdfKind bsdf) {
   return {.name = "all",
           .bsdf = bsdf,
@@ -35,7 +35,7 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .emission_texture = 5};
 }
 
-// These give a field another value, which no clamp takes back.
+// These give a field another value, which no clamp undoes.
 inline void ChangeField(float& field) { field += 0.125f; }
 inline void ChangeField(bool& field) { field = !field; }
 inline void ChangeField(std::uint32_t& field) { ++field; }

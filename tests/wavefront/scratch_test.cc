@@ -1,5 +1,5 @@
-// Views of borrowed columns name the memory that they promise, no two of them share it, and nothing
-// of it is read once a view has ended.
+// Tests borrowed columns: views refer to the promised memory, nothing else shares it, and none of
+// it is read after a view has ended.
 #include "wavefront/scratch.h"
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ TEST(Views, NameTheMemoryOfTheirTables) {
   EXPECT_EQ(points.as_surfaces().ng_z, nullptr);
 }
 
-// Stages hold these at the same time. Checked builds abort where two of them share a column.
+// Stages hold these at the same time. Checked builds abort if two of them share a column.
 TEST(Views, OfAStageAreApart) {
   const Worker w(kRows);
   const Scratch& s = w.scratch;
@@ -128,7 +128,7 @@ TEST(ViewsDeathTest, BorrowingTwiceAborts) {
   EXPECT_DEATH(RayKeys{s}, "RayKeys is borrowed twice: RayQueues holds it");
   const EmitterHits hits(w.escaped);
   EXPECT_DEATH(EnvironmentDensities{w.escaped}, "EmitterHits holds it");
-  // A part of a column is held like the whole.
+  // A part of a column counts as borrowed like the whole.
   const LightPlaces places(w.hits);
   const HitColumns upper = Slice(w.hits.columns(), kRows - 1);
   EXPECT_DEATH((Borrowed<HitColumns>(upper, 1, "upper rows")), "LightPlaces holds it");
@@ -180,7 +180,7 @@ TEST(Views, AreTheirPointers) {
 
 #endif
 
-// Where lights of A compete with samples of B, the uniforms of B lie in t_far of the samples.
+// If lights of A compete with samples of B, the uniforms of B are in t_far of the samples.
 TEST(Hybrid, BorrowsTheReachOfItsSamples) {
   Scene scene = BuiltinScene("spheres");
   SetLight(scene, SkyWithSun(64, 32, 100, 0.2));
@@ -217,7 +217,7 @@ void FillTables(const Worker& w) {
   FillWithGarbage(w.surfaces.columns(), rows);
 }
 
-// A wave gives the same radiance whatever lies in the columns that it borrows: it reads nothing
+// A wave gives the same radiance whatever the columns that it borrows contain: it reads nothing
 // that it has not written.
 void ExpectSameInGarbage(const RenderJob& job, Integrator integrator, std::uint32_t split = 0) {
   SCOPED_TRACE(testing::Message() << ToString(integrator) << ", split " << split);
