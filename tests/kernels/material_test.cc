@@ -85,7 +85,8 @@ bool Lists(const BsdfTraits& bsdf, std::string_view field) {
 
 TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   std::set<std::string_view> fields, names;
-  Material::ForEachField(Material{}, [&](std::string_view name, MaterialPart part, const auto&) {
+  const Material material;
+  Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     if (part == MaterialPart::kBsdf) fields.insert(name);
   });
   for (const MaterialParameter& parameter : ParametersOf(bsdf_)) {
