@@ -178,7 +178,7 @@ std::string SurfaceMaps(const Material& material) {
   }
   if (material.normal_texture) text += ", normal map";
   if (Bsdfs()[std::size_t(material.bsdf)].inside && material.has(MaterialPart::kAbsorption)) {
-    text += ", absorption " + Text(material.absorption);
+    text += ", absorption " + Text(material.absorption + 0.0f);  // prints 0 for -0
   }
   return text;
 }

@@ -10,6 +10,7 @@
 // smooth normals would leak through is zero.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -165,6 +166,40 @@ std::span<const MaterialParameter> ParametersOf(const BsdfTraits& traits);
 
 // Returns all BSDFs, in the order of BsdfKind.
 std::span<const BsdfKernels, kBsdfKinds> Bsdfs();
+
+// Rows [begin, begin + n) of a surface table, all of BSDF `kind`.
+struct BsdfRows {
+  std::uint32_t kind, begin, n;
+};
+
+// BSDFs [first, end).
+struct BsdfSpan {
+  std::uint32_t first, end;
+};
+inline constexpr BsdfSpan kAllBsdfs = {0, kBsdfKinds};
+inline constexpr BsdfSpan kDenseBsdfs = {0, kFirstDeltaBsdf};
+
+// Calls f(bsdf, rows) for each of `bsdfs` that has rows. The order is ascending, because the last
+// vector that a kernel writes for a BSDF may spill over the first rows of the next one.
+template <class F>
+void ForEachBsdf(const SurfaceRanges& ranges, const BsdfSpan& bsdfs, const F& f) {
+  for (std::uint32_t kind = bsdfs.first; kind < bsdfs.end; ++kind) {
+    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
+    if (n > 0) f(Bsdfs()[kind], BsdfRows{.kind = kind, .begin = begin, .n = n});
+  }
+}
+
+// Calls f(bsdf, rows) likewise, for blocks of at most `most` rows.
+template <class F>
+void ForEachBsdfBlock(const SurfaceRanges& ranges, const BsdfSpan& bsdfs, std::uint32_t most,
+                      const F& f) {
+  ForEachBsdf(ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& all) {
+    for (std::uint32_t done = 0; done < all.n; done += most) {
+      f(bsdf,
+        BsdfRows{.kind = all.kind, .begin = all.begin + done, .n = std::min(most, all.n - done)});
+    }
+  });
+}
 
 #define SKYWAVE_DECLARE(name) BsdfKernels name##Kernels();
 SKYWAVE_DENSE_BSDFS(SKYWAVE_DECLARE)

@@ -104,18 +104,14 @@ void ProductStrategy::Sample(const ShadePoints& points, const UniformColumns& un
   alignas(kColumnAlignment) float sums[kMaxProductCells * kProductStride];
   CellPicks picks;
   const auto count = std::uint32_t(cells_.size());
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t end = points.ranges.begin[kind + 1];
-    for (std::uint32_t begin = points.ranges.begin[kind]; begin < end; begin += kProductRows) {
-      const std::uint32_t n = std::min(kProductRows, end - begin);
-      const SurfaceColumns rows = Slice(points.surfaces, begin);
-      Bsdfs()[kind].weigh_cells(rows, points.materials, n, cells_.data(), count, sums,
-                                kProductStride);
-      PickCells(sums, count, uniforms.u + begin, n, picks, rows.light_norm);
-      SamplePickedCells(texels_.view(), InCells(), picks, uniforms.v + begin, n, call.samples(),
-                        Slice(out, begin));
-    }
-  }
+  ForEachBsdfBlock(
+      points.ranges, kDenseBsdfs, kProductRows, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+        const SurfaceColumns rows = Slice(points.surfaces, at.begin);
+        bsdf.weigh_cells(rows, points.materials, at.n, cells_.data(), count, sums, kProductStride);
+        PickCells(sums, count, uniforms.u + at.begin, at.n, picks, rows.light_norm);
+        SamplePickedCells(texels_.view(), InCells(), picks, uniforms.v + at.begin, at.n,
+                          call.samples(), Slice(out, at.begin));
+      });
 }
 
 void ProductStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,

@@ -81,28 +81,26 @@ void RisStrategy::Sample(const ShadePoints& points, const UniformColumns& unifor
   Chunk<ReservoirColumns, kRows> reservoirs;
   Chunk<LightColumns, kRows> candidates;
   Chunk<BsdfValueColumns, kRows> values;
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t end = points.ranges.begin[kind + 1];
-    for (std::uint32_t begin = points.ranges.begin[kind]; begin < end; begin += kRows) {
-      CandidateCall call = {.points = points,
-                            .rows = Slice(points.surfaces, begin),
-                            .bsdf = Bsdfs()[kind],
-                            .n = std::min(kRows, end - begin),
-                            .light = light};
-      StartReservoirs(uniforms.u + begin, call.n, reservoirs);
-      const auto offer = [&](auto draw, std::uint32_t count) {
-        call.count = count;
-        for (call.index = 0; call.index < count; ++call.index) {
-          draw(call, map_, candidates);
-          call.bsdf.evaluate(call.rows, points.materials, candidates, call.n, values);
-          OfferCandidates(candidates, values, counts_, call.n, reservoirs);
-        }
-      };
-      offer(DrawFromMap, counts_.map);
-      offer(DrawFromBsdf, counts_.bsdf);
-      TakeFromReservoirs(reservoirs, call.n, light.samples(), Slice(out, begin));
-    }
-  }
+  ForEachBsdfBlock(
+      points.ranges, kDenseBsdfs, kRows, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+        CandidateCall call = {.points = points,
+                              .rows = Slice(points.surfaces, at.begin),
+                              .bsdf = bsdf,
+                              .n = at.n,
+                              .light = light};
+        StartReservoirs(uniforms.u + at.begin, call.n, reservoirs);
+        const auto offer = [&](auto draw, std::uint32_t count) {
+          call.count = count;
+          for (call.index = 0; call.index < count; ++call.index) {
+            draw(call, map_, candidates);
+            call.bsdf.evaluate(call.rows, points.materials, candidates, call.n, values);
+            OfferCandidates(candidates, values, counts_, call.n, reservoirs);
+          }
+        };
+        offer(DrawFromMap, counts_.map);
+        offer(DrawFromBsdf, counts_.bsdf);
+        TakeFromReservoirs(reservoirs, call.n, light.samples(), Slice(out, at.begin));
+      });
 }
 
 void RisStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,

@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "base/error.h"
+#include "kernels/bsdf/bsdf.h"
 #include "tests/support/program.h"
 
 namespace skywave {
@@ -90,6 +92,47 @@ TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
   const Result gallery = Run("info gallery");
   EXPECT_EQ(gallery.exit_code, 0) << gallery.err;
   EXPECT_TRUE(Contains(gallery.out, "map of 1024 x 512")) << gallery.out;
+}
+
+// The scene has a material of each BSDF but the measured one.
+TEST_F(Info, ListsTheParametersOfEveryBsdf) {
+  const Result result = Run("info materials --json i.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(Bytes("i.json"));
+  std::set<std::string> seen;
+  for (const auto& material : json.at("materials")) {
+    for (const BsdfKernels& bsdf : Bsdfs()) {
+      if (material.at("bsdf") != bsdf.name) continue;
+      seen.insert(std::string(bsdf.name));
+      for (const MaterialParameter& parameter : ParametersOf(bsdf)) {
+        EXPECT_TRUE(material.contains(parameter.name)) << parameter.name << " in " << material;
+      }
+    }
+  }
+  EXPECT_EQ(seen.size(), kBsdfKinds - 1);
+  const auto& phong = json.at("materials").at(4);
+  EXPECT_EQ(phong.at("gloss"), nlohmann::json({0.4f, 0.4f, 0.4f})) << phong;
+  EXPECT_EQ(phong.at("alpha"), 0.15f) << phong;
+}
+
+TEST_F(Info, ListsThePartsThatAMaterialHas) {
+  Put("leaf.gltf",
+      R"({"asset": {"version": "2.0"}, "materials": [{"name": "leaf", "emissiveFactor": [1, 2, 3],
+      "doubleSided": true, "alphaMode": "BLEND",
+      "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}},
+      {"name": "ruby", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+      "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 1,
+      "attenuationColor": [1, 0.5, 0.5]}}}]})");
+  const Result result = Run("info leaf.gltf --json i.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto materials = nlohmann::json::parse(Bytes("i.json")).at("materials");
+  EXPECT_EQ(materials.at(0).at("opacity"), 0.5f);
+  EXPECT_EQ(materials.at(0).at("emission"), nlohmann::json({1, 2, 3}));
+  EXPECT_EQ(materials.at(0).at("emits_on_both_sides"), true);
+  EXPECT_FALSE(materials.at(0).contains("absorption")) << materials;
+  EXPECT_FALSE(materials.at(1).contains("emission")) << materials;
+  EXPECT_NEAR(materials.at(1).at("absorption").at(1).get<double>(), std::log(2), 1e-5);
+  EXPECT_TRUE(Contains(result.out, "absorption 0 0.693147 0.693147")) << result.out;
 }
 
 TEST_F(Info, AnEmptySceneHasNoBounds) {

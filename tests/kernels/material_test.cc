@@ -86,7 +86,7 @@ bool Lists(const BsdfTraits& bsdf, std::string_view field) {
 
 TEST_P(PackedBsdf, ReadsFieldsOfMaterialsUnderDistinctNames) {
   std::set<std::string_view> fields, names;
-  Material material;
+  const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     if (part == MaterialPart::kBsdf) fields.insert(name);
   });

@@ -46,9 +46,9 @@ void CountMeeting(std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& r
   Of(lanes, Kernel::kClassify).Add(n, n);
   Of(lanes, Kernel::kMoveEscaped).Add(escaped, n);
   Of(lanes, Kernel::kEscape).Add(escaped, escaped);
-  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
-    if (ranges.count(kind) > 0) Of(lanes, Kernel::kMoveHits).Add(ranges.count(kind), n);
-  }
+  ForEachBsdf(ranges, kAllBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
+    Of(lanes, Kernel::kMoveHits).Add(rows.n, n);
+  });
   Of(lanes, Kernel::kSurface).Add(ranges.total(), ranges.total());
 }
 
@@ -56,17 +56,18 @@ void CountLighting(const SurfaceRanges& ranges, std::uint32_t open, std::uint32_
                    LaneCounts& lanes) {
   const std::uint32_t n = ranges.light_sampled();
   Of(lanes, Kernel::kLightSample).Add(n, n);
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    Of(lanes, Kernel::kEvaluate, kind).Add(ranges.count(kind), ranges.count(kind));
-  }
+  ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
+    Of(lanes, Kernel::kEvaluate, rows.kind).Add(rows.n, rows.n);
+  });
   Of(lanes, Kernel::kShadow).Add(open, n);
   Of(lanes, Kernel::kAccumulate).Add(arrived, n);
 }
 
 void CountScattering(const SurfaceRanges& ranges, std::uint32_t first_kind, LaneCounts& lanes) {
-  for (std::uint32_t kind = first_kind; kind < kBsdfKinds; ++kind) {
-    Of(lanes, Kernel::kScatter, kind).Add(ranges.count(kind), ranges.count(kind));
-  }
+  const BsdfSpan bsdfs = {.first = first_kind, .end = kBsdfKinds};
+  ForEachBsdf(ranges, bsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
+    Of(lanes, Kernel::kScatter, rows.kind).Add(rows.n, rows.n);
+  });
 }
 
 }  // namespace skywave

@@ -38,37 +38,33 @@ void TraceAndAdd(const FrameView& frame, const RayKeys& keys, Worker& w, StageCl
 void EvaluateBackward(const MaterialView& materials, const SurfaceColumns& surfaces,
                       const SurfaceRanges& ranges, const LightColumns& lights,
                       const TurnedColumns& turned, const BsdfValueColumns& out) {
-  // The order is ascending, as the last vector of a BSDF may spill over the first rows of the next.
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
-    if (n == 0) continue;
-    SurfaceColumns rows = Slice(surfaces, begin);
-    LightColumns to = Slice(lights, begin);
-    const TurnedColumns seen = Slice(turned, begin);
+  ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+    const std::uint32_t n = at.n;
+    SurfaceColumns rows = Slice(surfaces, at.begin);
+    LightColumns to = Slice(lights, at.begin);
+    const TurnedColumns seen = Slice(turned, at.begin);
     FaceNormals(rows, to, n, {seen.ns_x, seen.ns_y, seen.ns_z});
     rows.ns_x = seen.ns_x, rows.ns_y = seen.ns_y, rows.ns_z = seen.ns_z;
-    if (Bsdfs()[kind].transmits) {
+    if (bsdf.transmits) {
       TurnSurfaces(rows, to, n, seen);
       rows.ng_x = seen.ng_x, rows.ng_y = seen.ng_y, rows.ng_z = seen.ng_z;
       rows.material = seen.material;
     }
     std::swap(rows.wo_x, to.dir_x), std::swap(rows.wo_y, to.dir_y), std::swap(rows.wo_z, to.dir_z);
-    Bsdfs()[kind].evaluate(rows, materials, to, n, Slice(out, begin));
-    ClearUnseen(rows, n, Slice(out, begin));
-  }
+    bsdf.evaluate(rows, materials, to, n, Slice(out, at.begin));
+    ClearUnseen(rows, n, Slice(out, at.begin));
+  });
 }
 
 void EvaluateBothDirections(const MaterialView& materials, const SurfaceColumns& surfaces,
                             const SurfaceRanges& ranges, const LightColumns& lights,
                             const TurnedColumns& turned, const BothDirections& out) {
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
-    if (n == 0) continue;
-    const SurfaceColumns rows = Slice(surfaces, begin);
-    const LightColumns to = Slice(lights, begin);
-    Bsdfs()[kind].evaluate(rows, materials, to, n, Slice(out.forward.columns(), begin));
-    if (Bsdfs()[kind].transmits) MoveToSide(to, n, rows);
-  }
+  ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+    const SurfaceColumns rows = Slice(surfaces, at.begin);
+    const LightColumns to = Slice(lights, at.begin);
+    bsdf.evaluate(rows, materials, to, at.n, Slice(out.forward.columns(), at.begin));
+    if (bsdf.transmits) MoveToSide(to, at.n, rows);
+  });
   EvaluateBackward(materials, surfaces, ranges, lights, turned, out.backward);
 }
 

@@ -20,22 +20,20 @@ constexpr std::uint32_t LightPair(std::uint32_t bounce, SampleUse use) {
 // Evaluates what surfaces send towards the camera, in the directions in w.lights: w.light->values.
 void EvaluateConnections(const FrameView& frame, Worker& w) {
   const MaterialView materials = frame.geometry->materials();
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t n = w.ranges.count(kind), begin = w.ranges.begin[kind];
-    if (n == 0) continue;
-    const BsdfKernels& bsdf = Bsdfs()[kind];
-    const SurfaceColumns surfaces = Slice(w.surfaces.columns(), begin);
-    const LightColumns lights = Slice(w.lights.columns(), begin);
-    const NormalColumns normals = Slice(w.light->normals.columns(), begin);
+  ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
+    const std::uint32_t n = rows.n;
+    const SurfaceColumns surfaces = Slice(w.surfaces.columns(), rows.begin);
+    const LightColumns lights = Slice(w.lights.columns(), rows.begin);
+    const NormalColumns normals = Slice(w.light->normals.columns(), rows.begin);
     SurfaceColumns seen = surfaces;
     seen.ns_x = normals.x, seen.ns_y = normals.y, seen.ns_z = normals.z;
     FaceNormals(surfaces, lights, n, normals);
-    const BsdfValueColumns values = Slice(w.light->values.columns(), begin);
+    const BsdfValueColumns values = Slice(w.light->values.columns(), rows.begin);
     bsdf.evaluate(seen, materials, lights, n, values);
     MakeFlux(bsdf, seen, materials, lights, n, values);
     ClearUnseen(seen, n, values);
     if (bsdf.transmits) MoveToSide(lights, n, surfaces);
-  }
+  });
 }
 
 // Guides the rays that come from infinitely far away. Where their directions were not drawn by the

@@ -59,9 +59,9 @@ void MergeSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const PhotonMapView view = map.view();
   const MergeTables& t = *w.merging;
   const SurfaceColumns& s = w.surfaces;
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
+  ForEachBsdf(w.ranges, kDenseBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
     std::uint32_t pairs = 0;
-    for (std::uint32_t row = w.ranges.begin[kind]; row < w.ranges.begin[kind + 1]; ++row) {
+    for (std::uint32_t row = rows.begin; row < rows.begin + rows.n; ++row) {
       const float position[3] = {s.org_x[row], s.org_y[row], s.org_z[row]};
       const PhotonQuery query = {.kernel = frame.options.photons.kernel,
                                  .radius2 = view.radius2,
@@ -75,12 +75,12 @@ void MergeSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
         RepeatVertex(w, row, pairs, found);
         pairs += found;
         if (pairs + 2 * kLeafPoints <= MergeTables::kRows) continue;
-        AddMerged(frame, view.subpaths, kind, pairs, w);
+        AddMerged(frame, view.subpaths, rows.kind, pairs, w);
         pairs = 0;
       }
     }
-    if (pairs > 0) AddMerged(frame, view.subpaths, kind, pairs, w);
-  }
+    if (pairs > 0) AddMerged(frame, view.subpaths, rows.kind, pairs, w);
+  });
   clock.Lap(Stage::kPhotons);
 }
 

@@ -23,7 +23,8 @@ void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
 struct Lookup {
   const PhotonMapView& map;
   const SurfaceColumns& surfaces;
-  std::uint32_t row, kind;
+  std::uint32_t row;
+  const BsdfKernels& bsdf;
   MaterialView materials;
 };
 
@@ -32,7 +33,7 @@ void AddReflected(const Lookup& at, const PhotonQuery& query, const NeighborColu
                   std::uint32_t n, PhotonTables& t, float* rgb) {
   LoadPhotons(at.map.photons, found, n, query, t.lights);
   RepeatSurface(at.surfaces, at.row, PaddedRows(n) - kPadRows, t.repeated);
-  Bsdfs()[at.kind].evaluate(t.repeated, at.materials, t.lights, n, t.values);
+  at.bsdf.evaluate(t.repeated, at.materials, t.lights, n, t.values);
   SumReflected(t.values, t.lights, n, rgb);
 }
 
@@ -66,21 +67,6 @@ float DiskRadius2(const NeighborColumns& found, std::uint32_t count, std::uint32
   if (count < wanted) return largest2;
   const float farthest2 = *std::max_element(found.distance2, found.distance2 + count);
   return std::max(farthest2, 0x1p-40f * largest2);
-}
-
-// Rows [begin, begin + n) of the surface table, all of one BSDF.
-struct Block {
-  std::uint32_t kind, begin, n;
-};
-
-template <class Each>
-void ForEachBlock(const SurfaceRanges& ranges, const Each& each) {
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    const std::uint32_t end = ranges.begin[kind + 1];
-    for (std::uint32_t begin = ranges.begin[kind]; begin < end; begin += kLookupBlock) {
-      each(Block{.kind = kind, .begin = begin, .n = std::min(kLookupBlock, end - begin)});
-    }
-  }
 }
 
 }  // namespace
@@ -133,59 +119,62 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection tre
   const SurfaceColumns& s = w.surfaces;
   PhotonTables& t = *w.photon;
   const std::uint32_t room = NearestRoom(options.neighbors);
-  ForEachBlock(w.ranges, [&](const Block& block) {
-    std::uint32_t count[kLookupBlock], row[kLookupBlock];
-    DiskSurface surfaces[kLookupBlock];
-    // Disks that may be cut come first; those that look whole are counted from the end.
-    std::uint32_t cut = 0, whole = kLookupBlock;
-    RangeSearch searches[kLookupBlock];
-    PhotonDisk disks[kLookupBlock];
-    if (!options.progressive()) {
-      FindNearest(view.tree, s.org_x + block.begin, s.org_y + block.begin, s.org_z + block.begin,
-                  block.n, options.neighbors, view.radius2, t.found, count);
-    }
-    for (std::uint32_t i = 0; i < block.n; ++i) {
-      const NeighborColumns found = Slice(t.found.columns(), i * room);
-      PhotonDisk disk = DiskOf(s, block.begin + i, view.radius2);
-      if (options.progressive()) {
-        searches[i] = StartRangeSearch(view.tree, disk.point, view.radius2);
-        count[i] = FindMore(view.tree, searches[i], room, found);
-      } else {
-        disk.radius2 = DiskRadius2(found, count[i], options.neighbors, view.radius2);
-      }
-      if (count[i] == 0) continue;
-      // A disk that looks whole needs no rays. The first part of a range search is no fair sample.
-      const bool doubtful =
-          treatment == AreaCorrection::kVisibleCells &&
-          (options.progressive() || count[i] < options.neighbors ||
-           !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
-      if (doubtful) {
-        disks[cut] = disk, row[cut++] = i;
-      } else {
-        disks[--whole] = disk, row[whole] = i, surfaces[whole].seen = kAllCells;
-      }
-    }
-    CoverDisks(frame, disks, cut, w.stats, surfaces, clock);
-    for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
-      if (i >= cut && i < whole) continue;
-      const NeighborColumns found = Slice(t.found.columns(), row[i] * room);
-      const Lookup at = {.map = view,
-                         .surfaces = s,
-                         .row = block.begin + row[i],
-                         .kind = block.kind,
-                         .materials = frame.geometry->materials()};
-      const PhotonQuery query = QueryOf(disks[i], options.kernel, max_depth);
-      float rgb[3] = {};
-      for (std::uint32_t n = count[row[i]]; n > 0;) {
-        if (i < cut) {
-          CloseUnseen(disks[i], options.kernel, surfaces[i], view.photons, view.tree, found, n);
+  ForEachBsdfBlock(
+      w.ranges, kDenseBsdfs, kLookupBlock, [&](const BsdfKernels& bsdf, const BsdfRows& block) {
+        std::uint32_t count[kLookupBlock], row[kLookupBlock];
+        DiskSurface surfaces[kLookupBlock];
+        // Disks that may be cut come first; those that look whole are counted from the end.
+        std::uint32_t cut = 0, whole = kLookupBlock;
+        RangeSearch searches[kLookupBlock];
+        PhotonDisk disks[kLookupBlock];
+        if (!options.progressive()) {
+          FindNearest(view.tree, s.org_x + block.begin, s.org_y + block.begin,
+                      s.org_z + block.begin, block.n, options.neighbors, view.radius2, t.found,
+                      count);
         }
-        AddReflected(at, query, found, n, t, rgb);
-        n = options.progressive() ? FindMore(view.tree, searches[row[i]], room, found) : 0;
-      }
-      AddToPath(s, at.row, scale / CoverOf(surfaces[i].seen), rgb, w.paths);
-    }
-  });
+        for (std::uint32_t i = 0; i < block.n; ++i) {
+          const NeighborColumns found = Slice(t.found.columns(), i * room);
+          PhotonDisk disk = DiskOf(s, block.begin + i, view.radius2);
+          if (options.progressive()) {
+            searches[i] = StartRangeSearch(view.tree, disk.point, view.radius2);
+            count[i] = FindMore(view.tree, searches[i], room, found);
+          } else {
+            disk.radius2 = DiskRadius2(found, count[i], options.neighbors, view.radius2);
+          }
+          if (count[i] == 0) continue;
+          // A disk that looks whole needs no rays. The first part of a range search is no fair
+          // sample.
+          const bool doubtful =
+              treatment == AreaCorrection::kVisibleCells &&
+              (options.progressive() || count[i] < options.neighbors ||
+               !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
+          if (doubtful) {
+            disks[cut] = disk, row[cut++] = i;
+          } else {
+            disks[--whole] = disk, row[whole] = i, surfaces[whole].seen = kAllCells;
+          }
+        }
+        CoverDisks(frame, disks, cut, w.stats, surfaces, clock);
+        for (std::uint32_t i = 0; i < kLookupBlock; ++i) {
+          if (i >= cut && i < whole) continue;
+          const NeighborColumns found = Slice(t.found.columns(), row[i] * room);
+          const Lookup at = {.map = view,
+                             .surfaces = s,
+                             .row = block.begin + row[i],
+                             .bsdf = bsdf,
+                             .materials = frame.geometry->materials()};
+          const PhotonQuery query = QueryOf(disks[i], options.kernel, max_depth);
+          float rgb[3] = {};
+          for (std::uint32_t n = count[row[i]]; n > 0;) {
+            if (i < cut) {
+              CloseUnseen(disks[i], options.kernel, surfaces[i], view.photons, view.tree, found, n);
+            }
+            AddReflected(at, query, found, n, t, rgb);
+            n = options.progressive() ? FindMore(view.tree, searches[row[i]], room, found) : 0;
+          }
+          AddToPath(s, at.row, scale / CoverOf(surfaces[i].seen), rgb, w.paths);
+        }
+      });
   clock.Lap(Stage::kPhotons);
 }
 

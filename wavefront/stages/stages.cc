@@ -120,12 +120,9 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
 
 void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const RayQueues& queues,
                   std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces) {
-  // The order is ascending, as the last vector of a queue may spill over the first rows of the
-  // next.
-  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
-    if (ranges.count(kind) == 0) continue;
-    MoveHits(rays, hits, queues->queue, kind, n, Slice(surfaces, ranges.begin[kind]));
-  }
+  ForEachBsdf(ranges, kAllBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
+    MoveHits(rays, hits, queues->queue, rows.kind, n, Slice(surfaces, rows.begin));
+  });
 }
 
 void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRanges& ranges,
@@ -142,12 +139,11 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
   if (const NormalMapView maps = frame.geometry->normal_maps(); !maps.empty()) {
     BendNormals(textures, maps, angle, ranges.total(), surfaces);
   }
-  for (std::uint32_t kind = 0; kind < kBsdfKinds; ++kind) {
-    const std::uint32_t n = ranges.count(kind);
-    if (n == 0) continue;
-    const SurfaceColumns rows = Slice(surfaces, ranges.begin[kind]);
-    if (frame.geometry->absorbs() && Bsdfs()[kind].inside) AbsorbInside(materials, n, rows);
-    switch (Bsdfs()[kind].varying) {
+  ForEachBsdf(ranges, kAllBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+    const std::uint32_t n = at.n;
+    const SurfaceColumns rows = Slice(surfaces, at.begin);
+    if (frame.geometry->absorbs() && bsdf.inside) AbsorbInside(materials, n, rows);
+    switch (bsdf.varying) {
       case Varying::kNothing:
         break;
       case Varying::kRoughness:
@@ -157,7 +153,7 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
         PrepareTangents(frame.geometry->tangents(), n, rows);
         break;
     }
-  }
+  });
 }
 
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
@@ -212,12 +208,10 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach,
                     const LightColumns& lights) {
   const MaterialView materials = frame.geometry->materials();
-  for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
-    if (ranges.count(kind) == 0) continue;
-    const std::uint32_t begin = ranges.begin[kind];
-    Bsdfs()[kind].evaluate_lights(Slice(surfaces, begin), materials, ranges.count(kind),
-                                  frame.mis(), Slice(lights, begin));
-  }
+  ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
+    bsdf.evaluate_lights(Slice(surfaces, rows.begin), materials, rows.n, frame.mis(),
+                         Slice(lights, rows.begin));
+  });
   if (reach.limited()) LimitShadows(reach->distance, ranges.light_sampled(), lights);
 }
 
@@ -241,21 +235,20 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
   const MaterialView materials = frame.geometry->materials();
   const bool roulette = bounce >= kFirstRouletteBounce;
   std::uint32_t appended = 0;
-  for (std::uint32_t kind = first_kind; kind < kBsdfKinds; ++kind) {
-    const std::uint32_t begin = ranges.begin[kind], n = ranges.count(kind);
-    if (n == 0) continue;
-    const BsdfKernels& bsdf = Bsdfs()[kind];
-    const SurfaceColumns rows = Slice(surfaces, begin);
-    DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
+  const BsdfSpan bsdfs = {.first = first_kind, .end = kBsdfKinds};
+  ForEachBsdf(ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
+    const SurfaceColumns rows = Slice(surfaces, at.begin);
+    DrawUniforms(paths, rows.path, at.n, end.pairs + SamplePair(bounce, SampleUse::kScatter),
                  end.split, direction);
     if (bsdf.lobed || roulette) {
-      DrawUniforms(paths, rows.path, n, end.pairs + SamplePair(bounce, SampleUse::kLobe), end.split,
-                   lobe);
+      DrawUniforms(paths, rows.path, at.n, end.pairs + SamplePair(bounce, SampleUse::kLobe),
+                   end.split, lobe);
     }
-    appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, n,
-                            {.roulette = roulette, .first_row = begin, .transport = end.transport},
+    const ScatterPolicy policy = {
+        .roulette = roulette, .first_row = at.begin, .transport = end.transport};
+    appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, at.n, policy,
                             rays, appended);
-  }
+  });
   return appended;
 }
 
