@@ -1,5 +1,5 @@
 // Declares the decoders behind ReadImage, one per file format, and their shared helpers. For image/
-// only.
+// only. formats.cc also chooses among them.
 //
 // Each decoder takes the bytes of the whole file; `path` appears only in errors. Each throws
 // InputError with the byte offset, checks the size with CheckSize before it allocates, and returns

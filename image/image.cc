@@ -1,29 +1,12 @@
 #include "image/image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/files.h"
-#include "image/formats.h"
 #include "image/srgb.h"
 
 namespace skywave {
 namespace {
-
-bool StartsWith(std::string_view bytes, std::string_view magic) {
-  return bytes.substr(0, magic.size()) == magic;
-}
-
-std::string LowerCaseEnding(const std::string& path) {
-  const std::size_t dot = path.find_last_of("./");
-  if (dot == std::string::npos || path[dot] != '.') return "";
-  std::string ending = path.substr(dot);
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return ending;
-}
 
 // K. Narkowicz, "ACES Filmic Tone Mapping Curve", 2015: a rational fit with x in scene-linear
 // units. It tends to 2.51 / 2.43 > 1, so the caller clips the result.
@@ -33,80 +16,6 @@ double FilmicCurve(double x) {
 }
 
 }  // namespace
-
-std::int64_t ParseSize(std::string_view text) {
-  if (text.empty() || text.size() > 9) return -1;
-  std::int64_t value = 0;
-  for (const char c : text) {
-    if (c < '0' || c > '9') return -1;
-    value = value * 10 + (c - '0');
-  }
-  return value;
-}
-
-void CheckSize(const InputPosition& position, std::int64_t width, std::int64_t height,
-               const ReadLimits& limits) {
-  const std::string size = std::to_string(width) + " x " + std::to_string(height);
-  if (width < 1 || height < 1) throw InputError(position, "a size of " + size + " is no picture");
-  if (width > limits.max_width || height > limits.max_height ||
-      std::uint64_t(width) > limits.max_pixels / std::uint64_t(height)) {
-    throw InputError(position, "a size of " + size + " is over the limit of " +
-                                   std::to_string(limits.max_width) + " x " +
-                                   std::to_string(limits.max_height) + " and " +
-                                   std::to_string(limits.max_pixels) + " pixels");
-  }
-}
-
-namespace {
-
-Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
-  if (StartsWith(bytes, "\x76\x2f\x31\x01")) return DecodeExr(path, bytes, limits);
-  if (StartsWith(bytes, "#?")) return DecodeRgbe(path, bytes, limits);
-  if (StartsWith(bytes, "PF") || StartsWith(bytes, "Pf")) return DecodePfm(path, bytes, limits);
-  throw InputError(InputPosition::Byte(path, 0),
-                   bytes.empty() ? "is empty" : "is neither OpenEXR, Radiance RGBE nor PFM");
-}
-
-}  // namespace
-
-Image ReadImage(const std::string& path, const ReadLimits& limits) {
-  return DecodeImage(path, ReadFile(path), limits);
-}
-
-Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
-                    const ReadLimits& limits) {
-  if (StartsWith(bytes, "\x89PNG")) return DecodePng(name, bytes, encoding, limits);
-  if (encoding == Encoding::kAlpha) {
-    Image opaque(1, 1);
-    opaque.rgb = {1, 1, 1};
-    return opaque;
-  }
-  if (StartsWith(bytes, "\xff\xd8")) return DecodeJpeg(name, bytes, encoding, limits);
-  return DecodeImage(name, bytes, limits);
-}
-
-Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {
-  return DecodeTexture(path, ReadFile(path), encoding, limits);
-}
-
-Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding) {
-  float table[256];
-  for (int i = 0; i < 256; ++i) {
-    table[i] = float(encoding == Encoding::kSrgb ? LinearFromSrgb(i / 255.0) : i / 255.0);
-  }
-  Image image(width, height);
-  for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = table[bytes[i]];
-  return image;
-}
-
-void WriteImage(const std::string& path, const Image& image, const Metadata& metadata) {
-  const std::string ending = LowerCaseEnding(path);
-  if (ending == ".exr") return WriteExr(path, image, metadata);
-  if (ending == ".pfm") return WritePfm(path, image);
-  if (ending == ".hdr") return WriteRgbe(path, image);
-  throw InputError(InputPosition::File(path),
-                   "cannot be written: its name must end in .exr, .pfm or .hdr", kExitUsage);
-}
 
 BadPixels RepairRadiance(Image& image) {
   BadPixels bad;

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "lights/maps/projections.h"
+#include "lights/maps/resample.h"
 #include "lights/maps/sum_maps.h"
 #include "scene/local_lights.h"
 

@@ -7,7 +7,7 @@
 namespace skywave {
 namespace {
 
-// Unnormalised weight at `x` of a filter of radius 1, |x| <= 1.
+// Returns the weight at `x` of a filter of radius 1, |x| <= 1, not normalised.
 double FilterWeight(PixelFilter filter, double x) {
   switch (filter) {
     case PixelFilter::kBox:
@@ -15,12 +15,13 @@ double FilterWeight(PixelFilter filter, double x) {
     case PixelFilter::kTriangle:
       return 1 - std::fabs(x);
     case PixelFilter::kGaussian: {
-      // Standard deviation of a third of the radius, lowered to reach 0 at the rim.
+      // The standard deviation is a third of the radius; the curve is lowered to reach 0 at the
+      // rim.
       const auto gauss = [](double t) { return std::exp(-0.5 * 9 * t * t); };
       return gauss(x) - gauss(1);
     }
     case PixelFilter::kBlackmanHarris: {
-      // Four-term window (Harris 1978).
+      // This is the four-term window (Harris 1978).
       const double t = glm::pi<double>() * (x + 1);
       return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) -
              0.01168 * std::cos(3 * t);
@@ -90,7 +91,7 @@ std::vector<float> FilterOffsets(PixelFilter filter, float radius) {
 }
 
 std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius) {
-  // The cumulative distribution, linear between the offsets.
+  // The cumulative distribution is linear between the offsets.
   std::size_t k = 0;
   const auto cumulative = [&](double t) {
     while (k < kFilterCells && offsets[k + 1] < t) ++k;
@@ -136,7 +137,8 @@ CameraView MakeCameraView(const Camera& camera, int width, int height, const flo
   const double shorter = std::min(width, height);
   const bool perspective = camera.kind == CameraKind::kPerspective;
   const double unit = perspective ? std::tan(glm::radians(double(camera.fov_degrees)) / 2) : 1;
-  // Sides of a pixel, and the top left corner of the film, on the plane of the screen window.
+  // These are the sides of a pixel and the top left corner of the film, on the plane of the screen
+  // window.
   double pixel_x = 2 * unit / shorter, pixel_y = pixel_x;
   double left = -pixel_x * width / 2, top = pixel_y * height / 2;
   if (camera.window) {

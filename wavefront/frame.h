@@ -22,7 +22,7 @@
 
 namespace skywave {
 
-// A way to join sub-paths: how many vertices are from the light, itself counted, and from the eye.
+// The number of vertices of a path that come from the light, which counts itself, and from the eye.
 struct SubpathLengths {
   std::uint32_t light = 0, eye = 2;
 };
@@ -31,57 +31,57 @@ struct EmissionGuide;
 struct LightGroups;
 struct PhotonMaps;
 
-// Photon mapping. Counts are of photons that are stored, as pbrt's are. Vertex connection and
-// merging: light vertices are indirect photons.
+// Options of photon mapping and of vertex connection and merging, whose light vertices count as
+// indirect photons. As in pbrt, the counts are those of stored photons.
 struct PhotonOptions {
   std::uint32_t indirect = 200000, caustic = 20000;
-  std::uint32_t neighbors = 50;  // of a lookup, at most
-  float distance = 0;            // of a lookup, at most [world space]; 0: by the photons
+  std::uint32_t neighbors = 50;  // photons of a lookup, at most
+  float distance = 0;            // largest of a lookup [world space]; 0: chosen by the photons
   PhotonKernel kernel = PhotonKernel::kEpanechnikov;
-  // Rays of a final gather a surface; 0: photons are looked up where they are seen.
+  // A surface sends this many rays of a final gather; 0: photons are looked up where it is seen.
   std::uint32_t gather = 1;
-  // More than 1: progressive, everything within a radius that shrinks from pass to pass. 0: one;
-  // of vcm, one for each sample of a pixel.
+  // Several passes are progressive: each looks up everything within a radius that shrinks from pass
+  // to pass. 0 means one pass, or one for each sample (IntegratorDescriptor::pass_each_sample).
   std::uint32_t passes = 0;
-  float alpha = 2.0f / 3;  // how slowly it shrinks
+  float alpha = 2.0f / 3;  // how slowly the radius shrinks
   bool progressive() const { return passes > 1; }
 };
 
 struct RenderOptions {
-  int width = 640, height = 480;        // of the picture
+  int width = 640, height = 480;        // size of the picture
   int film_width = 0, film_height = 0;  // 0: the picture is the whole film
-  int crop_x = 0, crop_y = 0;           // else: the picture's top left corner in the film
+  int crop_x = 0, crop_y = 0;           // the picture's top left corner in the film
   Integrator integrator = Integrator::kPath;
   std::uint32_t samples_per_pixel = 64;
   std::uint32_t first_sample = 0;   // samples [first_sample, first_sample + samples_per_pixel)
-  std::uint32_t max_depth = 5;      // surfaces a path scatters at
-  std::uint32_t light_samples = 1;  // a hit (direct), a first hit (paths that split)
-  std::uint32_t split = 0;          // continuations of a path (path); 0: paths do not split
+  std::uint32_t max_depth = 5;      // surfaces at which a path scatters
+  std::uint32_t light_samples = 1;  // per hit (LightSamples); paths that split: per first hit
+  std::uint32_t split = 0;          // continuations of a path; 0: paths do not split
   bool mis = true;
-  std::optional<SubpathLengths> subpath_lengths;  // bdpt: only this one; unset: all
+  std::optional<SubpathLengths> subpath_lengths;  // only these; unset: all
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
   float filter_radius = 0;    // [pixels]; 0: the filter's own
   int threads = 0;            // 0: as many as the process may use
   std::uint32_t wave = 2048;  // rows
   Backend backend = Backend::kBest;
-  AovSet aovs = 0;  // layers beside the picture
-  // Light paths of the sky start where camera paths of a pilot have needed them.
+  AovSet aovs = 0;  // layers in addition to the picture
+  // Light paths from the environment start where camera paths of a pilot needed them.
   bool guide = false;
   PhotonOptions photons;
 };
 
-// The light samples of a surface: what the strategy plans. Each drawn one goes to a local light or
-// to the strategy, by `local`; where the strategy draws none, there are drawn ones for local lights
-// alone.
+// The light samples of a surface are those that the strategy plans. Each drawn sample goes to a
+// local light or to the strategy, as `local` decides. If the strategy draws none, there are drawn
+// samples for local lights alone.
 struct LightShares {
   LightPlan plan;
   LightChoice local;      // share 0: there are no local lights
-  float of_strategy = 1;  // share of the drawn samples
+  float of_strategy = 1;  // its share of the drawn samples
   float strategy_samples(std::uint32_t requested) const { return float(requested) * of_strategy; }
 };
 
-// The const view that stages take. Lives as long as the objects it points into.
+// The const view that stages take. It lives as long as the objects that it points to.
 struct FrameView {
   RenderOptions options;
   const Geometry* geometry;
@@ -92,12 +92,12 @@ struct FrameView {
   Tracer tracer;
   SceneSphere sphere = {};  // where light paths from infinity begin
   FilterView filter = {};   // for splats
-  // What light paths start with: `strategy`, or, for `photon`, importance where that cannot emit.
+  // Light paths start with `strategy`, or with importance if that cannot emit (LightPaths::kAny).
   const EnvStrategy* emitter = nullptr;
-  const EnvironmentMap* map = nullptr;   // of both
-  const EmissionGuide* guide = nullptr;  // of light paths of the sky; null: they start anywhere
-  const PhotonMaps* photons = nullptr;   // of the pass at hand
-  float eta_vcm = 0;                     // of the pass at hand, see MisTechniques
+  const EnvironmentMap* map = nullptr;        // the map of both
+  const EmissionGuide* guide = nullptr;       // null: light paths from the map start anywhere
+  const PhotonMaps* photons = nullptr;        // those of the pass at hand
+  float eta_vcm = 0;                          // that of the pass at hand, see MisTechniques
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
 
   MisPolicy mis() const {
@@ -105,43 +105,44 @@ struct FrameView {
   }
   MisTechniques mis_techniques() const { return {.mis = mis(), .eta_vcm = eta_vcm}; }
   bool splits() const { return options.split > 0; }
-  // Whether light comes from beyond the scene; where it does not, the strategy is not asked.
+  // True if light comes from beyond the scene; if it does not, the strategy is not asked.
   bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }
-  // The BSDFs whose rays can still bring light where no further surface is shaded: all of them
-  // under multiple importance sampling, else mirrors and glass.
+  // Returns the first of the BSDFs whose rays can still bring light where no further surface is
+  // shaded: under multiple importance sampling those of all BSDFs can, else those of mirrors and
+  // glass.
   std::uint32_t first_bsdf_that_sees_light() const {
     const bool shines = has_emitters() || (has_environment() && strategy->shines_on_bsdf_samples());
     return (options.mis || options.subpath_lengths) && shines ? 0 : kFirstDeltaBsdf;
   }
-  // Light samples a hit that the user asks for.
+  // Returns how many light samples a hit takes.
   std::uint32_t light_samples() const {
     const LightSamples taken = Describe(options.integrator).light_samples;
     return taken == LightSamples::kRequested || splits() ? options.light_samples : 1;
   }
-  // The frame in which continuations go on: paths that do not split again.
+  // Returns the frame in which continuations go on as paths that do not split again.
   FrameView of_continuations() const;
   LightShares light_shares() const;
-  // Whether the picture shows what sub-paths with so many vertices bring.
+  // True if the picture shows what sub-paths with this many vertices bring.
   bool shows(std::uint32_t light, std::uint32_t eye) const {
     return !options.subpath_lengths ||
            (options.subpath_lengths->light == light && options.subpath_lengths->eye == eye);
   }
-  // Light paths that stand for one sample of every pixel.
+  // Returns how many light paths stand for one sample of every pixel.
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }
 };
 
-// Radius of a filter that the user did not give one [pixels].
+// Returns the radius of a filter for which the user gave none [pixels].
 float DefaultFilterRadius(PixelFilter filter);
 
-// kFilterCells + 1 offsets [pixels]: the inverse of the cumulative distribution of the filter.
+// Returns kFilterCells + 1 offsets [pixels]: the inverse of the filter's cumulative distribution.
 std::vector<float> FilterOffsets(PixelFilter filter, float radius);
 
-// kFilterCells densities of the same filter, as FilterView wants them. `offsets`: FilterOffsets.
+// Returns kFilterCells densities of the same filter, as FilterView needs them, from FilterOffsets.
 std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius);
 
-// `width` and `height` are those of the whole film [pixels], of which `crop` is rendered (unset:
-// all). `filter_offset` must outlive the view.
+// `width` and `height` are those of the whole film [pixels], of which `crop` is rendered, or all if
+// it is unset. `filter_offset` must outlive the view.
 CameraView MakeCameraView(const Camera& camera, int width, int height, const float* filter_offset,
                           const std::optional<CropWindow>& crop = std::nullopt);
 

@@ -14,7 +14,7 @@
 namespace skywave {
 namespace {
 
-// "direct or path": the integrators for which a field of their descriptor holds.
+// Returns the names of the integrators whose descriptor has this field set: "direct or path".
 std::string NamesWith(bool IntegratorDescriptor::*field) {
   std::vector<std::string_view> names;
   for (const Integrator integrator : ValuesOf<Integrator>()) {
@@ -23,7 +23,7 @@ std::string NamesWith(bool IntegratorDescriptor::*field) {
   return fmt::format("{}", fmt::join(names, " or "));
 }
 
-// Options that some integrators take.
+// Refuses options that only other integrators take.
 void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integrator) {
   const std::string_view name = ToString(options.integrator);
   if (options.split > 0 && !integrator.splits) {
@@ -38,7 +38,7 @@ void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integr
   }
 }
 
-// Layers that some integrators keep.
+// Refuses layers that only other integrators keep.
 void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integrator) {
   const auto refuse = [&](const std::string& why) {
     throw OptionError("aovs", ToString(options.aovs), why);
@@ -58,7 +58,7 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
   }
 }
 
-// Passes of light paths.
+// Refuses passes without samples, and more photons than there is memory for.
 void CheckPasses(const RenderOptions& options) {
   if (options.photons.passes > options.samples_per_pixel) {
     throw OptionError("progressive", fmt::format("{}", options.photons.passes),
@@ -69,8 +69,8 @@ void CheckPasses(const RenderOptions& options) {
                     std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE)));
 }
 
-// Light vertices of a pass, at most: options.photons.indirect, or all that its light paths could
-// leave.
+// Returns how many light vertices a pass has at most: options.photons.indirect, or all that its
+// light paths could leave.
 std::uint64_t MostVertices(const RenderOptions& options) {
   const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
   const CropWindow film =

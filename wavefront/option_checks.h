@@ -1,4 +1,4 @@
-// What an integrator refuses.
+// Checks of options against their integrator.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace skywave {
 
-// Throws OptionError where options do not go together with their integrator.
+// Throws OptionError if options do not go together with their integrator.
 void CheckIntegrator(const RenderOptions& options);
 
-// Throws OptionError where what is stored of light paths would not fit in `memory` [bytes].
+// Throws OptionError if what is stored of light paths would not fit into `memory` [bytes].
 void CheckPhotonMemory(const RenderOptions& options, std::uint64_t memory);
 
-// The same for memory that was not to be had when it was asked for.
+// Throws the same error for memory that could not be allocated.
 [[noreturn]] void RefusePhotons(const RenderOptions& options, const std::string& why);
 
 }  // namespace skywave

@@ -1,4 +1,4 @@
-// Names of the values of options that kernels and scenes declare.
+// Names of the values of options whose enums kernels and scenes declare.
 #pragma once
 
 #include "base/names.h"

@@ -27,14 +27,14 @@ void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& 
   }
 }
 
-// Of the process, all threads together.
+// Returns the time of all threads of the process together.
 double ProcessorSeconds() {
   timespec time = {};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
-// Samples of a tile that are in the picture.
+// Returns how many samples of a tile are in the picture.
 std::uint64_t CountSamples(const FrameView& frame, const Tile& tile) {
   const RenderOptions& options = frame.options;
   const auto overlap = [](std::uint32_t begin, std::uint32_t count, std::int64_t picture,
@@ -92,7 +92,7 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
   try {
     for_each_pass(frame, pool, counts, render);
   } catch (const std::bad_alloc&) {
-    // Whoever has asked for it: nothing else takes as much.
+    // Nothing else takes as much memory, whoever asked for the last of it.
     RefusePhotons(frame.options, "there is no memory left for so many");
   }
 }

@@ -1,4 +1,4 @@
-// A whole frame: cuts the film into tiles, gives them to workers, adds up their statistics.
+// Renders a whole frame: cuts the film into tiles, gives them to workers, adds up their statistics.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@
 
 namespace skywave {
 
-// Counts finished samples while a frame renders; read by whoever shows progress.
+// Counts finished samples while a frame renders. Whoever shows progress reads it.
 using Progress = std::atomic<std::uint64_t>;
 
 struct FrameResult {
@@ -30,8 +30,8 @@ struct FrameResult {
 };
 
 // Renders every sample of `frame` into `film`. Bits of the film depend on neither threads, wave nor
-// backend. `recorders`, if not null, gets a recorder for each worker that was used: the rays of the
-// frame, tile after tile, for a replay.
+// backend. `recorders`, if not null, gets a recorder for each thread, with the rays of its tiles in
+// order, for a replay.
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
 
@@ -43,11 +43,11 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render);
 
-// Threads that `threads` = 0 stands for: those the process may run on.
+// Returns the number of threads that the process may use, for which `threads` = 0 stands.
 int AvailableThreads();
 
-// The tiles of a film, in the order in which they are begun. Large enough that a tile fills several
-// waves where that is possible, small enough to share out evenly.
+// Returns the tiles of a film in the order in which they are begun. They are large enough for a
+// tile to fill several waves, if that is possible, and small enough to be shared out evenly.
 std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
                            std::uint32_t samples_per_pixel, std::uint32_t wave);
 

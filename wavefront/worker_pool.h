@@ -1,4 +1,4 @@
-// The threads of a frame, and what each of them owns.
+// The threads of a frame and what each of them owns.
 #pragma once
 
 #include <tbb/task_arena.h>
@@ -20,8 +20,8 @@ namespace skywave {
 // one to touch the memory of the tables.
 class WorkerPool {
  public:
-  // As many threads as `options` says, and workers with the tables of its integrator. `recorders`,
-  // if not null, gets one for each thread.
+  // Makes as many threads as `options` gives, whose workers have the tables of its integrator.
+  // `recorders`, if not null, gets one for each thread.
   explicit WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders = nullptr);
 
   // Runs `work` with the threads of the pool: whatever it does in parallel uses no others.
@@ -33,7 +33,7 @@ class WorkerPool {
   void ForEach(std::size_t count, const Work& work);
 
   int threads() const { return arena_.max_concurrency(); }
-  // What all workers have counted.
+  // Returns the sum of what all workers have counted.
   RenderStats stats() const;
 
  private:

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
+#include "lights/maps/resample.h"
 #include "lights/probe/probe_info.h"
 
 namespace skywave {

@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
+#include "lights/maps/resample.h"
 
 namespace skywave {
 

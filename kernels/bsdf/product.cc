@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/product.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/lights/cells-inl.h"
+#include "kernels/lights/texel_samplers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

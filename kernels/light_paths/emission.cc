@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/light_paths/emission.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/light_paths/emission-inl.h"
 #include "kernels/lights/local_lights-inl.h"
-#include "kernels/simd/disk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

@@ -6,8 +6,8 @@
 #define HWY_TARGET_INCLUDE "kernels/light_paths/emission_guide.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/lights/texels-inl.h"
-#include "kernels/simd/disk-inl.h"
+#include "kernels/light_paths/emission-inl.h"
+#include "kernels/lights/environment-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

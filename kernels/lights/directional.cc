@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/lights/directional.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/simd/search-inl.h"
+#include "kernels/lights/search_tree-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

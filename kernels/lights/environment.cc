@@ -8,8 +8,8 @@
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/lights/texels-inl.h"
-#include "kernels/simd/search-inl.h"
+#include "kernels/lights/environment-inl.h"
+#include "kernels/lights/search_tree-inl.h"
 #include "kernels/simd/sphere-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -4,8 +4,8 @@
 #define HWY_TARGET_INCLUDE "kernels/lights/texel_samplers.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/lights/cells-inl.h"
-#include "kernels/simd/search-inl.h"
+#include "kernels/lights/search_tree-inl.h"
+#include "kernels/lights/texel_samplers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

@@ -6,7 +6,7 @@
 #define SKYWAVE_KERNELS_TEXTURE_INL_H_
 #endif
 
-#include "kernels/lights/texels-inl.h"
+#include "kernels/lights/environment-inl.h"
 #include "kernels/surface/texture.h"
 
 HWY_BEFORE_NAMESPACE();

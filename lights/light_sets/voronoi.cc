@@ -166,4 +166,16 @@ CellMap VoronoiCells(int width, int height, std::span<const Vector3> samples) {
   return std::move(diagram.cells);
 }
 
+LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
+                       int lloyd_steps) {
+  for (int step = 0; step < lloyd_steps; ++step) {
+    const std::vector<CellSums> cells =
+        SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      samples[i] = NormalizeOr(cells[i].energy_moment, cells[i].energy, samples[i]);
+    }
+  }
+  return LightsOfCells(map, VoronoiCells(map.width, map.height, samples), samples, position);
+}
+
 }  // namespace skywave

@@ -17,4 +17,10 @@ namespace skywave {
 // cells times the texels. Runs in parallel; the result does not depend on the threads.
 CellMap VoronoiCells(int width, int height, std::span<const Vector3> samples);
 
+// Makes the Voronoi cells of samples (unit vectors) and their lights; before that, `lloyd_steps`
+// times, every sample moves to its cell's energy centroid (Kollig and Keller 2003). Samples whose
+// cell has no energy are dropped, so there can be fewer lights than samples.
+LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
+                       int lloyd_steps = 0);
+
 }  // namespace skywave

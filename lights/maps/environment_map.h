@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include "image/image.h"
 
@@ -25,17 +24,6 @@ struct EnvironmentMap {
   Image latlong;                        // conventions: kernels/lights/environment.h
   std::array<float, 9> map_from_world;  // rows: right, forward, up; orthonormal, may mirror
 };
-
-// Detects a projection by its shape: 2:1 is lat-long, a square is Debevec's angular map, 4:3 a
-// horizontal and 3:4 a vertical cube cross. Throws InputError for any other shape, naming `path`
-// and the flag that decides.
-Projection DetectProjection(const Image& image, const std::string& path);
-
-// Returns the lat-long version of a map: itself, or any other projection resampled
-// (lights/maps/resample.h) to a size that keeps its angular resolution: as many columns as an
-// angular map has, 4 columns for 3 of a ball or an octahedral square, 4 for each pixel of a cube's
-// edge. Throws InputError for a cube whose faces are not square.
-Image ToLatLong(Image image, Projection projection);
 
 // Maps a direction in map space (right, forward, up) to a point of the angular map in [-1, 1]^2, x
 // to the right, y up: r = acos(forward) / pi away from the centre (Debevec 1998).

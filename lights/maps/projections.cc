@@ -164,6 +164,20 @@ double DiskPixelSolidAngle(Projection projection, int width, int height, int x, 
 
 }  // namespace
 
+Projection DetectProjection(const Image& image, const std::string& path) {
+  const std::int64_t width = image.width, height = image.height;
+  if (width == 2 * height) return Projection::kLatLong;
+  if (width == 1 && height == 1) return Projection::kLatLong;
+  if (width == height) return Projection::kAngular;
+  if (3 * width == 4 * height) return Projection::kHorizontalCross;
+  if (4 * width == 3 * height) return Projection::kVerticalCross;
+  throw InputError(
+      InputPosition::File(path),
+      fmt::format("{} x {} pixels are neither a lat-long map (2:1) nor an angular map (square) nor "
+                  "a cube cross (4:3, 3:4); say which with --env-projection {}",
+                  width, height, Choices<Projection>()));
+}
+
 ImagePoint PointOfDirection(Projection projection, const Vector3& d) {
   ImagePoint point = {};
   switch (projection) {

@@ -20,6 +20,8 @@
 //                     the bottom edge: what `imgtool makeequiarea` makes of a lat-long
 #pragma once
 
+#include <string>
+
 #include "base/names.h"
 #include "lights/maps/environment_map.h"
 #include "lights/vector3.h"
@@ -35,6 +37,11 @@ inline constexpr auto kEnumNames<Projection> =
                                       {Projection::kVerticalCross, "vertical-cross"},
                                       {Projection::kCubeStrip, "cube-strip"},
                                       {Projection::kOctahedral, "octahedral"}});
+
+// Detects a projection by its shape: 2:1 is lat-long, a square is Debevec's angular map, 4:3 a
+// horizontal and 3:4 a vertical cube cross. Throws InputError for any other shape, naming `path`
+// and the flag that decides.
+Projection DetectProjection(const Image& image, const std::string& path);
 
 struct ImagePoint {
   double u, v;

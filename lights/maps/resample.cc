@@ -197,4 +197,11 @@ Image Resample(const Image& image, Projection from, Projection to, int width, in
   return target;
 }
 
+Image ToLatLong(Image image, Projection projection) {
+  if (projection == Projection::kLatLong) return image;
+  CheckProjectionSize(projection, image.width, image.height);
+  const int height = LatLongHeight(projection, image.width, image.height);
+  return Resample(image, projection, Projection::kLatLong, 2 * height, height);
+}
+
 }  // namespace skywave

@@ -19,6 +19,12 @@ namespace skywave {
 // where CheckProjectionSize does.
 Image Resample(const Image& image, Projection from, Projection to, int width, int height);
 
+// Returns the lat-long version of a map: itself, or any other projection resampled to a size that
+// keeps its angular resolution: as many columns as an angular map has, 4 columns for 3 of a ball or
+// an octahedral square, 4 for each pixel of a cube's edge. Throws InputError for a cube whose faces
+// are not square.
+Image ToLatLong(Image image, Projection projection);
+
 // Returns the integral over the sphere per channel [radiance * sr]: every pixel times its solid
 // angle. Pixels that the rim of a disk cuts count with the value of the nearest whole pixel, as
 // they are read.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "lights/light_sets/voronoi.h"
 #include "lights/maps/projections.h"
 
 namespace skywave {
@@ -147,18 +146,6 @@ LightSet LightsOfRegions(const SphereMap& map, std::span<const Region> regions,
                          LightPosition position) {
   return LightsOfCells(map, CellsOfRegions(map.width, map.height, regions),
                        RegionCentres(map.width, map.height, regions), position);
-}
-
-LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
-                       int lloyd_steps) {
-  for (int step = 0; step < lloyd_steps; ++step) {
-    const std::vector<CellSums> cells =
-        SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      samples[i] = NormalizeOr(cells[i].energy_moment, cells[i].energy, samples[i]);
-    }
-  }
-  return LightsOfCells(map, VoronoiCells(map.width, map.height, samples), samples, position);
 }
 
 }  // namespace skywave

@@ -64,10 +64,4 @@ std::vector<Vector3> RegionCentres(int width, int height, std::span<const Region
 LightSet LightsOfRegions(const SphereMap& map, std::span<const Region> regions,
                          LightPosition position);
 
-// Makes the Voronoi cells of samples (unit vectors) and their lights; before that, `lloyd_steps`
-// times, every sample moves to its cell's energy centroid (Kollig and Keller 2003). Samples whose
-// cell has no energy are dropped, so there can be fewer lights than samples.
-LightSet VoronoiLights(const SphereMap& map, std::vector<Vector3> samples, LightPosition position,
-                       int lloyd_steps = 0);
-
 }  // namespace skywave

@@ -11,6 +11,8 @@
 #include <memory>
 
 #include "base/error.h"
+#include "lights/maps/projections.h"
+#include "lights/maps/resample.h"
 #include "lights/strategies/strategy.h"
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/shade_points.h"

@@ -1,8 +1,8 @@
-// Bidirectional path tracing (Lafortune and Willems 1993; Veach and Guibas 1995): each path has a
-// sub-path from the camera and one from a light; all their vertices are connected with each other,
-// with light samples and with the camera, and weighted by the power heuristic over all of that
-// (kernels/light_paths/bidirectional.h). At most max_depth surfaces over both; roulette as in path
-// tracing.
+// Bidirectional path tracing (Lafortune and Willems 1993; Veach and Guibas 1995). Each path has a
+// sub-path from the camera and one from a light. All their vertices are connected with each other,
+// with light samples and with the camera, and weighted by the power heuristic over all of these
+// techniques (kernels/light_paths/bidirectional.h). Both sub-paths together have no more than
+// max_depth surfaces; roulette is that of path tracing.
 #include "wavefront/integrators/bdpt.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Bidirectional path tracing: what vertex connection and merging shares with it (bdpt.cc).
+// Parts of bidirectional path tracing (bdpt.cc) that vertex connection and merging shares.
 #pragma once
 
 #include "wavefront/film/film.h"
@@ -10,10 +10,10 @@ namespace skywave {
 
 void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
-// The tables that connections need.
+// Adds the tables that connections need.
 void AddConnectionTables(const RenderOptions& options, Worker& worker);
 
-// Throws OptionError where sub-paths cannot be connected under these options.
+// Throws OptionError if sub-paths cannot be connected with these options.
 void CheckConnections(const RenderOptions& options);
 
 }  // namespace skywave

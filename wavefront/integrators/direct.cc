@@ -1,5 +1,6 @@
-// Direct light (T 4.2.1): light_samples light samples at the first surface that is no mirror or
-// glass, and one BSDF sample against them; mirrors and glass are followed up to max_depth surfaces.
+// Direct light (T 4.2.1). The first surface that is neither mirror nor glass takes light_samples
+// light samples and one BSDF sample against them. Mirrors and glass are followed over up to
+// max_depth surfaces.
 #include <utility>
 
 #include "wavefront/integrators/integrators.h"

@@ -1,4 +1,4 @@
-// The integrators: one list, and what each of them says of itself in its own file.
+// The list of integrators, and how each of them describes itself in its own file.
 #pragma once
 
 #include <cstdint>
@@ -39,58 +39,57 @@ struct WaveRange;
 struct Worker;
 class WorkerPool;
 
-// Light samples that a surface seen by the camera takes.
+// How many light samples a surface takes that camera paths hit.
 enum class LightSamples {
-  kNone,      // light paths bring what they would bring
-  kOne,       // at every surface of a path
-  kRequested  // as many as the option `light-samples` says
+  kNone,      // light paths bring what light samples would
+  kOne,       // one at every surface of a path
+  kRequested  // as many as the option `light-samples` gives
 };
 
-// Who draws the directions of light paths that come from the map.
+// Which strategy draws the directions of light paths that come from the map.
 enum class LightPaths {
-  kNone,      // there are no light paths
-  kStrategy,  // the strategy that draws light samples, so it has to be one that can
-  kAny        // the strategy if it can, or else another one
+  kNone,      // none: there are no light paths
+  kStrategy,  // that of light samples, so it has to be one that can emit
+  kAny        // that of light samples if it can emit, or else another one
 };
 
-// What passes of light paths leave for the passes of camera paths.
+// What passes of light paths store for camera paths.
 enum class StoredLight {
-  kNothing,  // there are no such passes
-  kPhotons,  // a caustic and an indirect map, whose photons are looked up
-  kVertices  // one map of light vertices, which are merged
+  kNothing,  // nothing: there are no such passes
+  kPhotons,  // photons in a caustic and an indirect map, to be looked up
+  kVertices  // light vertices in one map, to be merged
 };
 
 // Renders the samples of a pass.
 using RenderPass = std::function<void(const FrameView& frame)>;
 
-// What an integrator is, needs and does.
+// Describes what an integrator is, needs and does.
 struct IntegratorDescriptor {
   std::string_view help;  // a line of help texts
 
-  // What it computes, and which options it takes.
-  bool direct_light_only = false;  // else its mean is all light, but for what `help` says
+  bool direct_light_only = false;  // else it computes all light, except for what `help` says
   LightSamples light_samples = LightSamples::kOne;
   bool splits = false;            // takes the option `split`
   bool selects_paths = false;     // takes the option `paths`
-  bool has_light_groups = false;  // keeps them apart, where paths do not split
+  bool has_light_groups = false;  // keeps light groups apart if paths do not split
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;  // light paths add to pixels anywhere on the film
   StoredLight stores = StoredLight::kNothing;
-  bool pass_each_sample = false;  // of passes, unless the option `progressive` says how many
+  bool pass_each_sample = false;  // unless the option `progressive` says how many passes
 
-  // Throws OptionError where options do not go together with this integrator; null: all of them do
-  // that the fields above let pass (CheckIntegrator).
+  // Throws OptionError if options do not go together with this integrator. CheckIntegrator checks
+  // the fields above itself. Null: there is nothing more to check.
   void (*check)(const RenderOptions& options) = nullptr;
-  // The same for a scene, whose bounds `sphere` is around.
+  // Throws OptionError if options do not go together with a scene, around which `sphere` is.
   void (*check_scene)(const RenderOptions& options, const Geometry& geometry,
                       const SceneSphere& sphere) = nullptr;
-  // Adds the tables that the integrator needs besides those of all workers (MakeWorker).
+  // Adds the tables that only this integrator needs to a worker (MakeWorker).
   void (*add_tables)(const RenderOptions& options, Worker& worker) = nullptr;
-  // Calls `render` for each pass of a frame, with the frame as its samples see it; null: the frame
-  // itself is the only one.
+  // Calls `render` for each pass, with the frame as the samples of the pass see it. Null: the frame
+  // itself is the only pass.
   void (*for_each_pass)(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                         const RenderPass& render) = nullptr;
-  // Renders the samples of a wave; the worker has the tables.
+  // Renders the samples of a wave with a worker that has the tables.
   void (*render_wave)(const FrameView& frame, const WaveRange& range, Worker& worker,
                       Film& film) = nullptr;
 

@@ -1,7 +1,7 @@
-// Light tracing (Arvo 1986; Dutre, Lafortune and Willems 1993): one light path a sample, every
-// surface of which is connected to the camera and splatted. Camera rays see the sky and what shines
-// itself, and go no further: nothing is seen through mirrors and glass. At most max_depth surfaces
-// a path; roulette from the third one on.
+// Light tracing (Arvo 1986; Dutre, Lafortune and Willems 1993). Each sample has one light path,
+// every surface of which is connected to the camera and splatted. Camera rays see the environment
+// and emitters, and go no further: nothing is seen through mirrors and glass. Paths have no more
+// than max_depth surfaces, and roulette begins at the third one.
 #include <utility>
 
 #include "wavefront/integrators/integrators.h"
@@ -12,8 +12,8 @@
 namespace skywave {
 namespace {
 
-// The number of the first light path of a wave: as many for each sample of a pixel as the film has
-// pixels, in the order of tiles, so that a wave of any size has the same ones.
+// Returns the number of the first light path of a wave. Each sample of a pixel has as many as the
+// film has pixels, in the order of tiles, so that they are the same for waves of any size.
 std::uint64_t FirstLightPath(const FrameView& frame, const WaveRange& range) {
   const Tile& tile = range.tile;
   const std::uint64_t spp = frame.options.samples_per_pixel;
@@ -27,7 +27,7 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   StageClock clock(w.stats);
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
 
-  // What camera rays see of lights themselves.
+  // Camera rays see the lights themselves.
   GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
   clock.Lap(Stage::kGenerate);
   if (film.has_aovs()) {

@@ -1,6 +1,7 @@
-// Unidirectional path tracing (T 4.2.3, P 3): one light sample a bounce, BSDF sampling, both
-// combined by multiple importance sampling, Russian roulette from the fourth bounce on, at most
-// max_depth surfaces a path. With the option `split` paths branch (split.cc).
+// Unidirectional path tracing (T 4.2.3, P 3). Every bounce takes one light sample and one BSDF
+// sample, which multiple importance sampling combines. Russian roulette begins at the fourth
+// bounce, and paths scatter at no more than max_depth surfaces. With the option `split` paths
+// branch (split.cc).
 #include "wavefront/integrators/path.h"
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Path tracing, and its mode that splits: see path.cc and split.cc.
+// Path tracing (path.cc) and its mode in which paths split (split.cc).
 #pragma once
 
 #include "wavefront/film/film.h"
@@ -12,9 +12,9 @@ namespace skywave {
 void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
 
-// Path tracing from a bounce on: rays [0, n) of worker.rays[0] arrive at `bounce`, coming from
-// `first`. Returns the bounce at which the last path ended. `film`: keeps what KeepAovs says of
-// paths that begin at the camera; null for others.
+// Traces paths from a bounce on: rays [0, n) of worker.rays[0] arrive at `bounce` from `first`.
+// Returns the bounce at which the last path ended. `film` keeps what KeepAovs gives it of paths
+// that begin at the camera, and is null for others.
 std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::uint32_t n,
                           std::uint32_t bounce, Worker& worker, Film* film, StageClock& clock);
 

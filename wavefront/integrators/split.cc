@@ -1,7 +1,7 @@
-// Path tracing that splits (T fig. 8.26, the integrator PT2): at the first surface that is no
-// mirror or glass a path takes all its direct light, light_samples light samples, and goes on as
+// Path tracing that splits (T fig. 8.26, the integrator PT2). At the first surface that is neither
+// mirror nor glass a path takes all its direct light, light_samples light samples, and goes on as
 // `split` continuations, whose mean is its indirect light. Continuations are paths like those of
-// RenderPathWave; their light samples are of the frame's strategy for continuations.
+// RenderPathWave, with light samples of the frame's strategy for continuations.
 #include <algorithm>
 #include <utility>
 
@@ -49,8 +49,8 @@ SurfaceRanges LightSampled(SurfaceRanges ranges) {
   return ranges;
 }
 
-// The continuations of the surfaces at hand that take light samples, one wave after the other.
-// `paths`: rows in use.
+// Follows the continuations of the surfaces at hand that take light samples, one wave after the
+// other. `paths` is the number of rows in use.
 void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, std::uint32_t paths,
                    std::uint32_t bounce, const Worker& w, Continuations& c, StageClock& clock) {
   const SurfaceRanges ranges = LightSampled(w.ranges);

@@ -1,6 +1,6 @@
-// Vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012): bidirectional
-// path tracing with one technique more at every surface of the eye, which is merged with the light
-// vertices near it: those of a first pass (photons/merging_pass.cc). The stage order is that of
+// Vertex connection and merging (Georgiev, Krivanek, Davidovic and Slusallek 2012). It adds one
+// technique to bidirectional path tracing: every surface of the eye is merged with the light
+// vertices of a first pass (photons/merging_pass.cc) that are near it. The stage order is that of
 // bdpt.cc.
 #include <fmt/format.h>
 

@@ -29,8 +29,8 @@ constexpr float kMergedDistance = 0.5f;
 // them (Grittmann, Georgiev and Slusallek 2021). They count as this share of their number.
 constexpr float kMergeWorth = 0.3f;
 
-// The vertices with a density of light sub-paths [first, first + count) of the frame, in the order
-// (path, surface), with what weights need.
+// Traces light sub-paths [first, first + count) of the frame and stores their vertices with a
+// density in the order (path, surface), with what weights need.
 void TraceVertexWave(const FrameView& frame, std::uint64_t first, std::uint32_t count, Worker& w,
                      PhotonList& list) {
   StageClock clock(w.stats);

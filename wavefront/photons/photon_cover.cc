@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <type_traits>
 
+#include "kernels/chunk.h"
 #include "kernels/sampler.h"
 #include "wavefront/rays/trace.h"
-#include "wavefront/soa.h"
+#include "wavefront/scratch.h"
 
 namespace skywave {
 namespace {
@@ -17,27 +17,11 @@ namespace {
 constexpr float kEyeHeight = 0.5f, kLeastHeight = 0x1p-6f;
 
 // Rays and hits of a block of disks lie on the stack: 22 KiB.
-class CoverTables {
- public:
-  CoverTables() {
-    std::byte* next = block_;
-    const auto take = [&](auto*& column) {
-      column = reinterpret_cast<std::remove_reference_t<decltype(column)>>(next);
-      next += kRows * sizeof(float);
-    };
-    RayColumns::ForEachColumn(rays, take);
-    HitColumns::ForEachColumn(hits, take);
-    take(keys);
-  }
-  RayColumns rays;
-  HitColumns hits;
-  std::uint32_t* keys;
-
- private:
-  static constexpr std::uint32_t kRows = PaddedRows(kLookupBlock * kDiskCells);
-  alignas(kColumnAlignment)
-      std::byte block_[kRows * sizeof(float) *
-                       (soa::CountColumns<RayColumns>() + soa::CountColumns<HitColumns>() + 1)];
+struct CoverTables {
+  static constexpr std::uint32_t kRows = kLookupBlock * kDiskCells;
+  Chunk<RayColumns, kRows> rays;
+  Chunk<HitColumns, kRows> hits;
+  Chunk<KeyColumns, kRows> keys;
 };
 
 void AimUp(const PhotonDisk& disk, const RayColumns& rays, std::uint32_t row) {
@@ -62,7 +46,7 @@ const std::uint32_t* KeysOf(const FrameView& frame, const RayColumns& rays, std:
 
 void Trace(const FrameView& frame, const CoverTables& t, std::uint32_t n, RenderStats& stats,
            StageClock& clock) {
-  const std::uint32_t* const keys = KeysOf(frame, t.rays, n, t.keys);
+  const std::uint32_t* const keys = KeysOf(frame, t.rays, n, t.keys->key);
   stats.rays[std::uint32_t(RayKind::kBounce)] += n;
   clock.Lap(Stage::kPhotons);
   TraceClosest(frame.tracer, RayKind::kBounce, t.rays, n, t.hits, keys);
@@ -75,22 +59,24 @@ void CoverDisks(const FrameView& frame, PhotonDisk* disks, std::uint32_t n, Rend
                 DiskSurface* surfaces, StageClock& clock) {
   if (n == 0) return;
   const CoverTables t;
+  const RayColumns& rays = t.rays;
+  const HitColumns& hits = t.hits;
   for (std::uint32_t i = 0; i < n; ++i) {
     disks[i].height = kEyeHeight * std::sqrt(disks[i].radius2);
-    AimUp(disks[i], t.rays, i);
+    AimUp(disks[i], rays, i);
   }
   Trace(frame, t, n, stats, clock);
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (t.hits.geom[i] == kNoHit) continue;
-    disks[i].height *= std::max(0.5f * t.rays.t_far[i] / disks[i].height, kLeastHeight);
+    if (hits.geom[i] == kNoHit) continue;
+    disks[i].height *= std::max(0.5f * rays.t_far[i] / disks[i].height, kLeastHeight);
   }
   for (std::uint32_t i = 0; i < n; ++i) {
-    AimAtDisk(disks[i], frame.options.photons.kernel, Slice(t.rays, i * kDiskCells));
+    AimAtDisk(disks[i], frame.options.photons.kernel, Slice(rays, i * kDiskCells));
   }
   Trace(frame, t, n * kDiskCells, stats, clock);
   for (std::uint32_t i = 0; i < n; ++i) {
-    FindSeenCells(disks[i], frame.geometry->triangles(), Slice(t.rays, i * kDiskCells),
-                  Slice(t.hits, i * kDiskCells), surfaces[i]);
+    FindSeenCells(disks[i], frame.geometry->triangles(), Slice(rays, i * kDiskCells),
+                  Slice(hits, i * kDiskCells), surfaces[i]);
   }
 }
 

@@ -15,8 +15,8 @@
 namespace skywave {
 namespace {
 
-// Light paths [first, first + count) of the frame, stored at surfaces with a density in the lists
-// that `wanted` names, in the order (path, surface).
+// Traces light paths [first, first + count) of the frame and stores them at surfaces with a density
+// in the lists that `wanted` names, in the order (path, surface).
 void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
                      const WantedPhotons& wanted, Worker& w, PhotonLists& lists) {
   StageClock clock(w.stats);
@@ -25,7 +25,7 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   std::fill_n(w.photon->history->met, count, 0u);
   EmitRays(frame, count, *rays, w, clock);
 
-  // Of light that is to be a caustic nothing else matters once it has met a surface with a density.
+  // Paths that can only make caustics end at the first surface with a density.
   const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
   std::uint32_t n = count;
   for (std::uint32_t bounce = 1; n > 0; ++bounce) {

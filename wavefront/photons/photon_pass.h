@@ -46,8 +46,8 @@ std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
 
-// Calls `render` for each pass of a frame, whose maps are those that `trace` has made before of the
-// frame that it may change.
+// Calls `render` for each pass of a frame, with the maps that `trace` has made before. `trace` may
+// change the frame of its pass.
 using TracePass = std::function<PhotonMaps(FrameView& frame, const PhotonPass& pass)>;
 void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
                        const RenderPass& render);

@@ -1,16 +1,16 @@
-// Many uniforms are searched at once in trees of cache lines (SearchTreeView in environment.h).
-#if defined(SKYWAVE_KERNELS_SEARCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SKYWAVE_KERNELS_SEARCH_INL_H_
-#undef SKYWAVE_KERNELS_SEARCH_INL_H_
+// Many uniforms are searched at once in trees of cache lines (search_tree.h).
+#if defined(SKYWAVE_KERNELS_SEARCH_TREE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_SEARCH_TREE_INL_H_
+#undef SKYWAVE_KERNELS_SEARCH_TREE_INL_H_
 #else
-#define SKYWAVE_KERNELS_SEARCH_INL_H_
+#define SKYWAVE_KERNELS_SEARCH_TREE_INL_H_
 #endif
 
 #include <algorithm>
 #include <cstring>
 
 #include "hwy/cache_control.h"
-#include "kernels/lights/environment.h"
+#include "kernels/lights/search_tree.h"
 #include "kernels/simd/simd-inl.h"
 
 HWY_BEFORE_NAMESPACE();

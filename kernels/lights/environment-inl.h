@@ -1,10 +1,10 @@
 // These functions find the texels of directions on vectors, read them and draw directions inside
 // them.
-#if defined(SKYWAVE_KERNELS_TEXELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SKYWAVE_KERNELS_TEXELS_INL_H_
-#undef SKYWAVE_KERNELS_TEXELS_INL_H_
+#if defined(SKYWAVE_KERNELS_ENVIRONMENT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_ENVIRONMENT_INL_H_
+#undef SKYWAVE_KERNELS_ENVIRONMENT_INL_H_
 #else
-#define SKYWAVE_KERNELS_TEXELS_INL_H_
+#define SKYWAVE_KERNELS_ENVIRONMENT_INL_H_
 #endif
 
 #include "kernels/lights/environment.h"

@@ -1,13 +1,13 @@
 // Texels of a cell are drawn by the cell's alias table.
-#if defined(SKYWAVE_KERNELS_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SKYWAVE_KERNELS_CELLS_INL_H_
-#undef SKYWAVE_KERNELS_CELLS_INL_H_
+#if defined(SKYWAVE_KERNELS_TEXEL_SAMPLERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_TEXEL_SAMPLERS_INL_H_
+#undef SKYWAVE_KERNELS_TEXEL_SAMPLERS_INL_H_
 #else
-#define SKYWAVE_KERNELS_CELLS_INL_H_
+#define SKYWAVE_KERNELS_TEXEL_SAMPLERS_INL_H_
 #endif
 
+#include "kernels/lights/environment-inl.h"
 #include "kernels/lights/texel_samplers.h"
-#include "kernels/lights/texels-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {

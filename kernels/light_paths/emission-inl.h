@@ -1,10 +1,10 @@
 // Light from infinitely far away enters through a disk that is perpendicular to its direction and
 // as wide as the sphere around the scene. A place on it is a point of the unit square (SampleDisc).
-#if defined(SKYWAVE_KERNELS_DISK_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SKYWAVE_KERNELS_DISK_INL_H_
-#undef SKYWAVE_KERNELS_DISK_INL_H_
+#if defined(SKYWAVE_KERNELS_EMISSION_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_EMISSION_INL_H_
+#undef SKYWAVE_KERNELS_EMISSION_INL_H_
 #else
-#define SKYWAVE_KERNELS_DISK_INL_H_
+#define SKYWAVE_KERNELS_EMISSION_INL_H_
 #endif
 
 #include "kernels/light_paths/emission.h"
