@@ -166,7 +166,7 @@ void RenderJob::BuildStrategies() {
     emitter_ = MakeStrategy("importance", map_);
   }
   if (options().guide && integrator.has_light_paths() && !has_environment()) {
-    notes_.push_back(
+    notes_.emplace_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
   }
