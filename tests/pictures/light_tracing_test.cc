@@ -11,6 +11,7 @@
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {

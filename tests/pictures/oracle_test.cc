@@ -17,6 +17,7 @@
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/statistics.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
