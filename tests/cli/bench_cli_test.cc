@@ -52,7 +52,7 @@ using Bench = Program;
 
 TEST_F(Bench, HelpNamesTheSceneFilesThatItTakes) {
   const std::string help = Run("bench --help").out;
-  for (const char* const format : {"pbrt", "OBJ", "glTF", "PLY"}) {
+  for (const char* const format : {".pbrt", ".obj", ".gltf", ".glb", ".ply"}) {
     EXPECT_TRUE(Contains(help, format)) << format;
   }
 }
