@@ -19,7 +19,7 @@ import unittest
 SOURCE, BUILD = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 TREE, OBJECTS = BUILD / "tree", BUILD / "build"
 FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "measure", "cli",
-           "cmake"]
+           "cmake", "tools"]
 
 SCENE = """LookAt 0 1 4  0 0.5 0  0 1 0
 Camera "perspective" "float fov" 40
@@ -87,19 +87,10 @@ def additions():
 #include "lights/strategies/baselines.h"
 
 namespace skywave {
-namespace {
-
-class TwinStrategy : public UniformStrategy {
- public:
-  using UniformStrategy::UniformStrategy;
-};
-
-}  // namespace
-
 StrategyFactory TwinFactory() {
   return {"twin", "uniform under another name", {},
           [](const EnvironmentMap& map, const StrategyValues&) -> std::unique_ptr<EnvStrategy> {
-            return std::make_unique<TwinStrategy>(map);
+            return std::make_unique<UniformStrategy>(map);
           }};
 }
 
