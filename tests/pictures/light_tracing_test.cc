@@ -10,8 +10,8 @@
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
-#include "wavefront/render.h"
 #include "wavefront/option_names.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 namespace {
