@@ -33,7 +33,7 @@ struct PathsFlags {
   bool quiet = false;
 };
 
-struct WayPicture {
+struct TechniquePicture {
   SubpathLengths lengths;
   bool weighted;
   Image picture;
@@ -56,8 +56,8 @@ Image RenderTechnique(const RenderJob& job, const std::optional<SubpathLengths>&
   return film.Resolve(frame.options.samples_per_pixel);
 }
 
-std::vector<WayPicture> WaysTo(std::uint32_t max_depth) {
-  std::vector<WayPicture> techniques;
+std::vector<TechniquePicture> TechniquesTo(std::uint32_t max_depth) {
+  std::vector<TechniquePicture> techniques;
   for (std::uint32_t surfaces = 0; surfaces <= max_depth; ++surfaces) {
     for (std::uint32_t light = 0; light <= surfaces + 1; ++light) {
       const SubpathLengths lengths = {.light = light, .eye = surfaces + 2 - light};
@@ -70,10 +70,10 @@ std::vector<WayPicture> WaysTo(std::uint32_t max_depth) {
 
 // There is one row for each number of surfaces and one column for each number of vertices on the
 // light sub-path; weighted pictures are above, unweighted ones below.
-ContactSheet Sheet(const std::vector<WayPicture>& pictures, std::uint32_t depth,
+ContactSheet Sheet(const std::vector<TechniquePicture>& pictures, std::uint32_t depth,
                    const ToneMapping& tone) {
   std::vector<SheetPicture> places;
-  for (const WayPicture& p : pictures) {
+  for (const TechniquePicture& p : pictures) {
     places.push_back({.row = int(p.surfaces() + (p.weighted ? 0 : depth + 1)),
                       .column = int(p.lengths.light),
                       .caption = p.name(),
@@ -125,7 +125,7 @@ int PathsMain(PathsFlags& flags) {
   if (!flags.quiet) {
     for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
   }
-  std::vector<WayPicture> pictures = WaysTo(options.max_depth);
+  std::vector<TechniquePicture> pictures = TechniquesTo(options.max_depth);
   Image whole;
   {
     Progress done = 0;
@@ -133,11 +133,12 @@ int PathsMain(PathsFlags& flags) {
     const std::uint64_t samples =
         std::uint64_t(options.width) * options.height * options.samples_per_pixel;
     if (!flags.quiet) display.emplace(done, samples * (pictures.size() + 1));
-    for (WayPicture& p : pictures) p.picture = RenderTechnique(job, p.lengths, p.weighted, done);
+    for (TechniquePicture& p : pictures)
+      p.picture = RenderTechnique(job, p.lengths, p.weighted, done);
     whole = RenderTechnique(job, std::nullopt, true, done);
   }
   std::vector<NamedChannel> layers;
-  for (const WayPicture& p : pictures) AddLayer(p.picture, p.name(), layers);
+  for (const TechniquePicture& p : pictures) AddLayer(p.picture, p.name(), layers);
   const ContactSheet sheet = Sheet(pictures, options.max_depth, flags.tone);
   const Metadata metadata = {
       {"command", "skywave paths" + PictureOptions(job.request(), kNotOfPaths)},
@@ -145,8 +146,8 @@ int PathsMain(PathsFlags& flags) {
   WriteExr(flags.output, whole, metadata, layers);
   WritePng(png, sheet.width, sheet.height, sheet.rgb);
   if (!flags.quiet) {
-    fmt::print("wrote {} ({} ways, weighted and unweighted) and their sheet {}\n", flags.output,
-               pictures.size() / 2, png);
+    fmt::print("wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
+               flags.output, pictures.size() / 2, png);
   }
   return 0;
 }
