@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/names.h"
@@ -144,17 +146,16 @@ struct IsVector<std::vector<T>> : std::true_type {};
 // "'text' is not VALUES", as half a sentence of an error message.
 std::string NotAValue(const std::string& text, const std::string& values);
 
-// The option `info` of the field that `field` (a generic lambda) finds in a request. The field is a
-// value, an optional, or a vector for a list.
-template <class Request, class Field, class Value>
-OptionOf<Request> MakeOption(OptionInfo info, Field field, Codec<Value> codec) {
-  info.values = codec.values;
-  info.value_name = info.metavar.empty() ? codec.metavar : std::string(info.metavar);
-  info.is_switch = codec.is_switch;
+// The option `info` of the field at `field(request)`: a value, an optional, or a vector for a list.
+template <class Request, class Target, class Value>
+OptionOf<Request> OptionOfField(const OptionInfo& info, Target& (*field)(Request&),
+                                const Codec<Value>& codec) {
   OptionOf<Request> option = {info, {}, {}};
+  option.values = codec.values;
+  option.value_name = info.metavar.empty() ? codec.metavar : std::string(info.metavar);
+  option.is_switch = codec.is_switch;
   option.set = [field, codec](Request& request, const std::vector<std::string>& texts) {
-    auto& target = field(request);
-    using Target = std::remove_cvref_t<decltype(target)>;
+    Target& target = field(request);
     if constexpr (IsVector<Target>::value) target.clear();
     for (const std::string& text : texts) {
       const std::optional<Value> value = codec.parse(text);
@@ -168,15 +169,14 @@ OptionOf<Request> MakeOption(OptionInfo info, Field field, Codec<Value> codec) {
     return std::string();
   };
   option.get = [field, codec](const Request& request) {
-    const auto& source = field(request);
-    using Source = std::remove_cvref_t<decltype(source)>;
+    const Target& source = field(const_cast<Request&>(request));
     std::vector<std::string> texts;
     const auto add = [&](const Value& value) {
       if (std::string text = codec.print(value); !text.empty()) texts.push_back(std::move(text));
     };
-    if constexpr (IsVector<Source>::value) {
+    if constexpr (IsVector<Target>::value) {
       for (const auto& value : source) add(value);
-    } else if constexpr (IsOptional<Source>::value) {
+    } else if constexpr (IsOptional<Target>::value) {
       if (source) add(*source);
     } else {
       add(source);
@@ -191,6 +191,14 @@ OptionOf<Request> MakeOption(OptionInfo info, Field field, Codec<Value> codec) {
     }
   }
   return option;
+}
+
+// The same of the field that `field`, a generic lambda, finds. Each lambda is a type of its own;
+// behind a function pointer, options are compiled once per type of field and not once per field.
+template <class Request, class Field, class Value>
+OptionOf<Request> MakeOption(const OptionInfo& info, Field field, const Codec<Value>& codec) {
+  using Target = std::remove_reference_t<decltype(field(std::declval<Request&>()))>;
+  return OptionOfField<Request, Target, Value>(info, field, codec);
 }
 
 // The field `path` of a request, for MakeOption.
