@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
+#include "measure/revision.h"
+#include "scene/embree.h"
 
 namespace skywave {
 namespace {
@@ -134,7 +136,10 @@ int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) 
   CLI::App program{
       "Skywave renders scenes lit by illumination maps (HDR light probes) on multicore CPUs.\n"
       "Start with:  skywave render gallery -o gallery.exr"};
-  program.set_version_flag("--version", "skywave " SKYWAVE_VERSION);
+  program.set_version_flag(
+      "--version",
+      fmt::format("skywave {} (revision {}, Embree {})", SKYWAVE_VERSION, GitRevision(),
+                  RTC_VERSION_STRING));
   program.require_subcommand(1);
   GivenOptions given;
   const Command* chosen = nullptr;
