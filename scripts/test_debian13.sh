@@ -29,7 +29,7 @@ fi
 part() {
   local name=$1 start=$SECONDS
   shift
-  in_root "$folder/root" "${mounts[@]}" env "${settings[@]}" --chdir=/skywave "$@"
+  in_root "$folder/root" "${mounts[@]}" env --chdir=/skywave "${settings[@]}" "$@"
   echo "Debian 13: $name took $((SECONDS - start)) s"
 }
 jobs=${JOBS:-$(nproc)}

@@ -19,8 +19,8 @@ RayStream View(const RayColumns& r, const std::uint32_t* keys) {
 
 static_assert(kPacket == kBeamRays);
 
-// The calls that are fastest for rays that promise nothing (measured:
-// docs/decisions/2026-11-22-embree-3-and-4.md).
+// These calls are the fastest for rays that promise nothing
+// (docs/decisions/2026-11-22-embree-3-and-4.md).
 constexpr Backend kBestClosest = Backend::kPacket;
 constexpr Backend kBestOcclusion = kEmbreeHasStreams ? Backend::kStream : Backend::kPacket;
 
