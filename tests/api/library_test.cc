@@ -78,7 +78,7 @@ struct Map {
 // point; no filter weighs pixels.
 const Options kLookDown = {{"size", "4x4"},    {"spp", "16"},        {"filter", "box"},
                            {"max-depth", "1"}, {"eye", "0,2,0.001"}, {"target", "0,0,0"},
-                           {"fov", "0.05"}};
+                           {"fov", "0.005"}};
 
 class Library : public Program {};
 
@@ -147,6 +147,16 @@ TEST_F(Library, ArraysAreWhatFilesAre) {
   file.SetEnvironment(map.image());
   EXPECT_EQ(arrays.triangles(), file.triangles());
   EXPECT_TRUE(SameBits(Render(arrays, kSmall), Render(file, kSmall)));
+
+  // Normals may have any length: those of two corners are tilted and one of them is four times as
+  // long.
+  api::Scene unit, longer;
+  square.normals[0] = 0.5f, square.normals[3] = -0.5f;
+  unit.AddMesh(square.mesh());
+  for (std::size_t i = 0; i < 3; ++i) square.normals[i] *= 4;
+  longer.AddMesh(square.mesh());
+  unit.SetEnvironment(map.image()), longer.SetEnvironment(map.image());
+  EXPECT_TRUE(SameBits(Render(longer, kSmall), Render(unit, kSmall)));
 }
 
 TEST_F(Library, MapsInMemoryAreWhatFilesAre) {
@@ -175,7 +185,7 @@ TEST_F(Library, MapsInMemoryAreWhatFilesAre) {
 
 // A white square under lights of closed form: radiance is rho / pi times irradiance.
 TEST(LibraryLights, IlluminateByTheirIntensity) {
-  constexpr double kPi = std::numbers::pi;
+  static constexpr double kPi = std::numbers::pi;
   struct Case {
     const char* name;
     void (*add)(api::Scene&);
@@ -197,6 +207,16 @@ TEST(LibraryLights, IlluminateByTheirIntensity) {
          s.AddSpotLight({0, 4, 0}, {0, -1, 0}, {16, 32, 64}, 20, 30);
        },
        1},
+      {"half of a spot",  // 25 degrees off the axis, where 3 t^2 - 2 t^3 is nearly a half
+       [](api::Scene& s) {
+         const float angle = 25 * float(kPi) / 180;
+         s.AddSpotLight({0, 4, 0}, {std::sin(angle), -std::cos(angle), 0}, {16, 32, 64}, 20, 30);
+       },
+       [] {
+         const auto cosine = [](double degrees) { return std::cos(degrees * kPi / 180); };
+         const double t = (cosine(25) - cosine(30)) / (cosine(20) - cosine(30));
+         return t * t * (3 - 2 * t);
+       }()},
       {"outside of a spot",
        [](api::Scene& s) {
          s.AddSpotLight({0, 4, 0}, {1, -1, 0}, {16, 32, 64}, 20, 30);
