@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/version.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
 
@@ -50,7 +51,7 @@ std::string Usage(const OptionInfo& info) {
 std::string Json(const std::vector<NamedCommand>& commands) {
   nlohmann::ordered_json json;
   json["schema"] = "skywave-options-1";
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   for (const auto& [name, command] : commands) {
     auto& list = json["commands"][name];
     list = nlohmann::ordered_json::array();
@@ -260,7 +261,7 @@ std::string PageHead(std::string_view command, std::string_view summary) {
   return fmt::format(
       ".\\\" Made by: skywave options --format man\n"
       ".TH {} 1 \"\" \"skywave {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
-      title, SKYWAVE_VERSION, Roff(PageName(command)), Roff(summary));
+      title, Version(), Roff(PageName(command)), Roff(summary));
 }
 
 constexpr std::string_view kHelpEntry =

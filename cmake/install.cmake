@@ -27,25 +27,24 @@ install(CODE [[
   file(INSTALL ${documents}/_skywave DESTINATION ${CMAKE_INSTALL_PREFIX}/share/zsh/${folder})
 ]] COMPONENT program)
 
-if(TARGET skywave_shared)
-  install(TARGETS skywave_shared EXPORT skywave
-          LIBRARY COMPONENT library NAMELINK_COMPONENT development)
-  install(FILES api/skywave.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/skywave COMPONENT development)
+install(TARGETS skywave_shared EXPORT skywave
+        LIBRARY COMPONENT library NAMELINK_COMPONENT development)
+install(FILES api/skywave.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/skywave COMPONENT development)
 
-  # find_package(skywave) gives the target skywave::skywave.
-  set(package ${CMAKE_INSTALL_LIBDIR}/cmake/skywave)
-  install(EXPORT skywave NAMESPACE skywave:: FILE skywaveConfig.cmake DESTINATION ${package}
-          COMPONENT development)
-  write_basic_package_version_file(${CMAKE_BINARY_DIR}/skywaveConfigVersion.cmake
-    COMPATIBILITY SameMinorVersion)
-  install(FILES ${CMAKE_BINARY_DIR}/skywaveConfigVersion.cmake DESTINATION ${package}
-          COMPONENT development)
+# find_package(skywave) gives the target skywave::skywave.
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/skywave)
+install(EXPORT skywave NAMESPACE skywave:: FILE skywaveConfig.cmake DESTINATION ${package}
+        COMPONENT development)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/skywaveConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/skywaveConfigVersion.cmake DESTINATION ${package}
+        COMPONENT development)
 
-  # The prefix is found from the place of the file, so that an installation can be moved.
-  cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}
-             OUTPUT_VARIABLE libraries)
-  string(REGEX REPLACE "[^/]+" ".." up ${libraries})
-  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/skywave.pc @ONLY CONTENT [[
+# The prefix is found from the place of the file, so that an installation can be moved.
+cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}
+           OUTPUT_VARIABLE libraries)
+string(REGEX REPLACE "[^/]+" ".." up ${libraries})
+file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/skywave.pc @ONLY CONTENT [[
 prefix=${pcfiledir}/../@up@
 Name: skywave
 Description: @PROJECT_DESCRIPTION@
@@ -54,7 +53,6 @@ Version: @PROJECT_VERSION@
 Cflags: -I${prefix}/@CMAKE_INSTALL_INCLUDEDIR@
 Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -lskywave
 ]])
-  install(FILES ${CMAKE_BINARY_DIR}/skywave.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
-          COMPONENT development)
-  install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
-endif()
+install(FILES ${CMAKE_BINARY_DIR}/skywave.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+        COMPONENT development)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development OPTIONAL)

@@ -33,22 +33,20 @@ skywave_package(program skywave graphics "wavefront renderer for scenes lit by l
 glTF, PLY) by illumination maps (OpenEXR, Radiance HDR, PFM), traces rays in
 batches by SIMD kernels and Embree, and compares ways of sampling lights.")
 
-if(TARGET skywave_shared)
-  get_target_property(soversion skywave_shared SOVERSION)
-  skywave_package(library libskywave${soversion} libs "wavefront renderer - shared library"
+get_target_property(soversion skywave_shared SOVERSION)
+skywave_package(library libskywave${soversion} libs "wavefront renderer - shared library"
 "Renders scenes lit by illumination maps from within other programs. This
 package has what programs need that were linked with it.")
-  # Packages that are linked with the library, ours too, learn their dependency from this.
-  set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
-  set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
-  set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
+# Packages that are linked with the library, ours too, learn their dependency from this.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
 
-  skywave_package(development libskywave-dev libdevel "wavefront renderer - development files"
+skywave_package(development libskywave-dev libdevel "wavefront renderer - development files"
 "Renders scenes lit by illumination maps from within other programs. This
 package has the header, the files for CMake and pkg-config, and examples.")
-  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
-  set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-      "libskywave${soversion} (= ${PROJECT_VERSION})")
-endif()
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "libskywave${soversion} (= ${PROJECT_VERSION})")
 
 include(CPack)
