@@ -141,9 +141,8 @@ std::string Message(const OptionError& error) {
 }
 
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
-  CLI::App program{
-      "Skywave renders scenes lit by illumination maps (HDR light probes) on multicore CPUs.\n"
-      "Start with:  skywave render gallery -o gallery.exr"};
+  CLI::App program{std::string(kProgramDescription) +
+                   "\nStart with:  skywave render gallery -o gallery.exr"};
   program.set_version_flag("--version", fmt::format("skywave {}", Version()));
   program.require_subcommand(1);
   GivenOptions given;
