@@ -65,6 +65,29 @@ bool ReadWhole(std::vector<unsigned char>* out, std::string* error, const std::s
   }
 }
 
+// tinygltf takes its own functions instead of ours if one is missing. Versions since 2.9 have one
+// more.
+template <class Callbacks>
+Callbacks FilesOf(Folder& folder) {
+  Callbacks callbacks = {};
+  callbacks.FileExists = Exists;
+  callbacks.ExpandFilePath = KeepPath;
+  callbacks.ReadWholeFile = ReadWhole;
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
+                                void*) { return false; };
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {
+    callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& name,
+                                      void* user) {
+      const auto path = Inside(*static_cast<Folder*>(user), name);
+      std::error_code error;
+      *size = path ? fs::file_size(*path, error) : 0;
+      return path && !error;
+    };
+  }
+  callbacks.user_data = &folder;
+  return callbacks;
+}
+
 // Images stay encoded as in the file. Those in buffer views are looked up only once their range has
 // been checked, because tinygltf has not checked it.
 bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
@@ -76,7 +99,7 @@ bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, in
 tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   Folder folder{fs::path(path).parent_path(), ""};
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({Exists, KeepPath, ReadWhole, nullptr, &folder});
+  loader.SetFsCallbacks(FilesOf<tinygltf::FsCallbacks>(folder));
   loader.SetImageLoader(KeepImage, nullptr);
   tinygltf::Model model;
   std::string error, warning;
