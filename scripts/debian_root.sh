@@ -1,9 +1,11 @@
 # Functions that make small Debian systems in folders and run commands in them; to be sourced.
+#   need_roots
 #   make_root RELEASE DIRECTORY [PACKAGE...]     RELEASE: bookworm, trixie
+#   install_in_root DIRECTORY [--bind FROM TO]... PACKAGE...
 #   in_root DIRECTORY [--bind FROM TO]... COMMAND [ARGUMENT...]
 #   remove_root DIRECTORY
-# Mirrors are those of the machine's own apt sources. Where a root cannot be made, make_root prints
-# "skipped: REASON" and exits with 77.
+# Mirrors are those of the machine's own apt sources. Where a root cannot be made, need_roots and
+# make_root print "skipped: REASON" and exit with 77.
 
 # Prints one-line apt sources for RELEASE: those of the machine with the name of the release replaced.
 debian_sources() {
@@ -19,15 +21,20 @@ debian_sources() {
       }'
 }
 
+# Ends the script where this machine or user cannot make roots.
+need_roots() {
+  [[ $(id -u) -eq 0 ]] || { echo "skipped: roots of Debian are made by root"; exit 77; }
+  command -v mmdebstrap >/dev/null || { echo "skipped: mmdebstrap is not installed"; exit 77; }
+  unshare --mount true 2>/dev/null || { echo "skipped: this container cannot mount"; exit 77; }
+}
+
 # Makes a system without compilers in DIRECTORY and installs the packages. A root of the same release
 # that is there already is kept, and gets the packages that it lacks.
 make_root() {
   local release=$1 directory=$2 sources
   shift 2
   local packages=("$@")
-  [[ $(id -u) -eq 0 ]] || { echo "skipped: roots of Debian are made by root"; exit 77; }
-  command -v mmdebstrap >/dev/null || { echo "skipped: mmdebstrap is not installed"; exit 77; }
-  unshare --mount true 2>/dev/null || { echo "skipped: this container cannot mount"; exit 77; }
+  need_roots
   if [[ -f $directory.made && $(cat "$directory.made") == "$release" ]]; then
     if ! in_root "$directory" dpkg-query -W "${packages[@]}" >/dev/null 2>&1; then
       install_in_root "$directory" "${packages[@]}"
@@ -46,7 +53,6 @@ make_root() {
 }
 
 # Installs packages, or files of packages that the root can see, with what they depend on.
-#   install_in_root DIRECTORY [--bind FROM TO]... PACKAGE...
 install_in_root() {
   local options=("$1")
   shift
