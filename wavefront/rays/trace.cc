@@ -203,7 +203,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights, const std::uint32_t* keys) {
   const RayStream view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
-                        lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
+                          lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
 }
