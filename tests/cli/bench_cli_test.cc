@@ -85,9 +85,9 @@ TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
     for (const Json& stage : scene.at("stages")) share += stage.at("share").get<double>();
     EXPECT_NEAR(share, 1, 1e-9);
     for (const Backend call : kBackends) {
-      const Json& seconds = scene.at("replay").at("traced").at("seconds").at(ToString(call));
+      const Json& replays = scene.at("replay").at("traced").at("seconds").at(ToString(call));
       for (const char* const kind : {"camera", "bounce", "shadow"}) {
-        EXPECT_EQ(seconds.at(kind).size(), 1u);
+        EXPECT_EQ(replays.at(kind).size(), 1u);
       }
     }
     double mrays = 0;
