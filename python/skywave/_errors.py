@@ -1,0 +1,52 @@
+"""The exceptions of the package. The extension module raises them as well."""
+import contextlib
+
+
+class Error(ValueError):
+    """Input that cannot be used.
+
+    kind: "usage" (an option or argument that makes no sense), "bad-input" (a file or array that
+    cannot be used) or "io" (a file that cannot be read or written).
+    place: the file with the line or byte, the options, or the argument.
+    """
+
+    def __init__(self, message, kind="usage", place=""):
+        super().__init__(message)
+        self.kind = kind
+        self.place = place
+
+    def __reduce__(self):  # exceptions of other processes arrive pickled
+        return type(self), (str(self), self.kind, self.place)
+
+    def __str__(self):
+        return self.args[0]
+
+
+class FileError(Error, OSError):
+    """An Error of the kind "io"; also an OSError, as Python's own functions raise it."""
+
+
+class Canceled(Exception):
+    """The progress function has returned False."""
+
+
+def make_error(message, kind, place):
+    """Returns the exception of the class that belongs to `kind`."""
+    return (FileError if kind == "io" else Error)(message, kind, place)
+
+
+def bad_argument(argument, reason):
+    """Returns the Error of an argument whose type or shape makes no sense."""
+    return Error(f"{argument}: {reason}", "usage", argument)
+
+
+@contextlib.contextmanager
+def renamed(**arguments):
+    """Names an argument of the library as Python does in the errors of the block."""
+    try:
+        yield
+    except Error as error:
+        name = arguments.get(error.place)
+        if name is None:
+            raise
+        raise type(error)(name + str(error)[len(error.place):], error.kind, name) from None
