@@ -11,6 +11,7 @@ packages=(
 if [[ ${1:-} == test ]]; then
   packages+=(
     libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache
+    python3-dev python3-numpy python3-pybind11 pybind11-dev
     valgrind clang-format-14 clang-tidy-14
   )
 fi

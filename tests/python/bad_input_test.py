@@ -53,7 +53,7 @@ class BadInputTest(Case):
         add = skywave.Scene().add_mesh
         self.refuse("^faces$", r"shape is \(18,\)", add, VERTICES, FACES.ravel())
         self.refuse("^faces$", r"shape is \(6, 2\)", add, VERTICES, FACES[:, :2])
-        self.refuse("^faces$", r"shape is \(6, 4\)", add, VERTICES, numpy.hstack([FACES, FACES[:, :1]]))
+        self.refuse("^faces$", r"shape is \(6, 4\)", add, VERTICES, FACES[:, [0, 1, 2, 0]])
         self.refuse("^faces$", "float64", add, VERTICES, FACES.astype(float))
         self.refuse("^faces$", "bool", add, VERTICES, FACES > 2)
         self.refuse("^faces$", "object", add, VERTICES, [[0, 1, 10**30]])
@@ -159,7 +159,7 @@ class BadInputTest(Case):
         self.refuse("broken.hdr", "", render, "broken.hdr")
         # Single values are repaired, and the notes say so.
         picture = render(changed(sky(), (3, 4, 1), NAN))
-        self.assertTrue(any("map" in note or "NaN" in note for note in picture.notes), picture.notes)
+        self.assertIn("map", " ".join(picture.notes))
         self.assertTrue(numpy.isfinite(picture.rgb).all())
         self.refuse("map", "", skywave.probe, numpy.ones((0, 0, 3)))
         self.refuse("projection", "", skywave.probe, sky(), "round")
@@ -169,8 +169,9 @@ class BadInputTest(Case):
             return skywave.render("furnace", **{**SMALL, **options})
         self.refuse("max-dept", "max-depth", render, max_dept=3)
         self.refuse("quux", "no such option|unknown", render, quux=3)
-        for name, value in (("spp", 0), ("spp", -1), ("spp", 64.5), ("spp", 10**30), ("spp", "many"),
-                            ("spp", True), ("size", (0, 4)), ("size", (4,)), ("size", 640),
+        for name, value in (("spp", 0), ("spp", -1), ("spp", 64.5), ("spp", 10**30),
+                            ("spp", "many"), ("spp", True), ("size", (0, 4)), ("size", (4,)),
+                            ("size", 640),
                             ("size", (10**30, 1)), ("size", (10**6, 10**6)), ("size", [[1, 2], 3]),
                             ("eye", (1, 2)), ("eye", (1, 2, NAN)), ("fov", NAN), ("fov", INFINITE),
                             ("crop", (10, 10)), ("crop", (10, 10, 1000, 1000)), ("mis", 3),

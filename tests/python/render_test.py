@@ -22,8 +22,8 @@ class RenderTest(Case):
         self.assert_same_bits(picture.rgb, skywave.read_image("a.exr"))
 
     def test_layers_and_files_are_those_of_the_command_line(self):
-        self.command("render", "lamps", "--size", "40x30", "--spp", "2", "--aovs", "all", "-q", "-o",
-                     "a.exr")
+        self.command("render", "lamps", "--size", "40x30", "--spp", "2", "--aovs", "all", "-q",
+                     "-o", "a.exr")
         picture = skywave.render("lamps", **SMALL, aovs="all")
         picture.save("b.exr")
         picture.save(pathlib.Path("b.png"))
@@ -95,7 +95,8 @@ class RenderTest(Case):
         self.assertNotEqual(picture._repr_png_(), skywave.encode_png(picture, exposure=2))
 
     def test_statistics_have_the_keys_of_the_command_line(self):
-        self.command("render", "furnace", "--size", "40x30", "--spp", "2", "--stats", "a.json", "-q")
+        self.command("render", "furnace", "--size", "40x30", "--spp", "2", "-q", "--stats",
+                     "a.json")
         keys = json.loads(pathlib.Path("a.json").read_text()).keys()
         statistics = skywave.render("furnace", **SMALL).statistics
         self.assertEqual(keys - {"write_seconds"}, statistics.keys() - {"write_seconds"})
