@@ -63,6 +63,12 @@ class Shared {
 using Scene = Shared<api::Scene>;
 using Renderer = Shared<api::Renderer>;
 
+// Takes the scene, which is empty then, or copies it.
+api::Scene OwnScene(Scene& scene, bool take) {
+  return scene.Use(
+      [&](api::Scene& s) { return take ? std::exchange(s, api::Scene()) : api::Scene(s); });
+}
+
 template <class Number>
 std::span<const Number> SpanOf(const Array<Number>& array) {
   return {array.data(), std::size_t(array.size())};
@@ -213,9 +219,9 @@ void AddScene(py::module_& module) {
 
 void AddRenderer(py::module_& module) {
   py::class_<Renderer>(module, "Renderer")
-      .def(py::init([](Scene& scene, const api::Options& options) {
-        return scene.Use(
-            [&](api::Scene& s) { return std::make_unique<Renderer>(std::as_const(s), options); });
+      .def(py::init([](Scene& scene, bool take, const api::Options& options) {
+        api::Scene own = OwnScene(scene, take);
+        return Unlocked([&] { return std::make_unique<Renderer>(std::move(own), options); });
       }))
       .def("width",
            [](Renderer& renderer) {
@@ -274,8 +280,16 @@ void AddRenderer(py::module_& module) {
            [](Renderer& renderer) {
              return Text(renderer.Use([](api::Renderer& r) { return r.Summary(); }));
            })
-      .def("write_exr", [](Renderer& renderer, const std::string& path) {
-        renderer.Use([&](api::Renderer& r) { r.WriteExr(path); });
+      .def("write_exr",
+           [](Renderer& renderer, const std::string& path) {
+             renderer.Use([&](api::Renderer& r) { r.WriteExr(path); });
+           })
+      .def("write_png",
+           [](Renderer& renderer, const std::string& path) {
+             renderer.Use([&](api::Renderer& r) { r.WritePng(path); });
+           })
+      .def("encode_png", [](Renderer& renderer) {
+        return py::bytes(renderer.Use([](api::Renderer& r) { return r.EncodePng(); }));
       });
 }
 
@@ -283,14 +297,6 @@ void AddFunctions(py::module_& module) {
   const auto image = py::arg("image").noconvert();
   module.def("version", [] { return api::Version(); });
   module.def("read_image", &ReadImage);
-  module.def(
-      "write_png",
-      [](const std::string& path, const Array<float>& array, float exposure,
-         const std::string& tone) {
-        const api::ImageArray pixels = ImageOf(array);
-        Unlocked([&] { api::WritePng(path, pixels, exposure, tone); });
-      },
-      py::arg("path"), image, py::arg("exposure"), py::arg("tone"));
   module.def(
       "encode_png",
       [](const Array<float>& array, float exposure, const std::string& tone) {
@@ -305,11 +311,11 @@ void AddFunctions(py::module_& module) {
         return Text(Unlocked([&] { return api::Compare(pixels, reference); }));
       },
       image, py::arg("reference").noconvert());
-  module.def("converge", [](Scene& scene, const api::Options& options, const py::object& progress) {
+  module.def("converge", [](Scene& scene, bool take, const api::Options& options,
+                            const py::object& progress) {
     const api::ProgressCallback callback = CallbackOf(progress);
-    // A copy: the user's function may use the scene.
-    const api::Scene copy = scene.Use([](api::Scene& s) { return s; });
-    return Text(Unlocked([&] { return api::Converge(copy, options, callback); }));
+    api::Scene own = OwnScene(scene, take);
+    return Text(Unlocked([&] { return api::Converge(std::move(own), options, callback); }));
   });
   module.def(
       "describe_map",

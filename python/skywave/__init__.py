@@ -30,14 +30,17 @@ _READING = ("strict", "max_triangles")
 
 
 def _scene_and_options(scene, env, options):
-    """Returns the scene of a file or of an object, lit by `env`, and the options of its render."""
-    if not isinstance(scene, Scene):
+    """Returns the scene of a file or of an object, lit by `env`, whether nobody else has it, and the
+    options of its render."""
+    own = not isinstance(scene, Scene)
+    if own:
         reading = {name: options[name] for name in _READING if name in options}
         scene = Scene(scene, **reading)
         options = {name: value for name, value in options.items() if name not in _READING}
     if env is not None and not _convert.is_path(env):
-        return scene.copy().set_environment(env), _convert.options(options)
-    return scene, _convert.options({"env": env, **options})
+        lit = (scene if own else scene.copy()).set_environment(env)
+        return lit._core, True, _convert.options(options)
+    return scene._core, own, _convert.options({"env": env, **options})
 
 
 def render(scene, env=None, *, progress=None, **options):
@@ -48,8 +51,7 @@ def render(scene, env=None, *, progress=None, **options):
     False. Ctrl-C stops it with KeyboardInterrupt. All other keywords are options, such as size,
     spp, integrator, strategy, aovs, eye, target, fov, max_depth, seed and threads.
     """
-    scene, options = _scene_and_options(scene, env, options)
-    renderer = _core.Renderer(scene._core, options)
+    renderer = _core.Renderer(*_scene_and_options(scene, env, options))
     renderer.render(progress)
     return Picture(renderer)
 
@@ -60,9 +62,8 @@ def converge(scene, strategies=None, budgets=None, env=None, *, progress=None, *
     `strategies` is a list, the first of which is the one that others are compared with; `budgets`
     is a list of samples per pixel. The keywords are the options of `skywave converge`.
     """
-    scene, options = _scene_and_options(
-        scene, env, {"strategies": strategies, "budgets": budgets, **options})
-    return json.loads(_core.converge(scene._core, options, progress))
+    options = {"strategies": strategies, "budgets": budgets, **options}
+    return json.loads(_core.converge(*_scene_and_options(scene, env, options), progress))
 
 
 def compare(image, reference):

@@ -39,10 +39,13 @@ class Picture:
     def save(self, path, *, exposure=None, tone=None):
         """Writes an EXR with all layers and the command that repeats it, or a PNG.
 
-        Exposure [stops] and tone ("clip" or "filmic") are those of a PNG.
+        A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso),
+        or by the arguments: `exposure` in stops, `tone` "clip" or "filmic".
         """
         ending = os.path.splitext(os.fsdecode(_convert.path(path, "path")))[1]
-        if ending == ".png":
+        if ending == ".png" and exposure is None and tone is None:
+            self._renderer.write_png(_convert.path(path, "path"))
+        elif ending == ".png":
             write_png(path, self, exposure=0 if exposure is None else exposure,
                       tone="clip" if tone is None else tone)
         elif ending != ".exr":
@@ -60,7 +63,7 @@ class Picture:
         return array.copy() if copy else array
 
     def _repr_png_(self):
-        return encode_png(self)
+        return self._renderer.encode_png()
 
     def __repr__(self):
         layers = f", layers {', '.join(self.layers)}" if self.layers else ""
@@ -69,8 +72,9 @@ class Picture:
 
 def write_png(path, image, *, exposure=0, tone="clip"):
     """Writes 8-bit sRGB; radiance is multiplied by 2^exposure, `tone` is "clip" or "filmic"."""
-    _core.write_png(_convert.path(path, "path"), _convert.image(image, "image"),
-                    _convert.number(exposure, "exposure"), _convert.text(tone, "tone"))
+    data = encode_png(image, exposure=exposure, tone=tone)
+    with open(_convert.path(path, "path"), "wb") as file:
+        file.write(data)
 
 
 def encode_png(image, *, exposure=0, tone="clip"):
