@@ -178,5 +178,5 @@ def options(keywords):
         try:
             pairs.append((os.fsencode(name), os.fsencode(_text(name, value))))
         except (TypeError, ValueError, OverflowError) as error:
-            raise bad_argument(name, str(error)) from None
+            raise bad_argument(keyword, str(error)) from None
     return pairs

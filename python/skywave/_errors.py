@@ -1,5 +1,6 @@
 """The exceptions of the package. The extension module raises them as well."""
 import contextlib
+import re
 
 
 class Error(ValueError):
@@ -31,7 +32,11 @@ class Canceled(Exception):
 
 
 def make_error(message, kind, place):
-    """Returns the exception of the class that belongs to `kind`."""
+    """Returns the exception of the class that belongs to `kind`.
+
+    The library mentions options in backticks; here they are keywords.
+    """
+    message = re.sub("`([a-z-]+)`", lambda option: option[1].replace("-", "_"), message)
     return (FileError if kind == "io" else Error)(message, kind, place)
 
 
@@ -42,7 +47,7 @@ def bad_argument(argument, reason):
 
 @contextlib.contextmanager
 def renamed(**arguments):
-    """Names an argument of the library as Python does in the errors of the block."""
+    """Lets the errors of the block call arguments of the library by their names in Python."""
     try:
         yield
     except Error as error:

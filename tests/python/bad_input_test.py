@@ -167,7 +167,7 @@ class BadInputTest(Case):
     def test_options(self):
         def render(**options):
             return skywave.render("furnace", **{**SMALL, **options})
-        self.refuse("max-dept", "max-depth", render, max_dept=3)
+        self.refuse("^max_dept$", "did you mean max_depth", render, max_dept=3)
         self.refuse("quux", "no such option|unknown", render, quux=3)
         for name, value in (("spp", 0), ("spp", -1), ("spp", 64.5), ("spp", 10**30),
                             ("spp", "many"), ("spp", True), ("size", (0, 4)), ("size", (4,)),
@@ -229,7 +229,7 @@ class BadInputTest(Case):
         self.refuse("budgets", "", converge, budgets=[0])
         self.refuse("budgets", "", converge, budgets=[])
         self.refuse("strategies|produkt", "", converge, strategies=["importance", "produkt"])
-        self.refuse("reference-sp", "reference-spp", converge, reference_sp=3)
+        self.refuse("^reference_sp$", "did you mean reference_spp", converge, reference_sp=3)
 
     def test_errors_survive_pickling(self):
         for kind, cls in (("bad-input", skywave.Error), ("io", skywave.FileError)):
