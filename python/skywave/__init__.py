@@ -30,7 +30,7 @@ _READING = ("strict", "max_triangles")
 
 
 def _scene_and_options(scene, env, options):
-    """Returns the scene, lit by `env`, whether nobody else has it, and the options of its render."""
+    """Returns the scene, lit by `env`, whether nobody else has it, and the options as text."""
     own = not isinstance(scene, Scene)
     if own:
         reading = {name: options[name] for name in _READING if name in options}
