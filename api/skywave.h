@@ -104,6 +104,10 @@ struct MaterialParameter {
 // A world direction, position or colour.
 using Vector = std::array<float, 3>;
 
+// Is called about ten times a second by the thread that called, with the share that is done, in [0, 1].
+// Rendering stops with Canceled if it returns false, and with its exception if it throws.
+using ProgressCallback = std::function<bool(double done)>;
+
 // Triangles, materials, textures, lights and a camera. Material 0 always exists: grey, diffuse.
 class SKYWAVE_API Scene {
  public:
@@ -153,9 +157,10 @@ class SKYWAVE_API Scene {
 
   std::size_t triangles() const;
 
+  struct State;  // not for users
+  State& state() { return *state_; }
+
  private:
-  friend class Renderer;
-  struct State;
   std::unique_ptr<State> state_;
 };
 
@@ -165,22 +170,19 @@ struct Layer {
   std::string channels;  // one letter each, "RGB" or "Z"
 };
 
-// Is called about ten times a second by the thread that renders with the share that is done, in
-// [0, 1]. Rendering stops with Canceled if it returns false, and with its exception if it throws.
-using ProgressCallback = std::function<bool(double done)>;
-
 // One picture of a scene.
 class SKYWAVE_API Renderer {
  public:
-  // Reads the map, builds BVH and tables. A later change of `scene` makes no difference.
-  Renderer(const Scene& scene, const Options& options);
+  // Reads the map, builds BVH and tables. A later change of the scene makes no difference; moving it
+  // here saves a copy. Besides the options of a render that make its picture, those of its PNG are
+  // known: exposure, tone, shutter, f-number, iso.
+  Renderer(Scene scene, const Options& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
   int width() const;  // of the picture, or of its part that "crop" asks for [pixels]
   int height() const;
-  const std::vector<Layer>& layers() const;
   // Returns what was assumed, repaired or left out, a line each.
   const std::vector<std::string>& notes() const;
 
@@ -189,26 +191,28 @@ class SKYWAVE_API Renderer {
 
   // The following need a complete Render.
 
+  const std::vector<Layer>& layers() const;
   // Writes the picture to `rgb`, width() * height() * 3 floats like an ImageArray.
   void CopyPicture(std::span<float> rgb) const;
   // Writes the layer with that name, with as many floats per pixel as it has channels.
   void CopyLayer(const std::string& name, std::span<float> values) const;
-  // Returns times, rays, stages as `skywave render --stats` writes them, JSON.
+  // Returns times, rays and stages as `skywave render --stats` writes them, JSON.
   std::string Statistics() const;
-  // Returns the same for people.
+  // Returns the same for people, in lines.
   std::string Summary() const;
-  // Writes picture and layers with the command that repeats them.
+  // Writes picture and layers and, for a scene that was not changed after it had been read, the
+  // command that repeats them.
   void WriteExr(const std::string& path) const;
+  void WritePng(const std::string& path) const;
+
+  struct State;  // not for users
 
  private:
-  struct State;
   std::unique_ptr<State> state_;
 };
 
-// Writes 8-bit sRGB; radiance is multiplied by 2^exposure, `tone` is "clip" or "filmic".
-SKYWAVE_API void WritePng(const std::string& path, const ImageArray& image, float exposure = 0,
-                          const std::string& tone = "clip");
-// Returns the bytes of such a file.
+// Returns the bytes of a PNG, 8-bit sRGB: radiance is multiplied by 2^exposure; `tone` is a curve of
+// the option "tone".
 SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
                                   const std::string& tone = "clip");
 
@@ -216,13 +220,13 @@ SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
 SKYWAVE_API std::string Compare(const ImageArray& image, const ImageArray& reference);
 
 // Returns what `skywave converge --json` writes. `options` are those of render and of converge
-// ({"strategies", "importance product"}, {"budgets", "1,4,16"}). The callback sees the references
-// and the measurement as parts of one whole.
-SKYWAVE_API std::string Converge(const Scene& scene, const Options& options,
+// ({"strategies", "importance product"}, {"budgets", "1,4,16"}). The callback sees the reference from
+// 0 to 1 first, and then the measurement.
+SKYWAVE_API std::string Converge(Scene scene, const Options& options,
                                  const ProgressCallback& progress = {});
 
-// Returns what `skywave probe info --json` writes of a map; `projection` as "env-projection" has
-// it, empty: by its shape.
+// Returns what `skywave probe info --json` writes of a map; `projection` as "env-projection" has it,
+// empty: by its shape.
 SKYWAVE_API std::string DescribeMap(const ImageArray& map, const std::string& projection = {});
 
 }  // namespace skywave::api

@@ -26,7 +26,9 @@ std::string ToString(const InputPosition& position) {
 
 InputError::InputError(const InputPosition& position, const std::string& reason, int exit_code)
     : std::runtime_error(position.path.empty() ? reason : ToString(position) + ": " + reason),
-      exit_code_(exit_code) {}
+      exit_code_(exit_code),
+      place_(position.path.empty() ? "" : ToString(position)),
+      reason_(reason) {}
 
 OptionError::OptionError(std::vector<OptionValue> options, const std::string& why)
     : InputError(InputPosition::File(Listed(options)), why, kExitUsage),

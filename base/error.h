@@ -41,9 +41,12 @@ class InputError : public std::runtime_error {
   InputError(const InputPosition& position, const std::string& reason,
              int exit_code = kExitBadInput);
   int exit_code() const { return exit_code_; }
+  const std::string& place() const { return place_; }  // as ToString gives the position
+  const std::string& reason() const { return reason_; }
 
  private:
   int exit_code_;
+  std::string place_, reason_;
 };
 
 // An option by its bare name, and its value as the user gives it; empty: the option alone matters.

@@ -13,12 +13,6 @@
 
 namespace skywave {
 
-// An option and the field that it sets.
-struct BoundOption {
-  OptionInfo info;
-  std::function<std::string(const std::vector<std::string>& texts)> set;  // see OptionOf
-};
-
 // The names of the options that a user gave, without dashes.
 using GivenOptions = std::set<std::string, std::less<>>;
 
@@ -35,11 +29,7 @@ template <class Options, class Request>
 void AddOptions(Command& command, const Options& options, const std::shared_ptr<Request>& target,
                 const std::set<std::string_view>& without = {}) {
   for (const auto& option : options) {
-    if (without.contains(option.name)) continue;
-    command.options.push_back(
-        {option, [target, set = option.set](const std::vector<std::string>& texts) {
-           return set(*target, texts);
-         }});
+    if (!without.contains(option.name)) command.options.push_back(Bind(option, target));
   }
 }
 

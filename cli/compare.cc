@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "base/files.h"
 #include "cli/commands.h"
 #include "image/compare.h"
+#include "measure/json_reports.h"
 
 namespace skywave {
 namespace {
@@ -22,28 +22,13 @@ int CompareMain(const CompareFlags& flags) {
   }
   const Image image = ReadImage(flags.image), reference = ReadImage(flags.reference);
   const ImageDifference d = Compare(image, reference);
-  const std::pair<const char*, double> rows[] = {
-      {"mean_image", d.mean_a},
-      {"mean_reference", d.mean_b},
-      {"mse", d.mse},
-      {"rmse", d.rmse},
-      {"relative_mse", d.relative_mse},
-      {"mean_absolute", d.mean_absolute},
-      {"psnr_db", d.psnr},
-      {"thesis_euclidean", d.thesis_euclidean},
-      {"thesis_luminance", d.thesis_luminance},
-      {"max_absolute", d.max_absolute},
-  };
-  nlohmann::ordered_json json;
-  for (const auto& [name, value] : rows) {
-    fmt::print("{:<18}{:.8g}\n", name, value);
-    json[name] = value;
+  const nlohmann::ordered_json json = Json(d);
+  for (const auto& [name, value] : json.items()) {
+    if (value.is_number_float()) fmt::print("{:<18}{:.8g}\n", name, value.get<double>());
   }
   fmt::print("{:<18}{}, {}\n", "max_at", d.max_x, d.max_y);
   fmt::print("{:<18}{} of {}\n", "different_pixels", d.different_pixels,
              std::size_t(image.width) * image.height);
-  json["max_at"] = {d.max_x, d.max_y};
-  json["different_pixels"] = d.different_pixels;
   if (!flags.map.empty()) {
     WritePng(flags.map, image.width, image.height, ErrorMap(image, reference, flags.full_scale));
     fmt::print("wrote {}\n", flags.map);

@@ -13,6 +13,7 @@
 
 #include "base/clock.h"
 #include "base/files.h"
+#include "base/version.h"
 #include "cli/commands.h"
 #include "job/options.h"
 #include "kernels/bsdf/bsdf.h"
@@ -137,7 +138,7 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   const SceneSummary& summary = file.summary;
   nlohmann::ordered_json json;
   json["schema"] = "skywave-scene-info-1";
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   json["meshes"] = summary.meshes;
   json["triangles"] = summary.triangles;
   json["vertices"] = summary.vertices;

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/version.h"
 #include "cli/commands.h"
 
 namespace skywave {
@@ -47,7 +48,7 @@ std::string Usage(const OptionInfo& info) {
 std::string Json(const std::vector<NamedCommand>& commands) {
   nlohmann::ordered_json json;
   json["schema"] = "skywave-options-1";
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   for (const auto& [name, command] : commands) {
     auto& list = json["commands"][name];
     list = nlohmann::ordered_json::array();

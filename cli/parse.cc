@@ -1,10 +1,13 @@
 #include "cli/parse.h"
+#include "base/version.h"
 
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
+#include "base/version.h"
+#include "skywave/skywave.h"
 
 namespace skywave {
 namespace {
@@ -80,9 +83,16 @@ void AddCommand(CLI::App& parent, const Command& command, GivenOptions& given,
   if (command.run) app->callback([&command, &chosen] { chosen = &command; });
 }
 
-int Run(const Command& command, const GivenOptions& given) {
+// Returns the exit code of `run`; prints what it throws.
+int Run(const std::function<int()>& run) {
   try {
-    return command.run(given);
+    return run();
+  } catch (const api::Error& error) {
+    // The library has translated an error of ours, which knows its exit code and its options.
+    return Run([&]() -> int {
+      std::rethrow_if_nested(error);
+      throw InputError({}, error.what(), kExitUsage);
+    });
   } catch (const OptionError& error) {
     fmt::print(stderr, "skywave: {}\n", Message(error));
     return error.exit_code();
@@ -134,7 +144,7 @@ int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) 
   CLI::App program{
       "Skywave renders scenes lit by illumination maps (HDR light probes) on multicore CPUs.\n"
       "Start with:  skywave render gallery -o gallery.exr"};
-  program.set_version_flag("--version", "skywave " SKYWAVE_VERSION);
+  program.set_version_flag("--version", fmt::format("skywave {}", Version()));
   program.require_subcommand(1);
   GivenOptions given;
   const Command* chosen = nullptr;
@@ -144,7 +154,7 @@ int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) 
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : kExitUsage;
   }
-  return Run(*chosen, given);
+  return Run([&] { return chosen->run(given); });
 }
 
 }  // namespace skywave

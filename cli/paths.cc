@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/version.h"
 #include "cli/commands.h"
 #include "cli/contact_sheet.h"
 #include "cli/progress.h"
@@ -122,27 +123,23 @@ int PathsMain(PathsFlags& flags) {
                      fmt::format("there would be too many layers; at most {}", kDeepest),
                      kExitUsage);
   }
-  if (!flags.quiet) {
-    for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
-  }
+  if (!flags.quiet) PrintNotes(job.notes());
   std::vector<TechniquePicture> pictures = TechniquesTo(options.max_depth);
   Image whole;
-  {
-    Progress done = 0;
-    std::optional<ProgressDisplay> display;
-    const std::uint64_t samples =
-        std::uint64_t(options.width) * options.height * options.samples_per_pixel;
-    if (!flags.quiet) display.emplace(done, samples * (pictures.size() + 1));
-    for (TechniquePicture& p : pictures)
+  const std::uint64_t samples =
+      std::uint64_t(options.width) * options.height * options.samples_per_pixel;
+  ShowProgress(flags.quiet, samples * (pictures.size() + 1), [&](Progress& done) {
+    for (TechniquePicture& p : pictures) {
       p.picture = RenderTechnique(job, p.lengths, p.weighted, done);
+    }
     whole = RenderTechnique(job, std::nullopt, true, done);
-  }
+  });
   std::vector<NamedChannel> layers;
   for (const TechniquePicture& p : pictures) AddLayer(p.picture, p.name(), layers);
   const ContactSheet sheet = Sheet(pictures, options.max_depth, flags.tone);
   const Metadata metadata = {
       {"command", "skywave paths" + PictureOptions(job.request(), kNotOfPaths)},
-      {"software", "skywave " SKYWAVE_VERSION}};
+      {"software", fmt::format("skywave {}", Version())}};
   WriteExr(flags.output, whole, metadata, layers);
   WritePng(png, sheet.width, sheet.height, sheet.rgb);
   if (!flags.quiet) {

@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <string>
-
-#include "base/clock.h"
 
 namespace skywave {
 namespace {
@@ -21,40 +18,41 @@ std::string Duration(double seconds) {
 
 }  // namespace
 
-ProgressDisplay::ProgressDisplay(const Progress& done, std::uint64_t total)
-    : done_(done), total_(total), thread_([this] { Show(); }) {}
+ProgressDisplay::ProgressDisplay()
+    : terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
 
 ProgressDisplay::~ProgressDisplay() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  wake_.notify_one();
-  thread_.join();
+  if (terminal_) fmt::print(stderr, "\r\033[K");
 }
 
-void ProgressDisplay::Show() {
-  using namespace std::chrono_literals;
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  const auto start = Clock::now();
-  std::unique_lock lock(mutex_);
+void ProgressDisplay::Show(double done) {
   // If standard error is not a terminal, a line every ten seconds suffices.
-  while (!wake_.wait_for(lock, terminal ? 200ms : 10000ms, [this] { return stop_; })) {
-    const double share = double(done_.load()) / double(total_);
-    const double elapsed = SecondsSince(start);
-    const std::string left =
-        share > 0.01 ? Duration(elapsed / share * (1 - share)) + " left" : "estimating";
-    if (terminal) {
-      constexpr int kWidth = 40;
-      const int filled = int(share * kWidth);
-      fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:3.0f} %  {}   ", "", filled, "", kWidth - filled,
-                 share * 100, left);
-    } else {
-      fmt::print(stderr, "{:.0f} % rendered, {}\n", share * 100, left);
-    }
-    std::fflush(stderr);
+  if (SecondsSince(last_) < (terminal_ ? 0.2 : 10.0)) return;
+  last_ = Clock::now();
+  const std::string left =
+      done > 0.01 ? Duration(SecondsSince(start_) / done * (1 - done)) + " left" : "estimating";
+  if (terminal_) {
+    constexpr int kWidth = 40;
+    const int filled = int(done * kWidth);
+    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:3.0f} %  {}   ", "", filled, "", kWidth - filled,
+               done * 100, left);
+  } else {
+    fmt::print(stderr, "{:.0f} % rendered, {}\n", done * 100, left);
   }
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+}
+
+void ShowProgress(bool quiet, std::uint64_t total, const WatchedWork& work) {
+  if (quiet) return Watch(total, work, nullptr);
+  ProgressDisplay display;
+  Watch(total, work, [&](double done) {
+    display.Show(done);
+    return true;
+  });
+}
+
+void PrintNotes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
 }
 
 }  // namespace skywave

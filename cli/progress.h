@@ -2,31 +2,34 @@
 // line elsewhere.
 #pragma once
 
-#include <atomic>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
-#include <thread>
+#include <string>
+#include <vector>
 
-#include "wavefront/render.h"
+#include "base/clock.h"
+#include "job/watch.h"
 
 namespace skywave {
 
-// Prints to standard error from a separate thread until it is destroyed.
+// Prints to standard error. A line of a terminal that it has used is blank after its end.
 class ProgressDisplay {
  public:
-  ProgressDisplay(const Progress& done, std::uint64_t total);
+  ProgressDisplay();
+  ProgressDisplay(const ProgressDisplay&) = delete;
+  ProgressDisplay& operator=(const ProgressDisplay&) = delete;
   ~ProgressDisplay();
+  // Takes the share that is done, in [0, 1]; prints if the last time is long enough ago.
+  void Show(double done);
 
  private:
-  void Show();
-
-  const Progress& done_;
-  std::uint64_t total_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stop_ = false;
-  std::thread thread_;
+  bool terminal_;
+  Clock::time_point start_, last_;
 };
+
+// Runs `work` and shows its progress to `total` meanwhile, unless `quiet` (see Watch).
+void ShowProgress(bool quiet, std::uint64_t total, const WatchedWork& work);
+
+// Prints each of `notes` as a line of standard error.
+void PrintNotes(const std::vector<std::string>& notes);
 
 }  // namespace skywave

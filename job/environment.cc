@@ -15,7 +15,7 @@ namespace {
 // The light of the request, or else those of the scene.
 std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest& request) {
   const EnvironmentRequest& environment = request.environment;
-  if (!environment.path.empty()) {
+  if (!environment.path.empty() || environment.image) {
     EnvironmentLight light;
     light.map_path = environment.path;
     light.world_from_map =
@@ -37,12 +37,12 @@ std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest&
 // Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it.
 void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
              std::vector<std::string>& notes) {
-  if (!light.map && light.map_path.empty()) {
+  if (!light.map && light.map_path.empty() && !request.image) {
     light.map = Image(1, 1);
     light.map->rgb = {1, 1, 1};
   }
   if (!light.map) {
-    Image image = ReadImage(light.map_path, request.limits);
+    Image image = request.image ? *request.image : ReadImage(light.map_path, request.limits);
     const bool equal_area = light.equal_area_square && image.width == image.height;
     const Projection projection = request.projection ? *request.projection
                                   : equal_area       ? Projection::kOctahedral

@@ -96,7 +96,8 @@ RenderJob::RenderJob(const JobRequest& request) {
   BuildOnThreads(std::move(scene), request);
 }
 
-RenderJob::RenderJob(Scene scene, const JobRequest& request) {
+RenderJob::RenderJob(Scene scene, const JobRequest& request, double load_seconds) {
+  times_.load = load_seconds;
   BuildOnThreads(std::move(scene), request);
 }
 

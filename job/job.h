@@ -26,7 +26,8 @@ class RenderJob {
   // Reads, checks and builds; throws InputError. No file is touched for writing.
   explicit RenderJob(const JobRequest& request);
   // The same for a scene that is in memory already; `request.scene` only names it in errors.
-  RenderJob(Scene scene, const JobRequest& request);
+  // `load_seconds` is the time that reading it took.
+  RenderJob(Scene scene, const JobRequest& request, double load_seconds = 0);
 
   FrameView frame() const { return frame(options().integrator, *strategy_); }
   Film MakeFilm() const { return MakeFilm(options().integrator); }

@@ -9,7 +9,9 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <sstream>
 
+#include "base/error.h"
 #include "wavefront/option_names.h"
 
 namespace skywave {
@@ -31,6 +33,20 @@ Codec<Number> WholeNumberCodec(Number low, Number high) {
           .metavar = "N",
           .parse = [=](const std::string& text) { return ParseNumber(text, low, high); },
           .print = [](const Number& value) { return fmt::format("{}", value); }};
+}
+
+// Returns the values of an option that `text` holds: one, or those of a list.
+std::vector<std::string> Values(const OptionInfo& option, const std::string& text) {
+  if (option.most_values == 1) return {text};
+  std::vector<std::string> values;
+  std::string value;
+  std::istringstream stream(text);
+  if (option.delimiter != 0) {
+    while (std::getline(stream, value, option.delimiter)) values.push_back(value);
+  } else {
+    while (stream >> value) values.push_back(value);
+  }
+  return values;
 }
 
 }  // namespace
@@ -126,6 +142,44 @@ std::string Explanation(const OptionInfo& info) {
   }
   if (info.applies != nullptr) text += fmt::format(" [{}]", fmt::join(IntegratorsOf(info), ", "));
   return text;
+}
+
+void SetOption(std::span<const BoundOption> options, const std::string& name,
+               const std::string& text) {
+  std::vector<std::string_view> names;
+  for (const BoundOption& option : options) {
+    if (option.info.name != name) {
+      names.push_back(option.info.name);
+      continue;
+    }
+    const std::string problem = option.set(Values(option.info, text));
+    if (!problem.empty()) throw OptionError(name, "", problem);
+    return;
+  }
+  const std::string nearest = NearestName(name, names);
+  throw OptionError(name, "",
+                    "there is no such option" +
+                        (nearest.empty() ? std::string() : "; did you mean `" + nearest + "`?"));
+}
+
+void SetOptions(std::span<const BoundOption> options,
+                const std::vector<std::pair<std::string, std::string>>& values) {
+  for (const auto& [name, text] : values) SetOption(options, name, text);
+  const auto given = [&](std::string_view name) {
+    return std::any_of(values.begin(), values.end(),
+                       [&](const auto& value) { return value.first == name; });
+  };
+  for (const BoundOption& option : options) {
+    const OptionInfo& info = option.info;
+    if (!given(info.name)) continue;
+    if (!info.needs.empty() && !given(info.needs)) {
+      throw OptionError(std::string(info.name), "", fmt::format("needs `{}` too", info.needs));
+    }
+    if (!info.excludes.empty() && given(info.excludes)) {
+      throw OptionError(std::string(info.name), "",
+                        fmt::format("does not go together with `{}`", info.excludes));
+    }
+  }
 }
 
 std::string NearestName(std::string_view name, const std::vector<std::string_view>& names) {

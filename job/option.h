@@ -6,7 +6,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -68,6 +70,31 @@ struct OptionOf : OptionInfo {
   // The words that make `set` put the same value there; none where the field is unset.
   std::function<std::vector<std::string>(const Request&)> get;
 };
+
+// An option and the field that it sets.
+struct BoundOption {
+  OptionInfo info;
+  std::function<std::string(const std::vector<std::string>& texts)> set;  // see OptionOf
+};
+
+// Returns `option` for the fields of `*target`.
+template <class Request>
+BoundOption Bind(const OptionOf<Request>& option, const std::shared_ptr<Request>& target) {
+  return {option, [target, set = option.set](const std::vector<std::string>& texts) {
+            return set(*target, texts);
+          }};
+}
+
+// Puts `text` into the field of that one of `options` that has this name, as a flag of the command
+// line does; the values of a list are separated by its delimiter or by blanks. Throws OptionError
+// for an unknown name, and tells the nearest one, or for a bad value.
+void SetOption(std::span<const BoundOption> options, const std::string& name,
+               const std::string& text);
+
+// Does so for each name and value, of which a later one counts. Throws OptionError also where an
+// option is given without another one that it needs, or with one that it excludes.
+void SetOptions(std::span<const BoundOption> options,
+                const std::vector<std::pair<std::string, std::string>>& values);
 
 // How text becomes a value and back. `parse` returns nothing for text that is none.
 template <class Value>

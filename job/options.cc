@@ -279,24 +279,6 @@ bool IsReadOption(const OptionInfo& option) {
   return option.name == "strict" || option.name == "max-triangles";
 }
 
-void SetOption(JobRequest& request, const std::string& name, const std::string& text) {
-  std::vector<std::string_view> names;
-  for (const JobOption& option : JobOptions()) {
-    if (option.name != name) {
-      names.push_back(option.name);
-      continue;
-    }
-    const std::string problem = option.set(request, {text});
-    if (!problem.empty()) throw InputError(InputPosition::File(name), problem, kExitUsage);
-    return;
-  }
-  const std::string nearest = NearestName(name, names);
-  throw InputError(InputPosition::File(name),
-                   "there is no such option" +
-                       (nearest.empty() ? std::string() : "; did you mean " + nearest + "?"),
-                   kExitUsage);
-}
-
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
                           std::vector<std::string>& notes) {
   const std::string scene = request.scene;

@@ -26,10 +26,6 @@ std::span<const JobOption> JobOptions();
 // The options that say how scenes are read; `skywave info` takes them as well.
 bool IsReadOption(const OptionInfo& option);
 
-// Puts `text` into the field of the option `name`, as a flag of the command line does. Throws
-// InputError (kExitUsage) for an unknown name, and tells the nearest one, or for a bad value.
-void SetOption(JobRequest& request, const std::string& name, const std::string& text);
-
 // `request` with a value for every option: its own, else the scene file's, else the default;
 // request.options is complete then. Appends to `notes` what was changed. A pure function. Throws
 // InputError for options that do not go together.

@@ -60,7 +60,7 @@ void RenderTiles(const FrameView& frame, WorkerPool& pool, Film& film, Progress*
     RenderTile(view, tiles[i], worker, film);
     const std::uint64_t samples = CountSamples(view, tiles[i]);
     worker.stats.samples += samples;
-    if (progress != nullptr) *progress += samples;
+    if (progress != nullptr) progress->samples += samples;
   });
 }
 
@@ -102,7 +102,7 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
   FrameView frame = wanted;
   frame.options.wave = WholeBeams(wanted.options.wave);
   const RenderOptions& options = frame.options;
-  WorkerPool pool(options, recorders);
+  WorkerPool pool(options, recorders, progress != nullptr ? &progress->cancel : nullptr);
 
   FrameResult result;
   const double processor_start = ProcessorSeconds();

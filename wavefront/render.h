@@ -17,8 +17,11 @@
 
 namespace skywave {
 
-// Counts finished samples while a frame renders. Whoever shows progress reads it.
-using Progress = std::atomic<std::uint64_t>;
+// What the thread that watches a render shares with it.
+struct Progress {
+  std::atomic<std::uint64_t> samples = 0;  // finished ones: the watcher reads it
+  std::atomic<bool> cancel = false;        // the watcher sets it: the render throws RenderCanceled
+};
 
 struct FrameResult {
   RenderStats stats;
@@ -30,7 +33,7 @@ struct FrameResult {
 };
 
 // Renders every sample of `frame` into `film`. Bits of the film depend on neither threads, wave nor
-// backend. `recorders`, if not null, gets a recorder for each thread, with the rays of its tiles in
+// backend. Throws RenderCanceled, after which the film holds some of the samples. `recorders`, if not null, gets a recorder for each thread, with the rays of its tiles in
 // order, for a replay.
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);

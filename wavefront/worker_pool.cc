@@ -6,10 +6,12 @@
 
 namespace skywave {
 
-WorkerPool::WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders)
+WorkerPool::WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders,
+                       const std::atomic<bool>* cancel)
     : options_(options),
       arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic),
-      recorders_(recorders) {
+      recorders_(recorders),
+      cancel_(cancel) {
   arena_.initialize();
   workers_.resize(std::size_t(threads()));
   if (recorders_ != nullptr) recorders_->resize(workers_.size());
@@ -22,6 +24,7 @@ void WorkerPool::ForEach(std::size_t count, const Work& work) {
     if (!workers_[thread]) workers_[thread] = MakeWorker(options_);
     RayRecorder* const recorder = recorders_ != nullptr ? &(*recorders_)[thread] : nullptr;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      if (cancel_ != nullptr && *cancel_) throw RenderCanceled();
       work(i, *workers_[thread], recorder);
     }
   };

@@ -3,6 +3,7 @@
 
 #include <tbb/task_arena.h>
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -15,20 +16,24 @@
 
 namespace skywave {
 
+// ForEach of a pool throws this where its `cancel` has become true.
+struct RenderCanceled {};
+
 // An arena of threads, a worker for each thread that has had something to do, and, where rays are
 // kept for a replay, a recorder for each. A thread makes its worker itself, so that it is the first
 // one to touch the memory of the tables.
 class WorkerPool {
  public:
   // Makes as many threads as `options` gives, whose workers have the tables of its integrator.
-  // `recorders`, if not null, gets one for each thread.
-  explicit WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders = nullptr);
+  // `recorders`, if not null, gets one for each thread; `cancel`, if not null, is watched.
+  explicit WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders = nullptr,
+                      const std::atomic<bool>* cancel = nullptr);
 
   // Runs `work` with the threads of the pool: whatever it does in parallel uses no others.
   void Run(const std::function<void()>& work) { arena_.execute(work); }
 
   // Calls work(i, worker, recorder) for every i of [0, count) in any order, with the worker of the
-  // thread and its recorder or null, denormals flushed to zero.
+  // thread and its recorder or null, denormals flushed to zero. Throws RenderCanceled.
   using Work = std::function<void(std::size_t i, Worker& worker, RayRecorder* recorder)>;
   void ForEach(std::size_t count, const Work& work);
 
@@ -41,6 +46,7 @@ class WorkerPool {
   tbb::task_arena arena_;
   std::vector<std::unique_ptr<Worker>> workers_;  // by thread; null: it has had nothing to do
   std::vector<RayRecorder>* recorders_;
+  const std::atomic<bool>* cancel_;
 };
 
 }  // namespace skywave

@@ -7,8 +7,10 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/version.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
+#include "cli/progress.h"
 #include "job/options.h"
 #include "measure/revision.h"
 
@@ -52,7 +54,7 @@ void CheckGiven(const Command& command, const GivenOptions& given, bool has_scen
 int BenchScene(const BenchFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
   const RenderJob job(flags.request);
-  for (const std::string& note : job.notes()) fmt::print(stderr, "note: {}\n", note);
+  PrintNotes(job.notes());
   const int repetitions = flags.repetitions.value_or(kSceneRepetitions);
   Film film = job.MakeFilm();
   const Speed speed = MeasureSpeed(job, {.repetitions = repetitions, .thread_counts = {}}, film);
@@ -75,7 +77,7 @@ int BenchScene(const BenchFlags& flags) {
   if (flags.json.empty()) return 0;
   nlohmann::ordered_json json;
   json["schema"] = "skywave-bench-2";
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   json["revision"] = GitRevision();
   json["command"] = "skywave render" + PictureOptions(job.request());
   json["threads"] = speed.first.threads;

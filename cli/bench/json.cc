@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/version.h"
 #include "cli/bench/report.h"
 #include "fmt/format.h"
 #include "wavefront/worker.h"
@@ -149,7 +150,7 @@ ordered_json Json(const Speed& speed) {
 ordered_json Json(const SuiteReport& report) {
   ordered_json json;
   json["schema"] = kSchema;
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   json["suite"] = report.full ? "full" : "quick";
   json["summary"] = Json(Summarize(report.results));
   json["machine"] = Json(report.machine);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/version.h"
 #include "cli/bench/report.h"
 #include "measure/statistics.h"
 #include "wavefront/worker.h"
@@ -108,7 +109,7 @@ std::string Headline(const SuiteReport& report) {
       "{:.3f} Msamples/s on {} threads: the {} suite, skywave {}, revision {}\n"
       "{}, kernels {}, Embree {}, {}, {}\n",
       summary.msamples_per_s, report.results.front().speed.first.threads,
-      report.full ? "full" : "quick", SKYWAVE_VERSION, machine.revision, machine.processor,
+      report.full ? "full" : "quick", Version(), machine.revision, machine.processor,
       machine.instructions, machine.embree_config, machine.compiler, machine.build);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/version.h"
 #include "cli/converge/report.h"
 
 namespace skywave {
@@ -76,7 +77,7 @@ std::string Figure(const std::string& pictures, const std::string& caption) {
 
 }  // namespace
 
-std::string Html(const ConvergeReport& report) {
+std::string Html(const ConvergeReport& report, const ToneMapping& tone) {
   const RenderOptions& options = report.job->options();
   std::string page = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
@@ -87,7 +88,7 @@ std::string Html(const ConvergeReport& report) {
       "<code>{7}</code></p>\n",
       EscapeXml(report.scene), kStyle, options.width, options.height,
       options.threads > 0 ? options.threads : AvailableThreads(), report.settings.repeats,
-      SKYWAVE_VERSION, EscapeXml(report.command));
+      Version(), EscapeXml(report.command));
   for (const std::string& warning : report.warnings) {
     page += fmt::format("<p class=\"warning\">{}</p>\n", EscapeXml(warning));
   }
@@ -99,14 +100,14 @@ std::string Html(const ConvergeReport& report) {
 
   const double full_scale = FullScale(report);
   page += "<h2>Pictures</h2>\n";
-  page += Figure(
-      Picture(report.reference.image, ToneMap(report.reference.image, report.tone), "reference"),
-      "The reference.");
+  page +=
+      Figure(Picture(report.reference.image, ToneMap(report.reference.image, tone), "reference"),
+             "The reference.");
   for (const Contestant& contestant : report.contestants) {
     const Image& image = contestant.picture;
     const Rung& rung = contestant.ladder.back();
     page += Figure(
-        Picture(image, ToneMap(image, report.tone), contestant.name) + "\n" +
+        Picture(image, ToneMap(image, tone), contestant.name) + "\n" +
             Picture(image, ErrorMap(image, report.reference.image, full_scale),
                     "error of " + contestant.name),
         fmt::format("<code>{}</code>, {} samples a pixel, {:.3g} s, mse {:.3g}. Right: relative "

@@ -9,6 +9,7 @@
 #include "image/image.h"
 #include "lights/light_sets/probe_lights.h"
 #include "lights/maps/environment_map.h"
+#include "lights/probe/probe_map.h"
 
 namespace skywave {
 
@@ -19,15 +20,8 @@ struct MapFlags {
 };
 void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags);
 
-// A map as read and repaired, with its projection.
-struct ProbeFile {
-  Image image;
-  Projection projection = Projection::kLatLong;
-  bool assumed = false;  // given by --projection instead of by its shape
-  BadPixels bad;
-};
 // Reports bad pixels on standard error.
-ProbeFile ReadProbe(const MapFlags& flags);
+ProbeMap ReadProbe(const MapFlags& flags);
 Image ReadProbeAsLatLong(const MapFlags& flags);
 
 // Adds --method, -n and the other options that make lights.

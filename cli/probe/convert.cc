@@ -45,7 +45,7 @@ void ReadSize(const std::string& text, Projection to, int& width, int& height) {
 }
 
 int ConvertMain(ConvertFlags& flags) {
-  ProbeFile file;
+  ProbeMap file;
   if (flags.faces_in) {
     file = {.image = ReadCubeFaces(flags.map.path, flags.map.limits),
             .projection = Projection::kCubeStrip,

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "base/files.h"
@@ -10,6 +9,7 @@
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
 #include "lights/probe/probe_info.h"
+#include "measure/json_reports.h"
 
 namespace skywave {
 namespace {
@@ -20,53 +20,17 @@ struct InfoFlags {
   std::string json;
 };
 
-nlohmann::ordered_json Json(const ProbeFile& file, const ProbeInfo& info) {
-  const Strata& s = info.strata;
-  const double pixels_per_sr = info.sphere_pixels / (4 * std::numbers::pi);
-  nlohmann::ordered_json json;
-  json["schema"] = "skywave-probe-info-1";
-  json["width"] = file.image.width;
-  json["height"] = file.image.height;
-  json["projection"] = ToString(file.projection);
-  json["projection_assumed"] = file.assumed;
-  json["bad_pixels"] = {
-      {"nan", file.bad.nan}, {"infinite", file.bad.infinite}, {"negative", file.bad.negative}};
-  json["luminance"] = {{"least", info.least}, {"greatest", info.greatest}};
-  json["mean_radiance"] = info.mean;
-  json["energy"] = info.energy;
-  json["table_7_1"] = {{"latlong", {info.width, info.height}},
-                       {"sphere_area", info.sphere_pixels},
-                       {"energy", info.energy_pixels},
-                       {"zeta_minimum", info.zeta_minimum},
-                       {"p", s.p},
-                       {"threshold", s.texels_a ? s.threshold : 0},
-                       {"texels_a", s.texels_a},
-                       {"area_a", s.solid_angle_a * pixels_per_sr},
-                       {"texels_b", s.texels_b},
-                       {"area_b", s.solid_angle_b * pixels_per_sr},
-                       {"energy_a", s.energy_a * pixels_per_sr},
-                       {"energy_b", s.energy_b * pixels_per_sr}};
-  for (const BrightSpot& spot : info.spots) {
-    json["spots"].push_back({{"x", spot.x},
-                             {"y", spot.y},
-                             {"direction", {spot.direction.x, spot.direction.y, spot.direction.z}},
-                             {"luminance", spot.luminance},
-                             {"share", spot.share}});
-  }
-  return json;
-}
-
-void Print(const InfoFlags& flags, const ProbeFile& file, const ProbeInfo& info) {
+void Print(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& info) {
   const double pixels_per_sr = info.sphere_pixels / (4 * std::numbers::pi);
   const auto row = [](const char* name, const std::string& value) {
     fmt::print("{:<22}{}\n", name, value);
   };
   row("map", flags.map.path);
-  row("size", fmt::format("{} x {}", file.image.width, file.image.height));
+  row("size", fmt::format("{} x {}", map.image.width, map.image.height));
   row("projection",
-      fmt::format("{} ({})", ToString(file.projection), file.assumed ? "as told" : "by shape"));
-  row("bad pixels", fmt::format("{} NaN, {} infinite, {} negative", file.bad.nan, file.bad.infinite,
-                                file.bad.negative));
+      fmt::format("{} ({})", ToString(map.projection), map.assumed ? "as told" : "by shape"));
+  row("bad pixels", fmt::format("{} NaN, {} infinite, {} negative", map.bad.nan, map.bad.infinite,
+                                map.bad.negative));
   row("luminance",
       fmt::format("{:.6g} to {:.6g}{}", info.least, info.greatest,
                   info.greatest > 0 ? fmt::format(", {:.1f} stops above the dimmest light",
@@ -101,11 +65,11 @@ void Print(const InfoFlags& flags, const ProbeFile& file, const ProbeInfo& info)
 }
 
 int InfoMain(const InfoFlags& flags) {
-  ProbeFile file = ReadProbe(flags.map);
-  const Image latlong = ToLatLong(file.image, file.projection);
+  ProbeMap map = ReadProbe(flags.map);
+  const Image latlong = ToLatLong(map.image, map.projection);
   const ProbeInfo info = DescribeMap(MakeSphereMap(latlong), flags.spots);
-  Print(flags, file, info);
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file, info).dump(2) + "\n");
+  Print(flags, map, info);
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(map, info).dump(2) + "\n");
   return 0;
 }
 

@@ -27,22 +27,18 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   AddOptions(command, options, flags);
 }
 
-ProbeFile ReadProbe(const MapFlags& flags) {
-  ProbeFile file;
-  file.image = ReadImage(flags.path, flags.limits);
-  file.assumed = flags.projection.has_value();
-  file.projection = flags.projection ? *flags.projection : DetectProjection(file.image, flags.path);
-  file.bad = RepairRadiance(file.image);
-  if (file.bad.total() > 0) {
+ProbeMap ReadProbe(const MapFlags& flags) {
+  ProbeMap map = MakeProbeMap(ReadImage(flags.path, flags.limits), flags.path, flags.projection);
+  if (map.bad.total() > 0) {
     fmt::print(stderr, "note: {}: {} NaN, {} infinite and {} negative pixels set to 0\n",
-               flags.path, file.bad.nan, file.bad.infinite, file.bad.negative);
+               flags.path, map.bad.nan, map.bad.infinite, map.bad.negative);
   }
-  return file;
+  return map;
 }
 
 Image ReadProbeAsLatLong(const MapFlags& flags) {
-  ProbeFile file = ReadProbe(flags);
-  return ToLatLong(std::move(file.image), file.projection);
+  ProbeMap map = ReadProbe(flags);
+  return ToLatLong(std::move(map.image), map.projection);
 }
 
 void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& request) {

@@ -19,6 +19,13 @@ const JobOption& OptionCalled(std::string_view name) {
   throw std::logic_error("no option");
 }
 
+void Set(JobRequest& request, const std::string& name, const std::string& text) {
+  const std::shared_ptr<JobRequest> target(&request, [](JobRequest*) {});
+  std::vector<BoundOption> options;
+  for (const JobOption& option : JobOptions()) options.push_back(Bind(option, target));
+  SetOption(options, name, text);
+}
+
 TEST(Options, HaveNamesOfTheirOwnAndSayWhatTheyDo) {
   std::set<std::string_view> names;
   for (const JobOption& option : JobOptions()) {
@@ -71,7 +78,7 @@ TEST(Options, ReadTheWordsThatTheyPrint) {
                                                         {"guide", "true"}};
   for (const auto& [name, text] : values) {
     JobRequest request;
-    SetOption(request, name, text);
+    Set(request, name, text);
     EXPECT_EQ(OptionCalled(name).get(request), std::vector<std::string>{text}) << name;
   }
 }
@@ -105,7 +112,7 @@ TEST(Options, RefuseOtherTextsAndNames) {
   for (const auto& [name, text] : values) {
     JobRequest request;
     try {
-      SetOption(request, name, text);
+      Set(request, name, text);
       ADD_FAILURE() << name << " took " << text;
     } catch (const InputError& error) {
       EXPECT_EQ(error.exit_code(), kExitUsage);
@@ -115,7 +122,7 @@ TEST(Options, RefuseOtherTextsAndNames) {
   }
   JobRequest request;
   try {
-    SetOption(request, "max-dept", "3");
+    Set(request, "max-dept", "3");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("max-depth"), std::string::npos) << error.what();

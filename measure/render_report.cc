@@ -1,8 +1,10 @@
-#include "cli/report.h"
-#include "wavefront/option_names.h"
+#include "measure/render_report.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+
+#include "base/version.h"
+#include "wavefront/option_names.h"
 
 namespace skywave {
 namespace {
@@ -74,7 +76,7 @@ nlohmann::ordered_json Json(const RenderReport& report) {
   const double seconds = report.frame.seconds;
   nlohmann::ordered_json json;
   json["schema"] = "skywave-render-stats-1";
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   json["settings"] = {{"width", options.width},
                       {"height", options.height},
                       {"samples_per_pixel", options.samples_per_pixel},

@@ -1,4 +1,4 @@
-#include "cli/converge/report.h"
+#include "measure/converge/report.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/version.h"
 #include "measure/revision.h"
 #include "wavefront/option_names.h"
 
@@ -121,7 +122,7 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
   const ErrorMeasure measure = report.settings.measure;
   nlohmann::ordered_json json;
   json["schema"] = "skywave-converge-2";
-  json["version"] = SKYWAVE_VERSION;
+  json["version"] = Version();
   json["revision"] = GitRevision();
   json["command"] = report.command;
   json["settings"] = {{"width", options.width},

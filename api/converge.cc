@@ -1,0 +1,33 @@
+// The comparison of strategies and integrators as a function of the library.
+#include <memory>
+
+#include "api/errors.h"
+#include "api/state.h"
+#include "job/options.h"
+#include "measure/converge/run.h"
+
+namespace skywave::api {
+
+std::string Converge(Scene scene, const Options& options, const ProgressCallback& progress) {
+  return Translated([&] {
+    const auto request = std::make_shared<ConvergeRequest>();
+    std::vector<BoundOption> bound;
+    for (BoundOption& option :
+         BindJobOptions(std::shared_ptr<JobRequest>(request, &request->job))) {
+      if (!HasOwnFormInConverge(option.info)) bound.push_back(std::move(option));
+    }
+    for (const OptionOf<ConvergeRequest>& option : ConvergeOptions()) {
+      bound.push_back(Bind(option, request));
+    }
+    SetOptions(bound, options);
+    request->job.scene = scene.state().name();
+    const RenderJob job = MakeJob(std::move(scene.state()), request->job);
+    const ConvergeReport report = RunConverge(
+        job, *request, [&](const std::string&, std::uint64_t total, const WatchedWork& work) {
+          Watch(total, work, progress);
+        });
+    return Json(report).dump(2);
+  });
+}
+
+}  // namespace skywave::api

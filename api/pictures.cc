@@ -1,0 +1,56 @@
+// Functions of the library that take pictures and maps in memory.
+#include <optional>
+
+#include "api/errors.h"
+#include "api/state.h"
+#include "image/compare.h"
+#include "lights/maps/projections.h"
+#include "lights/maps/resample.h"
+#include "lights/maps/sphere_map.h"
+#include "lights/probe/probe_info.h"
+#include "lights/probe/probe_map.h"
+#include "measure/json_reports.h"
+
+namespace skywave::api {
+namespace {
+
+std::string Png(const ImageArray& picture, float exposure, const std::string& tone) {
+  const std::optional<ToneCurve> curve = Parse<ToneCurve>(tone);
+  Require(curve.has_value(), "tone", "is not " + Choices<ToneCurve>());
+  const skywave::Image image = CopyImage(picture, "image");
+  return skywave::EncodePng(image.width, image.height,
+                            ToneMap(image, {.exposure_stops = exposure, .curve = *curve}));
+}
+
+}  // namespace
+
+Image ReadImage(const std::string& path) {
+  return Translated([&] {
+    skywave::Image image = skywave::ReadImage(path);
+    return Image{image.width, image.height, std::move(image.rgb)};
+  });
+}
+
+std::string EncodePng(const ImageArray& image, float exposure, const std::string& tone) {
+  return Translated([&] { return Png(image, exposure, tone); });
+}
+
+std::string Compare(const ImageArray& image, const ImageArray& reference) {
+  return Translated([&] {
+    return Json(skywave::Compare(CopyImage(image, "image"), CopyImage(reference, "reference")))
+        .dump(2);
+  });
+}
+
+std::string DescribeMap(const ImageArray& image, const std::string& projection) {
+  return Translated([&] {
+    const std::optional<Projection> given = Parse<Projection>(projection);
+    Require(given || projection.empty(), "projection", "is not " + Choices<Projection>());
+    const ProbeMap map = MakeProbeMap(CopyImage(image, "map"), "map", given);
+    const ProbeInfo info =
+        skywave::DescribeMap(MakeSphereMap(ToLatLong(map.image, map.projection)));
+    return Json(map, info).dump(2);
+  });
+}
+
+}  // namespace skywave::api

@@ -1,0 +1,249 @@
+// Scenes of the library: arrays are checked and become the plain data that readers produce too.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "api/errors.h"
+#include "api/material.h"
+#include "api/state.h"
+#include "base/clock.h"
+#include "job/options.h"
+#include "scene/geometry_checks.h"
+#include "scene/reader.h"
+
+namespace skywave::api {
+namespace {
+
+constexpr std::size_t kMostTexels = std::size_t{1} << 30;
+
+glm::vec3 Vec3(const Vector& v) { return {v[0], v[1], v[2]}; }
+
+void RequireFinite(std::span<const float> values, const std::string& name) {
+  const auto bad =
+      std::find_if(values.begin(), values.end(), [](float x) { return !std::isfinite(x); });
+  if (bad == values.end()) return;
+  throw Error(Error::Kind::kUsage, name, fmt::format("value {} is {}", bad - values.begin(), *bad));
+}
+
+glm::vec3 Direction(const Vector& v, const std::string& name) {
+  RequireFinite(v, name);
+  const float length = glm::length(Vec3(v));
+  Require(length > 0 && std::isfinite(length), name, "is no direction");
+  return Vec3(v) / length;
+}
+
+glm::vec3 Emission(const Vector& v, const std::string& name) {
+  RequireFinite(v, name);
+  Require(std::all_of(v.begin(), v.end(), [](float x) { return x >= 0; }), name,
+          "must not be negative");
+  return Vec3(v);
+}
+
+// Returns the rows of `values`, `columns` floats each, which must be as many as `rows` or none.
+template <class Row>
+std::vector<Row> Rows(std::span<const float> values, std::size_t rows, const std::string& name) {
+  constexpr std::size_t kColumns = sizeof(Row) / sizeof(float);
+  if (values.empty()) return {};
+  Require(
+      values.size() == rows * kColumns, name,
+      fmt::format("has {} values, and {} vertices need {}", values.size(), rows, rows * kColumns));
+  RequireFinite(values, name);
+  std::vector<Row> result(rows);
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < kColumns; ++column) {
+      result[row][int(column)] = values[row * kColumns + column];
+    }
+  }
+  return result;
+}
+
+std::vector<glm::vec3> UnitNormals(std::span<const float> values, std::size_t vertices) {
+  std::vector<glm::vec3> normals = Rows<glm::vec3>(values, vertices, "normals");
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const float length = glm::length(normals[i]);
+    Require(length > 0 && std::isfinite(length), "normals",
+            fmt::format("that of vertex {} has length {}", i, length));
+    normals[i] /= length;
+  }
+  return normals;
+}
+
+std::vector<glm::uvec3> Triangles(std::span<const std::uint32_t> indices, std::size_t vertices) {
+  Require(!indices.empty() && indices.size() % 3 == 0, "triangles",
+          fmt::format("there are {} indices, and each triangle needs 3", indices.size()));
+  std::vector<glm::uvec3> triangles(indices.size() / 3);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    Require(
+        indices[i] < vertices, "triangles",
+        fmt::format("triangle {} names vertex {}, and there are {}", i / 3, indices[i], vertices));
+    triangles[i / 3][int(i % 3)] = indices[i];
+  }
+  return triangles;
+}
+
+}  // namespace
+
+skywave::Image CopyImage(const ImageArray& image, const std::string& name) {
+  const bool sized = image.width > 0 && image.height > 0 &&
+                     std::size_t(image.width) <= kMostTexels / std::size_t(image.height);
+  Require(sized, name, fmt::format("cannot be {} x {} pixels", image.width, image.height));
+  const std::size_t floats = std::size_t(image.width) * std::size_t(image.height) * 3;
+  Require(image.rgb.size() == floats, name,
+          fmt::format("has {} values, and {} x {} pixels need {}", image.rgb.size(), image.width,
+                      image.height, floats));
+  skywave::Image copy;
+  copy.width = image.width, copy.height = image.height;
+  copy.rgb.assign(image.rgb.begin(), image.rgb.end());
+  return copy;
+}
+
+Scene::Scene() : state_(std::make_unique<State>()) {
+  state_->scene.materials.push_back({.name = "grey"});
+  state_->changed = true;
+}
+
+Scene::Scene(const std::string& path, const Options& options) : state_(std::make_unique<State>()) {
+  Translated([&] {
+    const auto request = std::make_shared<JobRequest>();
+    std::vector<BoundOption> bound;
+    for (const JobOption& option : JobOptions()) {
+      if (IsReadOption(option)) bound.push_back(Bind(option, request));
+    }
+    SetOptions(bound, options);
+    const Clock::time_point start = Clock::now();
+    state_->scene = ReadScene(path, request->read);
+    state_->source = path;
+    state_->read = request->read;
+    state_->load_seconds = SecondsSince(start);
+  });
+}
+
+Scene::Scene(const Scene& other) : state_(std::make_unique<State>(*other.state_)) {}
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(const Scene& other) {
+  state_ = std::make_unique<State>(*other.state_);
+  return *this;
+}
+Scene& Scene::operator=(Scene&&) noexcept = default;
+Scene::~Scene() = default;
+
+int Scene::AddTexture(const ImageArray& image, TextureUse use) {
+  skywave::Image copy = CopyImage(image, "image");
+  RequireFinite(copy.rgb, "image");
+  // TextureUse lists the values of the program's in the same order.
+  static_assert(int(TextureUse::kHeights) == int(skywave::TextureUse::kHeights));
+  skywave::Scene& scene = state_->scene;
+  scene.textures.push_back(
+      {.image = std::uint32_t(scene.images.size()), .use = skywave::TextureUse(int(use))});
+  scene.images.push_back(std::move(copy));
+  state_->changed = true;
+  return int(scene.textures.size()) - 1;
+}
+
+int Scene::AddMaterial(const std::string& bsdf, const std::vector<MaterialParameter>& parameters,
+                       const std::string& name) {
+  skywave::Scene& scene = state_->scene;
+  Material material = MakeMaterial(bsdf, parameters);
+  material.name = name.empty() ? fmt::format("{} {}", bsdf, scene.materials.size()) : name;
+  scene.materials.push_back(std::move(material));
+  try {
+    Translated([&] { CheckMaterials(scene, "material"); });
+  } catch (...) {
+    scene.materials.pop_back();
+    throw;
+  }
+  state_->changed = true;
+  return int(scene.materials.size()) - 1;
+}
+
+void Scene::AddMesh(const MeshArrays& mesh) {
+  Require(!mesh.positions.empty() && mesh.positions.size() % 3 == 0, "positions",
+          fmt::format("there are {} values, and each vertex needs 3", mesh.positions.size()));
+  const std::size_t vertices = mesh.positions.size() / 3;
+  Require(vertices < kMaxRecords && mesh.triangles.size() / 3 < kMaxRecords, "positions",
+          fmt::format("a mesh has at most {} vertices and triangles", kMaxRecords));
+  Require(mesh.material >= 0 && std::size_t(mesh.material) < state_->scene.materials.size(),
+          "material",
+          fmt::format("there is none with number {}; there are {}", mesh.material,
+                      state_->scene.materials.size()));
+  skywave::Scene& scene = state_->scene;
+  scene.meshes.push_back(
+      {.name = mesh.name.empty() ? fmt::format("mesh {}", scene.meshes.size()) : mesh.name,
+       .positions = Rows<glm::vec3>(mesh.positions, vertices, "positions"),
+       .normals = UnitNormals(mesh.normals, vertices),
+       .uvs = Rows<glm::vec2>(mesh.uvs, vertices, "uvs"),
+       .colors = Rows<glm::vec3>(mesh.colors, vertices, "colors"),
+       .triangles = Triangles(mesh.triangles, vertices),
+       .material = std::uint32_t(mesh.material)});
+  state_->changed = true;
+}
+
+void Scene::AddPointLight(const Vector& position, const Vector& intensity) {
+  RequireFinite(position, "position");
+  state_->scene.lights.push_back({.kind = LocalLightKind::kPoint,
+                                  .emission = Emission(intensity, "intensity"),
+                                  .position = Vec3(position)});
+  state_->changed = true;
+}
+
+void Scene::AddSpotLight(const Vector& position, const Vector& axis, const Vector& intensity,
+                         float full_degrees, float dark_degrees) {
+  RequireFinite(position, "position");
+  Require(
+      full_degrees >= 0 && full_degrees <= dark_degrees && dark_degrees > 0 && dark_degrees <= 180,
+      "full_degrees", "spots need 0 <= full_degrees <= dark_degrees <= 180, dark_degrees > 0");
+  state_->scene.lights.push_back({.kind = LocalLightKind::kSpot,
+                                  .emission = Emission(intensity, "intensity"),
+                                  .position = Vec3(position),
+                                  .direction = Direction(axis, "axis"),
+                                  .cos_full = std::cos(glm::radians(full_degrees)),
+                                  .cos_dark = std::cos(glm::radians(dark_degrees))});
+  state_->changed = true;
+}
+
+void Scene::AddDistantLight(const Vector& direction, const Vector& irradiance) {
+  state_->scene.lights.push_back({.kind = LocalLightKind::kDistant,
+                                  .emission = Emission(irradiance, "irradiance"),
+                                  .direction = Direction(direction, "direction")});
+  state_->changed = true;
+}
+
+void Scene::SetEnvironment(const ImageArray& map) {
+  skywave::Image copy = CopyImage(map, "map");
+  Require(std::any_of(copy.rgb.begin(), copy.rgb.end(),
+                      [](float x) { return std::isfinite(x) && x > 0; }),
+          "map", "is black: no pixel is positive");
+  state_->environment = std::make_shared<const skywave::Image>(std::move(copy));
+  state_->changed = true;
+}
+
+void Scene::SetCamera(const Vector& eye, const Vector& target, const Vector& up,
+                      float fov_degrees) {
+  RequireFinite(eye, "eye");
+  RequireFinite(target, "target");
+  const glm::vec3 view = Vec3(target) - Vec3(eye);
+  Require(glm::length(view) > 0, "target", "is where the eye is");
+  const glm::vec3 unit_up = Direction(up, "up");
+  Require(glm::length(glm::cross(view, unit_up)) > 1e-6f * glm::length(view), "up",
+          "is the direction of the view");
+  Require(fov_degrees > 0 && fov_degrees < 180, "fov_degrees", "has to be between 0 and 180");
+  state_->scene.camera =
+      LookAtCamera(Vec3(eye), Vec3(target), unit_up, fov_degrees, state_->scene.left_handed);
+  state_->changed = true;
+}
+
+void Scene::SetUp(char axis) {
+  Require(axis == 'x' || axis == 'y' || axis == 'z', "axis", "is x, y or z");
+  state_->scene.up_axis = axis;
+  state_->changed = true;
+}
+
+std::size_t Scene::triangles() const {
+  std::size_t triangles = 0;
+  for (const Mesh& mesh : state_->scene.meshes) triangles += mesh.triangles.size();
+  return triangles;
+}
+
+}  // namespace skywave::api

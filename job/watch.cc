@@ -1,0 +1,33 @@
+#include "job/watch.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <future>
+
+namespace skywave {
+
+void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell) {
+  Progress progress;
+  if (!tell) return work(progress);
+  std::future<void> end = std::async(std::launch::async, [&] { work(progress); });
+  std::exception_ptr failure;
+  while (end.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
+    if (progress.cancel) continue;  // the work is about to notice
+    try {
+      const double done = double(progress.samples) / double(std::max<std::uint64_t>(total, 1));
+      if (!tell(std::min(done, 1.0))) progress.cancel = true;
+    } catch (...) {
+      failure = std::current_exception();
+      progress.cancel = true;
+    }
+  }
+  try {
+    end.get();
+  } catch (const RenderCanceled&) {
+    if (!failure) throw;
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace skywave

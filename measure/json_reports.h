@@ -1,0 +1,17 @@
+// Reports for programs of what is measured without rendering.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "image/compare.h"
+#include "lights/probe/probe_info.h"
+#include "lights/probe/probe_map.h"
+
+namespace skywave {
+
+nlohmann::ordered_json Json(const ImageDifference& difference);
+
+// `info` describes `map`. docs/probe.md describes the keys.
+nlohmann::ordered_json Json(const ProbeMap& map, const ProbeInfo& info);
+
+}  // namespace skywave
