@@ -77,7 +77,7 @@ RenderReport Report(const Renderer::State& state) {
 std::string Version() {
   std::string embree;
   for (const auto& [name, version] : DescribeMachine("").libraries) {
-    if (name == "Embree") embree = version;
+    if (name == "embree") embree = version;
   }
   return fmt::format("{} (Embree {})", skywave::Version(), embree);
 }

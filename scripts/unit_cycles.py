@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "measure", "cli"]
+FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "measure", "api", "cli"]
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 
 

@@ -11,7 +11,7 @@ mis=False, `--size 640x480` is size=(640, 480), `--eye 0,1,5` is eye=(0, 1, 5), 
 import json
 
 from . import _convert, _core
-from ._errors import Canceled, Error, FileError, renamed
+from ._errors import Canceled, Error, FileError, keywords
 from ._picture import Picture, encode_png, read_image, write_png
 from ._scene import Scene
 
@@ -42,11 +42,6 @@ def _scene_and_options(scene, env, options):
     return scene._core, own, _convert.options({"env": env, **options})
 
 
-def _keywords(options):
-    """Lets errors of options name them as they were given."""
-    return renamed(**{keyword.replace("_", "-"): keyword for keyword in options})
-
-
 def render(scene, env=None, *, progress=None, **options):
     """Renders a file, a built-in scene or a Scene under the map `env`; returns a Picture.
 
@@ -55,7 +50,7 @@ def render(scene, env=None, *, progress=None, **options):
     False. Ctrl-C stops it with KeyboardInterrupt. All other keywords are options, such as size,
     spp, integrator, strategy, aovs, eye, target, fov, max_depth, seed and threads.
     """
-    with _keywords(options):
+    with keywords(options):
         renderer = _core.Renderer(*_scene_and_options(scene, env, options))
     renderer.render(progress)
     return Picture(renderer)
@@ -68,7 +63,7 @@ def converge(scene, strategies=None, budgets=None, env=None, *, progress=None, *
     is a list of samples per pixel. The keywords are the options of `skywave converge`.
     """
     options = {"strategies": strategies, "budgets": budgets, **options}
-    with _keywords(options):
+    with keywords(options):
         return json.loads(_core.converge(*_scene_and_options(scene, env, options), progress))
 
 

@@ -160,6 +160,8 @@ def _text(name, value):
         return _text(name, value.tolist())
     if not isinstance(value, (list, tuple, range)):
         raise TypeError(f"a {type(value).__name__} cannot be its value")
+    if len(value) == 0:
+        raise ValueError("it is empty; None leaves an option out")
     parts = [_text(name, part) for part in value]
     if name == "size":
         return "x".join(parts)

@@ -31,12 +31,17 @@ class Canceled(Exception):
     """The progress function has returned False."""
 
 
+def _keyword(option):
+    name = option[1].replace("-", "_")
+    return name if option[2] is None else f"{name}={option[2]}"
+
+
 def make_error(message, kind, place):
     """Returns the exception of the class that belongs to `kind`.
 
-    The library mentions options in backticks; here they are keywords.
+    The library mentions options in backticks, with values or without; here they are keywords.
     """
-    message = re.sub("`([a-z-]+)`", lambda option: option[1].replace("-", "_"), message)
+    message = re.sub("`([a-z-]+)(?: ([^`]*))?`", _keyword, message)
     return (FileError if kind == "io" else Error)(message, kind, place)
 
 
@@ -55,3 +60,8 @@ def renamed(**arguments):
         if name is None:
             raise
         raise type(error)(name + str(error)[len(error.place):], error.kind, name) from None
+
+
+def keywords(options):
+    """The same for options, whose keywords have underscores for dashes."""
+    return renamed(**{keyword.replace("_", "-"): keyword for keyword in options})

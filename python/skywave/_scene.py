@@ -1,6 +1,6 @@
 """Scenes: files, or meshes, materials and lights from arrays."""
 from . import _convert, _core
-from ._errors import bad_argument, renamed
+from ._errors import bad_argument, keywords, renamed
 
 
 class Scene:
@@ -20,7 +20,8 @@ class Scene:
         if path is None:
             self._core = _core.Scene()
         else:
-            self._core = _core.Scene(_convert.path(path, "path"), _convert.options(options))
+            with keywords(options):
+                self._core = _core.Scene(_convert.path(path, "path"), _convert.options(options))
 
     def copy(self):
         scene = Scene.__new__(Scene)

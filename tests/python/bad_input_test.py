@@ -47,7 +47,7 @@ class BadInputTest(Case):
             self.refuse("^vertices$", "", add, wrong, FACES)
         self.refuse("^vertices$", "", add, [[0, 0, 0], [1, 1]], FACES)
         for value in (NAN, INFINITE, -INFINITE, 1e300):
-            self.refuse("vertices", "finite", add, changed(VERTICES, (3, 1), value, float), FACES)
+            self.refuse("^vertices$", "nan|inf", add, changed(VERTICES, (3, 1), value, float), FACES)
 
     def test_faces(self):
         add = skywave.Scene().add_mesh
@@ -98,9 +98,9 @@ class BadInputTest(Case):
         self.refuse("bsdf", "lambert", scene.add_material, "lambertian")
         self.refuse("bsdf", "str", scene.add_material, None)
         self.refuse("alhpa", "alpha", scene.add_material, "conductor", alhpa=0.1)
-        self.refuse("color_texture", "", scene.add_material, color_texture=0)
+        for texture in (0, 1e30):
+            self.refuse("material", "texture", scene.add_material, color_texture=texture)
         self.refuse("color_texture", "", scene.add_material, color_texture=-1)
-        self.refuse("color_texture", "", scene.add_material, color_texture=1e30)
         for value in (NAN, INFINITE, [1, 2], [1, 2, 3, 4], -1):
             self.refuse("reflectance", "", scene.add_material, reflectance=value)
         for value in ("red", [], [[1, 2, 3]], [1j, 0, 0], {}, 10**400):
@@ -151,15 +151,15 @@ class BadInputTest(Case):
         self.refuse("^map$", "complex", render, sky() * 1j)
         self.refuse("^map$", "", render, 1)
         self.refuse("^map$", "", render, {})
-        self.refuse("", "", render, numpy.zeros((16, 32, 3)))  # black
-        self.refuse("", "", render, numpy.full((16, 32, 3), NAN))
-        self.refuse("", "projection", render, numpy.ones((7, 5, 3)))
+        self.refuse("^map$", "black", render, numpy.zeros((16, 32, 3)))
+        self.refuse("^map$", "black", render, numpy.full((16, 32, 3), NAN))
+        self.refuse("^map$", "5 x 7.*projection", render, numpy.ones((7, 5, 3)))
         self.refuse("none.hdr", "", render, "none.hdr", error=OSError)
         pathlib.Path("broken.hdr").write_bytes(b"#?RADIANCE\n\n-Y 4 +X 8\n")
         self.refuse("broken.hdr", "", render, "broken.hdr")
         # Single values are repaired, and the notes say so.
         picture = render(changed(sky(), (3, 4, 1), NAN))
-        self.assertIn("map", " ".join(picture.notes))
+        self.assertIn("map: 1 NaN", " ".join(picture.notes))
         self.assertTrue(numpy.isfinite(picture.rgb).all())
         self.refuse("map", "", skywave.probe, numpy.ones((0, 0, 3)))
         self.refuse("projection", "", skywave.probe, sky(), "round")
@@ -172,9 +172,10 @@ class BadInputTest(Case):
         for name, value in (("spp", 0), ("spp", -1), ("spp", 64.5), ("spp", 10**30),
                             ("spp", "many"), ("spp", True), ("size", (0, 4)), ("size", (4,)),
                             ("size", 640),
-                            ("size", (10**30, 1)), ("size", (10**6, 10**6)), ("size", [[1, 2], 3]),
+                            ("size", []),
+                            ("size", (10**30, 1)), ("size", [[1, 2], 3]),
                             ("eye", (1, 2)), ("eye", (1, 2, NAN)), ("fov", NAN), ("fov", INFINITE),
-                            ("crop", (10, 10)), ("crop", (10, 10, 1000, 1000)), ("mis", 3),
+                            ("crop", (10, 10)), ("mis", 3),
                             ("integrator", "paths"), ("strategy", "produkt"), ("aovs", ["albido"]),
                             ("filter", "\0"), ("threads", -1), ("seed", -1)):
             self.refuse(name, "", render, **{name: value})
@@ -184,12 +185,16 @@ class BadInputTest(Case):
         around.append(around)
         with self.assertRaises(RecursionError):
             render(eye=around)
-        self.refuse("split|light-samples", "", render, integrator="bdpt", paths=(0, 0))
+        self.refuse("furnace", "1000000 x 1000000", render, size=(10**6, 10**6))
+        self.refuse("furnace", "1000", render, crop=(10, 10, 1000, 1000))
+        self.refuse("paths 0,0", "", render, integrator="bdpt", paths=(0, 0))
+        self.refuse("split 2", "integrator=direct", render, integrator="direct", split=2)
 
     def test_files(self):
         for name in ("none.obj", pathlib.Path("none.obj"), b"none.obj"):
-            self.refuse("none.obj", "", skywave.Scene, name, error=OSError)
-        self.refuse("none.obj", "", skywave.render, "none.obj", error=skywave.FileError)
+            self.refuse("none.obj", "no such file", skywave.Scene, name)
+        os.mkdir("folder.obj")
+        self.refuse("folder.obj", "", skywave.Scene, "folder.obj", error=skywave.FileError)
         self.refuse("no-such-scene", "gallery", skywave.render, "no-such-scene")
         self.refuse("^path$", "zero byte", skywave.Scene, "a\0.obj")
         for wrong in (3, [], object(), 1.5):
@@ -199,14 +204,14 @@ class BadInputTest(Case):
         pathlib.Path("broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
         self.refuse("broken.obj:2", "", skywave.Scene, "broken.obj")
         strange = os.fsdecode(b"\xff\xfe.obj")
-        self.refuse(strange, "", skywave.Scene, strange, error=OSError)
+        self.refuse(strange, "no such file", skywave.Scene, strange)
         self.refuse("none.exr", "", skywave.read_image, "none.exr", error=OSError)
         pathlib.Path("broken.exr").write_bytes(b"v/1\1" * 10)
         self.refuse("broken.exr", "", skywave.read_image, "broken.exr")
 
     def test_scenes_that_cannot_be_rendered(self):
-        self.refuse("", "triangle|mesh|empty", skywave.render, skywave.Scene(), env=sky())
-        self.refuse("", "light|env", skywave.render, skywave.Scene().add_mesh(VERTICES, FACES))
+        self.refuse("scene", "no triangle", skywave.render, skywave.Scene(), env=sky())
+        self.refuse("scene", "light", skywave.render, skywave.Scene().add_mesh(VERTICES, FACES))
 
     def test_outputs(self):
         picture = skywave.render("furnace", **SMALL)
@@ -219,7 +224,7 @@ class BadInputTest(Case):
         self.refuse("exposure", "", skywave.encode_png, picture, exposure=NAN)
         self.refuse("^exposure$", "", skywave.encode_png, picture, exposure="1")
         self.refuse("^image$", "shape", skywave.encode_png, numpy.ones((4, 4, 2)))
-        self.refuse("reference", "size", skywave.compare, picture, numpy.ones((3, 4, 3)))
+        self.refuse("compare", "size", skywave.compare, picture, numpy.ones((3, 4, 3)))
         self.refuse("^image$", "", skywave.compare, None, picture)
         self.assertEqual(os.listdir(), [])
 
@@ -228,7 +233,7 @@ class BadInputTest(Case):
             return skywave.converge("gallery", **{"size": (24, 16), "budgets": [1], **options})
         self.refuse("budgets", "", converge, budgets=[0])
         self.refuse("budgets", "", converge, budgets=[])
-        self.refuse("strategies|produkt", "", converge, strategies=["importance", "produkt"])
+        self.refuse("strateg", "produkt", converge, strategies=["importance", "produkt"])
         self.refuse("^reference_sp$", "did you mean reference_spp", converge, reference_sp=3)
 
     def test_errors_survive_pickling(self):

@@ -9,8 +9,8 @@ import unittest
 
 import skywave
 
-# It would take hours.
-LONG = {"size": (800, 600), "spp": 1 << 20}
+# It would take hours, in tiles of a fraction of a second.
+LONG = {"size": (4000, 3000), "spp": 4096}
 
 
 class InterruptTest(unittest.TestCase):
@@ -46,7 +46,7 @@ class InterruptTest(unittest.TestCase):
     def test_ctrl_c_stops_converge(self):
         script = ("import skywave, threading\n"
                   "threading.Timer(2, lambda: print('started', flush=True)).start()\n"
-                  f"skywave.converge('gallery', budgets=[{1 << 20}], size=(800, 600))\n")
+                  f"skywave.converge('gallery', budgets=[4096], size=(4000, 3000))\n")
         self.assertEqual(self.stop(script), "KeyboardInterrupt")
 
     def test_progress_stops_a_render(self):

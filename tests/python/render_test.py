@@ -74,10 +74,13 @@ class RenderTest(Case):
         self.assert_same_bits(first.rgb, again.rgb)
 
     def test_options_of_reading_go_to_the_reader(self):
-        write_obj("mesh.obj")
-        with self.assertRaisesRegex(skywave.Error, "mesh.obj"):
-            skywave.render("mesh.obj", env=sky(), max_triangles=3, **SMALL)
-        self.assertEqual(skywave.Scene("mesh.obj", max_triangles=6).triangles, 6)
+        pathlib.Path("scene.pbrt").write_text('WorldBegin\nLightSource "infinite"\n'
+                                              'Material "quux"\nShape "sphere"\n')
+        with self.assertRaisesRegex(skywave.Error, "scene.pbrt:3"):
+            skywave.render("scene.pbrt", strict=True, **SMALL)
+        skywave.render("scene.pbrt", strict=False, **SMALL)
+        with self.assertRaisesRegex(skywave.Error, "max_triangles"):
+            skywave.Scene("scene.pbrt", max_triangles=0)
 
     def test_picture(self):
         write_obj("mesh.obj")

@@ -15,11 +15,9 @@ def render(scene):
 
 class SceneTest(Case):
     def test_a_mesh_of_arrays_is_that_of_a_file(self):
-        write_obj("mesh.obj")
         write_ply("mesh.ply")
-        expected = render("mesh.obj")
+        expected = render("mesh.ply")
         self.assertGreater(expected.mean(), 0.01)
-        self.assert_same_bits(render("mesh.ply"), expected)
         self.assert_same_bits(render(skywave.Scene().add_mesh(VERTICES, FACES)), expected)
         whole = types.SimpleNamespace(vertices=VERTICES, faces=FACES)
         self.assert_same_bits(render(skywave.Scene().add_mesh(whole)), expected)
@@ -60,7 +58,8 @@ class SceneTest(Case):
         uvs = VERTICES[:, [0, 2]]
         pictures = [render(scene.copy().add_mesh(VERTICES, FACES, uvs=uvs, material=number))
                     for number in (0, red, plain, metal)]
-        numpy.testing.assert_allclose(pictures[1], pictures[2], rtol=1e-4, atol=1e-5)
+        # Texels have 8 bits, so both pictures are not the same.
+        numpy.testing.assert_allclose(pictures[1], pictures[2], rtol=0.02)
         self.assertEqual(len({picture.tobytes() for picture in pictures}), 4)
         colors = numpy.tile(numpy.float32([0.5, 0.5, 0.5]), (5, 1))
         darker = render(skywave.Scene().add_mesh(VERTICES, FACES, colors=colors))

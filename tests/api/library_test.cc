@@ -1,0 +1,533 @@
+// Tests the library: its pictures are those of the command line, arrays are what files are, bad
+// arguments are refused by name, and callbacks see and stop a render.
+#include "skywave/skywave.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "base/files.h"
+#include "kernels/bsdf/bsdf.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+using api::Options;
+using api::Vector;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+const Options kSmall = {{"size", "24x16"}, {"spp", "4"}, {"max-depth", "3"}};
+
+Options With(Options options, const Options& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+std::vector<float> Pixels(const api::Renderer& renderer) {
+  std::vector<float> rgb(std::size_t(renderer.width()) * std::size_t(renderer.height()) * 3);
+  renderer.CopyPicture(rgb);
+  return rgb;
+}
+
+std::vector<float> Render(const api::Scene& scene, const Options& options) {
+  api::Renderer renderer(scene, options);
+  renderer.Render();
+  return Pixels(renderer);
+}
+
+bool SameBits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+// A square of side 2 in the plane y = 0 whose normal is +y, with uvs.
+struct Square {
+  std::vector<float> positions = {-1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1};
+  std::vector<float> normals = {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
+  std::vector<float> uvs = {0, 1, 1, 1, 1, 0, 0, 0};
+  std::vector<std::uint32_t> triangles = {0, 1, 2, 0, 2, 3};
+
+  api::MeshArrays mesh(int material = 0) const {
+    return {.positions = positions,
+            .triangles = triangles,
+            .normals = normals,
+            .uvs = uvs,
+            .material = material};
+  }
+};
+
+// A map whose texels all differ.
+struct Map {
+  std::vector<float> rgb = std::vector<float>(std::size_t(16) * 8 * 3);
+  Map() {
+    for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = 0.25f + float(i * 37 % 101) / 50;
+  }
+  api::ImageArray image() const { return {rgb, 16, 8}; }
+};
+
+// The camera looks down at the middle of the square, so closely that all of its film sees about one
+// point; no filter weighs pixels.
+const Options kLookDown = {{"size", "4x4"},    {"spp", "16"},        {"filter", "box"},
+                           {"max-depth", "1"}, {"eye", "0,2,0.001"}, {"target", "0,0,0"},
+                           {"fov", "0.005"}};
+
+class Library : public Program {};
+
+TEST_F(Library, WritesTheFilesOfTheCommandLine) {
+  const Options options = With(
+      kSmall,
+      {{"aovs", "albedo,normal,depth"}, {"exposure", "0.5"}, {"tone", "filmic"}, {"seed", "7"}});
+  ASSERT_EQ(Run("render gallery --size 24x16 --spp 4 --max-depth 3 --aovs albedo,normal,depth "
+                "--exposure 0.5 --tone filmic --seed 7 -o cli.exr --stats cli.json")
+                .exit_code,
+            0);
+  api::Renderer renderer(api::Scene("gallery"), options);
+  renderer.Render();
+  renderer.WriteExr(Path("api.exr"));
+  renderer.WritePng(Path("api.png"));
+  EXPECT_EQ(Bytes("api.exr"), Bytes("cli.exr"));
+  EXPECT_EQ(Bytes("api.png"), Bytes("cli.png"));
+  const api::Image file = api::ReadImage(Path("cli.exr"));
+  EXPECT_EQ(file.width, renderer.width());
+  EXPECT_TRUE(SameBits(file.rgb, Pixels(renderer)));
+  const auto statistics = nlohmann::json::parse(renderer.Statistics());
+  const auto written = nlohmann::json::parse(Bytes("cli.json"));
+  EXPECT_EQ(statistics["samples"], written["samples"]);
+  EXPECT_EQ(statistics["rays"]["camera"]["count"], written["rays"]["camera"]["count"]);
+  EXPECT_EQ(statistics["scene"], written["scene"]);
+  EXPECT_NE(renderer.Summary().find("Msamples/s"), std::string::npos);
+}
+
+TEST_F(Library, GivesTheLayersOfTheOptionAovs) {
+  Square square;
+  api::Scene scene;
+  const int red = scene.AddMaterial("lambert", {{"reflectance", {0.75f, 0.25f, 0.125f}}});
+  scene.AddMesh(square.mesh(red));
+  scene.AddDistantLight({0, 1, 0}, {1, 1, 1});
+  api::Renderer renderer(scene, With(kLookDown, {{"aovs", "depth,albedo"}}));
+  renderer.Render();
+  std::map<std::string, std::string> channels;
+  for (const api::Layer& layer : renderer.layers()) channels[layer.name] = layer.channels;
+  EXPECT_EQ(channels, (std::map<std::string, std::string>{{"albedo", "RGB"}, {"depth", "Z"}}));
+  std::vector<float> albedo(16 * 3), depth(16);
+  renderer.CopyLayer("albedo", albedo);
+  renderer.CopyLayer("depth", depth);
+  for (std::size_t i = 0; i < 16; ++i) {
+    EXPECT_FLOAT_EQ(albedo[3 * i], 0.75f);
+    EXPECT_FLOAT_EQ(albedo[3 * i + 1], 0.25f);
+    EXPECT_FLOAT_EQ(albedo[3 * i + 2], 0.125f);
+    EXPECT_NEAR(depth[i], 2, 1e-3);
+  }
+}
+
+TEST_F(Library, ArraysAreWhatFilesAre) {
+  Put("square.ply",
+      "ply\nformat ascii 1.0\nelement vertex 4\n"
+      "property float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\n"
+      "property float u\nproperty float v\n"
+      "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+      "-1 0 1 0 1 0 0 1\n1 0 1 0 1 0 1 1\n1 0 -1 0 1 0 1 0\n-1 0 -1 0 1 0 0 0\n"
+      "3 0 1 2\n3 0 2 3\n");
+  Square square;
+  api::Scene arrays;
+  arrays.AddMesh(square.mesh());
+  api::Scene file(Path("square.ply"));
+  const Map map;
+  arrays.SetEnvironment(map.image());
+  file.SetEnvironment(map.image());
+  EXPECT_EQ(arrays.triangles(), file.triangles());
+  EXPECT_TRUE(SameBits(Render(arrays, kSmall), Render(file, kSmall)));
+
+  // Normals may have any length: those of two corners are tilted and one of them is four times as
+  // long.
+  api::Scene unit, longer;
+  square.normals[0] = 0.5f, square.normals[3] = -0.5f;
+  unit.AddMesh(square.mesh());
+  for (std::size_t i = 0; i < 3; ++i) square.normals[i] *= 4;
+  longer.AddMesh(square.mesh());
+  unit.SetEnvironment(map.image()), longer.SetEnvironment(map.image());
+  EXPECT_TRUE(SameBits(Render(longer, kSmall), Render(unit, kSmall)));
+}
+
+TEST_F(Library, MapsInMemoryAreWhatFilesAre) {
+  const Map map;
+  std::string pfm = "PF\n16 8\n-1.0\n";  // rows from the bottom
+  for (int row = 7; row >= 0; --row) {
+    pfm.append(reinterpret_cast<const char*>(&map.rgb[std::size_t(row) * 48]), 48 * sizeof(float));
+  }
+  Put("map.pfm", pfm);
+  api::Scene memory("spheres"), file("spheres");
+  memory.SetEnvironment(map.image());
+  for (const Options& more : {Options{},
+                              {{"env-rotate", "40"}, {"env-intensity", "0.5"}},
+                              {{"env-projection", "angular"}, {"env-up", "z"}},
+                              {{"strategy", "product"}}}) {
+    const Options options = With(kSmall, more);
+    EXPECT_TRUE(
+        SameBits(Render(memory, options), Render(file, With(options, {{"env", Path("map.pfm")}}))))
+        << (more.empty() ? "" : more[0].first);
+  }
+  // A map that an option names comes before the scene's.
+  Put("black_but_one.pfm", "PF\n1 1\n-1.0\n" + std::string("\0\0\x80\x3f\0\0\0\0\0\0\0\0", 12));
+  EXPECT_FALSE(SameBits(Render(memory, kSmall),
+                        Render(memory, With(kSmall, {{"env", Path("black_but_one.pfm")}}))));
+}
+
+// A white square under lights of closed form: radiance is rho / pi times irradiance.
+TEST(LibraryLights, IlluminateByTheirIntensity) {
+  static constexpr double kPi = std::numbers::pi;
+  struct Case {
+    const char* name;
+    void (*add)(api::Scene&);
+    double irradiance;
+  };
+  const Case cases[] = {
+      {"point",
+       [](api::Scene& s) {
+         s.AddPointLight({3, 4, 0}, {25, 50, 100});
+       },
+       25.0 / 25 * 0.8},  // the cosine of a triangle of sides 3, 4, 5
+      {"distant",
+       [](api::Scene& s) {
+         s.AddDistantLight({3, 4, 0}, {2, 4, 8});
+       },
+       2 * 0.8},
+      {"inside of a spot",
+       [](api::Scene& s) {
+         s.AddSpotLight({0, 4, 0}, {0, -1, 0}, {16, 32, 64}, 20, 30);
+       },
+       1},
+      {"half of a spot",  // 25 degrees off the axis, where 3 t^2 - 2 t^3 is nearly a half
+       [](api::Scene& s) {
+         const float angle = 25 * float(kPi) / 180;
+         s.AddSpotLight({0, 4, 0}, {std::sin(angle), -std::cos(angle), 0}, {16, 32, 64}, 20, 30);
+       },
+       [] {
+         const auto cosine = [](double degrees) { return std::cos(degrees * kPi / 180); };
+         const double t = (cosine(25) - cosine(30)) / (cosine(20) - cosine(30));
+         return t * t * (3 - 2 * t);
+       }()},
+      {"outside of a spot",
+       [](api::Scene& s) {
+         s.AddSpotLight({0, 4, 0}, {1, -1, 0}, {16, 32, 64}, 20, 30);
+       },
+       0},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    Square square;
+    api::Scene scene;
+    const int white = scene.AddMaterial("lambert", {{"reflectance", {0.5f}}});
+    scene.AddMesh(square.mesh(white));
+    c.add(scene);
+    const std::vector<float> rgb = Render(scene, kLookDown);
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      const double expected = 0.5 / kPi * c.irradiance * double(1 << (i % 3));
+      EXPECT_NEAR(rgb[i], expected, 2e-3 * expected);
+    }
+  }
+}
+
+TEST(LibraryMaterials, TakeTheParametersOfEveryBsdf) {
+  for (const BsdfKernels& bsdf : Bsdfs()) {
+    SCOPED_TRACE(bsdf.name);
+    api::Scene scene;
+    std::vector<api::MaterialParameter> parameters = {{"reflectance", {0.5f, 0.4f, 0.3f}}};
+    for (const MaterialParameter& parameter : ParametersOf(bsdf)) {
+      if (parameter.name != "measured") parameters.push_back({std::string(parameter.name), {0.5f}});
+    }
+    if (bsdf.tables.measured) {
+      EXPECT_THROW(scene.AddMaterial(std::string(bsdf.name), parameters), api::Error);
+    } else {
+      EXPECT_EQ(scene.AddMaterial(std::string(bsdf.name), parameters), 1);
+    }
+  }
+}
+
+TEST(LibraryMaterials, AreSeen) {
+  Square square;
+  const auto look = [&](const std::vector<api::MaterialParameter>& parameters,
+                        const std::optional<api::ImageArray>& texture = {}) {
+    api::Scene scene;
+    if (texture) scene.AddTexture(*texture);
+    scene.AddMesh(square.mesh(scene.AddMaterial("lambert", parameters)));
+    scene.AddDistantLight(
+        {0, 1, 0}, {float(std::numbers::pi), float(std::numbers::pi), float(std::numbers::pi)});
+    return Render(scene, kLookDown);
+  };
+  const float green[3] = {0.25f, 0.5f, 1};
+  const std::vector<float> plain = look({{"reflectance", {0.5f}}});
+  const std::vector<float> textured =
+      look({{"reflectance", {0.5f}}, {"color_texture", {0}}}, api::ImageArray{green, 1, 1});
+  const std::vector<float> shining = look({{"reflectance", {0}}, {"emission", {3, 2, 1}}});
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_NEAR(plain[i], 0.5, 1e-3);
+    EXPECT_NEAR(textured[i], 0.5 * green[i % 3], 1e-3);
+    EXPECT_NEAR(shining[i], 3 - int(i % 3), 1e-3);
+  }
+}
+
+TEST(LibraryProgress, IsToldToTheCallingThreadAndDoesNotChangeThePicture) {
+  // Long enough to be seen, whatever the machine.
+  const Options options = {{"size", "320x240"}, {"spp", "64"}, {"max-depth", "5"}};
+  api::Renderer renderer(api::Scene("gallery"), options);
+  double last = 0;
+  int calls = 0;
+  const std::thread::id here = std::this_thread::get_id();
+  renderer.Render([&](double done) {
+    EXPECT_EQ(std::this_thread::get_id(), here);
+    EXPECT_GE(done, last);
+    EXPECT_LE(done, 1);
+    last = done;
+    ++calls;
+    return true;
+  });
+  EXPECT_GT(calls, 0);
+  EXPECT_GT(last, 0);
+  const std::vector<float> watched = Pixels(renderer);
+
+  for (const char* integrator : {"path", "photon", "vcm"}) {
+    SCOPED_TRACE(integrator);
+    api::Renderer canceled(api::Scene("gallery"), With(options, {{"integrator", integrator}}));
+    EXPECT_THROW(canceled.Render([](double) { return false; }), api::Canceled);
+    EXPECT_THROW(Pixels(canceled), api::Error) << "there is no whole picture";
+    EXPECT_THROW(canceled.Render([](double) -> bool { throw std::out_of_range("mine"); }),
+                 std::out_of_range);
+    if (std::string(integrator) == "path") {
+      canceled.Render();
+      EXPECT_TRUE(SameBits(Pixels(canceled), watched));
+    }
+  }
+}
+
+TEST_F(Library, RecordsTheCommandOfScenesThatWereNotChanged) {
+  api::Scene scene("spheres");
+  const Options options = With(kSmall, {{"guide", "true"}});
+  api::Renderer(scene, options).notes();
+  api::Renderer whole(scene, options);
+  whole.Render();
+  whole.WriteExr(Path("whole.exr"));
+  EXPECT_NE(Bytes("whole.exr").find("skywave render spheres --size 24x16"), std::string::npos);
+  Square square;
+  scene.AddMesh(square.mesh());
+  api::Renderer changed(scene, options);
+  changed.Render();
+  changed.WriteExr(Path("changed.exr"));
+  EXPECT_EQ(Bytes("changed.exr").find("skywave render"), std::string::npos);
+}
+
+TEST_F(Library, MeasuresWhatTheSubcommandsMeasure) {
+  const Map map;
+  std::vector<float> other = map.rgb;
+  other[5] += 0.5f;
+  const auto same = nlohmann::json::parse(api::Compare(map.image(), map.image()));
+  EXPECT_EQ(same["mse"], 0);
+  EXPECT_EQ(same["different_pixels"], 0);
+  const auto changed = nlohmann::json::parse(api::Compare({other, 16, 8}, map.image()));
+  EXPECT_NEAR(changed["mse"].get<double>(), 0.25 / 3 / 128, 1e-9);
+  EXPECT_EQ(changed["max_at"], nlohmann::json({1, 0}));
+
+  const auto info = nlohmann::json::parse(api::DescribeMap(map.image()));
+  EXPECT_EQ(info["width"], 16);
+  EXPECT_EQ(info["projection"], "latlong");
+  EXPECT_EQ(nlohmann::json::parse(api::DescribeMap(map.image(), "angular"))["projection"],
+            "angular");
+
+  int calls = 0;
+  const auto measured = nlohmann::json::parse(api::Converge(api::Scene("gallery"),
+                                                            {{"size", "16x12"},
+                                                             {"strategies", "importance uniform"},
+                                                             {"budgets", "1,4"},
+                                                             {"repeats", "2"},
+                                                             {"reference-spp", "64"}},
+                                                            [&](double) { return ++calls > 0; }));
+  ASSERT_EQ(measured["strategies"].size(), 2u);
+  EXPECT_EQ(measured["strategies"][1]["strategy"], "uniform");
+  EXPECT_EQ(measured["strategies"][1]["budgets"][1]["samples_per_pixel"], 4);
+  EXPECT_GT(measured["strategies"][1]["budgets"][0]["error"].get<double>(),
+            measured["strategies"][1]["budgets"][1]["error"].get<double>());
+}
+
+// Each call is refused with an Error whose place is `place` and whose message contains `word`.
+struct Refusal {
+  const char *place, *word;
+  std::function<void()> call;
+};
+
+void ExpectRefusals(const std::vector<Refusal>& refusals) {
+  for (const Refusal& refusal : refusals) {
+    SCOPED_TRACE(std::string(refusal.place) + ", " + refusal.word);
+    try {
+      refusal.call();
+      ADD_FAILURE() << "was accepted";
+    } catch (const api::Error& error) {
+      EXPECT_EQ(error.place(), refusal.place);
+      EXPECT_NE(std::string(error.what()).find(refusal.word), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(LibraryErrors, NameTheBadArray) {
+  api::Scene scene;
+  Square square;
+  scene.AddMesh(square.mesh());
+  const auto mesh = [&](auto change) {
+    return [&scene, change] {
+      Square bad;
+      api::MeshArrays arrays = bad.mesh();
+      change(bad, arrays);
+      scene.AddMesh(arrays);
+    };
+  };
+  const auto texture = [&](std::vector<float> rgb, int width, int height) {
+    return [&scene, rgb, width, height] { scene.AddTexture({rgb, width, height}); };
+  };
+  const auto map = [&](std::vector<float> rgb, int width, int height) {
+    return [&scene, rgb, width, height] { scene.SetEnvironment({rgb, width, height}); };
+  };
+  const auto material = [&](const char* bsdf, std::vector<api::MaterialParameter> parameters) {
+    return [&scene, bsdf, parameters] { scene.AddMaterial(bsdf, parameters); };
+  };
+  ExpectRefusals(
+      {{"positions", "0 values", [&] { scene.AddMesh({}); }},
+       {"positions", "11 values", mesh([](Square& s, api::MeshArrays& m) {
+          m.positions = std::span(s.positions).first(11);
+        })},
+       {"positions", "nan", mesh([](Square& s, api::MeshArrays&) { s.positions[4] = kNan; })},
+       {"positions", "value 4",
+        mesh([](Square& s, api::MeshArrays&) { s.positions[4] = -kInfinity; })},
+       {"triangles", "5 indices",
+        mesh([](Square& s, api::MeshArrays& m) { m.triangles = std::span(s.triangles).first(5); })},
+       {"triangles", "0 indices", mesh([](Square&, api::MeshArrays& m) { m.triangles = {}; })},
+       {"triangles", "vertex 4", mesh([](Square& s, api::MeshArrays&) { s.triangles[5] = 4; })},
+       {"triangles", "vertex 4294967295",
+        mesh([](Square& s, api::MeshArrays&) { s.triangles[0] = ~0u; })},
+       {"normals", "9 values",
+        mesh([](Square& s, api::MeshArrays& m) { m.normals = std::span(s.normals).first(9); })},
+       {"normals", "length 0", mesh([](Square& s, api::MeshArrays&) { s.normals[1] = 0; })},
+       {"uvs", "7 values",
+        mesh([](Square& s, api::MeshArrays& m) { m.uvs = std::span(s.uvs).first(7); })},
+       {"uvs", "nan", mesh([](Square& s, api::MeshArrays&) { s.uvs[0] = kNan; })},
+       {"colors", "8 values",
+        mesh([](Square& s, api::MeshArrays& m) { m.colors = std::span(s.positions).first(8); })},
+       {"material", "number 7", mesh([](Square&, api::MeshArrays& m) { m.material = 7; })},
+       {"material", "number -1", mesh([](Square&, api::MeshArrays& m) { m.material = -1; })},
+       {"image", "2 x 2", texture({1, 2, 3}, 2, 2)},
+       {"image", "-1 x -1", texture({1, 2, 3}, -1, -1)},
+       {"image", "65536", texture({1, 2, 3}, 65536, 65536)},
+       {"image", "inf", texture({1, kInfinity, 3}, 1, 1)},
+       {"map", "black", map({0, 0, 0, 0, 0, 0}, 2, 1)},
+       {"map", "black", map({kNan, -1, -kInfinity}, 1, 1)},
+       {"map", "0 x 0", map({}, 0, 0)},
+       {"map", "has 3 values", map({1, 2, 3}, 2, 1)},
+       {"bsdf", "lambert", material("lambertian", {})},
+       {"rough", "alpha", material("conductor", {{"rough", {1}}})},
+       {"ior", "no such parameter", material("lambert", {{"ior", {1.5f}}})},
+       {"absorption", "no such parameter", material("lambert", {{"absorption", {1}}})},
+       {"alpha", "from 0 to 1", material("conductor", {{"alpha", {2}}})},
+       {"alpha", "nan", material("conductor", {{"alpha", {kNan}}})},
+       {"alpha", "takes 1", material("conductor", {{"alpha", {0.1f, 0.2f}}})},
+       {"eta", "takes 3", material("conductor", {{"eta", {0.1f, 0.2f}}})},
+       {"reflectance", "no value", material("lambert", {{"reflectance", {}}})},
+       {"emission", "-1", material("lambert", {{"emission", {-1}}})},
+       {"material", "texture", material("lambert", {{"color_texture", {3}}})},
+       {"material", "texture", material("lambert", {{"color_texture", {1e20f}}})},
+       {"material", "mixed", material("lambert", {{"mixture", {0, 9, 0.5f}}})},
+       {"position", "nan",
+        [&] {
+          scene.AddPointLight({kNan, 0, 0}, {1, 1, 1});
+        }},
+       {"intensity", "negative",
+        [&] {
+          scene.AddPointLight({0, 0, 0}, {1, -1, 1});
+        }},
+       {"full_degrees", "<=",
+        [&] {
+          scene.AddSpotLight({}, {0, 1, 0}, {1, 1, 1}, 40, 30);
+        }},
+       {"axis", "no direction",
+        [&] {
+          scene.AddSpotLight({}, {}, {1, 1, 1}, 10, 30);
+        }},
+       {"direction", "inf",
+        [&] {
+          scene.AddDistantLight({0, kInfinity, 0}, {1, 1, 1});
+        }},
+       {"target", "eye",
+        [&] {
+          scene.SetCamera({1, 1, 1}, {1, 1, 1}, {0, 1, 0}, 40);
+        }},
+       {"up", "view",
+        [&] {
+          scene.SetCamera({0, 1, 0}, {0, 0, 0}, {0, 1, 0}, 40);
+        }},
+       {"fov_degrees", "180",
+        [&] {
+          scene.SetCamera({0, 1, 1}, {0, 0, 0}, {0, 1, 0}, kNan);
+        }},
+       {"axis", "x, y or z", [&] { scene.SetUp('w'); }}});
+  EXPECT_EQ(scene.triangles(), 2u) << "a refused mesh has left something";
+  scene.AddDistantLight({0, 1, 0}, {1, 1, 1});
+  EXPECT_GT(Render(scene, kLookDown)[0], 0);
+}
+
+TEST(LibraryErrors, NameTheBadOption) {
+  const api::Scene scene("spheres");
+  api::Renderer renderer(scene, kSmall);
+  std::vector<float> wrong(5);
+  const auto with = [&](Options options) {
+    return [&scene, options] { api::Renderer(scene, options); };
+  };
+  ExpectRefusals({{"max-dept", "max-depth", with({{"max-dept", "3"}})},
+                  {"scene", "no such option", with({{"scene", "gallery"}})},
+                  {"spp", "'0' is not", with({{"spp", "0"}})},
+                  {"spp", "'' is not", with({{"spp", ""}})},
+                  {"size", "12x", with({{"size", "12x"}})},
+                  {"shutter", "f-number", with({{"shutter", "1/60"}})},
+                  {"split 2", "splits paths", with({{"split", "2"}, {"integrator", "bdpt"}})},
+                  {"no.exr", "no.exr", with({{"env", "no.exr"}})},
+                  {"nothing.obj", "nothing.obj", [] { api::Scene("nothing.obj"); }},
+                  {"strict", "maybe",
+                   [] {
+                     api::Scene("spheres", {{"strict", "maybe"}});
+                   }},
+                  {"spp", "no such option",
+                   [] {
+                     api::Scene("spheres", {{"spp", "4"}});
+                   }},
+                  {"Renderer", "Render first", [&] { Pixels(renderer); }},
+                  {"Renderer", "Render first", [&] { renderer.WriteExr("x.exr"); }},
+                  {"rgb", "5 floats",
+                   [&] {
+                     renderer.Render();
+                     renderer.CopyPicture(wrong);
+                   }},
+                  {"layer", "aovs", [&] { renderer.CopyLayer("albedo", wrong); }},
+                  {"tone", "clip|filmic",
+                   [] {
+                     api::EncodePng({std::vector<float>{1, 1, 1}, 1, 1}, 0, "x");
+                   }},
+                  {"scene", "no light", [] { api::Renderer(api::Scene(), {}); }},
+                  {"scene", "no triangle",
+                   [] {
+                     api::Scene empty;
+                     empty.SetEnvironment(Map().image());
+                     api::Renderer(empty, {});
+                   }},
+                  {"projection", "latlong", [] {
+                     api::DescribeMap({std::vector<float>(6, 1.0f), 2, 1}, "flat");
+                   }}});
+}
+
+}  // namespace
+}  // namespace skywave
