@@ -11,6 +11,12 @@ import skywave
 
 # It would take hours, in tiles of a fraction of a second.
 LONG = {"size": (4000, 3000), "spp": 4096}
+STARTED = """
+import skywave
+once = iter(["started"])
+def progress(done):
+    for word in once: print(word, flush=True)
+"""
 
 
 class InterruptTest(unittest.TestCase):
@@ -26,15 +32,12 @@ class InterruptTest(unittest.TestCase):
             self.assertLess(time.monotonic() - start, 30)
         finally:
             process.kill()
+            process.communicate()
         self.assertNotEqual(process.returncode, 0)
         return errors.strip().split("\n")[-1]
 
     def test_ctrl_c_stops_a_render(self):
-        script = ("import skywave\n"
-                  "once = iter(['started'])\n"
-                  "def progress(done):\n"
-                  "    for word in once: print(word, flush=True)\n"
-                  f"skywave.render('gallery', progress=progress, **{LONG})\n")
+        script = STARTED + f"skywave.render('gallery', progress=progress, **{LONG})\n"
         self.assertEqual(self.stop(script), "KeyboardInterrupt")
 
     def test_ctrl_c_stops_a_render_without_progress(self):
@@ -44,9 +47,8 @@ class InterruptTest(unittest.TestCase):
         self.assertEqual(self.stop(script), "KeyboardInterrupt")
 
     def test_ctrl_c_stops_converge(self):
-        script = ("import skywave, threading\n"
-                  "threading.Timer(2, lambda: print('started', flush=True)).start()\n"
-                  f"skywave.converge('gallery', budgets=[4096], size=(4000, 3000))\n")
+        script = STARTED + ("skywave.converge('gallery', budgets=[1], reference_spp=8192, "
+                            "size=(1600, 1200), progress=progress)\n")
         self.assertEqual(self.stop(script), "KeyboardInterrupt")
 
     def test_progress_stops_a_render(self):

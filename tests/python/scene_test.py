@@ -58,7 +58,7 @@ class SceneTest(Case):
         uvs = VERTICES[:, [0, 2]]
         pictures = [render(scene.copy().add_mesh(VERTICES, FACES, uvs=uvs, material=number))
                     for number in (0, red, plain, metal)]
-        # Texels have 8 bits, so both pictures are not the same.
+        # Texels are rounded to nine bits, so both pictures are not the same.
         numpy.testing.assert_allclose(pictures[1], pictures[2], rtol=0.02)
         self.assertEqual(len({picture.tobytes() for picture in pictures}), 4)
         colors = numpy.tile(numpy.float32([0.5, 0.5, 0.5]), (5, 1))
