@@ -12,8 +12,8 @@
 #include "base/version.h"
 #include "job/options.h"
 #include "job/watch.h"
-#include "measure/machine.h"
 #include "measure/render_report.h"
+#include "scene/embree.h"
 
 namespace skywave::api {
 namespace {
@@ -75,11 +75,7 @@ RenderReport Report(const Renderer::State& state) {
 }  // namespace
 
 std::string Version() {
-  std::string embree;
-  for (const auto& [name, version] : DescribeMachine("").libraries) {
-    if (name == "embree") embree = version;
-  }
-  return fmt::format("{} (Embree {})", skywave::Version(), embree);
+  return fmt::format("{} (Embree {})", skywave::Version(), RTC_VERSION_STRING);
 }
 
 std::vector<BoundOption> BindJobOptions(const std::shared_ptr<JobRequest>& request) {

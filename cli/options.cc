@@ -3,14 +3,16 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "base/version.h"
 #include "cli/commands.h"
+#include "cli/parse.h"
 
 namespace skywave {
 namespace {
 
 struct OptionsFlags {
-  std::string command, format = "text";
+  std::string of, format = "text";
   bool json = false;
 };
 
@@ -28,10 +30,11 @@ void Collect(const std::vector<Command>& commands, const std::string& prefix,
   }
 }
 
-std::vector<NamedCommand> CommandsWithOptions() {
+// Returns the subcommands that do something: "probe info", but not "probe".
+std::vector<NamedCommand> RunnableCommands() {
   std::vector<NamedCommand> all;
   Collect(AllCommands(), "", all);
-  std::erase_if(all, [](const NamedCommand& c) { return c.command.options.empty(); });
+  std::erase_if(all, [](const NamedCommand& c) { return !c.command.run; });
   return all;
 }
 
@@ -76,6 +79,7 @@ std::string Json(const std::vector<NamedCommand>& commands) {
 std::string Text(const std::vector<NamedCommand>& commands) {
   std::string text;
   for (const auto& [name, command] : commands) {
+    if (command.options.empty()) continue;
     text += fmt::format("skywave {}\n", name);
     for (const BoundOption& option : command.options) {
       text += fmt::format("  {:<34} {:<7} {}\n", Usage(option.info), ToString(option.info.scope),
@@ -97,6 +101,7 @@ std::string Markdown(const std::vector<NamedCommand>& commands) {
     return words;
   };
   for (const auto& [name, command] : commands) {
+    if (command.options.empty()) continue;
     text += fmt::format(
         "\n## skywave {}\n\n{}.\n\n| option | scope | meaning |\n| --- | --- | --- "
         "|\n",
@@ -224,14 +229,115 @@ std::string ZshCompletion(const std::vector<NamedCommand>& commands) {
   return text + "esac\n";
 }
 
+// Returns text as roff prints it: dashes as they are typed, no escapes and no requests.
+std::string Roff(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    const bool at_line_start = escaped.empty() || escaped.back() == '\n';
+    if (at_line_start && (c == '.' || c == '\'')) escaped += "\\&";
+    if (c == '\\') {
+      escaped += "\\e";
+    } else if (c == '-') {
+      escaped += "\\-";
+    } else {
+      escaped += c;
+      if (c == '|') escaped += "\\:";  // a line may end here
+    }
+  }
+  return escaped;
+}
+
+// Returns the name of a page: "skywave-probe-info" of "probe info", "skywave" of "".
+std::string PageName(std::string_view command) {
+  std::string name = command.empty() ? "skywave" : "skywave-" + std::string(command);
+  std::replace(name.begin(), name.end(), ' ', '-');
+  return name;
+}
+
+std::string PageHead(std::string_view command, std::string_view summary) {
+  std::string title = PageName(command);
+  std::transform(title.begin(), title.end(), title.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return fmt::format(
+      ".\\\" Made by: skywave options --format man\n"
+      ".TH {} 1 \"\" \"skywave {}\" \"User Commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n",
+      title, Version(), Roff(PageName(command)), Roff(summary));
+}
+
+constexpr std::string_view kHelpEntry =
+    ".TP\n.B \\-h\\fR, \\fB\\-\\-help\nprint a summary and exit\n";
+
+std::string ManEntry(const OptionInfo& info) {
+  const std::string usage = Usage(info);
+  const std::size_t space = info.positional ? 0 : usage.find(' ', usage.find("--"));
+  const std::string flag = usage.substr(0, space);
+  std::string tag = flag.empty() ? "" : "\\fB" + Roff(flag) + "\\fR";
+  if (flag.size() < usage.size()) tag += "\\fI" + Roff(usage.substr(flag.size())) + "\\fR";
+  return ".TP\n" + tag + "\n" + Roff(Explanation(info)) + "\n";
+}
+
+// The manual page of a subcommand, for man(1).
+std::string ManPage(const NamedCommand& named) {
+  const auto& [name, command] = named;
+  std::string text = PageHead(name, command.summary) + fmt::format(".B skywave {}\n", name);
+  std::string groups;
+  std::set<std::string_view> seen;
+  for (const BoundOption& option : command.options) {
+    if (option.info.positional) {
+      text += fmt::format(fmt::runtime(option.info.required ? "\\fI{}\\fR\n" : "[\\fI{}\\fR]\n"),
+                          Roff(option.info.value_name));
+    }
+    if (!seen.insert(option.info.group).second) continue;
+    groups += fmt::format(".SS {}\n", Roff(option.info.group));
+    for (const BoundOption& other : command.options) {
+      if (other.info.group == option.info.group) groups += ManEntry(other.info);
+    }
+  }
+  text += fmt::format("[\\fIOPTION\\fR ...]\n.SH OPTIONS\n{}{}", kHelpEntry, groups);
+  const std::size_t examples = std::min(command.footer.find("Example"), command.footer.size());
+  const auto literal = [&text](std::string_view heading, std::string_view lines) {
+    while (lines.ends_with('\n')) lines.remove_suffix(1);
+    if (!lines.empty()) text += fmt::format(".SH {}\n.nf\n{}\n.fi\n", heading, Roff(lines));
+  };
+  literal("NOTES", std::string_view(command.footer).substr(0, examples));
+  const std::size_t line_end = command.footer.find('\n', examples);
+  if (line_end != std::string::npos) {
+    literal("EXAMPLES", std::string_view(command.footer).substr(line_end + 1));
+  }
+  return text + ".SH SEE ALSO\n.BR skywave (1)\n";
+}
+
+// The page skywave(1).
+std::string ManOverview(const std::vector<NamedCommand>& commands) {
+  std::string text = PageHead("", "render scenes lit by illumination maps");
+  text += ".B skywave\n\\fICOMMAND\\fR [\\fIOPTION\\fR ...]\n.SH DESCRIPTION\n" +
+          Roff(kProgramDescription) + "\n.SH COMMANDS\n";
+  for (const auto& [name, command] : commands) {
+    text += fmt::format(".TP\n.B {}\n{}; see\n.BR {} (1)\n", name, Roff(command.summary),
+                        Roff(PageName(name)));
+  }
+  return text +
+         fmt::format(
+             ".SH OPTIONS\n{}.TP\n.B \\-\\-version\nprint the version and exit\n"
+             ".SH EXIT STATUS\n.TP\n.B 0\nsuccess\n.TP\n.B {}\nan option that makes no sense\n"
+             ".TP\n.B {}\na file that cannot be used\n"
+             ".TP\n.B {}\na file that cannot be read or written\n",
+             kHelpEntry, kExitUsage, kExitBadInput, kExitIo);
+}
+
 int OptionsMain(const OptionsFlags& flags) {
-  const std::vector<NamedCommand> commands = CommandsWithOptions();
+  std::vector<NamedCommand> commands = RunnableCommands();
   const std::string format = flags.json ? "json" : flags.format;
+  if (!flags.of.empty()) {
+    std::erase_if(commands, [&](const NamedCommand& c) { return c.name != flags.of; });
+    if (commands.empty()) throw OptionError("of", flags.of, "there is no such subcommand");
+  }
   std::fputs((format == "json"       ? Json(commands)
               : format == "markdown" ? Markdown(commands)
-              : format == "bash"     ? BashCompletion(commands)
-              : format == "zsh"      ? ZshCompletion(commands)
-                                     : Text(commands))
+              : format == "man"  ? flags.of.empty() ? ManOverview(commands) : ManPage(commands[0])
+               : format == "bash" ? BashCompletion(commands)
+              : format == "zsh"  ? ZshCompletion(commands)
+                                 : Text(commands))
                  .c_str(),
              stdout);
   return 0;
@@ -244,13 +350,18 @@ Command OptionsCommand() {
   const OptionOf<OptionsFlags> options[] = {
       MakeOption<OptionsFlags>({.name = "json", .help = "the same as --format json"},
                                SKYWAVE_FIELD(json), Switches()),
-      MakeOption<OptionsFlags>({.name = "format", .help = "form of the list, or a completion"},
-                               SKYWAVE_FIELD(format), OneOf("text|json|markdown|bash|zsh"))};
+      MakeOption<OptionsFlags>(
+          {.name = "format", .help = "form of the list, a manual page or a completion"},
+          SKYWAVE_FIELD(format), OneOf("text|json|markdown|man|bash|zsh")),
+      MakeOption<OptionsFlags>(
+          {.name = "of", .help = "this subcommand alone, as in 'probe info'", .metavar = "COMMAND"},
+          SKYWAVE_FIELD(of), Texts("the name of a subcommand"))};
   Command command = {.name = "options",
                      .summary = "List every option with its scope and default",
                      .footer =
                          "Examples:\n"
                          "  skywave options --json\n"
+                         "  skywave options --format man --of render | man -l -\n"
                          "  skywave options --format bash > skywave.bash",
                      .run = [flags](const GivenOptions&) { return OptionsMain(*flags); }};
   AddOptions(command, options, flags);

@@ -7,6 +7,8 @@
 
 #include "base/error.h"
 #include "base/version.h"
+#include "measure/revision.h"
+#include "scene/embree.h"
 #include "skywave/skywave.h"
 
 namespace skywave {
@@ -141,10 +143,10 @@ std::string Message(const OptionError& error) {
 }
 
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
-  CLI::App program{
-      "Skywave renders scenes lit by illumination maps (HDR light probes) on multicore CPUs.\n"
-      "Start with:  skywave render gallery -o gallery.exr"};
-  program.set_version_flag("--version", fmt::format("skywave {}", Version()));
+  CLI::App program{std::string(kProgramDescription) +
+                   "\nStart with:  skywave render gallery -o gallery.exr"};
+  program.set_version_flag("--version", fmt::format("skywave {} (revision {}, Embree {})", Version(),
+                                                    GitRevision(), RTC_VERSION_STRING));
   program.require_subcommand(1);
   GivenOptions given;
   const Command* chosen = nullptr;

@@ -10,6 +10,9 @@
 
 namespace skywave {
 
+inline constexpr std::string_view kProgramDescription =
+    "Skywave renders scenes lit by illumination maps (HDR light probes) on multicore CPUs.";
+
 // Parses the arguments of main(), prints help or an error, and runs the subcommand. Returns the
 // exit code of the program.
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands);

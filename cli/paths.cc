@@ -150,7 +150,7 @@ int PathsMain(PathsFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<PathsFlags>> Options() {
+std::vector<OptionOf<PathsFlags>> PathsOptions() {
   // clang-format off
   return {
     MakeOption<PathsFlags>({.name = "output", .help = "EXR file with two layers for each pair S, T, weighted_sStT and unweighted_sStT, of S vertices from the light and T from the eye; the sheet goes to a PNG of the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
@@ -181,7 +181,7 @@ Command PathsCommand() {
       .run = [flags](const GivenOptions&) { return PathsMain(*flags); }};
   AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request),
              {std::begin(kNotOfPaths), std::end(kNotOfPaths)});
-  const auto options = Options();
+  const auto options = PathsOptions();
   AddOptions(command, options, flags);
   return command;
 }

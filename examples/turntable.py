@@ -14,13 +14,13 @@ import skywave
 
 
 def torus_knot(p=2, q=3, around=900, across=64, tube=0.3):
-    """Returns vertices, faces and normals of a tube around a (p, q) torus knot, y up."""
+    """Returns vertices, faces and normals of a tube around a (p, q) torus knot with the axis z."""
     t = numpy.linspace(0, 2 * math.pi, around, endpoint=False)
 
     def curve(t):
         radius = 2 + numpy.cos(q * t)
-        x, z = radius * numpy.cos(p * t), radius * numpy.sin(p * t)
-        return numpy.stack([x, -numpy.sin(q * t), z], axis=-1)
+        x, y = radius * numpy.cos(p * t), radius * numpy.sin(p * t)
+        return numpy.stack([x, y, numpy.sin(q * t)], axis=-1)
 
     def unit(v):
         return v / numpy.linalg.norm(v, axis=-1, keepdims=True)
@@ -28,7 +28,7 @@ def torus_knot(p=2, q=3, around=900, across=64, tube=0.3):
     centre = curve(t)
     tangent = unit(curve(t + 1e-4) - curve(t - 1e-4))
     # The direction from the axis of the torus is never along the knot, so it makes a smooth frame.
-    outward = centre - 2 * unit(centre * [1, 0, 1])
+    outward = centre - 2 * unit(centre * [1, 1, 0])
     side = unit(numpy.cross(tangent, outward))
     outward = numpy.cross(side, tangent)
 
@@ -59,10 +59,10 @@ def studio(height=256):
     y, x = numpy.mgrid[0:height, 0:2 * height]
     elevation = 90 - 180 * (y + 0.5) / height
     azimuth = 180 * (x + 0.5) / height  # [degrees] from the left edge of the map
-    pixels = (0.06 + 0.10 * (elevation > 0) * elevation / 90)[..., None] * [0.9, 0.95, 1.1]
-    boxes = (((60, 35), (28, 22), (14, 12.5, 10)),   # the middle, half the size [degrees], radiance
-             ((215, 20), (16, 34), (3, 4, 6)),
-             ((310, 60), (40, 14), (5, 4.6, 4)))
+    pixels = (0.05 + 0.12 * abs(elevation) / 90)[..., None] * [0.8, 0.95, 1.2]
+    boxes = (((60, 40), (26, 24), (13, 11.5, 9)),  # the middle, half the size [degrees], radiance
+             ((320, 32), (14, 26), (2.5, 4, 7)),
+             ((190, 62), (50, 12), (6, 5.5, 5)))
     for (of_azimuth, of_elevation), (wide, high), radiance in boxes:
         across = (azimuth - of_azimuth + 180) % 360 - 180
         inside = (abs(across) < wide) & (abs(elevation - of_elevation) < high)
@@ -93,10 +93,10 @@ def main():
 
     stage = skywave.Scene()
     gold = stage.add_material("conductor", reflectance=(1.0, 0.72, 0.32), alpha=0.12, name="gold")
-    slate = stage.add_material("lambert", reflectance=(0.22, 0.23, 0.26), name="slate")
-    stage.add_mesh(*disc(4.6, -1.35), material=slate)
+    slate = stage.add_material("lambert", reflectance=(0.10, 0.11, 0.13), name="slate")
+    stage.add_mesh(*disc(4.4, -3.4), material=slate)
     stage.set_environment(arguments.map or studio())
-    stage.set_camera(eye=(0, 4.2, 9.5), target=(0, -0.15, 0), fov=36)
+    stage.set_camera(eye=(0, 3, 12.5), target=(0, -0.35, 0), fov=36)
 
     vertices, faces, normals = torus_knot()
     frames = []

@@ -19,7 +19,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "files are read and written as such");
 
-constexpr std::size_t kMaxHeaderBytes = 256;
+constexpr std::size_t kMaxPfmHeaderBytes = 256;
 
 bool IsSpace(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 
@@ -28,8 +28,8 @@ bool IsSpace(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; }
 std::string_view TakeWord(ByteCursor& cursor, std::string_view bytes) {
   const std::size_t start = cursor.offset();
   std::size_t end = start;
-  while (end < bytes.size() && end < kMaxHeaderBytes && !IsSpace(bytes[end])) ++end;
-  if (end == kMaxHeaderBytes) cursor.Fail("the PFM header has no end");
+  while (end < bytes.size() && end < kMaxPfmHeaderBytes && !IsSpace(bytes[end])) ++end;
+  if (end == kMaxPfmHeaderBytes) cursor.Fail("the PFM header has no end");
   cursor.Take(end - start + 1, "the PFM header");
   return bytes.substr(start, end - start);
 }

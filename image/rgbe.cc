@@ -19,7 +19,7 @@ namespace {
 
 using Rgbe = std::array<std::uint8_t, 4>;
 
-constexpr std::size_t kMaxHeaderBytes = 1 << 16;
+constexpr std::size_t kMaxRgbeHeaderBytes = 1 << 16;
 // Run-length coding by channel exists only for scan lines of these lengths.
 constexpr int kMinRunLengthWidth = 8;
 constexpr int kMaxRunLengthWidth = 0x7fff;
@@ -37,7 +37,7 @@ struct Layout {
 };
 
 std::string_view TakeLine(ByteCursor& cursor, const char* what) {
-  std::string_view line = cursor.TakeUntil('\n', kMaxHeaderBytes, what);
+  std::string_view line = cursor.TakeUntil('\n', kMaxRgbeHeaderBytes, what);
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return line;
 }
@@ -50,7 +50,7 @@ void ReadHeader(ByteCursor& cursor) {
   bool has_format = false;
   while (true) {
     const std::string_view line = TakeLine(cursor, "the Radiance header");
-    if (cursor.offset() > kMaxHeaderBytes) cursor.Fail("the Radiance header has no end");
+    if (cursor.offset() > kMaxRgbeHeaderBytes) cursor.Fail("the Radiance header has no end");
     if (line.empty()) break;
     if (line.substr(0, 7) != "FORMAT=") continue;
     if (line != "FORMAT=32-bit_rle_rgbe") {

@@ -65,7 +65,8 @@ Codec<float> Floats(double low, double high) {
           .parse = [=](const std::string& text) -> std::optional<float> {
             const std::optional<float> value = ParseNumber(text, -std::numeric_limits<float>::max(),
                                                            std::numeric_limits<float>::max());
-            return value && double(*value) >= low && double(*value) <= high ? value : std::nullopt;
+            // The bounds are rounded as the value is: 0.01 is in the range that begins with 0.01.
+            return value && *value >= float(low) && *value <= float(high) ? value : std::nullopt;
           },
           .print = [](const float& value) { return fmt::format("{}", value); }};
 }

@@ -94,6 +94,19 @@ Codec<AovSet> Layers() {
           .print = [](const AovSet& aovs) { return aovs == 0 ? std::string() : ToString(aovs); }};
 }
 
+// The reference has the names of all calls into Embree; those that the linked version lacks are
+// refused.
+Codec<Backend> Backends() {
+  Codec<Backend> codec = NamesOfEnum<Backend>();
+  codec.values = ToString(Backend::kBest);
+  for (const Backend backend : kBackends) codec.values += fmt::format("|{}", ToString(backend));
+  codec.parse = [](const std::string& text) {
+    const std::optional<Backend> backend = Parse<Backend>(text);
+    return backend && IsAvailable(*backend) ? backend : std::nullopt;
+  };
+  return codec;
+}
+
 // Both sides of the film are one option and two fields.
 OptionOf<JobRequest> SizeOption(OptionInfo info) {
   info.values = "WxH, for example 640x480";
@@ -257,8 +270,8 @@ std::vector<JobOption> MakeJobOptions() {
 
     Plain({.name = "wave", .group = kSpeedGroup, .help = "rows of a wave, rounded up to whole beams of 8", .scope = kSpeed, .in_suite = true},
           FIELD(options.wave), Numbers(1u, 1u << 20)),
-    Plain({.name = "backend", .group = kSpeedGroup, .help = "how rays other than camera rays reach Embree", .scope = kSpeed, .in_suite = true},
-          FIELD(options.backend), NamesOfEnum<Backend>()),
+    Plain({.name = "backend", .group = kSpeedGroup, .help = "how rays other than camera rays reach Embree; stream and array: Embree 3 only", .scope = kSpeed, .in_suite = true},
+          FIELD(options.backend), Backends()),
     // Other instruction sets find hits with other bits.
     Plain({.name = "embree-config", .group = kSpeedGroup, .help = "configuration of rtcNewDevice, for example isa=avx2", .scope = kPixels, .example = "--embree-config isa=sse2", .in_suite = true},
           FIELD(embree_config), Texts("KEY=VALUE,...")),

@@ -1,7 +1,6 @@
 #include "measure/machine.h"
 
 #include <OpenEXRConfig.h>
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <sys/utsname.h>
 #include <tbb/version.h>
@@ -12,6 +11,7 @@
 
 #include "kernels/targets.h"
 #include "measure/revision.h"
+#include "scene/embree.h"
 #include "scene/geometry.h"
 #include "wavefront/render.h"
 

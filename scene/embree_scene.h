@@ -1,8 +1,6 @@
 // Embree's scene of the triangles of a Geometry: the device, the BVH, and the filter that lets rays
-// pass through alpha. Only this file and wavefront/rays/trace.cc call Embree.
+// pass through alpha. Rays are traced by wavefront/rays/trace.cc alone.
 #pragma once
-
-#include <embree3/rtcore.h>
 
 #include <atomic>
 #include <cstddef>
@@ -12,6 +10,7 @@
 #include <type_traits>
 
 #include "kernels/surface/opacity.h"
+#include "scene/embree.h"
 
 namespace skywave {
 

@@ -1,20 +1,32 @@
 #!/usr/bin/env bash
-# Installs the packages for building from Debian 12. Does nothing if they are installed.
+# Installs the packages for building from Debian 12, Debian 13 or Ubuntu 24.04. Does nothing if they
+# are installed.
 #   scripts/setup.sh         the program
 #   scripts/setup.sh test    also tests, benchmarks and the checks of .ci/run
 set -euo pipefail
 packages=(
   cmake ninja-build g++ git
-  libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev
+  libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev zlib1g-dev
   libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev nlohmann-json3-dev
 )
-if [[ ${1:-} == test ]]; then
-  packages+=(
-    libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache
-    python3-dev python3-numpy python3-pybind11 pybind11-dev
-    valgrind clang-format-14 clang-tidy-14
-  )
-fi
+test=(
+  libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache valgrind
+  python3-dev python3-numpy python3-pybind11 pybind11-dev
+)
+clang14=(clang-format-14 clang-tidy-14)  # others format and warn differently; Debian 13 has none
+# shellcheck source=/dev/null
+system=$(. /etc/os-release && echo "$ID ${VERSION_ID:-}")
+case $system in
+  "debian 12") packages+=(libjpeg62-turbo-dev); test+=("${clang14[@]}") ;;
+  "debian 13") packages+=(libjpeg62-turbo-dev) ;;
+  "ubuntu 24.04") packages+=(libjpeg-turbo8-dev); test+=("${clang14[@]}") ;;
+  *)
+    echo "scripts/setup.sh knows the packages of Debian 12 and 13 and Ubuntu 24.04, not of $system;" \
+      "it takes the names of Debian 13" >&2
+    packages+=(libjpeg-dev)
+    ;;
+esac
+[[ ${1:-} != test ]] || packages+=("${test[@]}")
 missing=()
 for package in "${packages[@]}"; do
   status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)

@@ -25,7 +25,7 @@ int CalibrateMain(const CalibrateFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<CalibrateFlags>> Options() {
+std::vector<OptionOf<CalibrateFlags>> CalibrateOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<CalibrateFlags>(info, field, codec);
   };
@@ -48,7 +48,7 @@ Command ProbeCalibrateCommand() {
                          "R right, F forward (middle of the map), U up.\n\n"
                          "Example:\n  skywave probe calibrate -o calibration.exr",
                      .run = [flags](const GivenOptions&) { return CalibrateMain(*flags); }};
-  const auto options = Options();
+  const auto options = CalibrateOptions();
   AddOptions(command, options, flags);
   return command;
 }

@@ -78,7 +78,7 @@ int ConvertMain(ConvertFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<ConvertFlags>> Options() {
+std::vector<OptionOf<ConvertFlags>> ConvertOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<ConvertFlags>(info, field, codec);
   };
@@ -123,7 +123,7 @@ Command ProbeConvertCommand() {
                          "  skywave probe convert cube.exr back.exr --from-faces --to latlong",
                      .run = [flags](const GivenOptions&) { return ConvertMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
-  const auto options = Options();
+  const auto options = ConvertOptions();
   AddOptions(command, options, flags);
   return command;
 }

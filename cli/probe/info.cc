@@ -74,7 +74,7 @@ int InfoMain(const InfoFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<InfoFlags>> Options() {
+std::vector<OptionOf<InfoFlags>> InfoOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<InfoFlags>(info, field, codec);
   };
@@ -95,7 +95,7 @@ Command ProbeInfoCommand() {
                      .summary = "What is in a map",
                      .run = [flags](const GivenOptions&) { return InfoMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
-  const auto options = Options();
+  const auto options = InfoOptions();
   AddOptions(command, options, flags);
   return command;
 }

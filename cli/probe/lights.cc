@@ -59,7 +59,7 @@ int LightsMain(LightsFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<LightsFlags>> Options() {
+std::vector<OptionOf<LightsFlags>> LightsOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<LightsFlags>(info, field, codec);
   };
@@ -96,7 +96,7 @@ Command ProbeLightsCommand() {
       .run = [flags](const GivenOptions&) { return LightsMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
-  const auto options = Options();
+  const auto options = LightsOptions();
   AddOptions(command, options, flags);
   return command;
 }

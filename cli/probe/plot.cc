@@ -48,7 +48,7 @@ int PlotMain(PlotFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<PlotFlags>> Options() {
+std::vector<OptionOf<PlotFlags>> PlotOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<PlotFlags>(info, field, codec);
   };
@@ -88,7 +88,7 @@ Command ProbePlotCommand() {
       .run = [flags](const GivenOptions&) { return PlotMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
-  const auto options = Options();
+  const auto options = PlotOptions();
   AddOptions(command, options, flags);
   return command;
 }

@@ -59,7 +59,7 @@ int PresampleMain(PresampleFlags& flags) {
 }
 
 #define FIELD SKYWAVE_FIELD
-std::vector<OptionOf<PresampleFlags>> Options() {
+std::vector<OptionOf<PresampleFlags>> PresampleOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<PresampleFlags>(info, field, codec);
   };
@@ -87,7 +87,7 @@ Command ProbePresampleCommand() {
       .run = [flags](const GivenOptions&) { return PresampleMain(*flags); }};
   AddMapOptions(command, std::shared_ptr<MapFlags>(flags, &flags->map));
   AddLightOptions(command, std::shared_ptr<LightRequest>(flags, &flags->request));
-  const auto options = Options();
+  const auto options = PresampleOptions();
   AddOptions(command, options, flags);
   return command;
 }

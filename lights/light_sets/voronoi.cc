@@ -11,14 +11,13 @@
 namespace skywave {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kRootTiles = 16;           // tiles along each side that start from all samples
 constexpr std::size_t kLeafTexels = 16;  // or smaller: every candidate is tried at every texel
 // Leads of one sample over another below this are left to the comparison at the texel, so that its
 // rounding decides, as it does when all samples are tried.
 constexpr double kDotSlack = 1e-14;
 
-struct Candidate {
+struct Site {
   Vector3 direction;
   std::uint32_t index;
 };
@@ -58,15 +57,15 @@ Cap CapOf(const Diagram& diagram, const Region& tile) {
 // Appends to `kept` those of `candidates` that may own a point of the cap: all except those s for
 // which the whole cap lies on the side of the centre's owner t, dot(p, t - s) > 0 for all p. That
 // is least where p leans from the centre by the radius, straight away from t - s.
-void Filter(std::span<const Candidate> candidates, const Cap& cap, std::vector<Candidate>& kept) {
+void Filter(std::span<const Site> candidates, const Cap& cap, std::vector<Site>& kept) {
   assert(cap.cosine > 0);
-  const Candidate* owner = &candidates[0];
+  const Site* owner = &candidates[0];
   double best = -2;
-  for (const Candidate& candidate : candidates) {
+  for (const Site& candidate : candidates) {
     const double dot = Dot(candidate.direction, cap.centre);
     if (dot > best) best = dot, owner = &candidate;
   }
-  for (const Candidate& candidate : candidates) {
+  for (const Site& candidate : candidates) {
     const Vector3 apart = owner->direction - candidate.direction;
     const double lead = Dot(apart, cap.centre);
     const double across = std::sqrt(std::max(0.0, Dot(apart, apart) - lead * lead));
@@ -74,13 +73,13 @@ void Filter(std::span<const Candidate> candidates, const Cap& cap, std::vector<C
   }
 }
 
-void FillLeaf(Diagram& diagram, const Region& tile, std::span<const Candidate> candidates) {
+void FillLeaf(Diagram& diagram, const Region& tile, std::span<const Site> candidates) {
   for (int y = tile.y0; y < tile.y1; ++y) {
     for (int x = tile.x0; x < tile.x1; ++x) {
       const Vector3 texel = diagram.TexelCentre(x, y);
       double best = -2;
       std::uint32_t owner = kNoCell;
-      for (const Candidate& candidate : candidates) {
+      for (const Site& candidate : candidates) {
         const double dot = Dot(candidate.direction, texel);
         if (dot > best) best = dot, owner = candidate.index;
       }
@@ -90,8 +89,7 @@ void FillLeaf(Diagram& diagram, const Region& tile, std::span<const Candidate> c
 }
 
 // `stack` holds the candidates of the tile from `first` on and is left as found.
-void FillTile(Diagram& diagram, const Region& tile, std::vector<Candidate>& stack,
-              std::size_t first) {
+void FillTile(Diagram& diagram, const Region& tile, std::vector<Site>& stack, std::size_t first) {
   const std::size_t count = stack.size() - first;
   const int columns = tile.x1 - tile.x0, rows = tile.y1 - tile.y0;
   if (count == 1) {
@@ -119,21 +117,19 @@ void FillTile(Diagram& diagram, const Region& tile, std::vector<Candidate>& stac
 }
 
 // Returns samples in the order of their indices, without exact repetitions, which never win.
-std::vector<Candidate> DistinctSamples(std::span<const Vector3> samples) {
-  std::vector<Candidate> distinct(samples.size());
+std::vector<Site> DistinctSamples(std::span<const Vector3> samples) {
+  std::vector<Site> distinct(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) distinct[i] = {samples[i], std::uint32_t(i)};
-  std::sort(distinct.begin(), distinct.end(), [](const Candidate& a, const Candidate& b) {
+  std::sort(distinct.begin(), distinct.end(), [](const Site& a, const Site& b) {
     if (a.direction.x != b.direction.x) return a.direction.x < b.direction.x;
     if (a.direction.y != b.direction.y) return a.direction.y < b.direction.y;
     if (a.direction.z != b.direction.z) return a.direction.z < b.direction.z;
     return a.index < b.index;
   });
-  const auto same = [](const Candidate& a, const Candidate& b) {
-    return a.direction == b.direction;
-  };
+  const auto same = [](const Site& a, const Site& b) { return a.direction == b.direction; };
   distinct.erase(std::unique(distinct.begin(), distinct.end(), same), distinct.end());
   std::sort(distinct.begin(), distinct.end(),
-            [](const Candidate& a, const Candidate& b) { return a.index < b.index; });
+            [](const Site& a, const Site& b) { return a.index < b.index; });
   return distinct;
 }
 
@@ -144,22 +140,22 @@ CellMap VoronoiCells(int width, int height, std::span<const Vector3> samples) {
   diagram.cells.assign(std::size_t(width) * height, kNoCell);
   if (samples.empty()) return std::move(diagram.cells);
   for (int y = 0; y < height; ++y) {
-    diagram.row_sine.push_back(std::sin(kPi / height * (y + 0.5)));
-    diagram.row_cosine.push_back(std::cos(kPi / height * (y + 0.5)));
+    diagram.row_sine.push_back(std::sin(std::numbers::pi / height * (y + 0.5)));
+    diagram.row_cosine.push_back(std::cos(std::numbers::pi / height * (y + 0.5)));
   }
   for (int x = 0; x < width; ++x) {
-    const double phi = 2 * kPi / width * (x + 0.5 - width / 2.0);
+    const double phi = 2 * std::numbers::pi / width * (x + 0.5 - width / 2.0);
     diagram.column_right.push_back(std::sin(phi));
     diagram.column_forward.push_back(std::cos(phi));
   }
-  const std::vector<Candidate> all = DistinctSamples(samples);
+  const std::vector<Site> all = DistinctSamples(samples);
   tbb::parallel_for(0, kRootTiles * kRootTiles, [&](int tile_index) {
     const std::int64_t column = tile_index % kRootTiles, row = tile_index / kRootTiles;
     const Region tile = {int(width * column / kRootTiles), int(height * row / kRootTiles),
                          int(width * (column + 1) / kRootTiles),
                          int(height * (row + 1) / kRootTiles)};
     if (tile.x0 == tile.x1 || tile.y0 == tile.y1) return;
-    std::vector<Candidate> stack;
+    std::vector<Site> stack;
     Filter(all, CapOf(diagram, tile), stack);
     FillTile(diagram, tile, stack, 0);
   });

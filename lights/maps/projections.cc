@@ -14,8 +14,6 @@
 namespace skywave {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // On a face of the cube direction = middle + a * across + b * rising, with a and b in [-1, 1].
 struct Face {
   Vector3 middle, across, rising;
@@ -100,8 +98,9 @@ ImagePoint PointOfOctahedral(const Vector3& d) {
   const double lx = -d.y, ly = -d.x;
   // This is sqrt(1 - |z|) without cancellation near the poles.
   const double r = std::hypot(lx, ly) / std::sqrt(1 + std::abs(d.z));
-  const double phi =
-      std::abs(lx) + std::abs(ly) > 0 ? std::atan2(std::abs(ly), std::abs(lx)) * 2 / kPi : 0;
+  const double phi = std::abs(lx) + std::abs(ly) > 0
+                         ? std::atan2(std::abs(ly), std::abs(lx)) * 2 / std::numbers::pi
+                         : 0;
   double y = phi * r, x = r - y;
   if (d.z < 0) {
     const double folded = 1 - y;
@@ -115,7 +114,7 @@ Vector3 DirectionOfOctahedral(ImagePoint point) {
   const double u = 2 * point.u - 1, v = 2 * point.v - 1;
   const double signed_distance = 1 - (std::abs(u) + std::abs(v));
   const double r = 1 - std::abs(signed_distance);
-  const double phi = r > 0 ? ((std::abs(v) - std::abs(u)) / r + 1) * kPi / 4 : 0;
+  const double phi = r > 0 ? ((std::abs(v) - std::abs(u)) / r + 1) * std::numbers::pi / 4 : 0;
   const double horizontal = r * std::sqrt(std::max(0.0, 2 - r * r));
   const double lx = std::copysign(horizontal * std::cos(phi), u);
   const double ly = std::copysign(horizontal * std::sin(phi), v);
@@ -206,8 +205,8 @@ std::optional<Vector3> DirectionOfPoint(Projection projection, ImagePoint point)
       return DirectionOfUv(point.u, point.v);
     case Projection::kAngular: {
       if (r > 1) return std::nullopt;
-      const double scale = r > 0 ? std::sin(kPi * r) / r : kPi;
-      return Vector3{x * scale, std::cos(kPi * r), y * scale};
+      const double scale = r > 0 ? std::sin(std::numbers::pi * r) / r : std::numbers::pi;
+      return Vector3{x * scale, std::cos(std::numbers::pi * r), y * scale};
     }
     case Projection::kMirrorBall: {
       if (r > 1) return std::nullopt;
@@ -230,14 +229,14 @@ double SolidAngleDensity(Projection projection, ImagePoint point) {
   const double x = 2 * point.u - 1, y = 1 - 2 * point.v, r = std::sqrt(x * x + y * y);
   switch (projection) {
     case Projection::kLatLong:
-      return 2 * kPi * kPi * std::sin(kPi * point.v);
+      return 2 * std::numbers::pi * std::numbers::pi * std::sin(std::numbers::pi * point.v);
     case Projection::kAngular:
       if (r > 1) return 0;
-      return 4 * kPi * (r > 0 ? std::sin(kPi * r) / r : kPi);
+      return 4 * std::numbers::pi * (r > 0 ? std::sin(std::numbers::pi * r) / r : std::numbers::pi);
     case Projection::kMirrorBall:
       return r > 1 ? 0 : 16;
     case Projection::kOctahedral:
-      return 4 * kPi;
+      return 4 * std::numbers::pi;
     default: {
       const CubeLayout& layout = *LayoutOf(projection);
       const std::optional<FacePoint> on = FaceOfPoint(layout, point);
@@ -252,7 +251,7 @@ double PixelSolidAngle(Projection projection, int width, int height, int x, int 
     case Projection::kLatLong:
       return RowSolidAngle(width, height, y);
     case Projection::kOctahedral:
-      return 4 * kPi / (double(width) * height);
+      return 4 * std::numbers::pi / (double(width) * height);
     case Projection::kAngular:
     case Projection::kMirrorBall:
       return DiskPixelSolidAngle(projection, width, height, x, y);

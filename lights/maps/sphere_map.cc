@@ -14,8 +14,6 @@
 namespace skywave {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Returns the integral of sin^2 from a to a + h, without the cancellation of h/2 - (sin 2b - sin
 // 2a) / 4 for narrow rows at the poles.
 double SineSquareIntegral(double a, double h) {
@@ -36,7 +34,7 @@ bool IsRadiance(const float* rgb) {
 }
 
 void FillGeometry(SphereMap& map) {
-  const double step = kPi / map.height, column_step = 2 * kPi / map.width;
+  const double step = std::numbers::pi / map.height, column_step = 2 * std::numbers::pi / map.width;
   for (int y = 0; y < map.height; ++y) {
     const double top = y * step, middle = (y + 0.5) * step;
     map.solid_angle.push_back(RowSolidAngle(map.width, map.height, y));
@@ -56,7 +54,7 @@ void FillGeometry(SphereMap& map) {
 }  // namespace
 
 double SphereMap::AreaInPixels(double steradians) const {
-  return steradians * width * height / (2 * kPi * kPi);
+  return steradians * width * height / (2 * std::numbers::pi * std::numbers::pi);
 }
 
 SphereMap MakeSphereMap(const Image& image) {
@@ -89,14 +87,15 @@ SphereMap MakeSphereMap(const Image& image) {
 }
 
 Vector3 DirectionOfUv(double u, double v) {
-  const double theta = kPi * v, phi = 2 * kPi * (u - 0.5), sine = std::sin(theta);
+  const double theta = std::numbers::pi * v, phi = 2 * std::numbers::pi * (u - 0.5),
+               sine = std::sin(theta);
   return {sine * std::sin(phi), sine * std::cos(phi), std::cos(theta)};
 }
 
 void UvOfDirection(const Vector3& direction, double& u, double& v) {
-  u = 0.5 + std::atan2(direction.x, direction.y) / (2 * kPi);
+  u = 0.5 + std::atan2(direction.x, direction.y) / (2 * std::numbers::pi);
   if (u >= 1) u -= 1;
-  v = std::atan2(std::hypot(direction.x, direction.y), direction.z) / kPi;
+  v = std::atan2(std::hypot(direction.x, direction.y), direction.z) / std::numbers::pi;
 }
 
 std::array<float, 3> WorldFromMap(const Vector3& d, const std::array<float, 9>& map_from_world) {

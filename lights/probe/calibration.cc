@@ -54,7 +54,7 @@ bool IsOnLine(const Vector3& d) {
   return distance(std::atan2(d.x, d.y)) * std::hypot(d.x, d.y) < kHalfWidth;
 }
 
-std::array<float, 3> Color(const Vector3& d) {
+std::array<float, 3> AxisColor(const Vector3& d) {
   for (const CalibrationAxis& axis : kCalibrationAxes) {
     if (Dot(d, axis.direction) < std::cos(kCalibrationDiskDegrees * kRadians)) continue;
     const Vector3 up = axis.direction.z == 0 ? Vector3{0, 0, 1} : Vector3{0, -axis.direction.z, 0};
@@ -79,8 +79,8 @@ Image CalibrationMap(int height) {
     for (int x = 0; x < image.width; ++x) {
       float* rgb = image.Pixel(x, y);
       for (int s = 0; s < kSide * kSide; ++s) {
-        const auto color = Color(DirectionOfUv((x + (s % kSide + 0.5) / kSide) / image.width,
-                                               (y + (s / kSide + 0.5) / kSide) / image.height));
+        const auto color = AxisColor(DirectionOfUv((x + (s % kSide + 0.5) / kSide) / image.width,
+                                                   (y + (s / kSide + 0.5) / kSide) / image.height));
         for (int c = 0; c < 3; ++c) rgb[c] += color[c] / (kSide * kSide);
       }
     }

@@ -16,7 +16,7 @@ namespace {
 
 using Color = std::array<double, 3>;  // as shown, [0, 1]
 
-constexpr int kSide = 2;  // samples along each side of a pixel
+constexpr int kPlotSide = 2;  // samples along each side of a pixel
 constexpr Color kBackground = {1, 1, 1};
 constexpr double kLeastStops = -14;  // range of the false colours, below the brightest
 
@@ -143,14 +143,16 @@ void DrawBorders(const Canvas& canvas, const Id& id, const Color& color, double 
   tbb::parallel_for(0, canvas.height, [&](int y) {
     for (int x = 0; x < canvas.width; ++x) {
       double covered = 0;
-      for (int s = 0; s < kSide * kSide; ++s) {
-        const double px = x + (s % kSide + 0.5) / kSide, py = y + (s / kSide + 0.5) / kSide;
+      for (int s = 0; s < kPlotSide * kPlotSide; ++s) {
+        const double px = x + (s % kPlotSide + 0.5) / kPlotSide,
+                     py = y + (s / kPlotSide + 0.5) / kPlotSide;
         const auto here = canvas.Texel(px, py);
         if (!here) continue;
         const auto right = canvas.Texel(px + 1, py), below = canvas.Texel(px, py + 1);
         covered += (right && id(*right) != id(*here)) || (below && id(*below) != id(*here));
       }
-      Blend(color, alpha * covered / (kSide * kSide), picture[std::size_t(y) * canvas.width + x]);
+      Blend(color, alpha * covered / (kPlotSide * kPlotSide),
+            picture[std::size_t(y) * canvas.width + x]);
     }
   });
 }
@@ -201,11 +203,11 @@ std::vector<std::uint8_t> PlotMap(const SphereMap& map, const PlotRequest& reque
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       Color sum = {};
-      for (int s = 0; s < kSide * kSide; ++s) {
-        const auto texel =
-            canvas.Texel(x + (s % kSide + 0.5) / kSide, y + (s / kSide + 0.5) / kSide);
+      for (int s = 0; s < kPlotSide * kPlotSide; ++s) {
+        const auto texel = canvas.Texel(x + (s % kPlotSide + 0.5) / kPlotSide,
+                                        y + (s / kPlotSide + 0.5) / kPlotSide);
         const Color color = texel ? painter(*texel) : kBackground;
-        for (int c = 0; c < 3; ++c) sum[c] += color[c] / (kSide * kSide);
+        for (int c = 0; c < 3; ++c) sum[c] += color[c] / (kPlotSide * kPlotSide);
       }
       picture[std::size_t(y) * width + x] = sum;
     }

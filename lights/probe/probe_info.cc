@@ -10,8 +10,6 @@
 namespace skywave {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Finds the brightest texel that is not `taken`; returns false if none has light.
 bool FindSpot(const SphereMap& map, const std::vector<bool>& taken, BrightSpot& spot) {
   float greatest = 0;
@@ -40,12 +38,12 @@ ProbeInfo DescribeMap(const SphereMap& map, int spots) {
   }
   info.energy = map.energy;
   info.mean = SphereMean(*map.image);
-  info.sphere_pixels = map.AreaInPixels(4 * kPi);
+  info.sphere_pixels = map.AreaInPixels(4 * std::numbers::pi);
   info.energy_pixels = map.AreaInPixels(map.energy);
   info.strata = StrataByVariation(map, &info.zeta_minimum);
 
   std::vector<bool> taken(map.texels());
-  const double cosine = std::cos(kSpotRadiusDegrees * kPi / 180);
+  const double cosine = std::cos(kSpotRadiusDegrees * std::numbers::pi / 180);
   BrightSpot spot = {};
   while (int(info.spots.size()) < spots && FindSpot(map, taken, spot)) {
     double energy = 0;

@@ -12,10 +12,6 @@
 namespace skywave {
 namespace {
 
-[[noreturn]] void Fail(const std::string& path, const std::string& reason) {
-  throw InputError(InputPosition::File(path), reason);
-}
-
 // Describes the elements of an accessor in place.
 struct Elements {
   const char* first;
@@ -27,11 +23,11 @@ struct Elements {
 Elements FindElements(const tinygltf::Model& model, int index, int components,
                       const std::string& path) {
   if (index < 0 || std::size_t(index) >= model.accessors.size()) {
-    Fail(path, fmt::format("there is no accessor {}", index));
+    FailGltf(path, fmt::format("there is no accessor {}", index));
   }
   const tinygltf::Accessor& accessor = model.accessors[std::size_t(index)];
   const auto fail = [&](const std::string& reason) {
-    Fail(path, fmt::format("accessor {} {}", index, reason));
+    FailGltf(path, fmt::format("accessor {} {}", index, reason));
   };
   if (accessor.sparse.isSparse) fail("is sparse, which is not supported");
   if (tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)) != components) {
@@ -88,18 +84,22 @@ double ReadComponent(const Elements& e, const char* from) {
 
 }  // namespace
 
+void FailGltf(const std::string& path, const std::string& reason) {
+  throw InputError(InputPosition::File(path), reason);
+}
+
 std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const std::string& path) {
   if (buffer_view < 0 || std::size_t(buffer_view) >= model.bufferViews.size()) {
-    Fail(path, fmt::format("there is no buffer view {}", buffer_view));
+    FailGltf(path, fmt::format("there is no buffer view {}", buffer_view));
   }
   const tinygltf::BufferView& view = model.bufferViews[std::size_t(buffer_view)];
   if (view.buffer < 0 || std::size_t(view.buffer) >= model.buffers.size()) {
-    Fail(path, fmt::format("buffer view {} is of no buffer", buffer_view));
+    FailGltf(path, fmt::format("buffer view {} is of no buffer", buffer_view));
   }
   const std::vector<unsigned char>& data = model.buffers[std::size_t(view.buffer)].data;
   if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset) {
-    Fail(path, fmt::format("buffer view {} ends behind its buffer of {} bytes", buffer_view,
-                           data.size()));
+    FailGltf(path, fmt::format("buffer view {} ends behind its buffer of {} bytes", buffer_view,
+                               data.size()));
   }
   return {reinterpret_cast<const char*>(data.data()) + view.byteOffset, view.byteLength};
 }
@@ -114,7 +114,7 @@ std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, i
       const char* const from = e.first + i * e.stride + c * e.component_bytes;
       const auto number = float(ReadComponent(e, from));
       if (!std::isfinite(number)) {
-        Fail(path, fmt::format("accessor {}: element {} is not finite", accessor, i));
+        FailGltf(path, fmt::format("accessor {}: element {} is not finite", accessor, i));
       }
       numbers.push_back(number);
     }
@@ -128,7 +128,7 @@ std::vector<std::uint32_t> ReadGltfIndices(const tinygltf::Model& model, int acc
   if (e.type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
       e.type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
       e.type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
-    Fail(path, fmt::format("accessor {} has indices that are no unsigned integers", accessor));
+    FailGltf(path, fmt::format("accessor {} has indices that are no unsigned integers", accessor));
   }
   std::vector<std::uint32_t> indices(e.count);
   for (std::size_t i = 0; i < e.count; ++i) {

@@ -11,6 +11,9 @@
 
 namespace skywave {
 
+// Throws InputError(path).
+[[noreturn]] void FailGltf(const std::string& path, const std::string& reason);
+
 // Returns the bytes of a buffer view. Throws InputError(path) if it extends beyond its buffer.
 std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const std::string& path);
 

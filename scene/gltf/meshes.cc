@@ -12,10 +12,6 @@
 namespace skywave {
 namespace {
 
-[[noreturn]] void Fail(const std::string& path, const std::string& reason) {
-  throw InputError(InputPosition::File(path), reason);
-}
-
 // Returns the corners of triangles for the primitive's mode. In a strip, every other triangle has
 // its winding reversed.
 std::vector<glm::uvec3> Connect(const std::vector<std::uint32_t>& indices, int mode) {
@@ -46,8 +42,8 @@ std::vector<float> Attribute(const tinygltf::Model& model, const tinygltf::Primi
   if (found == primitive.attributes.end()) return {};
   std::vector<float> numbers = ReadGltfNumbers(model, found->second, components, path);
   if (vertices != 0 && numbers.size() != vertices * std::size_t(components)) {
-    Fail(path, fmt::format("{} of a primitive has {} elements for {} vertices", name,
-                           numbers.size() / std::size_t(components), vertices));
+    FailGltf(path, fmt::format("{} of a primitive has {} elements for {} vertices", name,
+                               numbers.size() / std::size_t(components), vertices));
   }
   return numbers;
 }
@@ -92,7 +88,7 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
   Mesh mesh;
   const int count = int(materials.uv_set.size()) - 1;
   if (primitive.material >= count) {
-    Fail(path, fmt::format("there is no material {}", primitive.material));
+    FailGltf(path, fmt::format("there is no material {}", primitive.material));
   }
   mesh.material = std::uint32_t(primitive.material < 0 ? count : primitive.material);
   mesh.positions = Vectors(Attribute(model, primitive, "POSITION", 3, 0, path));
@@ -114,7 +110,7 @@ Mesh MakeMesh(const tinygltf::Model& model, const tinygltf::Primitive& primitive
   if (primitive.indices >= 0) indices = ReadGltfIndices(model, primitive.indices, path);
   for (const std::uint32_t index : indices) {
     if (index >= vertices) {
-      Fail(path, fmt::format("a primitive names vertex {} of {}", index, vertices));
+      FailGltf(path, fmt::format("a primitive names vertex {} of {}", index, vertices));
     }
   }
   mesh.triangles = Connect(indices, mode);
@@ -128,7 +124,7 @@ std::vector<Mesh> MakeGltfMeshes(const tinygltf::Model& model, int mesh,
                                  const GltfMaterials& materials, const std::string& path,
                                  Warnings& warnings) {
   if (std::size_t(mesh) >= model.meshes.size())
-    Fail(path, fmt::format("there is no mesh {}", mesh));
+    FailGltf(path, fmt::format("there is no mesh {}", mesh));
   const tinygltf::Mesh& from = model.meshes[std::size_t(mesh)];
   std::vector<Mesh> meshes;
   for (const tinygltf::Primitive& primitive : from.primitives) {

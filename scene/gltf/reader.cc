@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/gltf/buffers.h"
 #include "scene/gltf/lights.h"
 #include "scene/gltf/materials.h"
 #include "scene/gltf/meshes.h"
@@ -22,10 +23,6 @@ namespace skywave {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void Fail(const std::string& path, const std::string& reason) {
-  throw InputError(InputPosition::File(path), reason);
-}
 
 // Files are only read from below the glTF file's folder.
 struct Folder {
@@ -68,6 +65,29 @@ bool ReadWhole(std::vector<unsigned char>* out, std::string* error, const std::s
   }
 }
 
+// tinygltf takes its own functions instead of ours if one is missing. Versions since 2.9 have one
+// more.
+template <class Callbacks>
+Callbacks FilesOf(Folder& folder) {
+  Callbacks callbacks = {};
+  callbacks.FileExists = Exists;
+  callbacks.ExpandFilePath = KeepPath;
+  callbacks.ReadWholeFile = ReadWhole;
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&,
+                                void*) { return false; };
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {
+    callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& name,
+                                      void* user) {
+      const auto path = Inside(*static_cast<Folder*>(user), name);
+      std::error_code error;
+      *size = path ? fs::file_size(*path, error) : 0;
+      return path && !error;
+    };
+  }
+  callbacks.user_data = &folder;
+  return callbacks;
+}
+
 // Images stay encoded as in the file. Those in buffer views are looked up only once their range has
 // been checked, because tinygltf has not checked it.
 bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
@@ -79,7 +99,7 @@ bool KeepImage(tinygltf::Image* image, const int, std::string*, std::string*, in
 tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   Folder folder{fs::path(path).parent_path(), ""};
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({Exists, KeepPath, ReadWhole, nullptr, &folder});
+  loader.SetFsCallbacks(FilesOf<tinygltf::FsCallbacks>(folder));
   loader.SetImageLoader(KeepImage, nullptr);
   tinygltf::Model model;
   std::string error, warning;
@@ -96,11 +116,11 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
     error = reason.what();
   }
   if (!folder.refused.empty()) {
-    Fail(path, fmt::format("names \"{}\", which is not below its folder", folder.refused));
+    FailGltf(path, fmt::format("names \"{}\", which is not below its folder", folder.refused));
   }
   if (!loaded) {
     std::replace(error.begin(), error.end(), '\n', ' ');
-    Fail(path, "is no glTF file to read: " + error.substr(0, 300));
+    FailGltf(path, "is no glTF file to read: " + error.substr(0, 300));
   }
   for (const std::string& extension : model.extensionsRequired) {
     static const char* const kKnown[] = {
@@ -109,7 +129,7 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
         "KHR_lights_punctual",   "KHR_materials_specular", "KHR_materials_clearcoat",
         "KHR_materials_sheen",   "KHR_materials_volume"};
     if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown)) {
-      Fail(path, fmt::format("needs the extension {}, which is not supported", extension));
+      FailGltf(path, fmt::format("needs the extension {}, which is not supported", extension));
     }
   }
   return model;
@@ -134,7 +154,7 @@ std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
   if (!model.scenes.empty()) {
     const int scene = std::max(model.defaultScene, 0);
     if (std::size_t(scene) >= model.scenes.size()) {
-      Fail(path, fmt::format("there is no scene {}", scene));
+      FailGltf(path, fmt::format("there is no scene {}", scene));
     }
     return model.scenes[std::size_t(scene)].nodes;
   }
@@ -159,7 +179,7 @@ Camera MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world, const s
       glm::mat4(world * glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0),
                                    glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 0, 0, 1)));
   const auto check = [&](bool valid) {
-    if (!valid) Fail(path, fmt::format("camera '{}' has no usable numbers", from.name));
+    if (!valid) FailGltf(path, fmt::format("camera '{}' has no usable numbers", from.name));
   };
   check(std::abs(glm::determinant(glm::mat3(camera.world_from_camera))) > 0);
   if (from.type == "orthographic") {
@@ -194,10 +214,10 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
     const Visit visit = open.back();
     open.pop_back();
     if (visit.node < 0 || std::size_t(visit.node) >= model.nodes.size()) {
-      Fail(path, fmt::format("there is no node {}", visit.node));
+      FailGltf(path, fmt::format("there is no node {}", visit.node));
     }
     if (seen[std::size_t(visit.node)]) {
-      Fail(path, fmt::format("node {} has two parents or is its own ancestor", visit.node));
+      FailGltf(path, fmt::format("node {} has two parents or is its own ancestor", visit.node));
     }
     seen[std::size_t(visit.node)] = true;
     const tinygltf::Node& node = model.nodes[std::size_t(visit.node)];
@@ -209,7 +229,8 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
       for (Mesh& mesh : MakeGltfMeshes(model, node.mesh, materials, path, warnings)) {
         triangles += mesh.triangles.size();
         if (triangles > max_triangles) {
-          Fail(path, fmt::format("has more than {} triangles (--max-triangles)", max_triangles));
+          FailGltf(path,
+                   fmt::format("has more than {} triangles (--max-triangles)", max_triangles));
         }
         TransformMesh(world, mesh);
         scene.meshes.push_back(std::move(mesh));
@@ -218,7 +239,7 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
     AddGltfLight(model, node, world, path, scene, warnings);
     if (node.camera >= 0 && !scene.camera) {
       if (std::size_t(node.camera) >= model.cameras.size()) {
-        Fail(path, fmt::format("there is no camera {}", node.camera));
+        FailGltf(path, fmt::format("there is no camera {}", node.camera));
       }
       scene.camera = MakeCamera(model.cameras[std::size_t(node.camera)], world, path);
     }

@@ -27,10 +27,6 @@ Implementation ReadImplementation(PbrtReader& reader, PbrtSource& source, const 
                                fmt::format("{} \"{}\"", word.text, type))};
 }
 
-void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
-  AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
-}
-
 void Note(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
   AddNote(reader.warnings, parameters.position, parameters.directive + ": " + text);
 }
@@ -306,11 +302,7 @@ void ReadColorSpace(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
       fmt::format("ColorSpace \"{}\" is not supported: colours are taken as linear sRGB", name));
 }
 
-struct Entry {
-  std::string_view word;
-  PbrtHandler handler;
-};
-constexpr Entry kDirectives[] = {
+constexpr PbrtDirective kOptionDirectives[] = {
     {"Camera", ReadCamera},
     {"Film", ReadFilm},
     {"Sampler", ReadSampler},
@@ -327,10 +319,7 @@ constexpr Entry kDirectives[] = {
 }  // namespace
 
 PbrtHandler FindPbrtOptionDirective(std::string_view word) {
-  for (const Entry& entry : kDirectives) {
-    if (entry.word == word) return entry.handler;
-  }
-  return nullptr;
+  return FindPbrtDirective(kOptionDirectives, word);
 }
 
 }  // namespace skywave

@@ -95,6 +95,17 @@ std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
   throw InputError(position, fmt::format("there is no file \"{}\"", name), kExitIo);
 }
 
+void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
+  AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
+}
+
+PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::string_view word) {
+  for (const PbrtDirective& directive : directives) {
+    if (directive.word == word) return directive.handler;
+  }
+  return nullptr;
+}
+
 PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource& source,
                                            const InputPosition& position, std::string_view kind,
                                            const std::string& directive) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -85,8 +86,17 @@ PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource&
 std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
                             const InputPosition& position);
 
+// Adds a warning at the directive that the parameters belong to.
+void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text);
+
 // Handles a directive; `word` is the directive itself, already taken from `source`.
 using PbrtHandler = void (*)(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
+struct PbrtDirective {
+  std::string_view word;
+  PbrtHandler handler;
+};
+// Returns the handler of the directive `word`, or null if it is none of `directives`.
+PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::string_view word);
 
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);

@@ -15,10 +15,6 @@
 namespace skywave {
 namespace {
 
-void Warn(PbrtReader& reader, const PbrtParameters& parameters, const std::string& text) {
-  AddWarning(reader.warnings, parameters.position, parameters.directive + ": " + text);
-}
-
 PbrtTexture Constant(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   const auto value = FindColor(parameters, "value", same, reader.warnings);
   return {.value = value.value_or(glm::vec3(1)), .image = {}};

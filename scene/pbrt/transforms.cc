@@ -135,11 +135,7 @@ void TransformTimes(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
              "TransformTimes: motion is not supported: ignored");
 }
 
-struct Entry {
-  std::string_view word;
-  PbrtHandler handler;
-};
-constexpr Entry kDirectives[] = {
+constexpr PbrtDirective kTransformDirectives[] = {
     {"Identity", Identity},
     {"Translate", Translate},
     {"Scale", Scale},
@@ -157,10 +153,7 @@ constexpr Entry kDirectives[] = {
 }  // namespace
 
 PbrtHandler FindPbrtTransformDirective(std::string_view word) {
-  for (const Entry& entry : kDirectives) {
-    if (entry.word == word) return entry.handler;
-  }
-  return nullptr;
+  return FindPbrtDirective(kTransformDirectives, word);
 }
 
 }  // namespace skywave

@@ -219,7 +219,7 @@ void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 }
 
 // Skips `Word "name" parameters`, a directive without effect on the picture.
-void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
+void IgnoreNamed(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, fmt::format("the name of {}", word.text));
   ReadParameters(source, PositionOf(source, word), std::string(word.text));
   AddWarning(reader.warnings, PositionOf(source, word),
@@ -233,11 +233,7 @@ void MediumInterface(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
              "MediumInterface is not supported: ignored");
 }
 
-struct Entry {
-  std::string_view word;
-  PbrtHandler handler;
-};
-constexpr Entry kDirectives[] = {
+constexpr PbrtDirective kWorldDirectives[] = {
     {"WorldBegin", WorldBegin},
     {"WorldEnd", WorldEnd},
     {"AttributeBegin", AttributeBegin},
@@ -254,19 +250,16 @@ constexpr Entry kDirectives[] = {
     {"Texture", ReadPbrtTexture},
     {"LightSource", ReadPbrtLightSource},
     {"AreaLightSource", ReadPbrtAreaLight},
-    {"MakeNamedMedium", Ignore},
+    {"MakeNamedMedium", IgnoreNamed},
     {"Attribute", Attribute},
-    {"Volume", Ignore},  // pbrt-v2
+    {"Volume", IgnoreNamed},  // pbrt-v2
     {"MediumInterface", MediumInterface},
 };
 
 }  // namespace
 
 PbrtHandler FindPbrtWorldDirective(std::string_view word) {
-  for (const Entry& entry : kDirectives) {
-    if (entry.word == word) return entry.handler;
-  }
-  return nullptr;
+  return FindPbrtDirective(kWorldDirectives, word);
 }
 
 }  // namespace skywave

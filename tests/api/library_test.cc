@@ -78,7 +78,7 @@ struct Map {
 // point; no filter weighs pixels.
 const Options kLookDown = {{"size", "4x4"},    {"spp", "16"},        {"filter", "box"},
                            {"max-depth", "1"}, {"eye", "0,2,0.001"}, {"target", "0,0,0"},
-                           {"fov", "0.005"}};
+                           {"fov", "0.01"}};
 
 class Library : public Program {};
 

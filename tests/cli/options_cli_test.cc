@@ -36,7 +36,22 @@ class OptionsCli : public Program {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return nlohmann::json::parse(result.out).at("commands");
   }
+
+  // Returns the words of a manual page without fonts, and fails where groff warns of something.
+  std::string Printed(const std::string& page) {
+    const std::string command = "cd '" + Path("") +
+                                "' && groff -ww -man -rHY=0 -Tascii -P-c -P-b -P-u " + page +
+                                " > printed 2> warnings";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    EXPECT_EQ(Bytes("warnings"), "") << page;
+    return Bytes("printed");
+  }
 };
+
+std::string Squeezed(std::string text) {
+  std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
+  return text;
+}
 
 bool Contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -130,6 +145,39 @@ TEST_F(OptionsCli, BashCompletesSubcommandsFlagsAndValues) {
   EXPECT_EQ(complete("skywave render --integrator b", 3), "bdpt\n");
   EXPECT_EQ(complete("skywave probe conv", 2), "convert\n");
   EXPECT_EQ(complete("skywave probe plot --vi", 3), "--view\n");
+}
+
+TEST_F(OptionsCli, EverySubcommandHasAManualPageWithAllItsOptions) {
+  const nlohmann::json commands = Options();
+  const std::string overview = Run("options --format man").out;
+  for (const auto& [name, options] : commands.items()) {
+    SCOPED_TRACE(name);
+    std::string page = "skywave-" + name;
+    std::replace(page.begin(), page.end(), ' ', '-');
+    EXPECT_TRUE(Contains(overview, "\n.B " + name + "\n"));
+    const Result made = Run("options --format man --of '" + name + "'");
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+    Put(page + ".1", made.out);
+    const std::string plain = Printed(page + ".1");
+    // Lines are broken where the page is not wide enough, so spaces are not compared.
+    EXPECT_TRUE(Contains(Squeezed(plain), "NAME" + page + "-")) << plain;
+    for (const nlohmann::json& option : options) {
+      EXPECT_TRUE(Contains(Squeezed(plain), Squeezed(option.at("usage")))) << option << plain;
+      EXPECT_TRUE(Contains(Squeezed(plain), Squeezed(option.at("help")))) << option << plain;
+    }
+  }
+  Put("skywave.1", overview);
+  Printed("skywave.1");
+}
+
+TEST_F(OptionsCli, OneSubcommandCanBeListedAlone) {
+  const nlohmann::json one =
+      nlohmann::json::parse(Run("options --json --of 'probe info'").out).at("commands");
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one.at("probe info"), Options().at("probe info"));
+  const Result wrong = Run("options --format man --of rendre");
+  EXPECT_EQ(wrong.exit_code, 64);
+  EXPECT_TRUE(Contains(wrong.err, "--of rendre: there is no such subcommand")) << wrong.err;
 }
 
 }  // namespace

@@ -63,6 +63,7 @@ TEST(Options, ReadTheWordsThatTheyPrint) {
                                                         {"mis", "false"},
                                                         {"eye", "1,-2.5,3e-05"},
                                                         {"fov", "33.3"},
+                                                        {"fov", "0.01"},
                                                         {"camera", "equal-area"},
                                                         {"crop", "3x4+5+6"},
                                                         {"filter", "triangle"},

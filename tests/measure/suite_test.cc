@@ -31,7 +31,7 @@ Fingerprint Render(const SuiteScene& scene, JobRequest base) {
 
 TEST(Fingerprint, IsThatOfThePictureAlone) {
   JobRequest other = OnThreads(3);
-  other.options.wave = 17, other.options.backend = Backend::kArray;
+  other.options.wave = 17, other.options.backend = Backend::kSingle;
   const Fingerprint a = Render(kTiny, OnThreads(1)), b = Render(kTiny, other);
   EXPECT_EQ(a.hash, b.hash);
   EXPECT_EQ(a.means, b.means);

@@ -136,13 +136,12 @@ dvec3 Oracle::Emission(std::uint32_t triangle, double u, double v) const {
 
 // Finds the nearest triangle up to `reach` that stops the ray, by trying one after another.
 bool Oracle::FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  EmbreeQuery embree(scene_, /*coherent=*/false);
   query.ray = EmbreeRay(ray.origin, ray.direction);
   query.ray.tfar = float(reach);
   while (true) {
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_, &context, &query);
+    Intersect1(embree, query);
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
     if (IsThere(query.hit.primID, query.hit.u, query.hit.v, random)) return true;
     // The step exceeds the rounding of distances; otherwise Embree would find the same hit forever.
@@ -214,11 +213,10 @@ bool Oracle::Occluded(const Ray& ray, double distance, OracleRandom& random) con
     RTCRayHit hit = {};
     return FindHit(ray, reach, random, hit);
   }
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
+  EmbreeQuery embree(scene_, /*coherent=*/false);
   RTCRay query = EmbreeRay(ray.origin, ray.direction);
   query.tfar = float(reach);
-  rtcOccluded1(scene_, &context, &query);
+  Occluded1(embree, query);
   return query.tfar < 0;
 }
 

@@ -5,13 +5,12 @@
 // wavefront/integrators/{path,direct}.cc) and the tables FilterOffsets() and GgxTables().
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "image/image.h"
+#include "scene/embree.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/oracle_environment.h"
 #include "tests/support/oracle_lights.h"

@@ -203,7 +203,7 @@ TEST(Split, BitsDoNotDependOnTheCut) {
     frame.options.threads = 1;
     const std::vector<std::uint64_t> reference = Sums(Render(job, frame));
     for (const std::uint32_t wave : {1u, 17u, 256u, 2048u}) {
-      for (const Backend backend : {Backend::kStream, Backend::kSingle}) {
+      for (const Backend backend : {Backend::kPacket, Backend::kSingle}) {
         FrameView cut = job.frame();
         cut.options.wave = wave;
         cut.options.threads = 3;

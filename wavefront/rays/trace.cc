@@ -13,38 +13,22 @@ namespace {
 constexpr std::uint32_t kPacket = 8;
 constexpr std::uint32_t kArray = 128;  // rays of a call, on the stack: 10 KiB
 
-// A view has the columns of a batch of rays, whatever table they come from.
-struct RayView {
-  float *org_x, *org_y, *org_z, *dir_x, *dir_y, *dir_z, *t_far;
-  const std::uint32_t* keys;  // null: no alpha
-};
-
-RayView View(const RayColumns& r, const std::uint32_t* keys) {
+RayStream View(const RayColumns& r, const std::uint32_t* keys) {
   return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far, keys};
 }
 
 static_assert(kPacket == kBeamRays);
 
-// Coherent packets go down the tree as one frustum: camera rays then take 0.8 of the time, bounce
-// and shadow rays twice as long.
-RTCIntersectContext Context(bool coherent) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags =
-      coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
-  return context;
+// The calls that are fastest for rays that promise nothing (measured:
+// docs/decisions/2026-11-22-embree-3-and-4.md).
+constexpr Backend kBestClosest = Backend::kPacket;
+constexpr Backend kBestOcclusion = kEmbreeHasStreams ? Backend::kStream : Backend::kPacket;
+
+Backend Resolve(Backend backend, Backend best) {
+  return backend == Backend::kBest ? best : backend;
 }
 
-RTCRayNp StreamOf(const RayView& rays) {
-  RTCRayNp ray = {};  // tnear, time, mask and flags null: 0, no motion, all, unused
-  ray.org_x = rays.org_x, ray.org_y = rays.org_y, ray.org_z = rays.org_z;
-  ray.dir_x = rays.dir_x, ray.dir_y = rays.dir_y, ray.dir_z = rays.dir_z;
-  ray.tfar = rays.t_far;
-  ray.id = const_cast<std::uint32_t*>(rays.keys);  // only read; null: 0
-  return ray;
-}
-
-RTCRay SingleRay(const RayView& rays, std::uint32_t i) {
+RTCRay SingleRay(const RayStream& rays, std::uint32_t i) {
   RTCRay ray = {};
   ray.org_x = rays.org_x[i], ray.org_y = rays.org_y[i], ray.org_z = rays.org_z[i];
   ray.dir_x = rays.dir_x[i], ray.dir_y = rays.dir_y[i], ray.dir_z = rays.dir_z[i];
@@ -73,7 +57,7 @@ struct Packet {
     std::fill_n(rays.ray.mask, kPacket, ~0u);
   }
   // Loads rays [i, i + count) of eight; the others get a valid bit of 0.
-  void Load(const RayView& from, std::uint32_t i, std::uint32_t count) {
+  void Load(const RayStream& from, std::uint32_t i, std::uint32_t count) {
     RTCRay8& to = rays.ray;
     CopyPacket(from.org_x + i, count, to.org_x);
     CopyPacket(from.org_y + i, count, to.org_y);
@@ -91,21 +75,20 @@ struct Packet {
   alignas(32) int valid[kPacket];
 };
 
-void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t n) {
-  RTCIntersectContext context = Context(/*coherent=*/false);
-  switch (backend) {
+void Occlude(RTCScene scene, Backend backend, const RayStream& rays, std::uint32_t n) {
+  EmbreeQuery query(scene, /*coherent=*/false);
+  switch (Resolve(backend, kBestOcclusion)) {
     case Backend::kBest:
-    case Backend::kStream: {
-      RTCRayNp ray = StreamOf(rays);
-      rtcOccludedNp(scene, &context, &ray, n);
       break;
-    }
+    case Backend::kStream:
+      if constexpr (kEmbreeHasStreams) OccludedStream(query, rays, n);
+      break;
     case Backend::kPacket: {
       Packet packet;
       for (std::uint32_t i = 0; i < n; i += kPacket) {
         const std::uint32_t count = std::min(kPacket, n - i);
         packet.Load(rays, i, count);
-        rtcOccluded8(packet.valid, scene, &context, &packet.rays.ray);
+        Occluded8(query, packet.valid, packet.rays.ray);
         CopyPacket(packet.rays.ray.tfar, count, rays.t_far + i);
       }
       break;
@@ -115,7 +98,7 @@ void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t
         RTCRay array[kArray];
         const std::uint32_t count = std::min(kArray, n - i);
         for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRay(rays, i + k);
-        rtcOccluded1M(scene, &context, array, count, sizeof(RTCRay));
+        if constexpr (kEmbreeHasStreams) OccludedArray(query, array, count);
         for (std::uint32_t k = 0; k < count; ++k) rays.t_far[i + k] = array[k].tfar;
       }
       break;
@@ -123,14 +106,14 @@ void Occlude(RTCScene scene, Backend backend, const RayView& rays, std::uint32_t
       for (std::uint32_t i = 0; i < n; ++i) {
         if (rays.t_far[i] < 0) continue;
         RTCRay ray = SingleRay(rays, i);
-        rtcOccluded1(scene, &context, &ray);
+        Occluded1(query, ray);
         rays.t_far[i] = ray.tfar;
       }
       break;
   }
 }
 
-RTCRayHit SingleRayHit(const RayView& rays, std::uint32_t i) {
+RTCRayHit SingleRayHit(const RayStream& rays, std::uint32_t i) {
   RTCRayHit hit;
   hit.ray = SingleRay(rays, i);
   hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -145,7 +128,7 @@ void StoreHit(const RTCRayHit& hit, std::uint32_t i, const RayColumns& rays,
   hits.triangle[i] = hit.hit.primID, hits.geom[i] = hit.hit.geomID;
 }
 
-void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayView& rays,
+void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayStream& rays,
             std::uint32_t n) {
   if (recorder == nullptr) return;
   const float* const org[3] = {rays.org_x, rays.org_y, rays.org_z};
@@ -166,30 +149,25 @@ void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std
 
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
-  const RayView view = View(rays, keys);
+  const RayStream view = View(rays, keys);
   Record(tracer.recorder, kind, false, view, n);
   const bool beams = kind == RayKind::kCamera && tracer.beams;
-  RTCIntersectContext context = Context(beams);
-  switch (beams ? Backend::kPacket : tracer.closest) {
-    case Backend::kStream: {
+  EmbreeQuery query(tracer.scene, beams);
+  switch (beams ? Backend::kPacket : Resolve(tracer.closest, kBestClosest)) {
+    case Backend::kBest:
+      break;
+    case Backend::kStream:
       // A miss leaves the hit as it was, so geom is set to "no hit" beforehand.
       std::fill_n(hits.geom, n, kNoHit);
-      RTCRayHitNp batch = {};
-      batch.ray = StreamOf(view);
-      batch.hit.Ng_x = hits.ng_x, batch.hit.Ng_y = hits.ng_y, batch.hit.Ng_z = hits.ng_z;
-      batch.hit.u = hits.u, batch.hit.v = hits.v;
-      batch.hit.primID = hits.triangle, batch.hit.geomID = hits.geom;
-      rtcIntersectNp(tracer.scene, &context, &batch, n);
+      if constexpr (kEmbreeHasStreams) IntersectStream(query, view, hits, n);
       break;
-    }
-    case Backend::kBest:
     case Backend::kPacket: {
       Packet packet;
       for (std::uint32_t i = 0; i < n; i += kPacket) {
         const std::uint32_t count = std::min(kPacket, n - i);
         packet.Load(view, i, count);
         std::fill_n(packet.rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-        rtcIntersect8(packet.valid, tracer.scene, &context, &packet.rays);
+        Intersect8(query, packet.valid, packet.rays);
         const RTCHit8& hit = packet.rays.hit;
         CopyPacket(packet.rays.ray.tfar, count, rays.t_far + i);
         CopyPacket(hit.Ng_x, count, hits.ng_x + i);
@@ -207,14 +185,14 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
         RTCRayHit array[kArray];
         const std::uint32_t count = std::min(kArray, n - i);
         for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRayHit(view, i + k);
-        rtcIntersect1M(tracer.scene, &context, array, count, sizeof(RTCRayHit));
+        if constexpr (kEmbreeHasStreams) IntersectArray(query, array, count);
         for (std::uint32_t k = 0; k < count; ++k) StoreHit(array[k], i + k, rays, hits);
       }
       break;
     case Backend::kSingle:
       for (std::uint32_t i = 0; i < n; ++i) {
         RTCRayHit hit = SingleRayHit(view, i);
-        rtcIntersect1(tracer.scene, &context, &hit);
+        Intersect1(query, hit);
         StoreHit(hit, i, rays, hits);
       }
       break;
@@ -224,7 +202,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
 
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights, const std::uint32_t* keys) {
-  const RayView view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
+  const RayStream view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
                         lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);

@@ -1,13 +1,14 @@
-// Embree traces rays, one table at a time. Only this pair of files has Embree ray calls.
+// Embree traces rays, one table at a time.
 #pragma once
 
-#include <embree3/rtcore.h>
-
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 
 #include "base/names.h"
 #include "kernels/columns.h"
+#include "scene/embree.h"
 
 namespace skywave {
 
@@ -17,15 +18,12 @@ namespace skywave {
 // film. All other rays get the same hits, bit by bit, from every backend, since none promises
 // anything.
 enum class Backend {
-  kBest,    // the fastest: packets for nearest hits, streams for occlusion
-  kStream,  // rtcIntersectNp: columns
-  kPacket,  // rtcIntersect8
-  kArray,   // rtcIntersect1M: an array of rays
-  kSingle   // rtcIntersect1
+  kBest,    // the fastest for nearest hits, and for occlusion
+  kStream,  // columns; Embree 3 alone, like kArray
+  kPacket,  // eight rays
+  kArray,   // an array of rays
+  kSingle   // one ray
 };
-// These are the calls of Embree.
-inline constexpr Backend kBackends[] = {Backend::kStream, Backend::kPacket, Backend::kArray,
-                                        Backend::kSingle};
 template <>
 inline constexpr auto kEnumNames<Backend> =
     std::to_array<Named<Backend>>({{Backend::kBest, "best"},
@@ -33,6 +31,20 @@ inline constexpr auto kEnumNames<Backend> =
                                    {Backend::kPacket, "packet"},
                                    {Backend::kArray, "array"},
                                    {Backend::kSingle, "single"}});
+
+// These are the calls that the linked Embree has. A Tracer gets no others.
+inline constexpr auto kBackends = [] {
+  if constexpr (kEmbreeHasStreams) {
+    return std::to_array(
+        {Backend::kStream, Backend::kPacket, Backend::kArray, Backend::kSingle});
+  } else {
+    return std::to_array({Backend::kPacket, Backend::kSingle});
+  }
+}();
+constexpr bool IsAvailable(Backend backend) {
+  return backend == Backend::kBest ||
+         std::find(kBackends.begin(), kBackends.end(), backend) != kBackends.end();
+}
 
 class RayRecorder;
 enum class RayKind : std::uint32_t;
