@@ -13,14 +13,14 @@ import numpy
 import skywave
 
 
-def torus_knot(p=2, q=3, around=900, across=64, tube=0.3):
+def torus_knot(p=2, q=3, around=900, across=64, tube=0.33):
     """Returns vertices, faces and normals of a tube around a (p, q) torus knot with the axis z."""
     t = numpy.linspace(0, 2 * math.pi, around, endpoint=False)
 
     def curve(t):
-        radius = 2 + numpy.cos(q * t)
+        radius = 2 + 0.75 * numpy.cos(q * t)
         x, y = radius * numpy.cos(p * t), radius * numpy.sin(p * t)
-        return numpy.stack([x, y, numpy.sin(q * t)], axis=-1)
+        return numpy.stack([x, y, 0.75 * numpy.sin(q * t)], axis=-1)
 
     def unit(v):
         return v / numpy.linalg.norm(v, axis=-1, keepdims=True)
@@ -87,16 +87,16 @@ def main():
     parser.add_argument("--map", help="illumination map (EXR, HDR, PFM)")
     parser.add_argument("--frames", type=int, default=12)
     parser.add_argument("--width", type=int, default=320, help="of a frame [pixels]")
-    parser.add_argument("--spp", type=int, default=64)
+    parser.add_argument("--spp", type=int, default=128)
     parser.add_argument("-o", "--output", default="turntable.png")
     arguments = parser.parse_args()
 
     stage = skywave.Scene()
-    gold = stage.add_material("conductor", reflectance=(1.0, 0.72, 0.32), alpha=0.12, name="gold")
+    gold = stage.add_material("conductor", reflectance=(1.0, 0.72, 0.32), alpha=0.18, name="gold")
     slate = stage.add_material("lambert", reflectance=(0.10, 0.11, 0.13), name="slate")
-    stage.add_mesh(*disc(4.4, -3.4), material=slate)
+    stage.add_mesh(*disc(3.7, -3.15), material=slate)
     stage.set_environment(arguments.map or studio())
-    stage.set_camera(eye=(0, 3, 12.5), target=(0, -0.35, 0), fov=36)
+    stage.set_camera(eye=(0, 3, 12.5), target=(0, -0.45, 0), fov=35)
 
     vertices, faces, normals = torus_knot()
     frames = []
