@@ -1,5 +1,5 @@
-// Embree 3 and Embree 4 in one spelling: their headers, and the calls that trace rays. No other file
-// of the engine asks for the version. Embree 4 has packets and single rays only; functions for
+// Embree 3 and Embree 4 in one spelling: their headers, and the calls that trace rays. No other
+// file of the engine asks for the version. Embree 4 has packets and single rays only; functions for
 // streams and arrays of rays are declared for both versions and defined for Embree 3 alone.
 #pragma once
 

@@ -29,11 +29,12 @@ fi
 part() {
   local name=$1 start=$SECONDS
   shift
-  in_root "$folder/root" "${mounts[@]}" env "${settings[@]}" --chdir=/skywave "$@"
+  in_root "$folder/root" "${mounts[@]}" env --chdir=/skywave "${settings[@]}" "$@"
   echo "Debian 13: $name took $((SECONDS - start)) s"
 }
 jobs=${JOBS:-$(nproc)}
 part packages scripts/setup.sh test
 part configuration cmake --preset release -DSKYWAVE_BENCH=OFF -DSKYWAVE_WERROR=ON
 part build cmake --build --preset release -j"$jobs" -- --quiet
-part tests ctest --test-dir build/release -j"$jobs" --output-on-failure
+# The test of additions compiles another program, and what it shows is no matter of the system.
+part tests ctest --test-dir build/release -LE extension -j"$jobs" --output-on-failure

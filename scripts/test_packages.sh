@@ -18,20 +18,20 @@ fail() { echo "FAILED: $1" >&2; exit 1; }
 
 # Builds the packages of a release, and a picture by the program of the build tree.
 build_packages() {
-  local release=$1 packages=$PWD/build/packages/$1 build=build/package
-  rm -rf "$packages"
+  local release=$1 packages=$PWD/build/packages/$1 build=build/release
+  rm -rf "$packages" "$build"/*.deb
   mkdir -p "$packages"
   if [[ $release == "$own" ]]; then
     scripts/setup.sh python
     command -v dpkg-shlibdeps file >/dev/null || fail "install dpkg-dev and file"
     cmake --workflow --preset package >/dev/null
-    build/package/skywave "${picture[@]}" "$packages/picture.exr"
+    build/release/skywave "${picture[@]}" "$packages/picture.exr"
   else
     # The root, that of scripts/test_debian13.sh, sees this tree with a folder build/ of its own.
     local folder=$PWD/build/debian${number[$release]} cache
     local mounts=(--bind "$PWD" /skywave --bind "$folder/build" /skywave/build
                   --bind "$packages" /packages)
-    build=$folder/build/package
+    build=$folder/build/release
     mkdir -p "$folder/build"
     if command -v ccache >/dev/null; then
       cache=$(ccache --get-config cache_dir)
@@ -41,7 +41,7 @@ build_packages() {
     make_root "$release" "$folder/root" dpkg-dev file
     in_root "$folder/root" "${mounts[@]}" env CCACHE_DIR=/ccache bash -c '
       cd /skywave && scripts/setup.sh python && cmake --workflow --preset package >/dev/null &&
-      build/package/skywave "$@"' build "${picture[@]}" /packages/picture.exr
+      build/release/skywave "$@"' build "${picture[@]}" /packages/picture.exr
   fi
   mv "$build"/*.deb "$packages"
 }

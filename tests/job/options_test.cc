@@ -84,6 +84,17 @@ TEST(Options, ReadTheWordsThatTheyPrint) {
   }
 }
 
+TEST(Options, RefuseCallsThatTheLinkedEmbreeLacks) {
+  const JobOption& option = OptionCalled("backend");
+  for (const Named<Backend>& backend : kEnumNames<Backend>) {
+    SCOPED_TRACE(backend.name);
+    JobRequest request;
+    const std::string problem = option.set(request, {std::string(backend.name)});
+    EXPECT_EQ(problem.empty(), IsAvailable(backend.value)) << problem;
+    EXPECT_TRUE(problem.empty() || problem.ends_with(" is not best|packet|single")) << problem;
+  }
+}
+
 // Every printed default is a valid value of the option, and equals the default of the field.
 TEST(Options, TakeTheirOwnDefaults) {
   const JobRequest defaults;

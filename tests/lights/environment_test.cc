@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include "base/error.h"
 #include "lights/maps/projections.h"
@@ -198,7 +199,7 @@ TEST(EnvironmentPacking, KeepsTheEnergyOfEveryMap) {
 // A texel is rounded down to nine bits of its brightest channel, and inherits an error of the same
 // size from its predecessors.
 TEST(EnvironmentPacking, StaysNearTheMap) {
-  for (const char* name :
+  for (const std::string name :
        {"Ramp", "ThreeByTwo", "OneByOne", "TwoByOne", "Constant", "Odd", "Black"}) {
     const Image& image = AdversarialMap(name);
     const Image held = HeldMap({image, kUpright});
@@ -266,7 +267,7 @@ TEST(EnvironmentMap, RowsAddUpToTheSphere) {
 }
 
 TEST(EnvironmentMap, MeanIsWeightedBySolidAngle) {
-  for (const char* name : {"Constant", "Ramp", "ThreeByTwo", "OneByOne"}) {
+  for (const std::string name : {"Constant", "Ramp", "ThreeByTwo", "OneByOne"}) {
     const Image& image = AdversarialMap(name);
     double sum[3] = {};
     for (int y = 0; y < image.height; ++y) {

@@ -19,8 +19,8 @@ RayStream View(const RayColumns& r, const std::uint32_t* keys) {
 
 static_assert(kPacket == kBeamRays);
 
-// The calls that are fastest for rays that promise nothing (measured:
-// docs/decisions/2026-11-22-embree-3-and-4.md).
+// These calls are the fastest for rays that promise nothing
+// (docs/decisions/2026-11-22-embree-3-and-4.md).
 constexpr Backend kBestClosest = Backend::kPacket;
 constexpr Backend kBestOcclusion = kEmbreeHasStreams ? Backend::kStream : Backend::kPacket;
 
@@ -203,7 +203,7 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,
                   const LightColumns& lights, const std::uint32_t* keys) {
   const RayStream view = {surfaces.org_x, surfaces.org_y, surfaces.org_z, lights.dir_x,
-                        lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
+                          lights.dir_y,   lights.dir_z,   lights.t_far,   keys};
   Record(tracer.recorder, RayKind::kShadow, true, view, n);
   Occlude(tracer.scene, tracer.occlusion, view, n);
 }

@@ -35,8 +35,7 @@ inline constexpr auto kEnumNames<Backend> =
 // These are the calls that the linked Embree has. A Tracer gets no others.
 inline constexpr auto kBackends = [] {
   if constexpr (kEmbreeHasStreams) {
-    return std::to_array(
-        {Backend::kStream, Backend::kPacket, Backend::kArray, Backend::kSingle});
+    return std::to_array({Backend::kStream, Backend::kPacket, Backend::kArray, Backend::kSingle});
   } else {
     return std::to_array({Backend::kPacket, Backend::kSingle});
   }
