@@ -196,6 +196,8 @@ TEST(PointTree, RangesAreComplete) {
 
 // Counts what nanoflann finds. Its own lists of results have other types in other versions.
 struct PointsWithin {
+  using DistanceType = float;
+
   float distance2;
   std::size_t count = 0;
 
