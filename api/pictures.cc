@@ -17,6 +17,7 @@ namespace {
 std::string Png(const ImageArray& picture, float exposure, const std::string& tone) {
   const std::optional<ToneCurve> curve = Parse<ToneCurve>(tone);
   Require(curve.has_value(), "tone", "is not " + Choices<ToneCurve>());
+  Require(exposure >= -100 && exposure <= 100, "exposure", "is not a number from -100 to 100");
   const skywave::Image image = CopyImage(picture, "image");
   return skywave::EncodePng(image.width, image.height,
                             ToneMap(image, {.exposure_stops = exposure, .curve = *curve}));

@@ -194,4 +194,12 @@ void Renderer::WritePng(const std::string& path) const {
   });
 }
 
+std::string Renderer::EncodePng() const {
+  return Translated([&] {
+    const skywave::Image& picture = state_->finished();
+    return skywave::EncodePng(picture.width, picture.height,
+                              ToneMap(picture, Tone(state_->exposure)));
+  });
+}
+
 }  // namespace skywave::api

@@ -27,6 +27,12 @@ void RequireFinite(std::span<const float> values, const std::string& name) {
   throw Error(Error::Kind::kUsage, name, fmt::format("value {} is {}", bad - values.begin(), *bad));
 }
 
+void RequireNotNegative(std::span<const float> values, const std::string& name) {
+  RequireFinite(values, name);
+  Require(std::all_of(values.begin(), values.end(), [](float x) { return x >= 0; }), name,
+          "must not be negative");
+}
+
 glm::vec3 Direction(const Vector& v, const std::string& name) {
   RequireFinite(v, name);
   const float length = glm::length(Vec3(v));
@@ -35,9 +41,7 @@ glm::vec3 Direction(const Vector& v, const std::string& name) {
 }
 
 glm::vec3 Emission(const Vector& v, const std::string& name) {
-  RequireFinite(v, name);
-  Require(std::all_of(v.begin(), v.end(), [](float x) { return x >= 0; }), name,
-          "must not be negative");
+  RequireNotNegative(v, name);
   return Vec3(v);
 }
 
@@ -168,6 +172,7 @@ void Scene::AddMesh(const MeshArrays& mesh) {
           "material",
           fmt::format("there is none with number {}; there are {}", mesh.material,
                       state_->scene.materials.size()));
+  RequireNotNegative(mesh.colors, "colors");
   skywave::Scene& scene = state_->scene;
   scene.meshes.push_back(
       {.name = mesh.name.empty() ? fmt::format("mesh {}", scene.meshes.size()) : mesh.name,

@@ -204,6 +204,8 @@ class SKYWAVE_API Renderer {
   // command that repeats them.
   void WriteExr(const std::string& path) const;
   void WritePng(const std::string& path) const;
+  // Returns the bytes that WritePng writes.
+  std::string EncodePng() const;
 
   struct State;  // not for users
 

@@ -49,4 +49,14 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
     "libskywave${soversion} (= ${PROJECT_VERSION})")
 
+if(TARGET skywave_python)
+  skywave_package(python python3-skywave python "wavefront renderer - Python package"
+"Renders scenes of files or NumPy arrays, lit by illumination maps, to NumPy
+arrays.")
+  # An extension module is for one version of Python.
+  math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+endif()
+
 include(CPack)

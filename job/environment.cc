@@ -41,19 +41,20 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
     light.map = Image(1, 1);
     light.map->rgb = {1, 1, 1};
   }
+  const std::string name = request.image ? "map" : light.map_path;
   if (!light.map) {
     Image image = request.image ? *request.image : ReadImage(light.map_path, request.limits);
     const bool equal_area = light.equal_area_square && image.width == image.height;
     const Projection projection = request.projection ? *request.projection
                                   : equal_area       ? Projection::kOctahedral
-                                                     : DetectProjection(image, light.map_path);
-    notes.push_back(fmt::format("{}: {} x {}, {} {}", light.map_path, image.width, image.height,
+                                                     : DetectProjection(image, name);
+    notes.push_back(fmt::format("{}: {} x {}, {} {}", name, image.width, image.height,
                                 request.projection ? "read as" : "taken for",
                                 ToString(projection)));
     const BadPixels bad = RepairRadiance(image);
     if (bad.total() > 0) {
-      notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels set to 0",
-                                  light.map_path, bad.nan, bad.infinite, bad.negative));
+      notes.push_back(fmt::format("{}: {} NaN, {} infinite and {} negative pixels set to 0", name,
+                                  bad.nan, bad.infinite, bad.negative));
     }
     light.map = ToLatLong(std::move(image), projection);
   }
@@ -62,9 +63,8 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
   }
   light.scale = glm::vec3(1);
   if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {
-    notes.push_back(
-        fmt::format("{}: {} pixels exceed all bounds at this intensity and are set to 0",
-                    light.map_path, bad.total()));
+    notes.push_back(fmt::format(
+        "{}: {} pixels exceed all bounds at this intensity and are set to 0", name, bad.total()));
   }
 }
 

@@ -2,6 +2,7 @@
 # Installs the packages for building from Debian 12, Debian 13 or Ubuntu 24.04. Does nothing if they
 # are installed.
 #   scripts/setup.sh         the program
+#   scripts/setup.sh python  also the Python package
 #   scripts/setup.sh test    also tests, benchmarks and the checks of .ci/run
 set -euo pipefail
 packages=(
@@ -9,7 +10,8 @@ packages=(
   libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev zlib1g-dev
   libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev nlohmann-json3-dev
 )
-test=(libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache valgrind)
+python=(python3-dev python3-numpy pybind11-dev)
+test=(libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache valgrind "${python[@]}")
 clang14=(clang-format-14 clang-tidy-14)  # others format and warn differently; Debian 13 has none
 # shellcheck source=/dev/null
 system=$(. /etc/os-release && echo "$ID ${VERSION_ID:-}")
@@ -23,6 +25,7 @@ case $system in
     packages+=(libjpeg-dev)
     ;;
 esac
+[[ ${1:-} != python ]] || packages+=("${python[@]}")
 [[ ${1:-} != test ]] || packages+=("${test[@]}")
 missing=()
 for package in "${packages[@]}"; do

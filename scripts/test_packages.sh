@@ -22,7 +22,7 @@ build_packages() {
   rm -rf "$packages" "$build"/*.deb
   mkdir -p "$packages"
   if [[ $release == "$own" ]]; then
-    scripts/setup.sh
+    scripts/setup.sh python
     command -v dpkg-shlibdeps file >/dev/null || fail "install dpkg-dev and file"
     cmake --workflow --preset package >/dev/null
     build/release/skywave "${picture[@]}" "$packages/picture.exr"
@@ -40,7 +40,7 @@ build_packages() {
     fi
     make_root "$release" "$folder/root" dpkg-dev file
     in_root "$folder/root" "${mounts[@]}" env CCACHE_DIR=/ccache bash -c '
-      cd /skywave && scripts/setup.sh && cmake --workflow --preset package >/dev/null &&
+      cd /skywave && scripts/setup.sh python && cmake --workflow --preset package >/dev/null &&
       build/release/skywave "$@"' build "${picture[@]}" /packages/picture.exr
   fi
   mv "$build"/*.deb "$packages"
@@ -80,6 +80,17 @@ test_packages() {
        _skywave
        echo "${COMPREPLY[@]}"') == --max-depth ]] || fail "$release: no bash completion"
   echo "$release: the installed program renders the picture of the build tree"
+
+  mapfile -t files < <(files_of "libskywave[0-9]*.deb python3-skywave*.deb")
+  clean_root "$release" "${files[@]}"
+  inside setpriv --reuid=65534 --regid=65534 --clear-groups bash -c '
+    cd "$(mktemp -d)" && python3 -c "
+import skywave
+skywave.render(\"gallery\", size=(96, 72), spp=4, threads=2).save(\"picture.exr\")" &&
+    md5sum picture.exr' > "$packages/python.md5"
+  (cd "$packages" && md5sum --quiet -c python.md5) ||
+    fail "$release: Python renders another picture than the program of the build tree"
+  echo "$release: Python renders the picture of the build tree"
 
   mapfile -t files < <(files_of "libskywave*.deb")
   clean_root "$release" "${files[@]}" g++ cmake make pkg-config

@@ -1,0 +1,341 @@
+// The extension module skywave._core: what skywave/skywave.h declares, for the Python package
+// beside it, whose functions have checked and converted the arguments. Nothing here is meant for
+// users.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "skywave/skywave.h"
+
+namespace {
+
+namespace py = pybind11;
+namespace api = skywave::api;
+
+// An array that needs no conversion: arguments of this type are declared with noconvert().
+template <class Number>
+using Array = py::array_t<Number, py::array::c_style>;
+
+// Bytes that are no UTF-8, as names of files may have, survive as Python's own functions keep them.
+py::str Text(const std::string& text) {
+  PyObject* object = PyUnicode_DecodeUTF8(text.data(), py::ssize_t(text.size()), "surrogateescape");
+  if (object == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(object);
+}
+
+// Calls `function` without Python's lock, so that other threads run meanwhile.
+template <class Function>
+auto Unlocked(Function function) {
+  const py::gil_scoped_release release;
+  return function();
+}
+
+// An object of the library that several threads of Python may hold. They take turns.
+template <class Object>
+class Shared {
+ public:
+  template <class... Arguments>
+  explicit Shared(Arguments&&... arguments) : object_(std::forward<Arguments>(arguments)...) {}
+
+  template <class Function>
+  auto Use(Function function) {
+    return Unlocked([&] {
+      const std::lock_guard lock(mutex_);
+      return function(object_);
+    });
+  }
+
+ private:
+  Object object_;
+  std::mutex mutex_;
+};
+using Scene = Shared<api::Scene>;
+using Renderer = Shared<api::Renderer>;
+
+// Takes the scene, which is empty then, or copies it.
+api::Scene OwnScene(Scene& scene, bool take) {
+  return scene.Use(
+      [&](api::Scene& s) { return take ? std::exchange(s, api::Scene()) : api::Scene(s); });
+}
+
+template <class Number>
+std::span<const Number> SpanOf(const Array<Number>& array) {
+  return {array.data(), std::size_t(array.size())};
+}
+
+template <class Number>
+std::span<const Number> SpanOf(const std::optional<Array<Number>>& array) {
+  return array ? SpanOf(*array) : std::span<const Number>();
+}
+
+api::ImageArray ImageOf(const Array<float>& array) {
+  if (array.ndim() != 3 || array.shape(2) != 3) {
+    throw py::value_error("the shape of an image is (height, width, 3)");
+  }
+  return {SpanOf(array), int(array.shape(1)), int(array.shape(0))};
+}
+
+Array<float> NewArray(py::ssize_t height, py::ssize_t width, py::ssize_t channels) {
+  if (channels == 1) return Array<float>({height, width});
+  return Array<float>({height, width, channels});
+}
+
+Array<float> ReadImage(const std::string& path) {
+  const api::Image image = Unlocked([&] { return api::ReadImage(path); });
+  Array<float> array = NewArray(image.height, image.width, 3);
+  std::copy(image.rgb.begin(), image.rgb.end(), array.mutable_data());
+  return array;
+}
+
+// Calls the user's function, if there is one, and lets Ctrl-C through. Exceptions of Python pass
+// through the library and end the render.
+api::ProgressCallback CallbackOf(const py::object& progress) {
+  return [&progress](double done) {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    return progress.is_none() || !progress(done).is(py::bool_(false));
+  };
+}
+
+const char* NameOf(api::Error::Kind kind) {
+  switch (kind) {
+    case api::Error::Kind::kUsage:
+      return "usage";
+    case api::Error::Kind::kBadInput:
+      return "bad-input";
+    case api::Error::Kind::kIo:
+      return "io";
+  }
+  return "";
+}
+
+void TranslateException(std::exception_ptr exception) {
+  try {
+    if (exception) std::rethrow_exception(exception);
+  } catch (const api::Error& error) {
+    try {
+      std::rethrow_if_nested(error);
+    } catch (const std::bad_alloc&) {
+      PyErr_NoMemory();
+      return;
+    } catch (...) {  // the cause of bad input, of which the error tells
+    }
+    const py::object object =
+        py::module_::import("skywave._errors")
+            .attr("make_error")(Text(error.what()), NameOf(error.kind()), Text(error.place()));
+    PyErr_SetObject(py::type::of(object).ptr(), object.ptr());
+  } catch (const api::Canceled& canceled) {
+    const py::object type = py::module_::import("skywave._errors").attr("Canceled");
+    PyErr_SetString(type.ptr(), canceled.what());
+  }
+}
+
+void AddScene(py::module_& module) {
+  using Numbers = std::vector<std::pair<std::string, std::vector<float>>>;
+  py::class_<Scene>(module, "Scene")
+      .def(py::init<>())
+      .def(py::init([](const std::string& path, const api::Options& options) {
+        return Unlocked([&] { return std::make_unique<Scene>(path, options); });
+      }))
+      .def("copy",
+           [](Scene& scene) {
+             return scene.Use(
+                 [](api::Scene& s) { return std::make_unique<Scene>(std::as_const(s)); });
+           })
+      .def("triangles",
+           [](Scene& scene) { return scene.Use([](api::Scene& s) { return s.triangles(); }); })
+      .def(
+          "add_mesh",
+          [](Scene& scene, const Array<float>& vertices, const Array<std::uint32_t>& faces,
+             const std::optional<Array<float>>& normals, const std::optional<Array<float>>& uvs,
+             const std::optional<Array<float>>& colors, int material, const std::string& name) {
+            const api::MeshArrays mesh = {.positions = SpanOf(vertices),
+                                          .triangles = SpanOf(faces),
+                                          .normals = SpanOf(normals),
+                                          .uvs = SpanOf(uvs),
+                                          .colors = SpanOf(colors),
+                                          .material = material,
+                                          .name = name};
+            scene.Use([&](api::Scene& s) { s.AddMesh(mesh); });
+          },
+          py::arg("vertices").noconvert(), py::arg("faces").noconvert(),
+          py::arg("normals").noconvert(), py::arg("uvs").noconvert(), py::arg("colors").noconvert(),
+          py::arg("material"), py::arg("name"))
+      .def(
+          "add_texture",
+          [](Scene& scene, const Array<float>& image, api::TextureUse use) {
+            const api::ImageArray array = ImageOf(image);
+            return scene.Use([&](api::Scene& s) { return s.AddTexture(array, use); });
+          },
+          py::arg("image").noconvert(), py::arg("use"))
+      .def("add_material",
+           [](Scene& scene, const std::string& bsdf, const Numbers& numbers,
+              const std::string& name) {
+             std::vector<api::MaterialParameter> parameters;
+             for (const auto& [key, values] : numbers) parameters.push_back({key, values});
+             return scene.Use([&](api::Scene& s) { return s.AddMaterial(bsdf, parameters, name); });
+           })
+      .def("add_point_light",
+           [](Scene& scene, const api::Vector& position, const api::Vector& intensity) {
+             scene.Use([&](api::Scene& s) { s.AddPointLight(position, intensity); });
+           })
+      .def("add_spot_light",
+           [](Scene& scene, const api::Vector& position, const api::Vector& axis,
+              const api::Vector& intensity, float full_degrees, float dark_degrees) {
+             scene.Use([&](api::Scene& s) {
+               s.AddSpotLight(position, axis, intensity, full_degrees, dark_degrees);
+             });
+           })
+      .def("add_distant_light",
+           [](Scene& scene, const api::Vector& direction, const api::Vector& irradiance) {
+             scene.Use([&](api::Scene& s) { s.AddDistantLight(direction, irradiance); });
+           })
+      .def(
+          "set_environment",
+          [](Scene& scene, const Array<float>& map) {
+            const api::ImageArray array = ImageOf(map);
+            scene.Use([&](api::Scene& s) { s.SetEnvironment(array); });
+          },
+          py::arg("map").noconvert())
+      .def("set_camera",
+           [](Scene& scene, const api::Vector& eye, const api::Vector& target,
+              const api::Vector& up, float fov_degrees) {
+             scene.Use([&](api::Scene& s) { s.SetCamera(eye, target, up, fov_degrees); });
+           })
+      .def("set_up",
+           [](Scene& scene, char axis) { scene.Use([&](api::Scene& s) { s.SetUp(axis); }); });
+}
+
+void AddRenderer(py::module_& module) {
+  py::class_<Renderer>(module, "Renderer")
+      .def(py::init([](Scene& scene, bool take, const api::Options& options) {
+        api::Scene own = OwnScene(scene, take);
+        return Unlocked([&] { return std::make_unique<Renderer>(std::move(own), options); });
+      }))
+      .def("width",
+           [](Renderer& renderer) {
+             return renderer.Use([](api::Renderer& r) { return r.width(); });
+           })
+      .def("height",
+           [](Renderer& renderer) {
+             return renderer.Use([](api::Renderer& r) { return r.height(); });
+           })
+      .def("layers",
+           [](Renderer& renderer) {
+             py::list layers;
+             for (const api::Layer& layer :
+                  renderer.Use([](api::Renderer& r) { return r.layers(); })) {
+               layers.append(py::make_tuple(Text(layer.name), layer.channels));
+             }
+             return layers;
+           })
+      .def("notes",
+           [](Renderer& renderer) {
+             py::list notes;
+             for (const std::string& note :
+                  renderer.Use([](api::Renderer& r) { return r.notes(); })) {
+               notes.append(Text(note));
+             }
+             return notes;
+           })
+      .def("render",
+           [](Renderer& renderer, const py::object& progress) {
+             const api::ProgressCallback callback = CallbackOf(progress);
+             renderer.Use([&](api::Renderer& r) { r.Render(callback); });
+           })
+      .def("picture",
+           [](Renderer& renderer) {
+             const auto [width, height] =
+                 renderer.Use([](api::Renderer& r) { return std::pair(r.width(), r.height()); });
+             Array<float> rgb = NewArray(height, width, 3);
+             const std::span<float> span(rgb.mutable_data(), std::size_t(rgb.size()));
+             renderer.Use([&](api::Renderer& r) { r.CopyPicture(span); });
+             return rgb;
+           })
+      .def("layer",
+           [](Renderer& renderer, const std::string& name, int channels) {
+             const auto [width, height] =
+                 renderer.Use([](api::Renderer& r) { return std::pair(r.width(), r.height()); });
+             Array<float> values = NewArray(height, width, channels);
+             const std::span<float> span(values.mutable_data(), std::size_t(values.size()));
+             renderer.Use([&](api::Renderer& r) { r.CopyLayer(name, span); });
+             return values;
+           })
+      .def("statistics",
+           [](Renderer& renderer) {
+             return Text(renderer.Use([](api::Renderer& r) { return r.Statistics(); }));
+           })
+      .def("summary",
+           [](Renderer& renderer) {
+             return Text(renderer.Use([](api::Renderer& r) { return r.Summary(); }));
+           })
+      .def("write_exr",
+           [](Renderer& renderer, const std::string& path) {
+             renderer.Use([&](api::Renderer& r) { r.WriteExr(path); });
+           })
+      .def("write_png",
+           [](Renderer& renderer, const std::string& path) {
+             renderer.Use([&](api::Renderer& r) { r.WritePng(path); });
+           })
+      .def("encode_png", [](Renderer& renderer) {
+        return py::bytes(renderer.Use([](api::Renderer& r) { return r.EncodePng(); }));
+      });
+}
+
+void AddFunctions(py::module_& module) {
+  const auto image = py::arg("image").noconvert();
+  module.def("version", [] { return api::Version(); });
+  module.def("read_image", &ReadImage);
+  module.def(
+      "encode_png",
+      [](const Array<float>& array, float exposure, const std::string& tone) {
+        const api::ImageArray pixels = ImageOf(array);
+        return py::bytes(Unlocked([&] { return api::EncodePng(pixels, exposure, tone); }));
+      },
+      image, py::arg("exposure"), py::arg("tone"));
+  module.def(
+      "compare",
+      [](const Array<float>& array, const Array<float>& other) {
+        const api::ImageArray pixels = ImageOf(array), reference = ImageOf(other);
+        return Text(Unlocked([&] { return api::Compare(pixels, reference); }));
+      },
+      image, py::arg("reference").noconvert());
+  module.def("converge", [](Scene& scene, bool take, const api::Options& options,
+                            const py::object& progress) {
+    const api::ProgressCallback callback = CallbackOf(progress);
+    api::Scene own = OwnScene(scene, take);
+    return Text(Unlocked([&] { return api::Converge(std::move(own), options, callback); }));
+  });
+  module.def(
+      "describe_map",
+      [](const Array<float>& map, const std::string& projection) {
+        const api::ImageArray pixels = ImageOf(map);
+        return Text(Unlocked([&] { return api::DescribeMap(pixels, projection); }));
+      },
+      py::arg("map").noconvert(), py::arg("projection"));
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_core, module) {
+  py::register_exception_translator(&TranslateException);
+  py::enum_<api::TextureUse>(module, "TextureUse")
+      .value("color", api::TextureUse::kColor)
+      .value("opacity", api::TextureUse::kOpacity)
+      .value("normals", api::TextureUse::kNormals)
+      .value("heights", api::TextureUse::kHeights);
+  AddScene(module);
+  AddRenderer(module);
+  AddFunctions(module);
+}

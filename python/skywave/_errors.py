@@ -1,0 +1,67 @@
+"""The exceptions of the package. The extension module raises them as well."""
+import contextlib
+import re
+
+
+class Error(ValueError):
+    """Input that cannot be used.
+
+    kind: "usage" (an option or argument that makes no sense), "bad-input" (a file or array that
+    cannot be used) or "io" (a file that cannot be read or written).
+    place: the file with the line or byte, the options, or the argument.
+    """
+
+    def __init__(self, message, kind="usage", place=""):
+        super().__init__(message)
+        self.kind = kind
+        self.place = place
+
+    def __reduce__(self):  # exceptions of other processes arrive pickled
+        return type(self), (str(self), self.kind, self.place)
+
+    def __str__(self):
+        return self.args[0]
+
+
+class FileError(Error, OSError):
+    """An Error of the kind "io"; also an OSError, as Python's own functions raise it."""
+
+
+class Canceled(Exception):
+    """The progress function has returned False."""
+
+
+def _keyword(option):
+    name = option[1].replace("-", "_")
+    return name if option[2] is None else f"{name}={option[2]}"
+
+
+def make_error(message, kind, place):
+    """Returns the exception of the class that belongs to `kind`.
+
+    The library mentions options in backticks, with values or without; here they are keywords.
+    """
+    message = re.sub("`([a-z-]+)(?: ([^`]*))?`", _keyword, message)
+    return (FileError if kind == "io" else Error)(message, kind, place)
+
+
+def bad_argument(argument, reason):
+    """Returns the Error of an argument whose type or shape makes no sense."""
+    return Error(f"{argument}: {reason}", "usage", argument)
+
+
+@contextlib.contextmanager
+def renamed(**arguments):
+    """Lets the errors of the block call arguments of the library by their names in Python."""
+    try:
+        yield
+    except Error as error:
+        name = arguments.get(error.place)
+        if name is None:
+            raise
+        raise type(error)(name + str(error)[len(error.place):], error.kind, name) from None
+
+
+def keywords(options):
+    """The same for options, whose keywords have underscores for dashes."""
+    return renamed(**{keyword.replace("_", "-"): keyword for keyword in options})

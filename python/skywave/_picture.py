@@ -1,0 +1,88 @@
+"""Rendered pictures."""
+import json
+import os
+
+from . import _convert, _core
+from ._errors import bad_argument
+
+
+class Picture:
+    """What render() returns. The arrays cannot be written to; copy them to change them.
+
+    rgb: linear radiance, (height, width, 3), float32; rows from the top.
+    layers: arrays (height, width) or (height, width, channels) by the name of the layer.
+    statistics: times, rays and stages, as `skywave render --stats` writes them.
+    notes: what was assumed, repaired or left out, a line each.
+    """
+
+    def __init__(self, renderer):
+        self._renderer = renderer
+        self.width, self.height = renderer.width(), renderer.height()
+        self.rgb = renderer.picture()
+        self.rgb.flags.writeable = False
+        self.layers = {}
+        for name, channels in renderer.layers():
+            layer = renderer.layer(name, len(channels))
+            layer.flags.writeable = False
+            self.layers[name] = layer
+        self.notes = renderer.notes()
+
+    @property
+    def statistics(self):
+        return json.loads(self._renderer.statistics())
+
+    @property
+    def summary(self):
+        """The statistics as text for people."""
+        return self._renderer.summary()
+
+    def save(self, path, *, exposure=None, tone=None):
+        """Writes an EXR with all layers and the command that repeats it, or a PNG.
+
+        A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso),
+        or by the arguments: `exposure` in stops, `tone` "clip" or "filmic".
+        """
+        ending = os.path.splitext(os.fsdecode(_convert.path(path, "path")))[1]
+        if ending == ".png" and exposure is None and tone is None:
+            self._renderer.write_png(_convert.path(path, "path"))
+        elif ending == ".png":
+            write_png(path, self, exposure=0 if exposure is None else exposure,
+                      tone="clip" if tone is None else tone)
+        elif ending != ".exr":
+            raise bad_argument("path", f"the name ends in {ending!r}, and .exr or .png is needed")
+        elif exposure is not None or tone is not None:
+            raise bad_argument("exposure" if tone is None else "tone",
+                               "an EXR holds radiance, which is neither exposed nor tone-mapped")
+        else:
+            self._renderer.write_exr(_convert.path(path, "path"))
+
+    def __array__(self, dtype=None, copy=None):
+        array = self.rgb if dtype is None else self.rgb.astype(dtype, copy=False)
+        if copy is False and array is not self.rgb:
+            raise ValueError("another dtype needs a copy")
+        return array.copy() if copy else array
+
+    def _repr_png_(self):
+        return self._renderer.encode_png()
+
+    def __repr__(self):
+        layers = f", layers {', '.join(self.layers)}" if self.layers else ""
+        return f"<skywave.Picture of {self.width} x {self.height} pixels{layers}>"
+
+
+def write_png(path, image, *, exposure=0, tone="clip"):
+    """Writes 8-bit sRGB; radiance is multiplied by 2^exposure, `tone` is "clip" or "filmic"."""
+    data = encode_png(image, exposure=exposure, tone=tone)
+    with open(_convert.path(path, "path"), "wb") as file:
+        file.write(data)
+
+
+def encode_png(image, *, exposure=0, tone="clip"):
+    """Returns the bytes of the file that write_png writes."""
+    return _core.encode_png(_convert.image(image, "image"), _convert.number(exposure, "exposure"),
+                            _convert.text(tone, "tone"))
+
+
+def read_image(path):
+    """Reads OpenEXR, Radiance HDR or PFM: (height, width, 3), float32, rows from the top."""
+    return _core.read_image(_convert.path(path, "path"))

@@ -1,0 +1,126 @@
+"""Scenes: files, or meshes, materials and lights from arrays."""
+from . import _convert, _core
+from ._errors import bad_argument, keywords, renamed
+
+
+class Scene:
+    """Triangles, materials, textures, lights and a camera.
+
+    Scene() is empty, with y up; it needs a mesh before it can be rendered. Scene("model.glb") reads
+    a pbrt, OBJ, glTF or PLY file or makes a built-in scene, to which more can be added; the options
+    are those of reading, `strict` and `max_triangles`. Material 0 always exists.
+
+    Space is right-handed. Arrays are copied. Methods that have nothing else to return return the
+    scene.
+    """
+
+    def __init__(self, path=None, **options):
+        if path is None and options:
+            raise bad_argument(next(iter(options)), "an empty scene has no options of reading")
+        if path is None:
+            self._core = _core.Scene()
+        else:
+            with keywords(options):
+                self._core = _core.Scene(_convert.path(path, "path"), _convert.options(options))
+
+    def copy(self):
+        scene = Scene.__new__(Scene)
+        scene._core = self._core.copy()
+        return scene
+
+    __copy__ = copy
+
+    def __deepcopy__(self, memo):
+        return self.copy()
+
+    def __repr__(self):
+        return f"<skywave.Scene of {self.triangles} triangles>"
+
+    @property
+    def triangles(self):
+        return self._core.triangles()
+
+    def add_mesh(self, vertices, faces=None, *, normals=None, uvs=None, colors=None, material=0,
+                 name=""):
+        """Adds triangles: positions (n, 3) and indices (m, 3), counter-clockwise seen from outside.
+
+        In place of both, one object with `.vertices` and `.faces` will do, such as a
+        trimesh.Trimesh. Without `normals` (n, 3), which may have any length but 0, shading is flat;
+        the normals of such an object are not taken unasked. `uvs` (n, 2): (0, 0) is the top left of
+        an image. `colors` (n, 3) are factors of the reflectance. `material` is a number of
+        add_material. `name` appears in errors.
+        """
+        if faces is None:
+            if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
+                raise bad_argument("faces", "they are missing, and the first argument has no "
+                                            ".vertices and .faces")
+            vertices, faces = vertices.vertices, vertices.faces
+        positions = _convert.rows(vertices, "vertices", 3)
+        arguments = (positions, _convert.triangles(faces, "faces", len(positions)),
+                     None if normals is None else _convert.rows(normals, "normals", 3),
+                     None if uvs is None else _convert.rows(uvs, "uvs", 2),
+                     None if colors is None else _convert.rows(colors, "colors", 3),
+                     _convert.index(material, "material"), _convert.text(name, "name"))
+        with renamed(positions="vertices", triangles="faces"):
+            self._core.add_mesh(*arguments)
+        return self
+
+    def add_texture(self, image, use="color"):
+        """Adds an image (height, width, 3) or (height, width); returns its number for materials.
+
+        `use`: "color" (linear), "opacity", "normals" (of a tangent-space map, [0, 1] for [-1, 1])
+        or "heights".
+        """
+        uses = _core.TextureUse.__members__
+        return self._core.add_texture(_convert.image(image, "image"),
+                                      uses[_convert.choice(use, "use", uses)])
+
+    def add_material(self, bsdf="lambert", *, name="", **parameters):
+        """Adds a material of a BSDF (docs/design/bsdfs.md); returns its number for meshes.
+
+        The parameters are those that `skywave info --json` prints: reflectance, alpha, ior,
+        emission, opacity, color_texture and others; a colour is three numbers or one.
+        """
+        return self._core.add_material(
+            _convert.text(bsdf, "bsdf"),
+            [(_convert.text(key, "parameter"), _convert.values(value, key))
+             for key, value in parameters.items() if value is not None],
+            _convert.text(name, "name"))
+
+    def add_point_light(self, position, intensity):
+        """Adds a point light of `intensity` [W/sr], a colour or a number."""
+        self._core.add_point_light(_convert.vector(position, "position"),
+                                   _convert.color(intensity, "intensity"))
+        return self
+
+    def add_spot_light(self, position, axis, intensity, full_degrees, dark_degrees):
+        """Adds a spot, full up to `full_degrees` from its axis and dark from `dark_degrees` on."""
+        self._core.add_spot_light(_convert.vector(position, "position"),
+                                  _convert.vector(axis, "axis"),
+                                  _convert.color(intensity, "intensity"),
+                                  _convert.number(full_degrees, "full_degrees"),
+                                  _convert.number(dark_degrees, "dark_degrees"))
+        return self
+
+    def add_distant_light(self, direction, irradiance):
+        """Adds a light from infinitely far away in `direction`, towards the light."""
+        self._core.add_distant_light(_convert.vector(direction, "direction"),
+                                     _convert.color(irradiance, "irradiance"))
+        return self
+
+    def set_environment(self, map):
+        """Sets the illumination map: an array (height, width, 3), a Picture or a file."""
+        self._core.set_environment(_convert.image(map, "map"))
+        return self
+
+    def set_camera(self, eye, target, up=(0, 1, 0), fov=45):
+        """Places the camera; `fov` is that of the shorter side of the picture, in degrees."""
+        with renamed(fov_degrees="fov"):
+            self._core.set_camera(_convert.vector(eye, "eye"), _convert.vector(target, "target"),
+                                  _convert.vector(up, "up"), _convert.number(fov, "fov"))
+        return self
+
+    def set_up(self, axis):
+        """Sets the axis "x", "y" or "z" that is up for the map and for an automatic camera."""
+        self._core.set_up(_convert.choice(axis, "axis", ("x", "y", "z")))
+        return self

@@ -1,0 +1,94 @@
+"""Scenes from arrays are those from files, bit by bit, whatever the arrays look like in memory."""
+import copy
+import types
+import unittest
+
+import numpy
+
+import skywave
+from support import Case, FACES, SMALL, VERTICES, sky, write_obj, write_ply
+
+
+def render(scene):
+    return skywave.render(scene, env=sky(), **SMALL).rgb
+
+
+class SceneTest(Case):
+    def test_a_mesh_of_arrays_is_that_of_a_file(self):
+        write_ply("mesh.ply")
+        expected = render("mesh.ply")
+        self.assertGreater(expected.mean(), 0.01)
+        self.assert_same_bits(render(skywave.Scene().add_mesh(VERTICES, FACES)), expected)
+        whole = types.SimpleNamespace(vertices=VERTICES, faces=FACES)
+        self.assert_same_bits(render(skywave.Scene().add_mesh(whole)), expected)
+
+    def test_arrays_of_any_layout(self):
+        expected = render(skywave.Scene().add_mesh(VERTICES, FACES))
+        wide = numpy.zeros((10, 7))
+        wide[::2, 1:7:2] = VERTICES
+        for vertices in (VERTICES.tolist(), VERTICES.astype(numpy.float64), wide[::2, 1:7:2],
+                         numpy.ascontiguousarray(VERTICES.T).T, VERTICES[::-1].copy()[::-1],
+                         VERTICES.astype(">f4")):
+            self.assert_same_bits(render(skywave.Scene().add_mesh(vertices, FACES)), expected)
+        for faces in (FACES.tolist(), FACES.astype(numpy.int64), FACES.astype(numpy.uint8),
+                      numpy.asfortranarray(FACES), FACES.astype(">i4"),
+                      numpy.repeat(FACES, 2, axis=0)[::2]):
+            self.assert_same_bits(render(skywave.Scene().add_mesh(VERTICES, faces)), expected)
+
+    def test_normals_and_uvs_are_those_of_a_file(self):
+        normals = VERTICES / numpy.linalg.norm(VERTICES, axis=1, keepdims=True)
+        normals = normals.astype(numpy.float32)
+        lines = ["v %.9g %.9g %.9g" % tuple(v) for v in VERTICES]
+        lines += ["vn %.9g %.9g %.9g" % tuple(n) for n in normals]
+        lines += ["f " + " ".join(f"{i + 1}//{i + 1}" for i in face) for face in FACES]
+        with open("smooth.obj", "w") as file:
+            file.write("\n".join(lines))
+        smooth = render(skywave.Scene().add_mesh(VERTICES, FACES, normals=normals))
+        self.assert_same_bits(smooth, render("smooth.obj"))
+        flat = render(skywave.Scene().add_mesh(VERTICES, FACES))
+        self.assertNotEqual(smooth.tobytes(), flat.tobytes())
+
+    def test_materials_textures_and_colors(self):
+        scene = skywave.Scene()
+        texture = scene.add_texture(numpy.full((4, 4, 3), [0.9, 0.1, 0.1], numpy.float32))
+        red = scene.add_material("lambert", reflectance=1, color_texture=texture, name="red")
+        plain = scene.add_material("lambert", reflectance=[0.9, 0.1, 0.1])
+        metal = scene.add_material("conductor", alpha=0.1)
+        self.assertEqual((red, plain, metal), (1, 2, 3))
+        uvs = VERTICES[:, [0, 2]]
+        pictures = [render(scene.copy().add_mesh(VERTICES, FACES, uvs=uvs, material=number))
+                    for number in (0, red, plain, metal)]
+        # Texels are rounded to nine bits, so both pictures are not the same.
+        numpy.testing.assert_allclose(pictures[1], pictures[2], rtol=0.02)
+        self.assertEqual(len({picture.tobytes() for picture in pictures}), 4)
+        colors = numpy.tile(numpy.float32([0.5, 0.5, 0.5]), (5, 1))
+        darker = render(skywave.Scene().add_mesh(VERTICES, FACES, colors=colors))
+        self.assertLess(darker.sum(), pictures[0].sum())
+
+    def test_lights_and_camera(self):
+        base = skywave.Scene().add_mesh(VERTICES, FACES).set_camera((0, 2, 5), (0, 0.5, 0), fov=30)
+        pictures = []
+        for light in (lambda s: s.add_point_light((0, 4, 1), 10),
+                      lambda s: s.add_spot_light((0, 4, 1), (0, -1, 0), [10, 5, 1], 20, 40),
+                      lambda s: s.add_distant_light((0, 1, 1), 2),
+                      lambda s: s.set_environment(sky())):
+            scene = light(base.copy())
+            pictures.append(skywave.render(scene, **SMALL).rgb)
+            self.assertGreater(pictures[-1].max(), 0)
+        self.assertEqual(len({picture.tobytes() for picture in pictures}), 4)
+        moved = copy.deepcopy(scene).set_camera((0, 2, 5), (0, 0.5, 0), up=(1, 1, 0), fov=30)
+        self.assertNotEqual(skywave.render(moved, **SMALL).rgb.tobytes(), pictures[-1].tobytes())
+        turned = copy.copy(scene).set_up("z")
+        self.assertNotEqual(skywave.render(turned, **SMALL).rgb.tobytes(), pictures[-1].tobytes())
+        self.assert_same_bits(skywave.render(scene, **SMALL).rgb, pictures[-1])
+
+    def test_more_is_added_to_a_file(self):
+        write_obj("mesh.obj")
+        scene = skywave.Scene("mesh.obj")
+        scene.add_mesh(VERTICES + [3, 0, 0], FACES)
+        self.assertEqual(scene.triangles, 12)
+        self.assertIn("12", repr(scene))
+
+
+if __name__ == "__main__":
+    unittest.main()
