@@ -33,6 +33,9 @@ const int hooks = __sanitizer_install_malloc_and_free_hooks(
     [](const volatile void*, std::size_t) { Count(); }, [](const volatile void*) {});
 }
 #else
+// Libraries have to see these: operator new of libstdc++ 14 calls posix_memalign, that of 12
+// aligned_alloc.
+#pragma GCC visibility push(default)
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
@@ -51,6 +54,7 @@ int posix_memalign(void** out, std::size_t alignment, std::size_t bytes) {
   return *out == nullptr ? ENOMEM : 0;
 }
 }
+#pragma GCC visibility pop
 #endif
 
 namespace skywave {
