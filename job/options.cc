@@ -299,6 +299,7 @@ JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
     if (option.resolve) option.resolve(request, {settings, scene});
   }
   LimitDepth(request, notes);
+  NoteUselessGuide(request, notes);
   CheckResolved(request);
   return request;
 }

@@ -112,6 +112,13 @@ void LimitDepth(JobRequest& request, std::vector<std::string>& notes) {
   request.max_depth = depth;
 }
 
+void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes) {
+  const RenderOptions& options = request.options;
+  if (!options.guide || Describe(options.integrator).has_light_paths()) return;
+  notes.push_back(fmt::format("--guide changes nothing: --integrator {} has no light paths",
+                              ToString(options.integrator)));
+}
+
 void CheckResolved(const JobRequest& request) {
   const RenderOptions& options = request.options;
   if (options.samples_per_pixel == 0) {

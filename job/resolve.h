@@ -30,6 +30,9 @@ void ResolvePhotonDistance(JobRequest& request, const SceneDefaults& scene);
 // Lowers a depth beyond kMaxDepth, which a scene file may have, and says so in `notes`.
 void LimitDepth(JobRequest& request, std::vector<std::string>& notes);
 
+// Says in `notes` where light paths are to be guided and there are none.
+void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes);
+
 // Throws InputError for resolved options that do not go together, whatever the scene holds.
 void CheckResolved(const JobRequest& request);
 
