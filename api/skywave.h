@@ -104,8 +104,8 @@ struct MaterialParameter {
 // A world direction, position or colour.
 using Vector = std::array<float, 3>;
 
-// Is called about ten times a second by the thread that called, with the share that is done, in [0, 1].
-// Rendering stops with Canceled if it returns false, and with its exception if it throws.
+// Is called about ten times a second by the thread that called, with the share that is done, in [0,
+// 1]. Rendering stops with Canceled if it returns false, and with its exception if it throws.
 using ProgressCallback = std::function<bool(double done)>;
 
 // Triangles, materials, textures, lights and a camera. Material 0 always exists: grey, diffuse.
@@ -173,9 +173,9 @@ struct Layer {
 // One picture of a scene.
 class SKYWAVE_API Renderer {
  public:
-  // Reads the map, builds BVH and tables. A later change of the scene makes no difference; moving it
-  // here saves a copy. Besides the options of a render that make its picture, those of its PNG are
-  // known: exposure, tone, shutter, f-number, iso.
+  // Reads the map, builds BVH and tables. A later change of the scene makes no difference; moving
+  // it here saves a copy. Besides the options of a render that make its picture, those of its PNG
+  // are known: exposure, tone, shutter, f-number, iso.
   Renderer(Scene scene, const Options& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -213,8 +213,8 @@ class SKYWAVE_API Renderer {
   std::unique_ptr<State> state_;
 };
 
-// Returns the bytes of a PNG, 8-bit sRGB: radiance is multiplied by 2^exposure; `tone` is a curve of
-// the option "tone".
+// Returns the bytes of a PNG, 8-bit sRGB: radiance is multiplied by 2^exposure; `tone` is a curve
+// of the option "tone".
 SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
                                   const std::string& tone = "clip");
 
@@ -222,13 +222,13 @@ SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
 SKYWAVE_API std::string Compare(const ImageArray& image, const ImageArray& reference);
 
 // Returns what `skywave converge --json` writes. `options` are those of render and of converge
-// ({"strategies", "importance product"}, {"budgets", "1,4,16"}). The callback sees the reference from
-// 0 to 1 first, and then the measurement.
+// ({"strategies", "importance product"}, {"budgets", "1,4,16"}). The callback sees the reference
+// from 0 to 1 first, and then the measurement.
 SKYWAVE_API std::string Converge(Scene scene, const Options& options,
                                  const ProgressCallback& progress = {});
 
-// Returns what `skywave probe info --json` writes of a map; `projection` as "env-projection" has it,
-// empty: by its shape.
+// Returns what `skywave probe info --json` writes of a map; `projection` as "env-projection" has
+// it, empty: by its shape.
 SKYWAVE_API std::string DescribeMap(const ImageArray& map, const std::string& projection = {});
 
 }  // namespace skywave::api

@@ -145,8 +145,8 @@ std::string Message(const OptionError& error) {
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
   CLI::App program{std::string(kProgramDescription) +
                    "\nStart with:  skywave render gallery -o gallery.exr"};
-  program.set_version_flag("--version", fmt::format("skywave {} (revision {}, Embree {})", Version(),
-                                                    GitRevision(), RTC_VERSION_STRING));
+  program.set_version_flag("--version", fmt::format("skywave {} (revision {}, Embree {})",
+                                                    Version(), GitRevision(), RTC_VERSION_STRING));
   program.require_subcommand(1);
   GivenOptions given;
   const Command* chosen = nullptr;

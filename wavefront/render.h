@@ -33,8 +33,8 @@ struct FrameResult {
 };
 
 // Renders every sample of `frame` into `film`. Bits of the film depend on neither threads, wave nor
-// backend. Throws RenderCanceled, after which the film holds some of the samples. `recorders`, if not null, gets a recorder for each thread, with the rays of its tiles in
-// order, for a replay.
+// backend. Throws RenderCanceled, after which the film holds some of the samples. `recorders`, if
+// not null, gets a recorder for each thread, with the rays of its tiles in order, for a replay.
 FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
                         std::vector<RayRecorder>* recorders = nullptr);
 
