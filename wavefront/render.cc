@@ -15,10 +15,12 @@
 namespace skywave {
 namespace {
 
-void RenderTile(const FrameView& frame, const Tile& tile, Worker& worker, Film& film) {
+void RenderTile(const FrameView& frame, const Tile& tile, const WorkerPool& pool, Worker& worker,
+                Film& film) {
   const std::uint64_t total =
       std::uint64_t(tile.width) * tile.height * frame.options.samples_per_pixel;
   for (std::uint64_t first = 0; first < total; first += frame.options.wave) {
+    pool.CheckCanceled();
     const WaveRange range = {
         .tile = tile,
         .first = first,
@@ -57,7 +59,7 @@ void RenderTiles(const FrameView& frame, WorkerPool& pool, Film& film, Progress*
   pool.ForEach(tiles.size(), [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
     FrameView view = frame;
     view.tracer.recorder = recorder;
-    RenderTile(view, tiles[i], worker, film);
+    RenderTile(view, tiles[i], pool, worker, film);
     const std::uint64_t samples = CountSamples(view, tiles[i]);
     worker.stats.samples += samples;
     if (progress != nullptr) progress->samples += samples;

@@ -24,7 +24,7 @@ void WorkerPool::ForEach(std::size_t count, const Work& work) {
     if (!workers_[thread]) workers_[thread] = MakeWorker(options_);
     RayRecorder* const recorder = recorders_ != nullptr ? &(*recorders_)[thread] : nullptr;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      if (cancel_ != nullptr && *cancel_) throw RenderCanceled();
+      CheckCanceled();
       work(i, *workers_[thread], recorder);
     }
   };

@@ -16,7 +16,7 @@
 
 namespace skywave {
 
-// ForEach of a pool throws this where its `cancel` has become true.
+// Work of a pool whose `cancel` has become true ends by this exception.
 struct RenderCanceled {};
 
 // An arena of threads, a worker for each thread that has had something to do, and, where rays are
@@ -36,6 +36,12 @@ class WorkerPool {
   // thread and its recorder or null, denormals flushed to zero. Throws RenderCanceled.
   using Work = std::function<void(std::size_t i, Worker& worker, RayRecorder* recorder)>;
   void ForEach(std::size_t count, const Work& work);
+
+  // Throws RenderCanceled if the pool is to end. ForEach calls it before each item, and long items
+  // do so themselves.
+  void CheckCanceled() const {
+    if (cancel_ != nullptr && *cancel_) throw RenderCanceled();
+  }
 
   int threads() const { return arena_.max_concurrency(); }
   // Returns the sum of what all workers have counted.

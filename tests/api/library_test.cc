@@ -296,6 +296,10 @@ TEST(LibraryProgress, IsToldToTheCallingThreadAndDoesNotChangeThePicture) {
   EXPECT_GT(last, 0);
   const std::vector<float> watched = Pixels(renderer);
 
+  // A tile of that many samples would take minutes.
+  api::Renderer deep(api::Scene("gallery"), {{"size", "8x8"}, {"spp", "16777216"}});
+  EXPECT_THROW(deep.Render([](double) { return false; }), api::Canceled);
+
   for (const char* integrator : {"path", "photon", "vcm"}) {
     SCOPED_TRACE(integrator);
     api::Renderer canceled(api::Scene("gallery"), With(options, {{"integrator", integrator}}));
@@ -419,7 +423,7 @@ TEST(LibraryErrors, NameTheBadArray) {
         mesh([](Square& s, api::MeshArrays& m) { m.uvs = std::span(s.uvs).first(7); })},
        {"uvs", "nan", mesh([](Square& s, api::MeshArrays&) { s.uvs[0] = kNan; })},
        {"colors", "8 values",
-        mesh([](Square& s, api::MeshArrays& m) { m.colors = std::span(s.positions).first(8); })},
+        mesh([](Square& s, api::MeshArrays& m) { m.colors = std::span(s.normals).first(8); })},
        {"material", "number 7", mesh([](Square&, api::MeshArrays& m) { m.material = 7; })},
        {"material", "number -1", mesh([](Square&, api::MeshArrays& m) { m.material = -1; })},
        {"image", "2 x 2", texture({1, 2, 3}, 2, 2)},
