@@ -16,7 +16,7 @@ clang14=(clang-format-14 clang-tidy-14)  # others format and warn differently; D
 # shellcheck source=/dev/null
 system=$(. /etc/os-release && echo "$ID ${VERSION_ID:-}")
 case $system in
-  "debian 12") packages+=(libjpeg62-turbo-dev); test+=("${clang14[@]}" mmdebstrap) ;;
+  "debian 12") packages+=(libjpeg62-turbo-dev); test+=("${clang14[@]}" mmdebstrap dpkg-dev file) ;;
   "debian 13") packages+=(libjpeg62-turbo-dev) ;;
   "ubuntu 24.04") packages+=(libjpeg-turbo8-dev); test+=("${clang14[@]}") ;;
   *)
