@@ -1,5 +1,4 @@
 #include "cli/parse.h"
-#include "base/version.h"
 
 #include <fmt/format.h>
 
