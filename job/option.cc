@@ -153,7 +153,8 @@ void SetOption(std::span<const BoundOption> options, const std::string& name,
       names.push_back(option.info.name);
       continue;
     }
-    const std::string problem = option.set(Values(option.info, text));
+    const std::vector<std::string> values = Values(option.info, text);
+    const std::string problem = values.empty() ? "needs a value" : option.set(values);
     if (!problem.empty()) throw OptionError(name, "", problem);
     return;
   }

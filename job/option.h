@@ -85,14 +85,14 @@ BoundOption Bind(const OptionOf<Request>& option, const std::shared_ptr<Request>
           }};
 }
 
-// Puts `text` into the field of that one of `options` that has this name, as a flag of the command
-// line does; the values of a list are separated by its delimiter or by blanks. Throws OptionError
-// for an unknown name, and tells the nearest one, or for a bad value.
+// Puts `text` into the field of the option called `name`, as a flag of the command line does; the
+// values of a list are separated by its delimiter or by blanks. Throws OptionError for a bad value
+// and for an unknown name, for which it suggests the nearest one.
 void SetOption(std::span<const BoundOption> options, const std::string& name,
                const std::string& text);
 
-// Does so for each name and value, of which a later one counts. Throws OptionError also where an
-// option is given without another one that it needs, or with one that it excludes.
+// Does so for each name and value; the last value of a name counts. Throws OptionError also where
+// an option is given without another one that it needs, or with one that it excludes.
 void SetOptions(std::span<const BoundOption> options,
                 const std::vector<std::pair<std::string, std::string>>& values);
 

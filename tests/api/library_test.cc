@@ -528,6 +528,10 @@ TEST(LibraryErrors, NameTheBadOption) {
                      empty.SetEnvironment(Map().image());
                      api::Renderer(empty, {});
                    }},
+                  {"strategies", "needs a value",
+                   [&] {
+                     api::Converge(scene, {{"strategies", " "}});
+                   }},
                   {"projection", "latlong", [] {
                      api::DescribeMap({std::vector<float>(6, 1.0f), 2, 1}, "flat");
                    }}});
