@@ -28,6 +28,7 @@ void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell) {
     if (!failure) throw;
   }
   if (failure) std::rethrow_exception(failure);
+  if (progress.cancel) throw RenderCanceled();  // the work was done before it noticed
 }
 
 }  // namespace skywave

@@ -1,4 +1,4 @@
-// Long work on another thread, while this one tells somebody how far it is.
+// Runs long work on another thread, while the calling thread reports its progress.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@
 
 namespace skywave {
 
-// Work that adds to the samples of its Progress and throws RenderCanceled where that says so.
+// Such work adds to the samples of its Progress and throws RenderCanceled once that is canceled.
 using WatchedWork = std::function<void(Progress& progress)>;
 
-// Is told the share that is done, in [0, 1], and returns false if the work is to end.
+// A teller is given the share that is done, in [0, 1], and returns false to cancel the work.
 using Teller = std::function<bool(double done)>;
 
-// Runs `work`, whose Progress grows to `total`, and calls `tell`, if there is one, about ten times
-// a second from the calling thread. Throws RenderCanceled where `tell` returned false, what `tell`
-// threw once the work has ended, or what the work throws.
+// Runs `work`, whose Progress grows to `total` samples, and calls `tell`, if there is one, about
+// ten times a second from the calling thread. Once the work has ended, throws what the work threw,
+// else what `tell` threw, else RenderCanceled if `tell` returned false.
 void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell);
 
 }  // namespace skywave
