@@ -36,7 +36,7 @@ void RequireNotNegative(std::span<const float> values, const std::string& name) 
 glm::vec3 Direction(const Vector& v, const std::string& name) {
   RequireFinite(v, name);
   const float length = glm::length(Vec3(v));
-  Require(length > 0 && std::isfinite(length), name, "is no direction");
+  Require(length > 0 && std::isfinite(length), name, "has no direction");
   return Vec3(v) / length;
 }
 
@@ -45,7 +45,7 @@ glm::vec3 Emission(const Vector& v, const std::string& name) {
   return Vec3(v);
 }
 
-// Returns the rows of `values`, `columns` floats each, which must be as many as `rows` or none.
+// Returns `values` as rows, of which there must be `rows` or none.
 template <class Row>
 std::vector<Row> Rows(std::span<const float> values, std::size_t rows, const std::string& name) {
   constexpr std::size_t kColumns = sizeof(Row) / sizeof(float);
@@ -68,7 +68,7 @@ std::vector<glm::vec3> UnitNormals(std::span<const float> values, std::size_t ve
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const float length = glm::length(normals[i]);
     Require(length > 0 && std::isfinite(length), "normals",
-            fmt::format("that of vertex {} has length {}", i, length));
+            fmt::format("the normal of vertex {} has length {}", i, length));
     normals[i] /= length;
   }
   return normals;
@@ -136,12 +136,13 @@ Scene::~Scene() = default;
 int Scene::AddTexture(const ImageArray& image, TextureUse use) {
   skywave::Image copy = CopyImage(image, "image");
   RequireFinite(copy.rgb, "image");
-  // TextureUse lists the values of the program's in the same order.
+  // Both enums of that name have the same values in the same order.
   static_assert(int(TextureUse::kHeights) == int(skywave::TextureUse::kHeights));
   skywave::Scene& scene = state_->scene;
-  scene.textures.push_back(
-      {.image = std::uint32_t(scene.images.size()), .use = skywave::TextureUse(int(use))});
+  const auto number = std::uint32_t(scene.images.size());
+  // The image comes first: without its texture it is harmless if memory ends here.
   scene.images.push_back(std::move(copy));
+  scene.textures.push_back({.image = number, .use = skywave::TextureUse(int(use))});
   state_->changed = true;
   return int(scene.textures.size()) - 1;
 }
@@ -166,8 +167,13 @@ void Scene::AddMesh(const MeshArrays& mesh) {
   Require(!mesh.positions.empty() && mesh.positions.size() % 3 == 0, "positions",
           fmt::format("there are {} values, and each vertex needs 3", mesh.positions.size()));
   const std::size_t vertices = mesh.positions.size() / 3;
-  Require(vertices < kMaxRecords && mesh.triangles.size() / 3 < kMaxRecords, "positions",
-          fmt::format("a mesh has at most {} vertices and triangles", kMaxRecords));
+  Require(
+      vertices < kMaxRecords, "positions",
+      fmt::format("there are {} vertices, and a mesh has fewer than {}", vertices, kMaxRecords));
+  const std::size_t triangles = mesh.triangles.size() / 3;
+  Require(
+      triangles < kMaxRecords, "triangles",
+      fmt::format("there are {} triangles, and a mesh has fewer than {}", triangles, kMaxRecords));
   Require(mesh.material >= 0 && std::size_t(mesh.material) < state_->scene.materials.size(),
           "material",
           fmt::format("there is none with number {}; there are {}", mesh.material,
@@ -196,9 +202,10 @@ void Scene::AddPointLight(const Vector& position, const Vector& intensity) {
 void Scene::AddSpotLight(const Vector& position, const Vector& axis, const Vector& intensity,
                          float full_degrees, float dark_degrees) {
   RequireFinite(position, "position");
-  Require(
-      full_degrees >= 0 && full_degrees <= dark_degrees && dark_degrees > 0 && dark_degrees <= 180,
-      "full_degrees", "spots need 0 <= full_degrees <= dark_degrees <= 180, dark_degrees > 0");
+  Require(dark_degrees > 0 && dark_degrees <= 180, "dark_degrees",
+          "has to be greater than 0 and at most 180");
+  Require(full_degrees >= 0 && full_degrees <= dark_degrees, "full_degrees",
+          "a spot needs 0 <= full_degrees <= dark_degrees");
   state_->scene.lights.push_back({.kind = LocalLightKind::kSpot,
                                   .emission = Emission(intensity, "intensity"),
                                   .position = Vec3(position),

@@ -459,6 +459,10 @@ TEST(LibraryErrors, NameTheBadArray) {
         [&] {
           scene.AddSpotLight({}, {0, 1, 0}, {1, 1, 1}, 40, 30);
         }},
+       {"dark_degrees", "180",
+        [&] {
+          scene.AddSpotLight({}, {0, 1, 0}, {1, 1, 1}, 10, 200);
+        }},
        {"axis", "no direction",
         [&] {
           scene.AddSpotLight({}, {}, {1, 1, 1}, 10, 30);
