@@ -11,13 +11,12 @@
 #include <string_view>
 
 #include "api/errors.h"
-#include "job/option.h"
 #include "kernels/bsdf/bsdf.h"
 
 namespace skywave::api {
 namespace {
 
-// The values that a field may have; those without a line must not be negative.
+// The values that a field may have. Fields without a line must not be negative.
 struct Range {
   std::string_view field;
   float low, high;
@@ -36,13 +35,15 @@ Range RangeOf(std::string_view field) {
   return {field, 0, kMost};
 }
 
-// Assigns `v`, which is not empty, to a field. Returns how many values the field takes if these are
-// too many or too few, 0 if it took them.
+// Each Assign puts `v`, which is not empty, into a field. It returns 0, or how many values the
+// field takes if `v` has more or fewer.
 using Values = std::span<const float>;
 int Assign(Values v, float& field) { return v.size() == 1 ? (field = v[0], 0) : 1; }
 int Assign(Values v, bool& field) { return v.size() == 1 ? (field = v[0] != 0, 0) : 1; }
-// Larger numbers than floats count exactly name nothing.
-std::uint32_t Index(float value) { return value <= 0x1p24f ? std::uint32_t(value) : ~0u; }
+// Fractions, and numbers beyond those that floats count exactly, name nothing.
+std::uint32_t Index(float value) {
+  return value <= 0x1p24f && value == std::floor(value) ? std::uint32_t(value) : ~0u;
+}
 int Assign(Values v, std::uint32_t& field) { return v.size() == 1 ? (field = Index(v[0]), 0) : 1; }
 int Assign(Values v, glm::vec3& field) {
   if (v.size() == 1) return field = glm::vec3(v[0]), 0;

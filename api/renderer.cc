@@ -8,7 +8,6 @@
 #include "api/errors.h"
 #include "api/state.h"
 #include "base/clock.h"
-#include "base/error.h"
 #include "base/version.h"
 #include "job/options.h"
 #include "job/watch.h"
@@ -121,6 +120,7 @@ const std::vector<std::string>& Renderer::notes() const { return state_->notes; 
 void Renderer::Render(const ProgressCallback& progress) {
   State& state = *state_;
   state.picture.reset();
+  state.write_seconds = 0;
   Translated([&] {
     Film film = state.job->MakeFilm();
     const RenderOptions& options = state.job->options();

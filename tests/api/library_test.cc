@@ -6,14 +6,17 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
-#include "base/files.h"
 #include "kernels/bsdf/bsdf.h"
 #include "tests/support/program.h"
 
@@ -317,7 +320,6 @@ TEST(LibraryProgress, IsToldToTheCallingThreadAndDoesNotChangeThePicture) {
 TEST_F(Library, RecordsTheCommandOfScenesThatWereNotChanged) {
   api::Scene scene("spheres");
   const Options options = With(kSmall, {{"guide", "true"}});
-  api::Renderer(scene, options).notes();
   api::Renderer whole(scene, options);
   whole.Render();
   whole.WriteExr(Path("whole.exr"));
@@ -487,6 +489,16 @@ TEST(LibraryErrors, NameTheBadArray) {
   EXPECT_EQ(scene.triangles(), 2u) << "a refused mesh has left something";
   scene.AddDistantLight({0, 1, 0}, {1, 1, 1});
   EXPECT_GT(Render(scene, kLookDown)[0], 0);
+}
+
+TEST(LibraryErrors, RefuseFractionsWhereANumberIsMeant) {
+  const float white[3] = {1, 1, 1};
+  api::Scene scene;
+  scene.AddTexture({white, 1, 1});
+  EXPECT_EQ(scene.AddMaterial("lambert", {{"color_texture", {0}}}), 1);
+  ExpectRefusals({{"material", "texture", [&] {
+                     scene.AddMaterial("lambert", {{"color_texture", {0.5f}}});
+                   }}});
 }
 
 TEST(LibraryErrors, NameTheBadOption) {
