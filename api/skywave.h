@@ -8,8 +8,9 @@
 //   renderer.CopyPicture(rgb);
 //
 // Every function reports bad input by throwing Error; a scene or renderer that threw is as it was
-// before. Arrays are copied and need not outlive a call. Objects may be used by one thread at a
-// time, different objects by different threads.
+// before, except that a Render which throws leaves no picture. Arrays are copied and need not
+// outlive a call. An object may be used by one thread at a time, different objects by different
+// threads. An object that was moved from may only be assigned to or destroyed.
 #pragma once
 
 #include <array>
@@ -32,10 +33,10 @@
 
 namespace skywave::api {
 
-// Returns the version of the library and of Embree, "0.1.0 (Embree 3.13.5)".
+// Returns the versions of the library and of Embree, for example "0.1.0 (Embree 3.13.5)".
 SKYWAVE_API std::string Version();
 
-// Input that cannot be used.
+// This is thrown for input that cannot be used.
 class SKYWAVE_API Error : public std::runtime_error {
  public:
   enum class Kind {
@@ -46,8 +47,8 @@ class SKYWAVE_API Error : public std::runtime_error {
   // what() is "place: reason".
   Error(Kind kind, const std::string& place, const std::string& reason);
   Kind kind() const { return kind_; }
-  // Returns the file with the line or byte of the error ("scene.pbrt:12", "sky.hdr (byte 345)"),
-  // the options ("light-samples 4 split 2") or the argument ("triangles").
+  // Returns where the error is: a file with line or byte ("scene.pbrt:12", "sky.hdr (byte 345)"),
+  // options ("light-samples 4 split 2") or an argument ("triangles").
   const std::string& place() const { return place_; }
 
  private:
@@ -55,14 +56,14 @@ class SKYWAVE_API Error : public std::runtime_error {
   std::string place_;
 };
 
-// A progress callback has asked to stop.
+// This is thrown when a progress callback has asked to stop.
 class SKYWAVE_API Canceled : public std::runtime_error {
  public:
   Canceled();
 };
 
 // Names and values of options, as on the command line but without dashes: {"spp", "64"},
-// {"guide", "true"}. A later value of the same name counts. docs/options.md lists them.
+// {"guide", "true"}. The last value of a name counts. docs/options.md lists the options.
 using Options = std::vector<std::pair<std::string, std::string>>;
 
 // A picture in memory: linear RGB, three floats per pixel, rows from the top, no padding.
@@ -71,28 +72,32 @@ struct ImageArray {
   int width = 0, height = 0;
 };
 
-// The same with memory of its own.
+// A picture that owns its memory.
 struct Image {
   int width = 0, height = 0;
   std::vector<float> rgb;
   operator ImageArray() const { return {rgb, width, height}; }
 };
 
-// Reads OpenEXR, Radiance HDR or PFM.
+// Reads OpenEXR, Radiance HDR or PFM. Values are unchanged, NaN and negative ones included.
 SKYWAVE_API Image ReadImage(const std::string& path);
 
 // A triangle mesh. Right-handed world space; faces are counter-clockwise seen from outside.
 struct MeshArrays {
   std::span<const float> positions;          // three per vertex
   std::span<const std::uint32_t> triangles;  // three indices of vertices per triangle
-  std::span<const float> normals = {};  // none: flat shading; three per vertex, of any length but 0
-  std::span<const float> uvs = {};  // none, or two per vertex; (0, 0) is the top left of an image
-  std::span<const float> colors = {};  // none, or factors of the reflectance, linear RGB per vertex
-  int material = 0;                    // see Scene::AddMaterial
-  std::string name = {};               // appears in errors
+  // Three per vertex, of any length but 0. Without normals shading is flat.
+  std::span<const float> normals = {};
+  // Two per vertex, or none. (0, 0) is the top left of an image.
+  std::span<const float> uvs = {};
+  // Linear RGB per vertex, or none: factors of the reflectance.
+  std::span<const float> colors = {};
+  int material = 0;       // see Scene::AddMaterial
+  std::string name = {};  // appears in errors
 };
 
-// What the numbers of a texture are. Normals are those of a tangent-space map, [0, 1] for [-1, 1].
+// A texture is used for one of these. Normals are those of a tangent-space map, whose values in
+// [0, 1] stand for [-1, 1].
 enum class TextureUse { kColor, kOpacity, kNormals, kHeights };
 
 // A parameter of a material: one number, or three of a colour; a colour may be given as one number.
@@ -104,11 +109,13 @@ struct MaterialParameter {
 // A world direction, position or colour.
 using Vector = std::array<float, 3>;
 
-// Is called about ten times a second by the thread that called, with the share that is done, in [0,
-// 1]. Rendering stops with Canceled if it returns false, and with its exception if it throws.
+// A callback is called about ten times a second with the share that is done, in [0, 1], by the
+// thread that called the library. Rendering stops with Canceled if it returns false, and with its
+// exception if it throws.
 using ProgressCallback = std::function<bool(double done)>;
 
-// Triangles, materials, textures, lights and a camera. Material 0 always exists: grey, diffuse.
+// Triangles, materials, textures, lights and a camera. Material 0 always exists; that of an empty
+// scene is grey and diffuse.
 class SKYWAVE_API Scene {
  public:
   // Makes an empty scene with y up. It needs a mesh before it can be rendered.
@@ -122,39 +129,43 @@ class SKYWAVE_API Scene {
   Scene& operator=(Scene&&) noexcept;
   ~Scene();
 
-  // Returns the number by which materials refer to the texture; it repeats outside of [0, 1].
-  // Colours are linear.
+  // Returns the number by which materials refer to the texture, which repeats outside of [0, 1].
+  // Colours are linear; all values have to be finite.
   int AddTexture(const ImageArray& image, TextureUse use = TextureUse::kColor);
 
-  // Returns the number by which meshes refer to the material. `bsdf` is a name of docs/materials,
-  // such as "lambert", "conductor" or "dielectric"; parameters are those that `skywave info --json`
-  // prints
-  // ("reflectance", "alpha", "ior", "emission", "opacity", "color_texture", ...).
+  // Returns the number by which meshes refer to the material. docs/design/bsdfs.md has the names of
+  // BSDFs ("lambert", "conductor", "dielectric", ...). Parameters have the names that `skywave info
+  // --json` prints ("reflectance", "alpha", "ior", "emission", "opacity", "color_texture", ...).
+  // The error about an unknown name lists those that exist.
   int AddMaterial(const std::string& bsdf, const std::vector<MaterialParameter>& parameters,
                   const std::string& name = {});
 
   void AddMesh(const MeshArrays& mesh);
 
-  // A point light of `intensity` [W/sr], and a spot that is full up to `full_degrees` from its axis
-  // and dark from `dark_degrees` on.
+  // Adds a point light of `intensity` [W/sr].
   void AddPointLight(const Vector& position, const Vector& intensity);
+  // Adds a spot of `intensity` [W/sr] that is full up to `full_degrees` from its axis and dark from
+  // `dark_degrees` on; 0 <= full_degrees <= dark_degrees <= 180.
   void AddSpotLight(const Vector& position, const Vector& axis, const Vector& intensity,
                     float full_degrees, float dark_degrees);
-  // A light from infinitely far away in `direction` (towards the light), which gives `irradiance`
-  // to surfaces that face it.
+  // Adds a light infinitely far away in `direction` (towards the light), which gives surfaces that
+  // face it `irradiance` [W/m^2].
   void AddDistantLight(const Vector& direction, const Vector& irradiance);
 
-  // The illumination map, in place of a file that the option "env" names: it takes part in
-  // "env-rotate", "env-intensity", "env-up" and "env-projection" likewise. NaN, infinite and
-  // negative values become 0, which Renderer::notes tells.
+  // Sets the illumination map, as the option "env" does by the name of a file; if that is given
+  // too, the file is taken. The options "env-rotate", "env-intensity", "env-up" and
+  // "env-projection" apply to both. NaN, infinite and negative values become 0, and
+  // Renderer::notes says so.
   void SetEnvironment(const ImageArray& map);
 
-  // Looks from `eye` to `target`; `fov_degrees` is that of the shorter side of the picture.
+  // Sets a camera that looks from `eye` to `target`; `fov_degrees` is the field of view along the
+  // shorter side of the picture.
   void SetCamera(const Vector& eye, const Vector& target, const Vector& up, float fov_degrees);
   // Sets the axis that is up ('x', 'y' or 'z') for the map and for a camera that is placed
   // automatically.
   void SetUp(char axis);
 
+  // Returns the number of triangles.
   std::size_t triangles() const;
 
   struct State;  // not for users
@@ -164,18 +175,18 @@ class SKYWAVE_API Scene {
   std::unique_ptr<State> state_;
 };
 
-// A layer in addition to the picture, as the option "aovs" asks for it.
+// A layer in addition to the picture, which the option "aovs" asks for.
 struct Layer {
-  std::string name;      // "albedo"; those of groups of lights have their names in addition
+  std::string name;      // "albedo"; with the name of the group for layers of light groups
   std::string channels;  // one letter each, "RGB" or "Z"
 };
 
 // One picture of a scene.
 class SKYWAVE_API Renderer {
  public:
-  // Reads the map, builds BVH and tables. A later change of the scene makes no difference; moving
-  // it here saves a copy. Besides the options of a render that make its picture, those of its PNG
-  // are known: exposure, tone, shutter, f-number, iso.
+  // Reads the map and builds the BVH and tables. A later change of the scene makes no difference;
+  // moving it here saves a copy. `options` are those of `skywave render`, except for strict and
+  // max-triangles, which a Scene takes, and for output, stats and quiet.
   Renderer(Scene scene, const Options& options);
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -183,26 +194,28 @@ class SKYWAVE_API Renderer {
 
   int width() const;  // of the picture, or of its part that "crop" asks for [pixels]
   int height() const;
-  // Returns what was assumed, repaired or left out, a line each.
+  // Returns a line for each thing that was assumed, repaired or left out.
   const std::vector<std::string>& notes() const;
 
   // Renders the picture with the number of threads that the option "threads" gives.
   void Render(const ProgressCallback& progress = {});
 
-  // The following need a complete Render.
+  // All of the following need a complete Render.
 
+  // Returns the layers that the option "aovs" asked for.
   const std::vector<Layer>& layers() const;
   // Writes the picture to `rgb`, width() * height() * 3 floats like an ImageArray.
   void CopyPicture(std::span<float> rgb) const;
   // Writes the layer with that name, with as many floats per pixel as it has channels.
   void CopyLayer(const std::string& name, std::span<float> values) const;
-  // Returns times, rays and stages as `skywave render --stats` writes them, JSON.
+  // Returns times, rays and stages as `skywave render --stats` writes them, in JSON.
   std::string Statistics() const;
-  // Returns the same for people, in lines.
+  // Returns the same as lines for people.
   std::string Summary() const;
-  // Writes picture and layers and, for a scene that was not changed after it had been read, the
-  // command that repeats them.
+  // Writes the picture and its layers, with the command that repeats them if the scene was not
+  // changed after it had been read. A file that exists is replaced.
   void WriteExr(const std::string& path) const;
+  // Writes 8-bit sRGB, exposed and tone-mapped as the options say.
   void WritePng(const std::string& path) const;
   // Returns the bytes that WritePng writes.
   std::string EncodePng() const;
@@ -213,22 +226,24 @@ class SKYWAVE_API Renderer {
   std::unique_ptr<State> state_;
 };
 
-// Returns the bytes of a PNG, 8-bit sRGB: radiance is multiplied by 2^exposure; `tone` is a curve
+// Returns the bytes of a PNG, 8-bit sRGB. Radiance is multiplied by 2^exposure; `tone` is a value
 // of the option "tone".
 SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
                                   const std::string& tone = "clip");
 
-// Returns the measures of `skywave compare --json` of two pictures of the same size.
+// Returns what `skywave compare --json` writes about two pictures of the same size.
 SKYWAVE_API std::string Compare(const ImageArray& image, const ImageArray& reference);
 
-// Returns what `skywave converge --json` writes. `options` are those of render and of converge
-// ({"strategies", "importance product"}, {"budgets", "1,4,16"}). The callback sees the reference
-// from 0 to 1 first, and then the measurement.
+// Returns what `skywave converge --json` writes. `options` are those of `skywave converge`, for
+// example {"strategies", "importance product"} and {"budgets", "1,4,16"}, except for strict and
+// max-triangles, which a Scene takes, and for json, plot, report, exposure and quiet. If the
+// reference is rendered, the callback sees its share from 0 to 1 first, and then that of the
+// measurement. Making tables and warming up come before and are not interrupted.
 SKYWAVE_API std::string Converge(Scene scene, const Options& options,
                                  const ProgressCallback& progress = {});
 
-// Returns what `skywave probe info --json` writes of a map; `projection` as "env-projection" has
-// it, empty: by its shape.
+// Returns what `skywave probe info --json` writes about a map. `projection` is a value of the
+// option "env-projection"; if it is empty, the shape of the map tells it.
 SKYWAVE_API std::string DescribeMap(const ImageArray& map, const std::string& projection = {});
 
 }  // namespace skywave::api
