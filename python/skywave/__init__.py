@@ -20,7 +20,7 @@ __all__ = ["Canceled", "Error", "FileError", "Picture", "Scene", "compare", "con
 
 
 def version():
-    """Returns the versions of the library and of Embree, "0.1.0 (Embree 3.13.5)"."""
+    """Returns the versions of the library and of Embree, such as "0.1.0 (Embree 3.13.5)"."""
     return _core.version()
 
 
@@ -30,7 +30,7 @@ _READING = ("strict", "max_triangles")
 
 
 def _scene_and_options(scene, env, options):
-    """Returns the scene, lit by `env`, whether nobody else has it, and the options as text."""
+    """Returns the scene lit by `env`, whether it may be taken, and the options as text."""
     own = not isinstance(scene, Scene)
     if own:
         reading = {name: options[name] for name in _READING if name in options}
@@ -59,8 +59,9 @@ def render(scene, env=None, *, progress=None, **options):
 def converge(scene, strategies=None, budgets=None, env=None, *, progress=None, **options):
     """Measures strategies by error at equal time; returns what `skywave converge --json` writes.
 
-    `strategies` is a list, the first of which is the one that others are compared with; `budgets`
-    is a list of samples per pixel. The keywords are the options of `skywave converge`.
+    The others are compared with the first of the list `strategies`; `budgets` is a list of samples
+    per pixel. `progress` sees the share of the reference from 0 to 1, then that of the measurement.
+    All other keywords are options of `skywave converge`.
     """
     options = {"strategies": strategies, "budgets": budgets, **options}
     with keywords(options):
@@ -68,12 +69,16 @@ def converge(scene, strategies=None, budgets=None, env=None, *, progress=None, *
 
 
 def compare(image, reference):
-    """Returns the error measures of `skywave compare` between two pictures, arrays or files."""
+    """Returns what `skywave compare --json` writes about two pictures, arrays or files."""
     return json.loads(_core.compare(_convert.image(image, "image"),
                                     _convert.image(reference, "reference")))
 
 
 def probe(map, projection=""):
-    """Returns what `skywave probe info` tells of a map: size, energy, suns, strata."""
+    """Returns what `skywave probe info --json` writes about a map: size, energy, suns, strata.
+
+    `map` is an array, a Picture or a file; `projection` is a value of the option env_projection. If
+    it is empty, the shape of the map tells it.
+    """
     return json.loads(_core.describe_map(_convert.image(map, "map"),
                                          _convert.text(projection, "projection")))

@@ -12,7 +12,7 @@ import numpy
 from . import _core
 from ._errors import bad_argument
 
-_MOST_INT, _MOST_INDEX = 2**31 - 1, 2**32 - 1  # of the library
+_MOST_INT, _MOST_INDEX = 2**31 - 1, 2**32 - 1  # the largest int and index of the library
 
 
 def path(value, argument):
@@ -27,23 +27,29 @@ def path(value, argument):
 
 
 def text(value, argument):
+    """Returns the bytes of a str."""
     if not isinstance(value, str):
         raise bad_argument(argument, f"{value!r} is not a str")
-    return value.encode(errors="surrogateescape")
+    try:
+        return value.encode(errors="surrogateescape")
+    except UnicodeEncodeError as error:
+        raise bad_argument(argument, f"it is no text: {error}") from None
 
 
 def choice(value, argument, choices):
+    """Returns a str that is one of `choices`."""
     if not isinstance(value, str) or value not in choices:
         raise bad_argument(argument, f"{value!r} is not one of {', '.join(choices)}")
     return value
 
 
 def is_path(value):
+    """Tells whether a value names a file; arrays and pictures do not."""
     return isinstance(value, (str, bytes, os.PathLike))
 
 
 def number(value, argument):
-    """Returns a finite or infinite float that is a float32."""
+    """Returns a number as a float that is rounded to float32; it may be infinite or NaN."""
     if isinstance(value, (str, bytes, bool)):
         raise bad_argument(argument, f"{value!r} is not a number")
     try:
@@ -114,16 +120,23 @@ def vector(values, argument):
     return _float32(array).tolist()
 
 
+def _is_single(value):
+    try:
+        return numpy.ndim(value) == 0
+    except ValueError:  # rows of different lengths, which _array refuses by name
+        return False
+
+
 def color(value, argument):
     """Returns three floats; one number stands for three equal ones."""
-    if numpy.ndim(value) == 0:
+    if _is_single(value):
         return [number(value, argument)] * 3
     return vector(value, argument)
 
 
 def values(value, argument):
-    """Returns the list of floats of one number or of several."""
-    if numpy.ndim(value) == 0:
+    """Returns one number, or several, as a list of floats."""
+    if _is_single(value):
         return [number(value, argument)]
     array = _array(value, argument, "fiu", "numbers")
     if array.ndim != 1:

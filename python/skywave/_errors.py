@@ -1,5 +1,6 @@
 """The exceptions of the package. The extension module raises them as well."""
 import contextlib
+import os
 import re
 
 
@@ -45,6 +46,16 @@ def make_error(message, kind, place):
     return (FileError if kind == "io" else Error)(message, kind, place)
 
 
+@contextlib.contextmanager
+def as_file_error(name):
+    """Lets an OSError of the block be a FileError of the file, whose name may be bytes."""
+    try:
+        yield
+    except OSError as error:
+        place = os.fsdecode(name)
+        raise FileError(f"{place}: {error.strerror or error}", "io", place) from None
+
+
 def bad_argument(argument, reason):
     """Returns the Error of an argument whose type or shape makes no sense."""
     return Error(f"{argument}: {reason}", "usage", argument)
@@ -52,7 +63,7 @@ def bad_argument(argument, reason):
 
 @contextlib.contextmanager
 def renamed(**arguments):
-    """Lets the errors of the block call arguments of the library by their names in Python."""
+    """Lets the errors of the block name the library's arguments as Python does."""
     try:
         yield
     except Error as error:
@@ -63,5 +74,5 @@ def renamed(**arguments):
 
 
 def keywords(options):
-    """The same for options, whose keywords have underscores for dashes."""
+    """Does the same for options, whose keywords have underscores for dashes."""
     return renamed(**{keyword.replace("_", "-"): keyword for keyword in options})

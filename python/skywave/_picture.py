@@ -3,16 +3,16 @@ import json
 import os
 
 from . import _convert, _core
-from ._errors import bad_argument
+from ._errors import as_file_error, bad_argument
 
 
 class Picture:
-    """What render() returns. The arrays cannot be written to; copy them to change them.
+    """A rendered picture, as render() returns it. Its arrays are read-only; copy them for changes.
 
     rgb: linear radiance, (height, width, 3), float32; rows from the top.
     layers: arrays (height, width) or (height, width, channels) by the name of the layer.
     statistics: times, rays and stages, as `skywave render --stats` writes them.
-    notes: what was assumed, repaired or left out, a line each.
+    notes: a line for each thing that was assumed, repaired or left out.
     """
 
     def __init__(self, renderer):
@@ -29,6 +29,7 @@ class Picture:
 
     @property
     def statistics(self):
+        """Times, rays and stages, as `skywave render --stats` writes them."""
         return json.loads(self._renderer.statistics())
 
     @property
@@ -39,8 +40,9 @@ class Picture:
     def save(self, path, *, exposure=None, tone=None):
         """Writes an EXR with all layers and the command that repeats it, or a PNG.
 
-        A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso),
-        or by the arguments: `exposure` in stops, `tone` "clip" or "filmic".
+        A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso).
+        If `exposure` (in stops) or `tone` ("clip" or "filmic") is given, these two replace all of
+        those options. The command is left out if the scene was not only read.
         """
         ending = os.path.splitext(os.fsdecode(_convert.path(path, "path")))[1]
         if ending == ".png" and exposure is None and tone is None:
@@ -72,8 +74,9 @@ class Picture:
 
 def write_png(path, image, *, exposure=0, tone="clip"):
     """Writes 8-bit sRGB; radiance is multiplied by 2^exposure, `tone` is "clip" or "filmic"."""
+    name = _convert.path(path, "path")
     data = encode_png(image, exposure=exposure, tone=tone)
-    with open(_convert.path(path, "path"), "wb") as file:
+    with as_file_error(name), open(name, "wb") as file:
         file.write(data)
 
 

@@ -8,10 +8,11 @@ class Scene:
 
     Scene() is empty, with y up; it needs a mesh before it can be rendered. Scene("model.glb") reads
     a pbrt, OBJ, glTF or PLY file or makes a built-in scene, to which more can be added; the options
-    are those of reading, `strict` and `max_triangles`. Material 0 always exists.
+    are those of reading, `strict` and `max_triangles`. Material 0 always exists; that of an empty
+    scene is grey and diffuse.
 
-    Space is right-handed. Arrays are copied. Methods that have nothing else to return return the
-    scene.
+    Space is right-handed. Arrays are copied. A method returns the scene itself if there is nothing
+    else to return.
     """
 
     def __init__(self, path=None, **options):
@@ -24,6 +25,7 @@ class Scene:
                 self._core = _core.Scene(_convert.path(path, "path"), _convert.options(options))
 
     def copy(self):
+        """Returns a scene that can be changed without changing this one."""
         scene = Scene.__new__(Scene)
         scene._core = self._core.copy()
         return scene
@@ -38,17 +40,18 @@ class Scene:
 
     @property
     def triangles(self):
+        """The number of triangles."""
         return self._core.triangles()
 
     def add_mesh(self, vertices, faces=None, *, normals=None, uvs=None, colors=None, material=0,
                  name=""):
         """Adds triangles: positions (n, 3) and indices (m, 3), counter-clockwise seen from outside.
 
-        In place of both, one object with `.vertices` and `.faces` will do, such as a
-        trimesh.Trimesh. Without `normals` (n, 3), which may have any length but 0, shading is flat;
-        the normals of such an object are not taken unasked. `uvs` (n, 2): (0, 0) is the top left of
-        an image. `colors` (n, 3) are factors of the reflectance. `material` is a number of
-        add_material. `name` appears in errors.
+        One object with `.vertices` and `.faces`, such as a trimesh.Trimesh, can stand for both.
+        Without `normals` (n, 3), which may have any length but 0, shading is flat; those of such an
+        object are not taken unless they are given. In `uvs` (n, 2), (0, 0) is the top left of an
+        image. `colors` (n, 3) are factors of the reflectance. `material` is a number that
+        add_material has returned. `name` appears in errors.
         """
         if faces is None:
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
@@ -94,7 +97,10 @@ class Scene:
         return self
 
     def add_spot_light(self, position, axis, intensity, full_degrees, dark_degrees):
-        """Adds a spot, full up to `full_degrees` from its axis and dark from `dark_degrees` on."""
+        """Adds a spot of `intensity` [W/sr], a colour or a number.
+
+        It is full up to `full_degrees` from its axis and dark from `dark_degrees` on.
+        """
         self._core.add_spot_light(_convert.vector(position, "position"),
                                   _convert.vector(axis, "axis"),
                                   _convert.color(intensity, "intensity"),
@@ -103,13 +109,19 @@ class Scene:
         return self
 
     def add_distant_light(self, direction, irradiance):
-        """Adds a light from infinitely far away in `direction`, towards the light."""
+        """Adds a light infinitely far away in `direction`, towards the light.
+
+        It gives surfaces that face it `irradiance` [W/m^2], a colour or a number.
+        """
         self._core.add_distant_light(_convert.vector(direction, "direction"),
                                      _convert.color(irradiance, "irradiance"))
         return self
 
     def set_environment(self, map):
-        """Sets the illumination map: an array (height, width, 3), a Picture or a file."""
+        """Sets the illumination map: an array (height, width, 3), a Picture or a file.
+
+        NaN, infinite and negative values become 0, and the notes of a picture say so.
+        """
         self._core.set_environment(_convert.image(map, "map"))
         return self
 

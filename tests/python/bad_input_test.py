@@ -89,6 +89,7 @@ class BadInputTest(Case):
         for material in (2**31, -2**63, 10**400, 0.0, "red", None):
             self.refuse("^material$", "", scene.add_mesh, VERTICES, FACES, material=material)
         self.refuse("^name$", "str", scene.add_mesh, VERTICES, FACES, name=3)
+        self.refuse("^name$", "no text", scene.add_mesh, VERTICES, FACES, name="\ud800")
         self.assertEqual(scene.triangles, 0)  # what was refused is not there
         scene.add_mesh(VERTICES, FACES)
         self.assertEqual(scene.triangles, 6)
@@ -103,7 +104,7 @@ class BadInputTest(Case):
         self.refuse("color_texture", "", scene.add_material, color_texture=-1)
         for value in (NAN, INFINITE, [1, 2], [1, 2, 3, 4], -1):
             self.refuse("reflectance", "", scene.add_material, reflectance=value)
-        for value in ("red", [], [[1, 2, 3]], [1j, 0, 0], {}, 10**400):
+        for value in ("red", [], [[1, 2, 3]], [[1], [1, 2]], [1j, 0, 0], {}, 10**400):
             self.refuse("^reflectance$", "", scene.add_material, reflectance=value)
         self.refuse("emission", "", scene.add_material, emission=NAN)
 
@@ -219,6 +220,9 @@ class BadInputTest(Case):
         self.refuse("^exposure$", "", picture.save, "a.exr", exposure=1)
         self.refuse("none/a.exr", "", picture.save, "none/a.exr", error=OSError)
         self.refuse("none/a.png", "", picture.save, "none/a.png", error=OSError)
+        for write in (lambda name: picture.save(name, exposure=1),
+                      lambda name: skywave.write_png(name, picture)):
+            self.refuse("none/a.png", "No such file", write, "none/a.png", error=skywave.FileError)
         self.refuse("tone", "", picture.save, "a.png", tone="film")
         self.refuse("^tone$", "", skywave.encode_png, picture, tone=3)
         self.refuse("exposure", "", skywave.encode_png, picture, exposure=NAN)
@@ -233,6 +237,8 @@ class BadInputTest(Case):
             return skywave.converge("gallery", **{"size": (24, 16), "budgets": [1], **options})
         self.refuse("budgets", "", converge, budgets=[0])
         self.refuse("budgets", "", converge, budgets=[])
+        for strategies in ("", " "):
+            self.refuse("^strategies$", "needs a value", converge, strategies=strategies)
         self.refuse("strateg", "produkt", converge, strategies=["importance", "produkt"])
         self.refuse("^reference_sp$", "did you mean reference_spp", converge, reference_sp=3)
 
