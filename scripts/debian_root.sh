@@ -1,4 +1,4 @@
-# Functions that make small Debian systems in folders and run commands in them; to be sourced.
+# These functions make small Debian systems in folders and run commands in them. Source this file.
 #   need_roots
 #   make_root RELEASE DIRECTORY [PACKAGE...]     RELEASE: bookworm, trixie
 #   install_in_root DIRECTORY [--bind FROM TO]... PACKAGE...
@@ -7,7 +7,8 @@
 # Mirrors are those of the machine's own apt sources. Where a root cannot be made, need_roots and
 # make_root print "skipped: REASON" and exit with 77.
 
-# Prints one-line apt sources for RELEASE: those of the machine with the name of the release replaced.
+# Prints apt sources for a release, one a line: the machine's own, with the name of its release
+# replaced.
 debian_sources() {
   local own
   own=$(. /etc/os-release && [[ $ID == debian ]] && echo "${VERSION_CODENAME:-}") || own=
@@ -28,8 +29,8 @@ need_roots() {
   unshare --mount true 2>/dev/null || { echo "skipped: this container cannot mount"; exit 77; }
 }
 
-# Makes a system without compilers in DIRECTORY and installs the packages. A root of the same release
-# that is there already is kept, and gets the packages that it lacks.
+# Makes a system without compilers in DIRECTORY and installs the packages. A root of that release is
+# kept if there is one, and gets the packages that it lacks.
 make_root() {
   local release=$1 directory=$2 sources
   shift 2
@@ -61,8 +62,8 @@ install_in_root() {
   in_root "${options[@]}" apt-get install -y -qq --no-install-recommends "$@" >/dev/null
 }
 
-# Runs a command as root of the system in DIRECTORY, with the folders FROM of this machine seen as TO.
-# All mounts are seen by this command only and end with it, so nothing can be left mounted.
+# Runs a command as root of the system in DIRECTORY, which sees folders FROM of this machine as TO.
+# Only this command sees the mounts, and they end with it, so nothing can be left mounted.
 in_root() {
   local directory=$1 mounts=()
   shift

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the packages for building from Debian 12, Debian 13 or Ubuntu 24.04. Does nothing if they
-# are installed.
+# Installs the packages that a build on Debian 12, Debian 13 or Ubuntu 24.04 needs. Does nothing if
+# they are installed.
 #   scripts/setup.sh         the program
 #   scripts/setup.sh python  also the Python package
 #   scripts/setup.sh test    also tests, benchmarks and the checks of .ci/run

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds the program and all tests on Debian 13, whose Embree is version 4, and runs the tests: in a
-# root of that release, build/debian13/root, which is made once and kept. Warnings are errors. Prints
-# the seconds of each part.
-# Skipped (77) where no root can be made: that takes Debian, mmdebstrap and the rights of root.
+# Builds the program and all tests on Debian 13, whose Embree is version 4, and runs the tests. It
+# does so in a root of that release, build/debian13/root, which is made once and kept. Warnings are
+# errors. It prints the seconds of each part, and is skipped (77) where no root can be made: that
+# takes Debian, mmdebstrap and the rights of root.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=scripts/debian_root.sh
@@ -11,8 +11,8 @@ cd "$(dirname "$0")/.."
 folder=$PWD/build/debian13
 make_root trixie "$folder/root"
 
-# The sources are a copy, because tests must not depend on what lies about here, and the root must not
-# write to it. Times are kept, so that only what has changed is compiled again.
+# The sources are a copy of the files that git knows, because tests must not depend on others and
+# the root must not write here. Times are kept, so that only what has changed is compiled again.
 rm -rf "$folder/source"
 mkdir -p "$folder/source" "$folder/build"
 git ls-files -z | tar --create --null --files-from=- | tar --extract --directory="$folder/source"
@@ -36,5 +36,5 @@ jobs=${JOBS:-$(nproc)}
 part packages scripts/setup.sh test
 part configuration cmake --preset release -DSKYWAVE_BENCH=OFF -DSKYWAVE_WERROR=ON
 part build cmake --build --preset release -j"$jobs" -- --quiet
-# The test of additions compiles another program, and what it shows is no matter of the system.
+# The test of additions compiles another program, and its result does not depend on the system.
 part tests ctest --test-dir build/release -LE extension -j"$jobs" --output-on-failure

@@ -8,7 +8,8 @@
 # Skipped (77) without the rights to make roots (scripts/debian_root.sh).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-source scripts/debian_root.sh
+# shellcheck source=scripts/debian_root.sh
+. scripts/debian_root.sh
 own=$(. /etc/os-release && echo "${VERSION_CODENAME:-}")
 declare -A number=([bookworm]=12 [trixie]=13)
 [[ $# -gt 0 ]] || set -- "$own"
@@ -19,19 +20,22 @@ fail() { echo "FAILED: $1" >&2; exit 1; }
 # Builds the packages of a release, and a picture by the program of the build tree.
 build_packages() {
   local release=$1 packages=$PWD/build/packages/$1 build=build/release
-  rm -rf "$packages" "$build"/*.deb
+  rm -rf "$packages"
   mkdir -p "$packages"
+  [[ $release == "$own" ]] || build=build/debian${number[$release]}/build/release
+  rm -f "$build"/*.deb
   if [[ $release == "$own" ]]; then
     scripts/setup.sh python
-    command -v dpkg-shlibdeps file >/dev/null || fail "install dpkg-dev and file"
-    cmake --workflow --preset package >/dev/null
+    command -v dpkg-shlibdeps >/dev/null || fail "dpkg-dev is not installed"
+    command -v file >/dev/null || fail "file is not installed"
+    cmake --workflow --preset package > "$packages/build.log" ||
+      { tail -n 50 "$packages/build.log" >&2; fail "$release: the packages were not built"; }
     build/release/skywave "${picture[@]}" "$packages/picture.exr"
   else
     # The root, that of scripts/test_debian13.sh, sees this tree with a folder build/ of its own.
     local folder=$PWD/build/debian${number[$release]} cache
     local mounts=(--bind "$PWD" /skywave --bind "$folder/build" /skywave/build
                   --bind "$packages" /packages)
-    build=$folder/build/release
     mkdir -p "$folder/build"
     if command -v ccache >/dev/null; then
       cache=$(ccache --get-config cache_dir)
@@ -39,8 +43,11 @@ build_packages() {
       mounts+=(--bind "$cache" /ccache)
     fi
     make_root "$release" "$folder/root" dpkg-dev file
-    in_root "$folder/root" "${mounts[@]}" env CCACHE_DIR=/ccache bash -c '
-      cd /skywave && scripts/setup.sh python && cmake --workflow --preset package >/dev/null &&
+    in_root "$folder/root" "${mounts[@]}" env CCACHE_DIR=/ccache bash -ec '
+      cd /skywave
+      scripts/setup.sh python
+      cmake --workflow --preset package > /packages/build.log ||
+        { tail -n 50 /packages/build.log >&2; exit 1; }
       build/release/skywave "$@"' build "${picture[@]}" /packages/picture.exr
   fi
   mv "$build"/*.deb "$packages"
@@ -61,7 +68,7 @@ test_packages() {
   inside() {
     in_root "build/roots/$release-clean" --bind "$PWD/$packages" /packages "$@"
   }
-  # The paths of packages as apt takes them: it installs what they depend on from the mirror.
+  # Prints the paths of packages in the root: apt takes them and installs what they depend on.
   files_of() { (cd "$packages" && printf '/packages/%s\n' $1); }
 
   mapfile -t files < <(files_of "skywave_*.deb libskywave[0-9]*.deb")
