@@ -1,4 +1,4 @@
-// The comparison of strategies and integrators as a function of the library.
+// Implements Converge, the comparison of strategies and integrators.
 #include <memory>
 
 #include "api/errors.h"

@@ -1,4 +1,4 @@
-// Materials by the names of their BSDF and parameters.
+// Makes materials from the names of a BSDF and of its parameters.
 #pragma once
 
 #include <string>

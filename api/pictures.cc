@@ -1,4 +1,4 @@
-// Functions of the library that take pictures and maps in memory.
+// Implements the functions of the library that take or return pictures and maps.
 #include <optional>
 
 #include "api/errors.h"

@@ -1,4 +1,4 @@
-// One picture from the options to the film, and what can be taken from it.
+// Implements Renderer: one picture from the options to the film, and what is taken from it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace skywave::api {
 namespace {
 
-// Returns the layers that the channels "albedo.R", "albedo.G", ... make, in their order.
+// Returns the layers of channels named "albedo.R", "albedo.G", ..., in the order of the channels.
 std::vector<Layer> LayersOf(const std::vector<NamedChannel>& channels) {
   std::vector<Layer> layers;
   for (const NamedChannel& channel : channels) {
@@ -34,7 +34,8 @@ void CheckSize(std::span<float> values, std::size_t needed, const std::string& n
           fmt::format("has room for {} floats, and {} are needed", values.size(), needed));
 }
 
-// Returns the command that repeats the picture, without anything that changes from run to run.
+// Returns the command that repeats the picture and its PNG. It has nothing that changes from run to
+// run.
 std::string RepeatCommand(const Renderer::State& state) {
   static const ExposureRequest defaults;
   std::string text = "skywave render" + PictureOptions(state.job->request());
@@ -56,7 +57,7 @@ Metadata Provenance(const Renderer::State& state) {
   return metadata;
 }
 
-// Returns notes of the job and of the exposure.
+// Returns the notes of the job and of the exposure.
 std::vector<std::string> Notes(const Renderer::State& state) {
   std::vector<std::string> notes = state.job->notes();
   if (state.exposure.photo.shutter_seconds > 0) {

@@ -1,4 +1,4 @@
-// Scenes of the library: arrays are checked and become the plain data that readers produce too.
+// Implements Scene: arrays are checked and become the plain data that readers produce too.
 #include <fmt/format.h>
 
 #include <algorithm>

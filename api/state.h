@@ -1,4 +1,4 @@
-// What the objects of the library hold.
+// The objects of the library hold this state.
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@ namespace skywave::api {
 
 struct Scene::State {
   skywave::Scene scene;
-  std::string source;    // file or name of a built-in scene; empty: made of arrays alone
-  bool changed = false;  // since it was read: no command repeats its pictures
+  std::string source;    // file or name of a built-in scene; empty: it began as an empty scene
+  bool changed = false;  // since it was read, so that no command repeats its pictures
   ReadOptions read;
   double load_seconds = 0;
-  std::shared_ptr<const skywave::Image> environment;  // null: that of an option or of the scene
+  std::shared_ptr<const skywave::Image> environment;  // null: an option or the scene has the map
 
-  // Returns the name by which errors call the scene.
+  // Returns the name that errors give the scene.
   std::string name() const { return source.empty() ? "scene" : source; }
 };
 
@@ -37,17 +37,18 @@ struct Renderer::State {
   FrameResult frame;
   double write_seconds = 0;
 
-  // Throws Error if there is none.
+  // Returns the picture. Throws Error if there is none.
   const skywave::Image& finished() const;
 };
 
 // Returns the options of a job, except for those of its scene, bound to `request`.
 std::vector<BoundOption> BindJobOptions(const std::shared_ptr<JobRequest>& request);
 
-// Returns a job that renders `scene` as `request` asks. Throws InputError.
+// Returns a job that renders `scene` as `request` asks; the scene's name, options of reading and
+// map in memory are put into the request. Throws InputError.
 RenderJob MakeJob(Scene::State scene, JobRequest request);
 
-// Throws Error for an image of the wrong size; `name` is the argument.
+// Returns a copy. Throws Error for an image of the wrong size; `name` is the argument.
 skywave::Image CopyImage(const ImageArray& image, const std::string& name);
 
 }  // namespace skywave::api

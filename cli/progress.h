@@ -11,14 +11,14 @@
 
 namespace skywave {
 
-// Prints to standard error. A line of a terminal that it has used is blank after its end.
+// Prints to standard error. On a terminal its line is cleared when it is destroyed.
 class ProgressDisplay {
  public:
   ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;
   ~ProgressDisplay();
-  // Takes the share that is done, in [0, 1]; prints if the last time is long enough ago.
+  // Takes the share that is done, in [0, 1]. Prints nothing if it has just printed.
   void Show(double done);
 
  private:
@@ -26,10 +26,10 @@ class ProgressDisplay {
   Clock::time_point start_, last_;
 };
 
-// Runs `work` and shows its progress to `total` meanwhile, unless `quiet` (see Watch).
+// Runs `work` (see Watch) and meanwhile shows its progress to `total`, unless `quiet`.
 void ShowProgress(bool quiet, std::uint64_t total, const WatchedWork& work);
 
-// Prints each of `notes` as a line of standard error.
+// Prints each note as a line of standard error.
 void PrintNotes(const std::vector<std::string>& notes);
 
 }  // namespace skywave

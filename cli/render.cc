@@ -1,4 +1,4 @@
-// Implements skywave render: a scene becomes an EXR and a PNG. It renders by the library.
+// Implements skywave render by the library: a scene becomes an EXR and a PNG.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -85,7 +85,7 @@ int RenderMain(RenderFlags& flags) {
   return 0;
 }
 
-// Adds `options`, which set `*request` and are kept as given for the library.
+// Adds `options`, which set `*request`. Their texts are also kept in `flags` for the library.
 template <class Options, class Request>
 void AddKeptOptions(Command& command, const Options& options,
                     const std::shared_ptr<Request>& request,

@@ -1,4 +1,5 @@
-// How the PNG next to a picture is exposed: a request like that of a job, and its options.
+// The exposure and tone curve of the PNG of a picture: a request like that of a job, and its
+// options.
 #pragma once
 
 #include <vector>
@@ -10,12 +11,13 @@ namespace skywave {
 
 struct ExposureRequest {
   ToneMapping tone;
-  PhotographicExposure photo;  // shutter_seconds 0: no camera whose exposure counts
+  PhotographicExposure photo;  // shutter_seconds 0: no camera is simulated
 };
 
+// Returns the options exposure, shutter, f-number, iso and tone.
 std::vector<OptionOf<ExposureRequest>> ExposureOptions();
 
-// Returns the curve of the PNG, including the exposure of the camera.
+// Returns the exposure and curve of the PNG, with the exposure of the camera added.
 ToneMapping Tone(const ExposureRequest& request);
 
 }  // namespace skywave

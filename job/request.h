@@ -18,7 +18,7 @@ namespace skywave {
 // An illumination map in a file or in memory, and how it lies in the world.
 struct EnvironmentRequest {
   std::string path;                      // empty, and no image: the scene's own lights
-  std::shared_ptr<const Image> image;    // in place of the file, which then only names it in notes
+  std::shared_ptr<const Image> image;    // in place of a file; notes and errors call it "map"
   std::optional<Projection> projection;  // unset: by the picture's shape, see DetectProjection
   float rotation_degrees = 0;            // counter-clockwise about the up axis, seen from above
   float intensity = 1;

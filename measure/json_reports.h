@@ -1,4 +1,4 @@
-// Reports for programs of what is measured without rendering.
+// Reports differences of pictures, and what is in a map, for programs.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -9,6 +9,7 @@
 
 namespace skywave {
 
+// Returns the keys of `skywave compare --json`.
 nlohmann::ordered_json Json(const ImageDifference& difference);
 
 // `info` describes `map`. docs/probe.md describes the keys.

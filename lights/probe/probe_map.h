@@ -1,4 +1,4 @@
-// A map as it is looked at: repaired, with its projection.
+// A map that the probe commands look at: repaired, and with its projection.
 #pragma once
 
 #include <optional>
@@ -12,11 +12,12 @@ namespace skywave {
 struct ProbeMap {
   Image image;
   Projection projection = Projection::kLatLong;
-  bool assumed = false;  // given, instead of recognised by the shape
-  BadPixels bad;         // repaired ones
+  bool assumed = false;  // whether the projection was given, not recognised by the shape
+  BadPixels bad;         // those that were repaired
 };
 
-// Repairs `image`. Throws InputError(name) if `projection` is unset and the shape tells none.
+// Repairs `image`. Throws InputError(name) if `projection` is unset and does not follow from the
+// shape.
 ProbeMap MakeProbeMap(Image image, const std::string& name,
                       const std::optional<Projection>& projection);
 

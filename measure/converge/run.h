@@ -1,5 +1,5 @@
-// A comparison of strategies and integrators from the request to its report: tables, reference,
-// measurement, summary. The subcommand converge and the library run it.
+// Runs a comparison of strategies and integrators from the request to its report: tables,
+// reference, measurement, summary. The subcommand converge and the library call it.
 #pragma once
 
 #include <functional>
@@ -28,17 +28,18 @@ struct ConvergeRequest {
   std::string save_reference;                      // file for it; empty: none
 };
 
-// The options of a comparison besides those of its job.
+// Returns the options of a comparison, without those of its job.
 std::vector<OptionOf<ConvergeRequest>> ConvergeOptions();
 
-// True for an option of a job that has another form in ConvergeOptions, or none.
+// Returns whether an option of a job has another form in ConvergeOptions, or none there.
 bool HasOwnFormInConverge(const OptionInfo& option);
 
-// Runs `work` (see Watch); `what` is half a sentence that says what it does.
+// A watcher runs `work` (see Watch); `what` is half a sentence that says what the work does.
 using Watcher =
     std::function<void(const std::string& what, std::uint64_t total, const WatchedWork& work)>;
 
-// Compares. `job` is that of `request.job`. Throws InputError.
+// Measures and summarizes. `job` has been made of `request.job` and has to outlive the report,
+// which points to it. Throws InputError, and what `watch` throws.
 ConvergeReport RunConverge(const RenderJob& job, ConvergeRequest request, const Watcher& watch);
 
 }  // namespace skywave
