@@ -1,5 +1,5 @@
-# What `cmake --install` puts where, in three components: `program`, `library` (what programs need
-# that were linked with Skywave) and `development` (what linking takes).
+# Says what `cmake --install` puts where, in three components: `program`, `library` (for programs that
+# were linked with Skywave) and `development` (for linking with it).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -40,7 +40,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/skywaveConfigVersion.cmake
 install(FILES ${CMAKE_BINARY_DIR}/skywaveConfigVersion.cmake DESTINATION ${package}
         COMPONENT development)
 
-# The prefix is found from the place of the file, so that an installation can be moved.
+# The file gives the prefix relative to its own place, so that an installation can be moved.
 cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX}
            OUTPUT_VARIABLE libraries)
 string(REGEX REPLACE "[^/]+" ".." up ${libraries})

@@ -1,5 +1,5 @@
-# What `cpack` makes: Debian packages of the components of cmake/install.cmake, with names and
-# relations as Debian's policy has them. `cmake --workflow --preset package` builds them.
+# Lets `cpack` make Debian packages of the components of cmake/install.cmake, with names and relations
+# as Debian's policy wants them. `cmake --workflow --preset package` builds them.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_VENDOR "Skywave")
 set(CPACK_PACKAGE_CONTACT "${SKYWAVE_MAINTAINER}")
@@ -36,7 +36,7 @@ batches by SIMD kernels and Embree, and compares ways of sampling lights.")
 get_target_property(soversion skywave_shared SOVERSION)
 skywave_package(library libskywave${soversion} libs "wavefront renderer - shared library"
 "Renders scenes lit by illumination maps from within other programs. This
-package has what programs need that were linked with it.")
+package is for programs that were linked with it.")
 # Packages that are linked with the library, ours too, learn their dependency from this.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS_POLICY ">=")

@@ -27,7 +27,7 @@ def torus_knot(p=2, q=3, around=900, across=64, tube=0.33):
 
     centre = curve(t)
     tangent = unit(curve(t + 1e-4) - curve(t - 1e-4))
-    # The direction from the axis of the torus is never along the knot, so it makes a smooth frame.
+    # The direction from the core of the torus is never along the knot, so it makes a smooth frame.
     outward = centre - 2 * unit(centre * [1, 1, 0])
     side = unit(numpy.cross(tangent, outward))
     outward = numpy.cross(side, tangent)
@@ -36,7 +36,7 @@ def torus_knot(p=2, q=3, around=900, across=64, tube=0.33):
     normals = outward[:, None] * numpy.cos(angle) + side[:, None] * numpy.sin(angle)
     vertices = centre[:, None] + tube * normals
 
-    # Every cell of the grid is two triangles; both directions close.
+    # Every cell of the grid is two triangles; the grid wraps around in both directions.
     number = numpy.arange(around * across).reshape(around, across)
     right, up = numpy.roll(number, -1, axis=0), numpy.roll(number, -1, axis=1)
     both = numpy.roll(right, -1, axis=1)
@@ -55,7 +55,7 @@ def disc(radius, y, sides=256):
 
 
 def studio(height=256):
-    """Returns a lat-long map of three soft boxes before a dim grey, (height, 2 * height, 3)."""
+    """Returns a lat-long map of three soft boxes in dim grey, (height, 2 * height, 3)."""
     y, x = numpy.mgrid[0:height, 0:2 * height]
     elevation = 90 - 180 * (y + 0.5) / height
     azimuth = 180 * (x + 0.5) / height  # [degrees] from the left edge of the map
@@ -71,7 +71,7 @@ def studio(height=256):
 
 
 def contact_sheet(frames, columns, gap=4):
-    """Returns equally large pictures in rows, divided by `gap` pixels of dark grey."""
+    """Returns a picture of equally large frames in rows, with `gap` pixels of dark grey between."""
     height, width, _ = frames[0].shape
     rows = -(-len(frames) // columns)
     sheet = numpy.full((rows * (height + gap) + gap, columns * (width + gap) + gap, 3), 0.02)

@@ -4,8 +4,8 @@
     scripts/compile_times.py [--preset PRESET] [--target TARGET]... [--jobs N] [--units N]
 
 The build is made in build/compile_times and removed. Times are processor seconds (user and system)
-of the compiler and the linker, so that other work on the machine changes them little. By folder, and
-with --units the N units that take longest. Python 3, CMake and Ninja.
+of the compiler and the linker, so that other work on the machine changes them little. They are
+printed by folder, and with --units for the N units that take longest. Needs CMake and Ninja.
 """
 import argparse
 import collections
