@@ -135,7 +135,9 @@ def color(value, argument):
 
 
 def values(value, argument):
-    """Returns one number, or several, as a list of floats."""
+    """Returns one number, or several, as a list of floats; True is 1 and False is 0."""
+    if isinstance(value, (bool, numpy.bool_)):
+        return [float(value)]
     if _is_single(value):
         return [number(value, argument)]
     array = _array(value, argument, "fiu", "numbers")

@@ -55,6 +55,7 @@ class SceneTest(Case):
         plain = scene.add_material("lambert", reflectance=[0.9, 0.1, 0.1])
         metal = scene.add_material("conductor", alpha=0.1)
         self.assertEqual((red, plain, metal), (1, 2, 3))
+        self.assertEqual(scene.add_material(emission=1, emits_on_both_sides=True), 4)
         uvs = VERTICES[:, [0, 2]]
         pictures = [render(scene.copy().add_mesh(VERTICES, FACES, uvs=uvs, material=number))
                     for number in (0, red, plain, metal)]
