@@ -51,6 +51,7 @@ int Assign(Values v, glm::vec3& field) {
 }
 int Assign(Values v, Mixture& field) {
   if (v.size() != 3) return 3;
+  Require(v[2] <= 1, "mixture", fmt::format("the share {} is not a number from 0 to 1", v[2]));
   field = {Index(v[0]), Index(v[1]), v[2]};
   return 0;
 }

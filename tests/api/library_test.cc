@@ -449,6 +449,7 @@ TEST(LibraryErrors, NameTheBadArray) {
        {"material", "texture", material("lambert", {{"color_texture", {3}}})},
        {"material", "texture", material("lambert", {{"color_texture", {1e20f}}})},
        {"material", "mixed", material("lambert", {{"mixture", {0, 9, 0.5f}}})},
+       {"mixture", "share", material("lambert", {{"mixture", {0, 0, 2}}})},
        {"position", "nan",
         [&] {
           scene.AddPointLight({kNan, 0, 0}, {1, 1, 1});
