@@ -8,7 +8,6 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
-#include <ImfThreading.h>
 
 #include <algorithm>
 #include <cassert>
@@ -24,7 +23,8 @@
 namespace skywave {
 namespace {
 
-// The renderer manages all threads of the program.
+// Files ask for no threads. OpenEXR's global number of them is zero by default and is left alone,
+// because it belongs to the program that uses the library.
 constexpr int kNoThreads = 0;
 
 class MemoryInput : public Imf::IStream {
@@ -101,7 +101,6 @@ Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimit
   const Imath::Box2i window({box.x_min, box.y_min}, {box.x_max, box.y_max});
   MemoryInput stream(path, bytes);
   try {
-    Imf::setGlobalThreadCount(kNoThreads);
     Imf::InputFile file(stream, kNoThreads);
     if (file.header().dataWindow() != window)
       throw std::runtime_error("two different data windows");
@@ -130,7 +129,6 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
   assert(image.rgb.size() == std::size_t(image.width) * image.height * 3);
   MemoryOutput stream(path);
   try {
-    Imf::setGlobalThreadCount(kNoThreads);
     Imf::Header header(image.width, image.height);
     header.compression() = Imf::ZIP_COMPRESSION;
     for (const auto& [name, text] : metadata) {

@@ -40,6 +40,14 @@ TEST_F(ImageFiles, ExrBytesOnlyDependOnTheInput) {
   EXPECT_EQ(Imf::globalThreadCount(), 0);
 }
 
+TEST_F(ImageFiles, ExrLeavesTheThreadsOfTheHostAlone) {
+  Imf::setGlobalThreadCount(2);
+  WriteExr(Path("a.exr"), Numbered(40, 20));
+  ExpectSame(ReadImage(Path("a.exr")), Numbered(40, 20));
+  EXPECT_EQ(Imf::globalThreadCount(), 2);
+  Imf::setGlobalThreadCount(0);
+}
+
 TEST_F(ImageFiles, ExrLayersComeBack) {
   const Image image = Numbered(5, 3);
   const std::vector<float> depth = {1e10f, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, -1, 0.5f};
