@@ -21,6 +21,8 @@ std::string Converge(Scene scene, const Options& options, const ProgressCallback
     }
     SetOptions(bound, options);
     request->job.scene = scene.state().name();
+    request->repeatable = !scene.state().changed;
+    CheckSavedReference(*request);
     const RenderJob job = MakeJob(std::move(scene.state()), request->job);
     const ConvergeReport report = RunConverge(
         job, *request, [&](const std::string&, std::uint64_t total, const WatchedWork& work) {

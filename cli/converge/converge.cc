@@ -1,10 +1,8 @@
 // Implements skywave converge: light strategies and integrators by their error at equal time.
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <memory>
 
-#include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/converge/report.h"
@@ -23,18 +21,8 @@ struct ConvergeFlags {
 };
 
 void CheckOutputs(const ConvergeFlags& flags) {
-  const std::string& save = flags.request.save_reference;
-  if (!save.empty()) {
-    const InputPosition where = InputPosition::File("--save-reference " + save);
-    if (flags.request.reference != "auto") {
-      throw InputError(where, "keeps the reference of --reference auto, and no other", kExitUsage);
-    }
-    if (std::filesystem::path(save).extension() != ".exr") {
-      throw InputError(where, "the reference is an EXR file, so its name has to end in .exr",
-                       kExitUsage);
-    }
-  }
-  for (const std::string& path : {save, flags.json, flags.plot, flags.html}) {
+  CheckSavedReference(flags.request);
+  for (const std::string& path : {flags.json, flags.plot, flags.html}) {
     if (path.empty()) continue;
     CheckNotInput(path, flags.request.job.scene);
     CheckNotInput(path, flags.request.job.environment.path);

@@ -124,7 +124,7 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
   json["schema"] = "skywave-converge-2";
   json["version"] = Version();
   json["revision"] = GitRevision();
-  json["command"] = report.command;
+  if (!report.command.empty()) json["command"] = report.command;
   json["settings"] = {{"width", options.width},
                       {"height", options.height},
                       {"light_samples", options.light_samples},

@@ -15,7 +15,7 @@ namespace skywave {
 struct ConvergeReport {
   const RenderJob* job = nullptr;
   std::string scene;
-  std::string command;  // the one that repeats the measurement
+  std::string command;  // the one that repeats the measurement; empty: none does
   ConvergeSettings settings;
   Reference reference;
   std::string reference_source;                    // "auto" or a file

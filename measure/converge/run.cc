@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/files.h"
 #include "base/version.h"
 #include "job/options.h"
 #include "job/resolve.h"
@@ -94,11 +97,13 @@ void RenderOwnReference(const ConvergeRequest& request, const Watcher& watch,
         });
   report.reference_seconds = SecondsSince(start);
   if (request.save_reference.empty()) return;
+  Metadata provenance = {{"software", fmt::format("skywave {}", Version())}};
+  if (!report.command.empty()) provenance.emplace_back("command", report.command);
   WriteReference(request.save_reference,
                  {.reference = report.reference,
                   .samples_per_pixel = report.reference_samples,
                   .scene_hash = fmt::format("{:016x}", job.scene_hash())},
-                 {{"command", report.command}, {"software", fmt::format("skywave {}", Version())}});
+                 std::move(provenance));
 }
 
 void ReadGivenReference(const ConvergeRequest& request, ConvergeReport& report) {
@@ -146,12 +151,28 @@ bool HasOwnFormInConverge(const OptionInfo& option) {
   return option.name == "strategy" || option.name == "spp" || option.name == "aovs";
 }
 
+void CheckSavedReference(const ConvergeRequest& request) {
+  const std::string& path = request.save_reference;
+  if (path.empty()) return;
+  if (request.reference != "auto") {
+    throw OptionError("save-reference", path,
+                      "keeps the reference of `reference auto`, and no other");
+  }
+  if (std::filesystem::path(path).extension() != ".exr") {
+    throw OptionError("save-reference", path,
+                      "the reference is an EXR file, so its name has to end in .exr");
+  }
+  CheckNotInput(path, request.job.scene);
+  CheckNotInput(path, request.job.environment.path);
+  CheckWritable(path);
+}
+
 ConvergeReport RunConverge(const RenderJob& job, ConvergeRequest request, const Watcher& watch) {
   SettleBudgets(job.options(), request.budgets);
   ConvergeReport report;
   report.job = &job;
   report.scene = request.job.scene;
-  report.command = CommandText(request, job.request());
+  if (request.repeatable) report.command = CommandText(request, job.request());
   report.settings = request.settings;
   report.reference_source = request.reference;
   // A given reference is checked before the long work.

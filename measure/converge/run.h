@@ -26,6 +26,7 @@ struct ConvergeRequest {
   std::optional<Integrator> reference_integrator;  // unset: derived from the contestants
   std::uint32_t reference_samples = 0;             // 0: derived from the budgets
   std::string save_reference;                      // file for it; empty: none
+  bool repeatable = true;  // whether a command can make the job: not if its scene was changed
 };
 
 // Returns the options of a comparison, without those of its job.
@@ -33,6 +34,10 @@ std::vector<OptionOf<ConvergeRequest>> ConvergeOptions();
 
 // Returns whether an option of a job has another form in ConvergeOptions, or none there.
 bool HasOwnFormInConverge(const OptionInfo& option);
+
+// Throws InputError if `request` would keep a reference that is not computed, or in a file that is
+// not an EXR, is an input or cannot be written.
+void CheckSavedReference(const ConvergeRequest& request);
 
 // A watcher runs `work` (see Watch); `what` is half a sentence that says what the work does.
 using Watcher =

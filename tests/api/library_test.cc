@@ -362,6 +362,15 @@ TEST_F(Library, MeasuresWhatTheSubcommandsMeasure) {
   EXPECT_EQ(measured["strategies"][1]["budgets"][1]["samples_per_pixel"], 4);
   EXPECT_GT(measured["strategies"][1]["budgets"][0]["error"].get<double>(),
             measured["strategies"][1]["budgets"][1]["error"].get<double>());
+  EXPECT_TRUE(measured.contains("command"));
+
+  // No command makes a scene that was changed.
+  Square square;
+  api::Scene scene("gallery");
+  scene.AddMesh(square.mesh());
+  const auto changed_scene = nlohmann::json::parse(api::Converge(
+      scene, {{"size", "16x12"}, {"budgets", "1"}, {"repeats", "2"}, {"reference-spp", "2"}}));
+  EXPECT_FALSE(changed_scene.contains("command"));
 }
 
 // Each call is refused with an Error whose place is `place` and whose message contains `word`.
@@ -544,6 +553,14 @@ TEST(LibraryErrors, NameTheBadOption) {
                      api::Scene empty;
                      empty.SetEnvironment(Map().image());
                      api::Renderer(empty, {});
+                   }},
+                  {"save-reference reference.png", "end in .exr",
+                   [&] {
+                     api::Converge(scene, {{"save-reference", "reference.png"}});
+                   }},
+                  {"save-reference a.exr", "no other",
+                   [&] {
+                     api::Converge(scene, {{"save-reference", "a.exr"}, {"reference", "b.exr"}});
                    }},
                   {"strategies", "needs a value",
                    [&] {
