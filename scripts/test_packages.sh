@@ -28,9 +28,13 @@ build_packages() {
     scripts/setup.sh python
     command -v dpkg-shlibdeps >/dev/null || fail "dpkg-dev is not installed"
     command -v file >/dev/null || fail "file is not installed"
+    # The preset package changes the settings of build/release; they are put back afterwards.
+    local preset=program
+    ! grep -qs '^BUILD_TESTING:BOOL=ON' build/release/CMakeCache.txt || preset=release
     cmake --workflow --preset package > "$packages/build.log" ||
       { tail -n 50 "$packages/build.log" >&2; fail "$release: the packages were not built"; }
     build/release/skywave "${picture[@]}" "$packages/picture.exr"
+    cmake --preset "$preset" >/dev/null
   else
     # The root, that of scripts/test_debian13.sh, sees this tree with a folder build/ of its own.
     local folder=$PWD/build/debian${number[$release]} cache

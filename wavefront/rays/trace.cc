@@ -1,6 +1,7 @@
 #include "wavefront/rays/trace.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 #include <limits>
 
@@ -76,6 +77,7 @@ struct Packet {
 };
 
 void Occlude(RTCScene scene, Backend backend, const RayStream& rays, std::uint32_t n) {
+  assert(IsAvailable(backend));
   EmbreeQuery query(scene, /*coherent=*/false);
   switch (Resolve(backend, kBestOcclusion)) {
     case Backend::kBest:
@@ -149,6 +151,7 @@ void NumberTriangles(const HitColumns& hits, std::uint32_t first_with_alpha, std
 
 void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, std::uint32_t n,
                   const HitColumns& hits, const std::uint32_t* keys) {
+  assert(IsAvailable(tracer.closest));
   const RayStream view = View(rays, keys);
   Record(tracer.recorder, kind, false, view, n);
   const bool beams = kind == RayKind::kCamera && tracer.beams;
