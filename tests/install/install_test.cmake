@@ -1,5 +1,5 @@
 # Installs a build into a folder, moves the folder, and builds and runs an example with what is there:
-#   cmake -DBUILD=... -DSOURCE=... -DFOLDER=... -DCOMPILER=... -P install_test.cmake
+#   cmake -DBUILD=... -DSOURCE=... -DFOLDER=... -DCOMPILER=... -DGENERATOR=... -P install_test.cmake
 function(run)
   execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT RESULT_VARIABLE status)
   if(NOT status EQUAL 0)
@@ -15,7 +15,8 @@ foreach(file bin/skywave include/skywave/skywave.h share/bash-completion/complet
     message(FATAL_ERROR "${file} was not installed")
   endif()
 endforeach()
-run(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${FOLDER}/examples -DCMAKE_PREFIX_PATH=${FOLDER}/second)
+run(${CMAKE_COMMAND} -G "${GENERATOR}" -S ${SOURCE}/examples -B ${FOLDER}/examples
+    -DCMAKE_PREFIX_PATH=${FOLDER}/second)
 run(${CMAKE_COMMAND} --build ${FOLDER}/examples)
 run(${FOLDER}/examples/render_mesh ${FOLDER}/mesh.exr)
 run(${FOLDER}/second/bin/skywave info gallery)
