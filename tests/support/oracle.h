@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "image/image.h"
-#include "scene/embree.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/oracle_environment.h"
 #include "tests/support/oracle_lights.h"
 #include "tests/support/oracle_relief.h"
 #include "tests/support/oracle_texture.h"
 #include "wavefront/frame.h"
+#include "wavefront/rays/embree_rays.h"
 
 namespace skywave {
 

@@ -8,7 +8,7 @@
 
 #include "base/names.h"
 #include "kernels/columns.h"
-#include "scene/embree.h"
+#include "wavefront/rays/embree_rays.h"
 
 namespace skywave {
 
