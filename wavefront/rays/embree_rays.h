@@ -40,7 +40,8 @@ struct EmbreeQuery {
   RTCOccludedArguments any;
 };
 
-// Intersect* find the nearest hit of each ray and Occluded* any hit. Lanes with a valid bit of 0 are left alone.
+// Intersect* find the nearest hit of each ray and Occluded* any hit. Lanes with a valid bit of 0
+// are left alone.
 inline void Intersect1(EmbreeQuery& query, RTCRayHit& ray) {
   rtcIntersect1(query.scene, &ray, &query.closest);
 }
