@@ -93,7 +93,7 @@ void CheckOutputs(const BatchPlan& plan) {
   }
 }
 
-void PrepareOutputs(const BatchPlan& plan) {
+void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
   for (const std::string& folder : OutputFolders(plan)) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -103,7 +103,8 @@ void PrepareOutputs(const BatchPlan& plan) {
     }
     CheckWritable((std::filesystem::path(folder) / "skywave_batch").string());
   }
-  std::vector<std::string> targets;
+  std::vector<std::string> targets = {ReportName(plan, share, ".json"),
+                                      ReportName(plan, share, ".html")};
   for (const BatchPicture& picture : plan.pictures) {
     targets.push_back(picture.output);
     targets.push_back(PngOf(picture.output));

@@ -17,9 +17,9 @@ std::set<std::string> InputFiles(const BatchPlan& plan);
 // folders are writable or can be made. Makes nothing.
 void CheckOutputs(const BatchPlan& plan);
 
-// Makes the folders of the outputs, tries to write into each, and removes what interrupted runs
-// have left there (RemoveLeftovers). Throws InputError (kExitIo).
-void PrepareOutputs(const BatchPlan& plan);
+// Makes the folders of the outputs, tries to write into each, and removes what killed runs of this
+// share have left there (RemoveLeftovers). Throws InputError (kExitIo).
+void PrepareOutputs(const BatchPlan& plan, const BatchShare& share = {});
 
 struct DryRun {
   std::size_t scenes = 0, maps = 0;  // that were read

@@ -284,6 +284,14 @@ std::string PngOf(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }
 
+std::string RelativeName(const std::string& folder, const std::string& file) {
+  const std::filesystem::path from = folder.empty() ? "." : folder;
+  const std::filesystem::path to = std::filesystem::path(file).lexically_normal();
+  const std::filesystem::path base = from.lexically_normal();
+  // A relative name with nothing before it is relative to "." already.
+  return base == "." ? to.string() : to.lexically_relative(base).string();
+}
+
 std::string ReportName(const BatchPlan& plan, const BatchShare& share, const std::string& ending) {
   std::string name = std::filesystem::path(plan.path).stem().string() + ".batch";
   if (share.count > 1) name += fmt::format(".{}of{}", share.number, share.count);

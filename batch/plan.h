@@ -54,6 +54,9 @@ BatchPlan ShareOf(BatchPlan plan, const BatchShare& share);
 // Returns the PNG of a picture.
 std::string PngOf(const std::string& exr);
 
+// Returns the name of a file as files in `folder` refer to it.
+std::string RelativeName(const std::string& folder, const std::string& file);
+
 // Returns the files beside the outputs that tell of the batch: its folder and the name of the job
 // file, with ".batch" and `ending`; the shares of a batch have files of their own.
 std::string ReportName(const BatchPlan& plan, const BatchShare& share, const std::string& ending);

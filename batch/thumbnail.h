@@ -1,0 +1,20 @@
+// Small pictures for the page of a batch.
+#pragma once
+
+#include <string>
+
+namespace skywave {
+
+// Longer side of a thumbnail [pixels].
+inline constexpr int kThumbnailSide = 160;
+
+struct Thumbnail {
+  int width = 0, height = 0;  // 0: there is none
+  std::string jpeg;
+};
+
+// Returns a thumbnail of the picture in the file `png`, averaged in linear light; a smaller picture
+// keeps its size. Returns none for a file that cannot be read.
+Thumbnail MakeThumbnail(const std::string& png);
+
+}  // namespace skywave
