@@ -71,11 +71,9 @@ void AxisReader::Refuse(std::size_t line, const std::string& reason) const {
   throw InputError(InputPosition::Line(path_, line), reason);
 }
 
-const OptionInfo* AxisReader::InfoOf(const std::string& name) const {
-  const auto found = std::find_if(options_.begin(), options_.end(), [&](const BoundOption& option) {
-    return option.info.name == name;
-  });
-  return found == options_.end() ? nullptr : &found->info;
+bool AxisReader::IsOption(const std::string& name) const {
+  return std::any_of(options_.begin(), options_.end(),
+                     [&](const BoundOption& option) { return option.info.name == name; });
 }
 
 // Returns what is wrong with an option and its value, or nothing.
@@ -121,18 +119,11 @@ std::vector<std::string> AxisReader::FilesLike(const PictureOption& option) cons
 // Reads an option of [base] or of a table of options: one value.
 PictureOption AxisReader::ReadOption(const JobEntry& entry) const {
   PictureOption option = {entry.name, entry.value.text, entry.line};
-  const OptionInfo* const info = InfoOf(entry.name);
-  if (info != nullptr && info->most_values > 1 && entry.value.kind == JobValue::Kind::kList) {
-    for (const JobValue& item : entry.value.list) {
-      if (!item.is_scalar()) Refuse(item.line, fmt::format("{} takes words here", entry.name));
-      if (!option.text.empty()) option.text += info->delimiter == 0 ? ' ' : info->delimiter;
-      option.text += item.text;
-    }
-  } else if (info != nullptr && !entry.value.is_scalar()) {
+  if (IsOption(entry.name) && !entry.value.is_scalar()) {
     Refuse(entry.line,
            fmt::format("{} takes one value here; what varies belongs in [axes]", entry.name));
   }
-  if (info != nullptr && NamesFile(entry.name)) option.text = FileNamed(option);
+  if (NamesFile(entry.name)) option.text = FileNamed(option);
   CheckOption(option);
   return option;
 }
@@ -215,14 +206,15 @@ void AxisReader::AppendChoices(const JobValue& value, Axis& axis) const {
     const bool range = Find(value, "from") || Find(value, "to") || Find(value, "steps");
     if (!range) return AppendTable(value, axis);
   }
-  if (InfoOf(axis.name) == nullptr) {
+  if (!IsOption(axis.name)) {
     Refuse(axis.line, Problem(axis.name, "") +
                           "; axes of other names are lists of tables with a label and options");
   }
   if (value.kind == JobValue::Kind::kTable) return AppendRange(value, axis);
-  if (value.is_scalar()) return AppendText({axis.name, value.text, value.line}, axis);
-  const PictureOption option = ReadOption({axis.name, value.line, value});
-  axis.choices.push_back({option.text, {option}});
+  if (!value.is_scalar()) {
+    Refuse(value.line, fmt::format("a value of '{}' is a text, a number or a switch", axis.name));
+  }
+  AppendText({axis.name, value.text, value.line}, axis);
 }
 
 Axis AxisReader::ReadAxis(const JobEntry& entry) const {

@@ -46,7 +46,7 @@ class AxisReader {
 
  private:
   [[noreturn]] void Refuse(std::size_t line, const std::string& reason) const;
-  const OptionInfo* InfoOf(const std::string& name) const;
+  bool IsOption(const std::string& name) const;
   std::string Problem(const std::string& name, const std::string& text) const;
   void CheckOption(const PictureOption& option) const;
   std::string FileNamed(const PictureOption& option) const;

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "image/image.h"
 #include "job/options.h"
+#include "job/picture.h"
 #include "scene/reader.h"
 
 namespace skywave {
@@ -51,9 +52,11 @@ std::uint64_t CountSamples(const BatchPlan& plan, const BatchPicture& picture,
                            const RenderSettings& settings) {
   std::vector<std::string> notes;
   try {
-    const RenderOptions options =
-        ResolveRequest(RequestOf(plan.path, picture.options).job, settings, notes).options;
-    return std::uint64_t(options.width) * std::uint64_t(options.height) * options.samples_per_pixel;
+    const PictureRequest request = RequestOf(plan.path, picture.options);
+    const RenderOptions options = ResolveRequest(request.job, settings, notes).options;
+    LayersForLimits(request.limits, options.integrator);
+    const SampleRange samples = ChooseSamples(request.limits, options.samples_per_pixel);
+    return std::uint64_t(options.width) * std::uint64_t(options.height) * samples.count();
   } catch (const OptionError& error) {
     throw AtOption(plan.path, picture.options, error);
   } catch (const InputError& error) {
@@ -82,7 +85,7 @@ void CheckOutputs(const BatchPlan& plan) {
   for (const std::string& folder : OutputFolders(plan)) CheckFolder(folder);
   const std::set<std::string> inputs = InputFiles(plan);
   for (const BatchPicture& picture : plan.pictures) {
-    for (const std::string& output : {picture.output, PngOf(picture.output)}) {
+    for (const std::string& output : {picture.output, PngBeside(picture.output)}) {
       std::error_code ignored;
       if (!std::filesystem::exists(output, ignored)) continue;
       if (std::filesystem::is_directory(output, ignored)) {
@@ -107,7 +110,7 @@ void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
                                       ReportName(plan, share, ".html")};
   for (const BatchPicture& picture : plan.pictures) {
     targets.push_back(picture.output);
-    targets.push_back(PngOf(picture.output));
+    targets.push_back(PngBeside(picture.output));
   }
   RemoveLeftovers(targets);
 }

@@ -23,7 +23,7 @@ void PrepareOutputs(const BatchPlan& plan, const BatchShare& share = {});
 
 struct DryRun {
   std::size_t scenes = 0, maps = 0;  // that were read
-  std::uint64_t samples = 0;         // of all pictures, all pixels
+  std::uint64_t samples = 0;         // of all pictures, all pixels, if no limit ends them
 };
 
 // Reads every scene and every map once, one after the other, and resolves the options of every

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/version.h"
+#include "job/picture.h"
 #include "measure/html.h"
 #include "measure/plot.h"
 
@@ -153,15 +154,18 @@ std::string Link(const BatchPlan& plan, const std::string& file, const std::stri
 std::string FigureOf(const BatchPlan& plan, const BatchPicture& picture,
                      const PictureResult& result, const Thumbnail& thumbnail,
                      const std::string& caption) {
-  const std::string png = PngOf(picture.output);
+  const std::string png = PngBeside(picture.output);
   std::string plate(ToString(result.status));
-  if (IsThere(result) && thumbnail.width > 0) {
-    plate =
-        fmt::format("<img width=\"{}\" height=\"{}\" loading=\"lazy\" alt=\"{}\" src=\"{}\">",
-                    thumbnail.width, thumbnail.height, EscapeXml(RelativeName(plan.folder, png)),
-                    DataAddress("image/jpeg", thumbnail.jpeg));
+  if (IsThere(result)) {
+    const std::string name = RelativeName(plan.folder, png);
+    plate = thumbnail.width > 0
+                ? fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">",
+                              thumbnail.width, thumbnail.height, EscapeXml(name),
+                              DataAddress("image/jpeg", thumbnail.jpeg))
+                : fmt::format("<img loading=\"lazy\" alt=\"{}\" src=\"{}\">", EscapeXml(name),
+                              FileAddress(name));
+    plate = Link(plan, png, plate);
   }
-  if (IsThere(result)) plate = Link(plan, png, plate);
   std::string figures;
   if (SecondsOf(result) > 0) figures = Seconds(SecondsOf(result));
   if (result.noise)

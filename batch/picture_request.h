@@ -1,5 +1,5 @@
-// What one picture of a batch asks for: the request of its job and the exposure of its PNG, made
-// from options by their names.
+// What one picture of a batch asks for: the request of its job, the limits of its render and the
+// exposure of its PNG, made from options by their names.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "job/exposure.h"
+#include "job/limits.h"
 #include "job/option.h"
 #include "job/request.h"
 
@@ -22,10 +23,11 @@ struct PictureOption {
 
 struct PictureRequest {
   JobRequest job;
+  RenderLimits limits;
   ExposureRequest exposure;
 };
 
-// Returns every option of a job and of the exposure, bound to `request`.
+// Returns every option of a job, of its limits and of the exposure, bound to `request`.
 std::vector<BoundOption> BindPictureOptions(const std::shared_ptr<PictureRequest>& request);
 
 // Returns the request of `options`. Throws InputError with the line of `path`, the job file, for a

@@ -280,10 +280,6 @@ BatchPlan ShareOf(BatchPlan plan, const BatchShare& share) {
   return plan;
 }
 
-std::string PngOf(const std::string& exr) {
-  return std::filesystem::path(exr).replace_extension(".png").string();
-}
-
 std::string RelativeName(const std::string& folder, const std::string& file) {
   const std::filesystem::path from = folder.empty() ? "." : folder;
   const std::filesystem::path to = std::filesystem::path(file).lexically_normal();

@@ -51,9 +51,6 @@ BatchPlan ReadBatchPlan(const std::string& path, const std::string& output_folde
 // Returns the plan with the pictures of a share alone.
 BatchPlan ShareOf(BatchPlan plan, const BatchShare& share);
 
-// Returns the PNG of a picture.
-std::string PngOf(const std::string& exr);
-
 // Returns the name of a file as files in `folder` refer to it.
 std::string RelativeName(const std::string& folder, const std::string& file);
 

@@ -1,6 +1,7 @@
 #include "batch/report.h"
 
 #include "base/version.h"
+#include "job/picture.h"
 
 namespace skywave {
 namespace {
@@ -8,7 +9,7 @@ namespace {
 // `output` is the name of the EXR that is told.
 nlohmann::ordered_json PictureJson(const BatchPicture& picture, const std::string& output) {
   nlohmann::ordered_json json = {
-      {"index", picture.index}, {"output", output}, {"png", PngOf(output)}};
+      {"index", picture.index}, {"output", output}, {"png", PngBeside(output)}};
   json["axes"] = nlohmann::ordered_json::object();
   for (const AxisValue& value : picture.axes) json["axes"][value.axis] = value.label;
   return json;

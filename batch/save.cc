@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "batch/page.h"
 #include "batch/report.h"
+#include "job/picture.h"
 
 namespace skywave {
 
@@ -11,8 +12,8 @@ void BatchFiles::Save(const BatchSummary& summary) {
   for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
     const PictureStatus status = summary.results[i].status;
     const bool there = status == PictureStatus::kRendered || status == PictureStatus::kSkipped;
-    if (there && thumbnails_[i].width == 0) {
-      thumbnails_[i] = MakeThumbnail(PngOf(plan_.pictures[i].output));
+    if (there && i < kMostThumbnails && thumbnails_[i].width == 0) {
+      thumbnails_[i] = MakeThumbnail(PngBeside(plan_.pictures[i].output));
     }
   }
   WriteFileAtomically(ReportName(plan_, share_, ".json"),

@@ -1,12 +1,15 @@
 // Small pictures for the page of a batch.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace skywave {
 
 // Longer side of a thumbnail [pixels].
 inline constexpr int kThumbnailSide = 160;
+// A page has so many thumbnails inside, some 25 MB; pictures beyond are shown from their files.
+inline constexpr std::size_t kMostThumbnails = 4000;
 
 struct Thumbnail {
   int width = 0, height = 0;  // 0: there is none

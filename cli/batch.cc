@@ -99,8 +99,11 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   CheckOutputs(plan);
   PrepareOutputs(plan, flags.only);
   const auto render = [&](const BatchPicture& picture, const BatchPicture*) {
-    return RenderAlone(plan, picture, [&](std::uint64_t total, const WatchedWork& work) {
-      ShowProgress(flags.quiet, total, work);
+    if (flags.quiet) return RenderAlone(plan, picture, nullptr);
+    ProgressDisplay display;
+    return RenderAlone(plan, picture, [&](double done) {
+      display.Show(done);
+      return true;
     });
   };
   BatchReporter reporter;

@@ -265,7 +265,7 @@ TEST_F(Plan, BadInputIsRefusedWithItsLine) {
       {start + "[axes]\nseed = { from = 0, to = 4, steps = 0 }\n", 6, {"steps"}},
       {start + "[axes]\nenv = \"skies/*.exr\"\n", 6, {"skies/*.exr"}},
       {start + "[axes]\nlook = [{ tone = \"clip\" }]\n", 6, {"look", "label"}},
-      {start + "[axes]\nlook = [{ label = \"a\", tine = 1 }]\n", 6, {"tine", "`tone`"}},
+      {start + "[axes]\nlook = [{ label = \"a\", tonee = 1 }]\n", 6, {"tonee", "`tone`"}},
       {start + "[axes]\nscene = [\"spheres\"]\n", 6, {"scene", "line 2"}},
       {start + "[axes]\nseed = [1]\na = [{ label = \"a\", seed = 2 }]\n", 7, {"seed", "line 6"}},
       {start + "[[zip]]\nseed = [1, 2]\nspp = [1, 2, 3]\n", 7, {"spp", "seed", "line 6"}},
