@@ -94,7 +94,8 @@ class BatchPage(unittest.TestCase):
         for address in page.addresses:
             if address.startswith("data:"):
                 continue
-            self.assertTrue((folder / urllib.parse.unquote(address)).is_file(), address)
+            path = urllib.parse.unquote(urllib.parse.urlsplit(address).path)
+            self.assertTrue((folder / path).is_file(), address)
         self.assertEqual(re.findall(r"(?:https?:)?//", re.sub(r"base64,[^\"]*", "", text)), [])
         for image in page.images:
             data = base64.b64decode(image["src"].partition("base64,")[2], validate=True)
