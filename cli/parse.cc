@@ -57,6 +57,7 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
                    },
                    Explanation(info))
                 ->expected(1)
+                ->allow_extra_args(false)
                 ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   added->type_name(info.positional ? "" : info.value_name)->group(group)->required(info.required);
