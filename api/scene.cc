@@ -113,7 +113,7 @@ Scene::Scene(const std::string& path, const Options& options) : state_(std::make
     const auto request = std::make_shared<JobRequest>();
     std::vector<BoundOption> bound;
     for (const JobOption& option : JobOptions()) {
-      if (IsReadOption(option)) bound.push_back(Bind(option, request));
+      if (option.of_reading) bound.push_back(Bind(option, request));
     }
     SetOptions(bound, options);
     const Clock::time_point start = Clock::now();

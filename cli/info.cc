@@ -288,7 +288,7 @@ Command InfoCommand() {
                      .run = [flags](const GivenOptions&) { return InfoMain(*flags); }};
   const std::shared_ptr<JobRequest> request(flags, &flags->request);
   for (const JobOption& option : JobOptions()) {
-    if (option.name == "scene" || IsReadOption(option)) {
+    if (option.name == "scene" || option.of_reading) {
       AddOptions(command, std::span(&option, 1), request);
     }
   }

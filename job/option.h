@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/names.h"
+#include "base/nearest_name.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
@@ -48,6 +49,7 @@ struct OptionInfo {
   char letter = 0;                     // one-letter form, 0: none
   bool positional = false, required = false;
   bool scene_may_set = false;                  // a scene file may give it; the option comes first
+  bool of_reading = false;  // it says how a scene is read; `skywave info` takes it as well
   bool in_suite = false;                       // `skywave bench` takes it for its suite of scenes
   int most_values = 1;                         // more than 1: a list, separated by spaces
   char delimiter = 0;                          // of a list in one word, 0: none
@@ -271,8 +273,5 @@ std::string Explanation(const OptionInfo& info);
 
 // The names of the integrators that an option applies to.
 std::vector<std::string> IntegratorsOf(const OptionInfo& info);
-
-// The name among `names` that is most like `name`; empty where none is near.
-std::string NearestName(std::string_view name, const std::vector<std::string_view>& names);
 
 }  // namespace skywave

@@ -261,10 +261,16 @@ std::vector<JobOption> MakeJobOptions() {
     Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
           FIELD(options.photons.alpha), Floats(0.01, 1)),
 
-    Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict"},
+    Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),
-    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000"},
+    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
           FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
+    Plain({.name = "frame", .group = kReading, .help = "number of the frame at which an animated scene is read, which may be a fraction", .scope = kPixels, .example = "moving.gltf --frame 12.5", .default_text = "without animation", .metavar = "N", .of_reading = true},
+          FIELD(read.frame), Doubles(-1e9, 1e9)),
+    Plain({.name = "fps", .group = kReading, .help = "frames in a second of animation", .scope = kPixels, .example = "moving.gltf --frame 15 --fps 30", .default_text = "24", .metavar = "R", .of_reading = true},
+          FIELD(read.fps), Doubles(1e-3, 1e6)),
+    Plain({.name = "animation", .group = kReading, .help = "the only animation that moves something: skywave info", .scope = kPixels, .example = "moving.gltf --animation slide --frame 12", .default_text = "all", .metavar = "NAME", .of_reading = true},
+          FIELD(read.animation), Texts("the name of an animation")),
     Plain({.name = "trust-input", .group = kReading, .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = kInput, .example = "--trust-input"},
           FIELD(environment.limits.trust_input), Switches()),
 
@@ -286,10 +292,6 @@ std::vector<JobOption> MakeJobOptions() {
 std::span<const JobOption> JobOptions() {
   static const std::vector<JobOption> options = MakeJobOptions();
   return options;
-}
-
-bool IsReadOption(const OptionInfo& option) {
-  return option.name == "strict" || option.name == "max-triangles";
 }
 
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
