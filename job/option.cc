@@ -106,6 +106,11 @@ Codec<bool> Switches() {
           .is_switch = true};
 }
 
+std::string Joined(const OptionInfo& option, const std::vector<std::string>& texts) {
+  const char separator = option.delimiter != 0 ? option.delimiter : ' ';
+  return fmt::format("{}", fmt::join(texts, std::string(1, separator)));
+}
+
 std::string NotAValue(const std::string& text, const std::string& values) {
   return fmt::format("'{}' is not {}", text, values);
 }

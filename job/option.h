@@ -48,11 +48,11 @@ struct OptionInfo {
   std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
   char letter = 0;                     // one-letter form, 0: none
   bool positional = false, required = false;
-  bool scene_may_set = false;                  // a scene file may give it; the option comes first
-  bool of_reading = false;  // it says how a scene is read; `skywave info` takes it as well
-  bool in_suite = false;                       // `skywave bench` takes it for its suite of scenes
-  int most_values = 1;                         // more than 1: a list, separated by spaces
-  char delimiter = 0;                          // of a list in one word, 0: none
+  bool scene_may_set = false;  // a scene file may give it; the option comes first
+  bool of_reading = false;     // it says how a scene is read; `skywave info` takes it as well
+  bool in_suite = false;       // `skywave bench` takes it for its suite of scenes
+  int most_values = 1;         // more than 1: a list, separated by spaces
+  char delimiter = 0;          // of a list in one word, 0: none
   std::string_view needs = {}, excludes = {};  // another option
   bool (*applies)(Integrator) = nullptr;       // null: to all integrators
 
@@ -172,6 +172,10 @@ struct IsVector : std::false_type {};
 template <class T>
 struct IsVector<std::vector<T>> : std::true_type {};
 
+// The text that SetOption takes for the values `texts`: a list joined by its delimiter or by
+// blanks.
+std::string Joined(const OptionInfo& option, const std::vector<std::string>& texts);
+
 // "'text' is not VALUES", as half a sentence of an error message.
 std::string NotAValue(const std::string& text, const std::string& values);
 
@@ -250,11 +254,7 @@ std::string CommandWords(const OptionOf<Request>& option, const Request& request
     return (texts.front() == "true" ? " --" : " --no-") + name;
   }
   if (option.delimiter != 0) {
-    std::string list;
-    for (const std::string& text : texts) {
-      list += (list.empty() ? std::string() : std::string(1, option.delimiter)) + text;
-    }
-    return " --" + name + " " + Quoted(list);
+    return " --" + name + " " + Quoted(Joined(option, texts));
   }
   // A value that begins with a dash would be taken for a flag.
   if (texts.size() == 1) {

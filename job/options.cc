@@ -20,8 +20,8 @@ namespace {
 
 constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixels,
                       kSpeed = OptionScope::kSpeed;
-constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera", kFilm = "Film",
-                           kPaths = "Paths",
+constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera",
+                           kMaterials = "Materials", kFilm = "Film", kPaths = "Paths",
                            kPhotons = "Photon mapping and vertex merging (photon, vcm)",
                            kReading = "Reading", kSpeedGroup = "Speed";
 
@@ -221,8 +221,15 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(camera.lens_radius), Floats(0, 1e12)),
     Plain({.name = "focal-distance", .group = kCamera, .help = "distance that is sharp", .scope = kPixels, .example = "--lens-radius 0.1 --focal-distance 2.25", .default_text = "the middle of the scene"},
           FIELD(camera.focal_distance), Floats(1e-12, 1e12)),
+    Plain({.name = "scene-camera", .group = kCamera, .help = "name of one of the scene's cameras: skywave info", .scope = kPixels, .example = "moving.gltf --scene-camera side", .default_text = "its first one", .metavar = "NAME"},
+          FIELD(camera.name), Texts("the name of a camera")),
+    Plain({.name = "orbit", .group = kCamera, .help = "turn of the camera about the up axis through --target or the middle of the scene, counter-clockwise seen from above, after all other changes", .scope = kPixels, .example = "--orbit 120.5", .default_text = "0", .metavar = "DEGREES"},
+          FIELD(camera.orbit_degrees), Floats(-1e6, 1e6)),
     Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene", .scope = kPixels, .example = "--ground"},
           FIELD(ground), Switches()),
+
+    Plain({.name = "material", .group = kMaterials, .help = "give the material NAME another BSDF with these parameters, or without a BSDF only other parameters (KEY=1 or KEY=0.8/0.2/0.1); several are separated by ;", .scope = kPixels, .example = "moving.gltf --material 'paint=conductor:alpha=0.2,reflectance=0.9/0.5/0.1;steel=:alpha=0.4'", .default_text = "the scene's", .metavar = "NAME=[BSDF][:KEY=VALUE,...]", .most_values = 1000, .delimiter = ';'},
+          FIELD(materials), Texts("NAME=[BSDF][:KEY=VALUE,...]")),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
           FIELD(crop), Crops()), ResolveCrop),
