@@ -45,6 +45,7 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
     // The list is one word; if the option is given several times, their lists are joined.
     added = app.add_option_function<std::vector<std::string>>(flags, take, Explanation(info))
                 ->expected(1)
+                ->allow_extra_args(false)
                 ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
                 ->delimiter(info.delimiter);
   } else if (info.most_values > 1) {
@@ -62,6 +63,7 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
                    },
                    Explanation(info))
                 ->expected(1)
+                ->allow_extra_args(false)
                 ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   added->type_name(info.positional ? "" : info.value_name)->group(group)->required(info.required);

@@ -194,15 +194,12 @@ TEST(GltfAnimation, MovesChildrenCamerasAndLights) {
 
 TEST(GltfAnimation, RotationsMayBeNormalizedIntegers) {
   GltfDocument document = TriangleDocument();
-  document.Animate(0, 0, "rotation", document.Add<float>({0, 1}, "SCALAR"),
-                   document.Add<std::int16_t>({0, 0, 0, 32767, 0, 0, 23170, 23170}, "VEC4", true));
+  const int times = document.Add<float>({0, 1}, "SCALAR");
+  const int turns = document.Add<std::int16_t>({0, 0, 0, 32767, 0, 0, 23170, 23170}, "VEC4", true);
+  document.Animate(0, 0, "rotation", times, turns);
   ExpectNear(VertexAt(document, 0.5), {5 + std::cos(kPi / 4), std::sin(kPi / 4), 0});
-  EXPECT_THROW(
-      {
-        document.json["accessors"].back()["normalized"] = false;
-        ReadAt(document, 0);
-      },
-      InputError);
+  document.json["accessors"][std::size_t(turns)]["normalized"] = false;
+  EXPECT_THROW(ReadAt(document, 0.5), InputError);
 }
 
 TEST(GltfAnimation, ValuesMayBeSparse) {
