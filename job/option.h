@@ -42,7 +42,8 @@ struct OptionInfo {
   std::string_view help;              // half a sentence
   OptionScope scope = OptionScope::kOutput;
   // Arguments that try the option on a scene of the tests, together with what it needs, e.g.
-  // "--split 2 --continuation-strategy uniform". An option that changes pixels has to have one.
+  // "--split 2 --continuation-strategy uniform", and behind the name of a scene where it needs
+  // another one. An option that changes pixels has to have one.
   std::string_view example = {};
   std::string_view default_text = {};  // where no field has a default value to print
   std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
