@@ -153,10 +153,10 @@ void AddKeptOptions(Command& command, const Options& options,
   for (std::size_t i = first; i < command.options.size(); ++i) {
     BoundOption& option = command.options[i];
     if (option.info.positional) continue;
-    const bool reads = IsReadOption(option.info);
-    option.set = [flags, reads, name = std::string(option.info.name),
+    const bool reads = option.info.of_reading;
+    option.set = [flags, reads, info = option.info,
                   set = option.set](const std::vector<std::string>& texts) {
-      (reads ? flags->read_options : flags->options).emplace_back(name, texts.back());
+      (reads ? flags->read_options : flags->options).emplace_back(info.name, Joined(info, texts));
       return set(texts);
     };
   }
