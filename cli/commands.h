@@ -9,6 +9,7 @@ namespace skywave {
 
 Command RenderCommand();
 Command BatchCommand();
+Command MergeCommand();
 Command InfoCommand();
 Command PathsCommand();
 Command CompareCommand();

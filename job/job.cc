@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "job/choose_camera.h"
 #include "job/environment.h"
+#include "job/material_changes.h"
 #include "job/options.h"
 #include "scene/reader.h"
 #include "scene/scene_hash.h"
@@ -108,6 +109,7 @@ void RenderJob::BuildOnThreads(Scene scene, const JobRequest& request) {
 void RenderJob::Build(Scene scene, const JobRequest& request) {
   notes_ = scene.warnings;
   request_ = ResolveRequest(request, scene.settings, notes_);
+  ChangeMaterials(request_.materials, scene);
   scene.up_axis = request.environment.up_axis.value_or(scene.up_axis);
   EnvironmentLight light;
   times_.load += Time([&] { light = LoadEnvironment(scene, request_, notes_); });
