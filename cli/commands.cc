@@ -3,7 +3,7 @@
 namespace skywave {
 
 std::vector<Command> AllCommands() {
-  return {RenderCommand(), BatchCommand(),   MergeCommand(),      InfoCommand(),
+  return {RenderCommand(), MergeCommand(),   BatchCommand(),      InfoCommand(),
           PathsCommand(),  CompareCommand(), StrategiesCommand(), ConvergeCommand(),
           BenchCommand(),  ProbeCommand(),   OptionsCommand()};
 }

@@ -8,8 +8,8 @@
 namespace skywave {
 
 Command RenderCommand();
-Command BatchCommand();
 Command MergeCommand();
+Command BatchCommand();
 Command InfoCommand();
 Command PathsCommand();
 Command CompareCommand();
