@@ -72,13 +72,17 @@ std::size_t BatchSummary::Count(PictureStatus status) const {
 
 double BatchSummary::render_seconds() const {
   double sum = 0;
-  for (const PictureResult& result : results) sum += result.render_seconds;
+  for (const PictureResult& result : results) {
+    if (result.status != PictureStatus::kPending) sum += result.render_seconds;
+  }
   return sum;
 }
 
 std::uint64_t BatchSummary::samples() const {
   std::uint64_t sum = 0;
-  for (const PictureResult& result : results) sum += result.samples;
+  for (const PictureResult& result : results) {
+    if (result.status != PictureStatus::kPending) sum += result.samples;
+  }
   return sum;
 }
 

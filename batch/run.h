@@ -49,8 +49,8 @@ struct BatchSummary {
   std::string stopped;  // why the batch ended before its last picture; empty: it did not
   int exit_code = 0;    // 0 if every picture is there
   std::size_t Count(PictureStatus status) const;
-  double render_seconds() const;  // sum over the pictures
-  std::uint64_t samples() const;  // sum over the pictures
+  double render_seconds() const;  // sum over the pictures that are begun
+  std::uint64_t samples() const;  // sum over the pictures that are begun
 };
 
 // Functions that are told how a batch goes; each may be empty.

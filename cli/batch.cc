@@ -114,7 +114,7 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   }
   BatchFiles files(plan, flags.only);
   reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };
-  const BatchSummary summary = RunBatch(plan, render, reporter);
+  const BatchSummary summary = files.WithEarlier(RunBatch(plan, render, reporter));
   if (!flags.quiet) fmt::print("{}", Text(ResultTable(plan, summary)));
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
     const PictureResult& result = summary.results[i];

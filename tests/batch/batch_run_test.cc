@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "batch/report.h"
+#include "batch/save.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/worker_pool.h"
 
@@ -82,6 +83,38 @@ TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
   };
   EXPECT_THROW(RunBatch(plan_, render, reporter), RenderCanceled);
   EXPECT_EQ(saved, 1u);
+}
+
+TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
+  std::filesystem::create_directory(folder_.Path("o"));
+  BatchSummary first;
+  for (const std::string hash : {"a", "b", "c", "d", ""}) {
+    first.results.push_back({.status = PictureStatus::kRendered,
+                             .render_seconds = 2,
+                             .samples = 10,
+                             .noise = 0.5,
+                             .hash = hash});
+  }
+  BatchFiles(plan_, {}).Save(first);
+
+  BatchSummary second;
+  second.results.resize(5);
+  second.results[0] = {.status = PictureStatus::kSkipped, .hash = "a"};
+  second.results[1] = {.status = PictureStatus::kSkipped, .hash = "other"};
+  second.results[2] = {.status = PictureStatus::kRendered, .render_seconds = 7, .hash = "c"};
+  const BatchFiles files(plan_, {});
+  const BatchSummary told = files.WithEarlier(second);
+  EXPECT_EQ(told.results[0].status, PictureStatus::kSkipped);
+  EXPECT_EQ(told.results[0].render_seconds, 2);
+  EXPECT_EQ(told.results[0].noise, 0.5);
+  EXPECT_EQ(told.results[1].render_seconds, 0);
+  EXPECT_EQ(told.results[2].render_seconds, 7);
+  EXPECT_EQ(told.results[3].status, PictureStatus::kPending);
+  EXPECT_EQ(told.results[3].hash, "d");
+  EXPECT_EQ(told.samples(), 10u);
+
+  folder_.Write("o/job.batch.json", "{\"schema\": \"skywave-batch-1\", \"pictures\": [7]}");
+  EXPECT_EQ(BatchFiles(plan_, {}).WithEarlier(second).results[0].render_seconds, 0);
 }
 
 }  // namespace
