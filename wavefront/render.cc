@@ -1,6 +1,5 @@
 #include "wavefront/render.h"
 
-#include <tbb/task_arena.h>
 #include <time.h>
 
 #include <algorithm>
@@ -71,8 +70,6 @@ void RenderTiles(const FrameView& frame, WorkerPool& pool, Film& film, Progress*
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
   Describe(frame.options.integrator).render_wave(frame, range, worker, film);
 }
-
-int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
 
 std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
                            std::uint32_t samples_per_pixel, std::uint32_t wave) {

@@ -46,9 +46,6 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render);
 
-// Returns the number of threads that the process may use, for which `threads` = 0 stands.
-int AvailableThreads();
-
 // Returns the tiles of a film in the order in which they are begun. They are large enough for a
 // tile to fill several waves, if that is possible, and small enough to be shared out evenly.
 std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,

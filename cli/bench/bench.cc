@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/granted.h"
 #include "base/version.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
@@ -133,8 +134,7 @@ int BenchSuite(const BenchFlags& flags) {
           : flags.repetitions.value_or(flags.full ? kFullRepetitions : kQuickRepetitions);
   settings.replay = !flags.counters && !flags.renders_only;
   if (settings.replay) {
-    const int threads = flags.request.options.threads;
-    settings.thread_counts = ScalingThreads(threads > 0 ? threads : AvailableThreads());
+    settings.thread_counts = ScalingThreads(ThreadsFor(flags.request.options.threads));
   }
   SuiteReport report = {.full = flags.full,
                         .machine = DescribeMachine(flags.request.embree_config),

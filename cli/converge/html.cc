@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/granted.h"
 #include "base/version.h"
 #include "cli/converge/report.h"
 
@@ -87,7 +88,7 @@ std::string Html(const ConvergeReport& report, const ToneMapping& tone) {
       "<p>{2} x {3} pixels, {4} threads, {5} runs each; skywave {6}.<br>\n"
       "<code>{7}</code></p>\n",
       EscapeXml(report.scene), kStyle, options.width, options.height,
-      options.threads > 0 ? options.threads : AvailableThreads(), report.settings.repeats,
+      ThreadsFor(options.threads), report.settings.repeats,
       Version(), EscapeXml(report.command));
   for (const std::string& warning : report.warnings) {
     page += fmt::format("<p class=\"warning\">{}</p>\n", EscapeXml(warning));
