@@ -115,6 +115,10 @@ Renderer::~Renderer() = default;
 
 int Renderer::width() const { return state_->job->options().width; }
 int Renderer::height() const { return state_->job->options().height; }
+std::uint64_t Renderer::samples() const {
+  const RenderOptions& options = state_->job->options();
+  return std::uint64_t(options.width) * std::uint64_t(options.height) * options.samples_per_pixel;
+}
 const std::vector<Layer>& Renderer::layers() const { return state_->layers; }
 const std::vector<std::string>& Renderer::notes() const { return state_->notes; }
 
@@ -126,7 +130,7 @@ void Renderer::Render(const ProgressCallback& progress) {
     Film film = state.job->MakeFilm();
     const RenderOptions& options = state.job->options();
     Watch(
-        std::uint64_t(options.width) * std::uint64_t(options.height) * options.samples_per_pixel,
+        samples(),
         [&](Progress& done) { state.frame = RenderFrame(state.job->frame(), film, &done); },
         progress);
     state.channels = film.ResolveAovs(options.samples_per_pixel);

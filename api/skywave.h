@@ -194,6 +194,7 @@ class SKYWAVE_API Renderer {
 
   int width() const;  // of the picture, or of its part that "crop" asks for [pixels]
   int height() const;
+  std::uint64_t samples() const;  // of the whole picture
   // Returns a line for each thing that was assumed, repaired or left out.
   const std::vector<std::string>& notes() const;
 

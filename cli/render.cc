@@ -23,7 +23,7 @@ struct RenderFlags {
   api::Options read_options, options;  // as given, for the library
   std::string output;
   std::string stats;
-  bool quiet = false;
+  ProgressFlags progress;
 };
 
 std::string PngPath(const std::string& exr) {
@@ -38,8 +38,9 @@ std::vector<OptionOf<RenderFlags>> OutputOptions() {
   // clang-format off
   return {
     option({.name = "output", .help = "EXR file; the PNG has the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
-    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
     option({.name = "stats", .group = "Output", .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
+    ProgressOption<RenderFlags>(),
   };
   // clang-format on
 }
@@ -67,21 +68,24 @@ int RenderMain(RenderFlags& flags) {
   }
   CheckOutputs(flags);
   api::Renderer renderer(api::Scene(flags.request.scene, flags.read_options), flags.options);
-  if (flags.quiet) {
+  if (flags.progress.quiet) {
     renderer.Render();
   } else {
     PrintNotes(renderer.notes());
-    ProgressDisplay display;
+    ProgressDisplay display(flags.progress);
+    display.Begin("", renderer.samples());
     renderer.Render([&](double done) {
       display.Show(done);
       return true;
     });
+    display.End();
   }
   const std::string png = PngPath(flags.output);
   renderer.WriteExr(flags.output);
   renderer.WritePng(png);
   if (!flags.stats.empty()) WriteFileAtomically(flags.stats, renderer.Statistics());
-  if (!flags.quiet) fmt::print("{}wrote {} and {}\n", renderer.Summary(), flags.output, png);
+  if (!flags.progress.quiet)
+    fmt::print("{}wrote {} and {}\n", renderer.Summary(), flags.output, png);
   return 0;
 }
 
@@ -138,7 +142,9 @@ Command RenderCommand() {
           "  skywave render three-spheres --integrator vcm --spp 256\n"
           "  skywave render room --integrator bdpt --guide\n"
           "  skywave render gallery --aovs albedo,normal,depth -o gallery.exr",
-      .run = [flags](const GivenOptions&) { return RenderMain(*flags); }};
+      .run = [flags](const GivenOptions&) {
+        return TellFailures(flags->progress, [&] { return RenderMain(*flags); });
+      }};
   AddKeptOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), flags);
   AddOptions(command, OutputOptions(), flags);
   AddKeptOptions(command, ExposureOptions(),
