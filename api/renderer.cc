@@ -34,29 +34,6 @@ void CheckSize(std::span<float> values, std::size_t needed, const std::string& n
           fmt::format("has room for {} floats, and {} are needed", values.size(), needed));
 }
 
-// Returns the command that repeats the picture and its PNG. It has nothing that changes from run to
-// run.
-std::string RepeatCommand(const Renderer::State& state) {
-  static const ExposureRequest defaults;
-  std::string text = "skywave render" + PictureOptions(state.job->request());
-  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
-    if (option.get(state.exposure) != option.get(defaults)) {
-      text += CommandWords(option, state.exposure);
-    }
-  }
-  return text;
-}
-
-Metadata Provenance(const Renderer::State& state) {
-  const RenderJob& job = *state.job;
-  Metadata metadata = {{"software", fmt::format("skywave {}", skywave::Version())},
-                       {"samples", fmt::format("{}", job.options().samples_per_pixel)},
-                       {"seed", fmt::format("{}", job.options().seed)},
-                       {"sceneHash", fmt::format("{:016x}", job.scene_hash())}};
-  if (state.repeatable) metadata.emplace_back("command", RepeatCommand(state));
-  return metadata;
-}
-
 // Returns the notes of the job and of the exposure.
 std::vector<std::string> Notes(const Renderer::State& state) {
   std::vector<std::string> notes = state.job->notes();
@@ -69,7 +46,15 @@ std::vector<std::string> Notes(const Renderer::State& state) {
 }
 
 RenderReport Report(const Renderer::State& state) {
-  return {.job = &*state.job, .frame = state.frame, .write_seconds = state.write_seconds};
+  return {
+      .job = &*state.job, .frame = state.finished().frame, .write_seconds = state.write_seconds};
+}
+
+// Returns the picture of `film`, whose samples are those of `part` or, while it is rendered, fewer.
+Picture PictureOf(const Renderer::State& state, const Film& film, const SampleCounts& samples,
+                  const PicturePart& part) {
+  return ResolvePicture(film, samples, state.job->options().aovs, state.identity, part,
+                        Tone(state.exposure));
 }
 
 }  // namespace
@@ -98,13 +83,20 @@ Renderer::Renderer(Scene scene, const Options& options) : state_(std::make_uniqu
     const auto request = std::make_shared<JobRequest>();
     const auto exposure = std::make_shared<ExposureRequest>();
     std::vector<BoundOption> bound = BindJobOptions(request);
+    const auto limits = std::make_shared<RenderLimits>();
     for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
       bound.push_back(Bind(option, exposure));
     }
+    for (const OptionOf<RenderLimits>& option : LimitOptions()) {
+      bound.push_back(Bind(option, limits));
+    }
     SetOptions(bound, options);
     state_->exposure = *exposure;
-    state_->repeatable = !scene.state().changed;
+    state_->limits = *limits;
+    const bool repeatable = !scene.state().changed;
     state_->job.emplace(MakeJob(std::move(scene.state()), *request));
+    state_->identity = IdentityOf(*state_->job, *exposure, repeatable);
+    ChooseSamples(*limits, state_->identity.samples);
     state_->notes = Notes(*state_);
   });
 }
@@ -117,41 +109,62 @@ int Renderer::width() const { return state_->job->options().width; }
 int Renderer::height() const { return state_->job->options().height; }
 std::uint64_t Renderer::samples() const {
   const RenderOptions& options = state_->job->options();
-  return std::uint64_t(options.width) * std::uint64_t(options.height) * options.samples_per_pixel;
+  return std::uint64_t(options.width) * std::uint64_t(options.height) *
+         ChooseSamples(state_->limits, state_->identity.samples).count();
 }
 const std::vector<Layer>& Renderer::layers() const { return state_->layers; }
 const std::vector<std::string>& Renderer::notes() const { return state_->notes; }
 
 void Renderer::Render(const ProgressCallback& progress) {
+  Render(RenderControl{.progress = progress});
+}
+
+void Renderer::Render(const RenderControl& control) {
   State& state = *state_;
-  state.picture.reset();
+  state.rendered.reset();
   state.write_seconds = 0;
   Translated([&] {
-    Film film = state.job->MakeFilm();
-    const RenderOptions& options = state.job->options();
-    Watch(
-        samples(),
-        [&](Progress& done) { state.frame = RenderFrame(state.job->frame(), film, &done); },
-        progress);
-    state.channels = film.ResolveAovs(options.samples_per_pixel);
-    state.layers = LayersOf(state.channels);
-    state.picture = film.Resolve(options.samples_per_pixel);
+    std::string snapshot;  // the name that was asked for last
+    SessionRequest request = {.limits = state.limits,
+                              .checkpoint = {.path = control.checkpoint,
+                                             .seconds = control.checkpoint_seconds,
+                                             .resume = control.resume},
+                              .tell = control.progress};
+    if (control.snapshot) {
+      request.wants_snapshot = [&] {
+        snapshot = control.snapshot();
+        return !snapshot.empty();
+      };
+      request.show = [&](const Film& film, const SampleCounts& samples) {
+        const PicturePart part =
+            PartOf(*state.job, ChooseSamples(state.limits, state.identity.samples));
+        const Picture picture = PictureOf(state, film, samples, part);
+        skywave::WriteExr(snapshot, picture);
+        skywave::WritePng(PngBeside(snapshot), picture);
+      };
+    }
+    RenderedFilm rendered = RunSession(*state.job, state.identity, request);
+    state.picture = PictureOf(state, rendered.film, rendered.part.samples.count(), rendered.part);
+    state.layers = LayersOf(state.picture.layers);
+    state.rendered = std::move(rendered);
   });
 }
 
-const skywave::Image& Renderer::State::finished() const {
-  Require(picture.has_value(), "Renderer", "there is no picture yet; call Render first");
-  return *picture;
+const RenderedFilm& Renderer::State::finished() const {
+  Require(rendered.has_value(), "Renderer", "there is no picture yet; call Render first");
+  return *rendered;
 }
 
 void Renderer::CopyPicture(std::span<float> rgb) const {
-  const std::vector<float>& picture = state_->finished().rgb;
+  state_->finished();
+  const std::vector<float>& picture = state_->picture.image.rgb;
   CheckSize(rgb, picture.size(), "rgb");
   std::copy(picture.begin(), picture.end(), rgb.begin());
 }
 
 void Renderer::CopyLayer(const std::string& name, std::span<float> values) const {
-  const std::size_t pixels = state_->finished().rgb.size() / 3;
+  state_->finished();
+  const std::size_t pixels = state_->picture.image.rgb.size() / 3;
   const auto layer = std::find_if(state_->layers.begin(), state_->layers.end(),
                                   [&](const Layer& candidate) { return candidate.name == name; });
   Require(layer != state_->layers.end(), "layer",
@@ -161,7 +174,7 @@ void Renderer::CopyLayer(const std::string& name, std::span<float> values) const
   for (std::size_t c = 0; c < channels; ++c) {
     const std::string wanted = name + '.' + layer->channels[c];
     const auto channel =
-        std::find_if(state_->channels.begin(), state_->channels.end(),
+        std::find_if(state_->picture.layers.begin(), state_->picture.layers.end(),
                      [&](const NamedChannel& candidate) { return candidate.name == wanted; });
     for (std::size_t i = 0; i < pixels; ++i) values[i * channels + c] = channel->values[i];
   }
@@ -183,27 +196,35 @@ std::string Renderer::Summary() const {
 
 void Renderer::WriteExr(const std::string& path) const {
   Translated([&] {
+    state_->finished();
     const Clock::time_point start = Clock::now();
-    skywave::WriteExr(path, state_->finished(), Provenance(*state_), state_->channels);
+    skywave::WriteExr(path, state_->picture);
+    state_->write_seconds += SecondsSince(start);
+  });
+}
+
+void Renderer::WriteFilm(const std::string& path) const {
+  Translated([&] {
+    const RenderedFilm& rendered = state_->finished();
+    const Clock::time_point start = Clock::now();
+    skywave::WriteFilm(path, state_->identity, state_->job->options().aovs, rendered);
     state_->write_seconds += SecondsSince(start);
   });
 }
 
 void Renderer::WritePng(const std::string& path) const {
   Translated([&] {
+    state_->finished();
     const Clock::time_point start = Clock::now();
-    const skywave::Image& picture = state_->finished();
-    skywave::WritePng(path, picture.width, picture.height,
-                      ToneMap(picture, Tone(state_->exposure)));
+    skywave::WritePng(path, state_->picture);
     state_->write_seconds += SecondsSince(start);
   });
 }
 
 std::string Renderer::EncodePng() const {
   return Translated([&] {
-    const skywave::Image& picture = state_->finished();
-    return skywave::EncodePng(picture.width, picture.height,
-                              ToneMap(picture, Tone(state_->exposure)));
+    state_->finished();
+    return skywave::EncodePng(state_->picture);
   });
 }
 

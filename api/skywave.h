@@ -114,6 +114,19 @@ using Vector = std::array<float, 3>;
 // exception if it throws.
 using ProgressCallback = std::function<bool(double done)>;
 
+// What happens while a picture is rendered.
+struct RenderControl {
+  ProgressCallback progress = {};
+  // A file that keeps what has been rendered if Render ends early, and, if `checkpoint_seconds` is
+  // not 0, as often as that. It stays until the caller removes it. Empty: there is none.
+  std::string checkpoint = {};
+  double checkpoint_seconds = 0;
+  bool resume = false;  // go on from that file, if it exists, to the same bytes
+  // Asked as often as `progress` is called. If it returns the name of an EXR, the picture as it is
+  // then is written there, and to a PNG of the same name.
+  std::function<std::string()> snapshot = {};
+};
+
 // Triangles, materials, textures, lights and a camera. Material 0 always exists; that of an empty
 // scene is grey and diffuse.
 class SKYWAVE_API Scene {
@@ -200,6 +213,7 @@ class SKYWAVE_API Renderer {
 
   // Renders the picture with the number of threads that the option "threads" gives.
   void Render(const ProgressCallback& progress = {});
+  void Render(const RenderControl& control);
 
   // All of the following need a complete Render.
 
@@ -216,6 +230,9 @@ class SKYWAVE_API Renderer {
   // Writes the picture and its layers, with the command that repeats them if the scene was not
   // changed after it had been read. A file that exists is replaced.
   void WriteExr(const std::string& path) const;
+  // Writes the sums of the film, to be added to those of other parts of the same picture by
+  // `skywave merge`. A file that exists is replaced.
+  void WriteFilm(const std::string& path) const;
   // Writes 8-bit sRGB, exposed and tone-mapped as the options say.
   void WritePng(const std::string& path) const;
   // Returns the bytes that WritePng writes.

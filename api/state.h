@@ -7,9 +7,11 @@
 
 #include "job/exposure.h"
 #include "job/job.h"
+#include "job/limits.h"
+#include "job/picture.h"
+#include "job/session.h"
 #include "scene/scene.h"
 #include "skywave/skywave.h"
-#include "wavefront/render.h"
 
 namespace skywave::api {
 
@@ -27,18 +29,18 @@ struct Scene::State {
 
 struct Renderer::State {
   ExposureRequest exposure;
-  bool repeatable = true;  // a command makes the same picture
+  RenderLimits limits;
   std::optional<RenderJob> job;
+  PictureIdentity identity;
   std::vector<std::string> notes;
   // These are set once rendering is complete.
-  std::optional<skywave::Image> picture;
-  std::vector<NamedChannel> channels;
+  std::optional<RenderedFilm> rendered;
+  Picture picture;
   std::vector<Layer> layers;
-  FrameResult frame;
   double write_seconds = 0;
 
-  // Returns the picture. Throws Error if there is none.
-  const skywave::Image& finished() const;
+  // Throws Error if there is no picture.
+  const RenderedFilm& finished() const;
 };
 
 // Returns the options of a job, except for those of its scene, bound to `request`.

@@ -53,7 +53,7 @@ Image RenderTechnique(const RenderJob& job, const std::optional<SubpathLengths>&
   frame.options.subpath_lengths = lengths;
   frame.options.mis = weighted;
   Film film = job.MakeFilm();
-  RenderFrame(frame, film, &done);
+  RenderFrame(frame, film, {.progress = &done});
   return film.Resolve(frame.options.samples_per_pixel);
 }
 

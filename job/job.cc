@@ -135,6 +135,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   // For the hash the light is part of the scene; for the strategy it is a map.
   scene.environments = {std::move(light)};
   scene_hash_ = SceneHash(scene);
+  map_hash_ = MapHash(*scene.environments[0].map);
   map_ = {.latlong = std::move(*scene.environments[0].map),
           .map_from_world = Rows(scene.environments[0].world_from_map)};
   times_.tables = Time([&] { BuildStrategies(); });
@@ -245,14 +246,18 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   return strategy;
 }
 
-Film RenderJob::MakeFilm(Integrator integrator) const {
+Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {
   const FilmArea area = {
       int(camera_.width),
       int(camera_.height),
       {options().crop_x - int(camera_.first_column), options().crop_y - int(camera_.first_row),
        options().width, options().height}};
-  return Film(area, brightest_, options().aovs, world_extent_, Describe(integrator).has_splats,
-              light_groups_.names);
+  return Film({.area = area,
+               .brightest_radiance = brightest_,
+               .aovs = options().aovs | layers,
+               .world_extent = world_extent_,
+               .shared = Describe(integrator).has_splats,
+               .light_groups = light_groups_.names});
 }
 
 }  // namespace skywave

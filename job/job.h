@@ -30,11 +30,12 @@ class RenderJob {
   RenderJob(Scene scene, const JobRequest& request, double load_seconds = 0);
 
   FrameView frame() const { return frame(options().integrator, *strategy_); }
-  Film MakeFilm() const { return MakeFilm(options().integrator); }
+  // The film keeps `layers` in addition to those of the options.
+  Film MakeFilm(AovSet layers = 0) const { return MakeFilm(options().integrator, layers); }
   // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy
   // for it. Where light paths start, that strategy or the job's can emit (CanEmit).
   FrameView frame(Integrator integrator, const EnvStrategy& strategy) const;
-  Film MakeFilm(Integrator integrator) const;
+  Film MakeFilm(Integrator integrator, AovSet layers = 0) const;
   // A strategy for the same map; it must not outlive the job. Throws InputError like the
   // constructor where it is not made for these options and `integrator`, or that not for the scene.
   std::unique_ptr<EnvStrategy> MakeOtherStrategy(const std::string& specification,
@@ -47,6 +48,7 @@ class RenderJob {
   const LocalLights& local_lights() const { return local_lights_; }
   const JobTimes& times() const { return times_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
+  std::uint64_t map_hash() const { return map_hash_; }  // of the illumination map alone
   // What was not understood, repaired or assumed; one line each, for the user.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -72,7 +74,7 @@ class RenderJob {
   SceneSphere sphere_;
   float brightest_ = 0;     // channel of map and local lights [scene radiance]
   float world_extent_ = 0;  // no point that the camera sees is farther from it or from the origin
-  std::uint64_t scene_hash_ = 0;
+  std::uint64_t scene_hash_ = 0, map_hash_ = 0;
   JobTimes times_;
   std::vector<std::string> notes_;
 };

@@ -304,19 +304,30 @@ JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
   return request;
 }
 
-std::string PictureOptions(const JobRequest& resolved, std::span<const std::string_view> without) {
+std::vector<RecordedOption> RecordedOptions(const JobRequest& resolved) {
   const Integrator integrator = resolved.integrator.value_or(resolved.options.integrator);
   static const JobRequest defaults;
-  std::string words;
+  std::vector<RecordedOption> recorded;
   for (const JobOption& option : JobOptions()) {
-    const bool asked_for =
-        std::find(without.begin(), without.end(), option.name) == without.end() &&
-        (option.applies == nullptr || option.applies(integrator));
+    const bool applies = option.applies == nullptr || option.applies(integrator);
     // What changes pixels is told even where it has its default, which may change one day.
     const bool decides =
         option.scope == OptionScope::kPixels ||
         (option.scope == OptionScope::kInput && option.get(resolved) != option.get(defaults));
-    if (asked_for && decides) words += CommandWords(option, resolved);
+    if (!applies || !decides) continue;
+    recorded.push_back({.name = std::string(option.name),
+                        .words = CommandWords(option, resolved),
+                        .is_input = option.scope == OptionScope::kInput});
+  }
+  return recorded;
+}
+
+std::string PictureOptions(const JobRequest& resolved, std::span<const std::string_view> without) {
+  std::string words;
+  for (const RecordedOption& option : RecordedOptions(resolved)) {
+    if (std::find(without.begin(), without.end(), option.name) == without.end()) {
+      words += option.words;
+    }
   }
   return words;
 }

@@ -32,8 +32,17 @@ bool IsReadOption(const OptionInfo& option);
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
                           std::vector<std::string>& notes);
 
-// The options of a resolved request that decide the picture, as words of a command, each with a
-// blank before it. Those named in `without` are left out.
+// An option as a picture records it.
+struct RecordedOption {
+  std::string name;
+  std::string words;  // of a command, with a blank before each; may be empty
+  bool is_input;      // names a file or how it is read: the same picture may come from another name
+};
+
+// The options of a resolved request that decide the picture, in the order of the table.
+std::vector<RecordedOption> RecordedOptions(const JobRequest& resolved);
+
+// The same as the words of a command. Those named in `without` are left out.
 std::string PictureOptions(const JobRequest& resolved,
                            std::span<const std::string_view> without = {});
 

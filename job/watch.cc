@@ -9,6 +9,10 @@ namespace skywave {
 
 void Watch(std::uint64_t total, const WatchedWork& work, const Teller& tell) {
   Progress progress;
+  Watch(progress, total, work, tell);
+}
+
+void Watch(Progress& progress, std::uint64_t total, const WatchedWork& work, const Teller& tell) {
   if (!tell) return work(progress);
   std::future<void> end = std::async(std::launch::async, [&] { work(progress); });
   std::exception_ptr failure;

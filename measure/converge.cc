@@ -14,7 +14,7 @@ Image Render(FrameView frame, const RenderJob& job, std::uint32_t samples, std::
   frame.options.samples_per_pixel = samples;
   frame.options.seed = seed;
   Film film = job.MakeFilm(frame.options.integrator);
-  const FrameResult result = RenderFrame(frame, film, progress);
+  const FrameResult result = RenderFrame(frame, film, {.progress = progress});
   if (seconds != nullptr) *seconds = result.seconds;
   return film.Resolve(samples);
 }

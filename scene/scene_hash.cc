@@ -102,4 +102,10 @@ std::uint64_t SceneHash(const Scene& scene) {
   return hash.value();
 }
 
+std::uint64_t MapHash(const Image& map) {
+  Hash hash;
+  AddImage(map, hash);
+  return hash.value();
+}
+
 }  // namespace skywave

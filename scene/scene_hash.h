@@ -11,4 +11,7 @@ namespace skywave {
 // lights. Two scenes with the same hash give the same picture for the same settings.
 std::uint64_t SceneHash(const Scene& scene);
 
+// Returns a hash of the radiance of an illumination map.
+std::uint64_t MapHash(const Image& map);
+
 }  // namespace skywave

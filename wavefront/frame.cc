@@ -36,6 +36,14 @@ void Copy(const glm::vec3& from, float* to) {
 
 }  // namespace
 
+SampleRange SamplesOf(const RenderOptions& options) {
+  return {options.first_sample, options.first_sample + options.samples_per_pixel};
+}
+
+SampleRange PictureSamples(const RenderOptions& options) {
+  return options.picture_samples.count() > 0 ? options.picture_samples : SamplesOf(options);
+}
+
 FrameView FrameView::of_continuations() const {
   FrameView frame = *this;
   frame.options.split = 0;

@@ -31,6 +31,13 @@ struct EmissionGuide;
 struct LightGroups;
 struct PhotonMaps;
 
+// Samples [first, end) of every pixel.
+struct SampleRange {
+  std::uint32_t first = 0, end = 0;
+  std::uint32_t count() const { return end - first; }
+  friend bool operator==(const SampleRange&, const SampleRange&) = default;
+};
+
 // Options of photon mapping and of vertex connection and merging, whose light vertices count as
 // indirect photons. As in pbrt, the counts are those of stored photons.
 struct PhotonOptions {
@@ -53,7 +60,10 @@ struct RenderOptions {
   int crop_x = 0, crop_y = 0;           // the picture's top left corner in the film
   Integrator integrator = Integrator::kPath;
   std::uint32_t samples_per_pixel = 64;
-  std::uint32_t first_sample = 0;   // samples [first_sample, first_sample + samples_per_pixel)
+  std::uint32_t first_sample = 0;  // samples [first_sample, first_sample + samples_per_pixel)
+  // The samples of the whole picture, whose passes of photons are those of its parts too; empty:
+  // these are all.
+  SampleRange picture_samples;
   std::uint32_t max_depth = 5;      // surfaces at which a path scatters
   std::uint32_t light_samples = 1;  // per hit (LightSamples); paths that split: per first hit
   std::uint32_t split = 0;          // continuations of a path; 0: paths do not split
@@ -70,6 +80,10 @@ struct RenderOptions {
   bool guide = false;
   PhotonOptions photons;
 };
+
+// Returns the samples that are rendered, and those of the whole picture that they are a part of.
+SampleRange SamplesOf(const RenderOptions& options);
+SampleRange PictureSamples(const RenderOptions& options);
 
 // The light samples of a surface are those that the strategy plans. Each drawn sample goes to a
 // local light or to the strategy, as `local` decides. If the strategy draws none, there are drawn

@@ -60,10 +60,10 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
 
 // Refuses passes without samples, and more photons than there is memory for.
 void CheckPasses(const RenderOptions& options) {
-  if (options.photons.passes > options.samples_per_pixel) {
+  if (options.photons.passes > PictureSamples(options).count()) {
     throw OptionError("progressive", fmt::format("{}", options.photons.passes),
                       fmt::format("each pass needs a sample a pixel, and `spp` is {}",
-                                  options.samples_per_pixel));
+                                  PictureSamples(options).count()));
   }
   CheckPhotonMemory(options,
                     std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE)));
@@ -72,7 +72,7 @@ void CheckPasses(const RenderOptions& options) {
 // Returns how many light vertices a pass has at most: options.photons.indirect, or all that its
 // light paths could leave.
 std::uint64_t MostVertices(const RenderOptions& options) {
-  const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
+  const std::uint64_t samples = PictureSamples(options).count() / PhotonPasses(options).size();
   const CropWindow film =
       WholeBlocks({options.crop_x, options.crop_y, options.width, options.height});
   const std::uint64_t paths = std::uint64_t(film.width) * std::uint64_t(film.height) * samples;

@@ -3,7 +3,9 @@
 #include <time.h>
 
 #include <algorithm>
+#include <cmath>
 #include <new>
+#include <numeric>
 
 #include "base/clock.h"
 #include "wavefront/guiding/emission_guide.h"
@@ -14,17 +16,24 @@
 namespace skywave {
 namespace {
 
-void RenderTile(const FrameView& frame, const Tile& tile, const WorkerPool& pool, Worker& worker,
-                Film& film) {
-  const std::uint64_t total =
-      std::uint64_t(tile.width) * tile.height * frame.options.samples_per_pixel;
-  for (std::uint64_t first = 0; first < total; first += frame.options.wave) {
+std::uint64_t RowsOf(const Tile& tile, const SampleRange& step) {
+  return std::uint64_t(tile.width) * tile.height * step.count();
+}
+
+// Renders the rows of `tile` from `rows` on, which tells after each wave how far the tile has come.
+// Returns early if the render is to pause.
+void RenderTile(const FrameView& frame, const Tile& tile, std::uint64_t total,
+                const WorkerPool& pool, const Progress* progress, Worker& worker, Film& film,
+                std::uint64_t& rows) {
+  while (rows < total) {
     pool.CheckCanceled();
+    if (progress != nullptr && progress->pause) return;
     const WaveRange range = {
         .tile = tile,
-        .first = first,
-        .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - first))};
+        .first = rows,
+        .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - rows))};
     RenderWave(frame, range, worker, film);
+    rows += range.count;
   }
 }
 
@@ -35,8 +44,8 @@ double ProcessorSeconds() {
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
-// Returns how many samples of a tile are in the picture.
-std::uint64_t CountSamples(const FrameView& frame, const Tile& tile) {
+// Returns how many pixels of a tile are in the picture.
+std::uint64_t CountPixels(const FrameView& frame, const Tile& tile) {
   const RenderOptions& options = frame.options;
   const auto overlap = [](std::uint32_t begin, std::uint32_t count, std::int64_t picture,
                           int side) {
@@ -47,22 +56,81 @@ std::uint64_t CountSamples(const FrameView& frame, const Tile& tile) {
   return overlap(tile.x, tile.width, options.crop_x - std::int64_t{frame.camera.first_column},
                  options.width) *
          overlap(tile.y, tile.height, options.crop_y - std::int64_t{frame.camera.first_row},
-                 options.height) *
-         options.samples_per_pixel;
+                 options.height);
 }
 
-void RenderTiles(const FrameView& frame, WorkerPool& pool, Film& film, Progress* progress) {
-  const RenderOptions& options = frame.options;
+// Returns the frame with the samples of `range` alone.
+FrameView WithSamples(const FrameView& frame, const SampleRange& range) {
+  FrameView view = frame;
+  view.options.first_sample = range.first;
+  view.options.samples_per_pixel = range.count();
+  return view;
+}
+
+// Renders what is missing of the step that `state` tells of.
+void RenderStep(const FrameView& frame, WorkerPool& pool, Film& film, RenderState& state,
+                const RenderControl& control) {
+  const FrameView of_step = WithSamples(frame, state.step);
   const std::vector<Tile> tiles =
-      CutTiles(frame.camera.width, frame.camera.height, options.samples_per_pixel, options.wave);
-  pool.ForEach(tiles.size(), [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
-    FrameView view = frame;
+      CutTiles(frame.camera.width, frame.camera.height, state.tile_side);
+  const auto missing = [&](std::size_t i) { return state.rows[i] < RowsOf(tiles[i], state.step); };
+  const auto render_tile = [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
+    if (!missing(i)) return;
+    FrameView view = of_step;
     view.tracer.recorder = recorder;
-    RenderTile(view, tiles[i], pool, worker, film);
-    const std::uint64_t samples = CountSamples(view, tiles[i]);
-    worker.stats.samples += samples;
-    if (progress != nullptr) progress->samples += samples;
-  });
+    const std::uint64_t before = state.rows[i], total = RowsOf(tiles[i], state.step);
+    RenderTile(view, tiles[i], total, pool, control.progress, worker, film, state.rows[i]);
+    const double share = double(state.rows[i] - before) / double(total);
+    const std::uint64_t samples = CountPixels(view, tiles[i]) * state.step.count();
+    const auto rendered = std::uint64_t(std::llrint(share * double(samples)));
+    worker.stats.samples += rendered;
+    if (control.progress != nullptr) control.progress->samples += rendered;
+    if (control.on_tile && !missing(i)) control.on_tile(tiles[i], state.step.end);
+  };
+  std::size_t first = 0;  // tile of which something is missing
+  do {
+    pool.ForEach(tiles.size() - first, [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
+      render_tile(first + i, worker, recorder);
+    });
+    if (control.progress != nullptr && control.progress->pause) {
+      if (control.at_pause) control.at_pause(state);
+      control.progress->pause = false;
+    }
+    while (first < tiles.size() && !missing(first)) ++first;
+  } while (first < tiles.size());
+}
+
+// Returns how many samples of the picture are in the film.
+std::uint64_t SamplesInPicture(const FrameView& frame, const RenderState& state) {
+  const RenderOptions& options = frame.options;
+  const std::vector<std::uint32_t> by_pixel = SamplesByPixel(frame, state);
+  std::uint64_t samples = 0;
+  for (int y = 0; y < options.height; ++y) {
+    const int row = options.crop_y - int(frame.camera.first_row) + y;
+    const auto first = by_pixel.begin() + std::ptrdiff_t(row) * std::ptrdiff_t(frame.camera.width) +
+                       (options.crop_x - int(frame.camera.first_column));
+    samples = std::accumulate(first, first + options.width, samples);
+  }
+  return samples;
+}
+
+// Renders the samples of `range`, step by step. Returns false if the render is to end before the
+// end of the range.
+bool RenderSteps(const FrameView& frame, const SampleRange& range, WorkerPool& pool, Film& film,
+                 RenderState& state, const RenderControl& control) {
+  while (state.step.first < range.end) {
+    if (state.rows.empty()) {
+      const std::uint32_t done = state.step.first;
+      const std::uint32_t stop = control.next_stop ? control.next_stop(done) : range.end;
+      if (stop <= done) return false;
+      state.step.end = std::min(stop, range.end);
+      state.tile_side = TileSide(state.step.count(), frame.options.wave);
+      state.rows.resize(CutTiles(frame.camera.width, frame.camera.height, state.tile_side).size());
+    }
+    RenderStep(frame, pool, film, state, control);
+    state = {.step = {state.step.end, state.step.end}, .tile_side = 0, .rows = {}};
+  }
+  return true;
 }
 
 }  // namespace
@@ -71,10 +139,13 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
   Describe(frame.options.integrator).render_wave(frame, range, worker, film);
 }
 
-std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
-                           std::uint32_t samples_per_pixel, std::uint32_t wave) {
+std::uint32_t TileSide(std::uint32_t samples_per_pixel, std::uint32_t wave) {
   std::uint32_t side = 8;
   while (side < 64 && std::uint64_t(side) * side * samples_per_pixel < 4ull * wave) side *= 2;
+  return side;
+}
+
+std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height, std::uint32_t side) {
   std::vector<Tile> tiles;
   for (std::uint32_t y = 0; y < height; y += side) {
     for (std::uint32_t x = 0; x < width; x += side) {
@@ -84,10 +155,37 @@ std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
   return tiles;
 }
 
+std::vector<std::uint32_t> SamplesByPixel(const FrameView& frame, const RenderState& state) {
+  const std::uint32_t width = frame.camera.width, height = frame.camera.height;
+  std::vector<std::uint32_t> samples(std::size_t{width} * height,
+                                     state.step.first - frame.options.first_sample);
+  if (state.rows.empty()) return samples;
+  const std::vector<Tile> tiles = CutTiles(width, height, state.tile_side);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    // The samples of a block follow each other, and then come those of the next block (StartPaths).
+    const Tile& tile = tiles[i];
+    const std::uint64_t per_block = std::uint64_t{kBeamRays} * state.step.count();
+    for (std::uint32_t y = 0; y < tile.height; ++y) {
+      for (std::uint32_t x = 0; x < tile.width; ++x) {
+        const std::uint64_t block =
+            std::uint64_t(y / kBeamHeight) * (tile.width / kBeamWidth) + x / kBeamWidth;
+        const std::uint64_t before = block * per_block;
+        const std::uint64_t rows = state.rows[i] > before ? state.rows[i] - before : 0;
+        samples[std::size_t(tile.y + y) * width + tile.x + x] +=
+            std::uint32_t(std::min(rows, per_block) / kBeamRays);
+      }
+    }
+  }
+  return samples;
+}
+
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render) {
   const auto for_each_pass = Describe(frame.options.integrator).for_each_pass;
-  if (for_each_pass == nullptr) return render(frame);
+  if (for_each_pass == nullptr) {
+    render(frame);
+    return;
+  }
   try {
     for_each_pass(frame, pool, counts, render);
   } catch (const std::bad_alloc&) {
@@ -96,12 +194,23 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
   }
 }
 
-FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
-                        std::vector<RayRecorder>* recorders) {
-  FrameView frame = wanted;
+FrameResult RenderFrame(const FrameView& frame, Film& film, const RenderControl& control) {
+  RenderState state;
+  return RenderFrame(frame, film, state, control);
+}
+
+FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
+                        const RenderControl& control) {
+  const SampleRange samples = SamplesOf(wanted.options);
+  if (state.step.end == 0) state.step = {samples.first, samples.first};
+  if (control.progress != nullptr) control.progress->samples += SamplesInPicture(wanted, state);
+  // The rest of a frame is a later range of the same picture.
+  FrameView frame = WithSamples(wanted, {state.step.first, samples.end});
+  frame.options.picture_samples = PictureSamples(wanted.options);
   frame.options.wave = WholeBeams(wanted.options.wave);
   const RenderOptions& options = frame.options;
-  WorkerPool pool(options, recorders, progress != nullptr ? &progress->cancel : nullptr);
+  Progress* const progress = control.progress;
+  WorkerPool pool(options, control.recorders, progress != nullptr ? &progress->cancel : nullptr);
 
   FrameResult result;
   const double processor_start = ProcessorSeconds();
@@ -113,13 +222,15 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, Progress* progress,
       guide = LearnEmission(frame, pool, result.guide);
       if (!guide.empty()) frame.guide = &guide;
     }
-    ForEachPass(frame, pool, result.photons,
-                [&](const FrameView& view) { RenderTiles(view, pool, film, progress); });
+    ForEachPass(frame, pool, result.photons, [&](const FrameView& view) {
+      return RenderSteps(view, SamplesOf(view.options), pool, film, state, control);
+    });
   });
   result.seconds = SecondsSince(start);
   result.processor_seconds = ProcessorSeconds() - processor_start;
   result.threads = pool.threads();
   result.stats = pool.stats();
+  result.samples_per_pixel = state.step.first - samples.first;
   return result;
 }
 

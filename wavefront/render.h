@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "wavefront/film/film.h"
@@ -17,10 +18,35 @@
 
 namespace skywave {
 
-// What the thread that watches a render shares with it.
+// What the thread that watches a render shares with it. The watcher reads `samples` and sets the
+// others.
 struct Progress {
-  std::atomic<std::uint64_t> samples = 0;  // finished ones: the watcher reads it
-  std::atomic<bool> cancel = false;        // the watcher sets it: the render throws RenderCanceled
+  std::atomic<std::uint64_t> samples = 0;  // in the film, counted when their tile is finished
+  std::atomic<bool> pause = false;  // the render calls RenderControl::at_pause, then resets it
+  std::atomic<bool> cancel = false;        // the render throws RenderCanceled
+};
+
+// How far a render has come. A render goes step by step; the film holds all samples before the step
+// at hand and, of its samples, the first rows[i] rows of tile i of CutTiles.
+struct RenderState {
+  SampleRange step;
+  std::uint32_t tile_side = 0;      // of the step [pixels]
+  std::vector<std::uint64_t> rows;  // empty: the step has not begun
+};
+
+// How the caller of a render takes part in it. All members may be left out.
+struct RenderControl {
+  Progress* progress = nullptr;
+  // Gets a recorder for each thread, with the rays of its tiles in order, for a replay.
+  std::vector<RayRecorder>* recorders = nullptr;
+  // Called when the film holds all samples before `done` and nothing else. Returns where the next
+  // step ends, or `done` if the render is to end here. Without it, one step has all samples.
+  std::function<std::uint32_t(std::uint32_t done)> next_stop;
+  // Called while all threads rest, once the watcher has set Progress::pause.
+  std::function<void(const RenderState& state)> at_pause;
+  // Called by the thread that has added all samples of a step to a tile; its pixels then hold those
+  // of the frame before `done`. Other tiles are being rendered meanwhile.
+  std::function<void(const Tile& tile, std::uint32_t done)> on_tile;
 };
 
 struct FrameResult {
@@ -30,13 +56,16 @@ struct FrameResult {
   double seconds = 0;            // wall clock, from the first wave to the last
   double processor_seconds = 0;  // of all threads of the process meanwhile
   int threads = 0;
+  std::uint32_t samples_per_pixel = 0;  // in the film, if the frame's were not there before
 };
 
-// Renders every sample of `frame` into `film`. Bits of the film depend on neither threads, wave nor
-// backend. Throws RenderCanceled, after which the film holds some of the samples. `recorders`, if
-// not null, gets a recorder for each thread, with the rays of its tiles in order, for a replay.
-FrameResult RenderFrame(const FrameView& frame, Film& film, Progress* progress = nullptr,
-                        std::vector<RayRecorder>* recorders = nullptr);
+// Renders the samples of `frame` into `film`. Bits of the film depend on neither threads, wave,
+// backend nor steps. Throws RenderCanceled.
+FrameResult RenderFrame(const FrameView& frame, Film& film, const RenderControl& control = {});
+// Goes on from `state`, which tells what is in the film already, and keeps it up to date: after an
+// exception too it tells what the film holds.
+FrameResult RenderFrame(const FrameView& frame, Film& film, RenderState& state,
+                        const RenderControl& control = {});
 
 // Renders the samples of a wave with the worker's tables, which are those of the integrator.
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film);
@@ -46,9 +75,15 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render);
 
-// Returns the tiles of a film in the order in which they are begun. They are large enough for a
-// tile to fill several waves, if that is possible, and small enough to be shared out evenly.
-std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height,
-                           std::uint32_t samples_per_pixel, std::uint32_t wave);
+// Returns the side of the tiles of a step. They are large enough for a tile to fill several waves,
+// if that is possible, and small enough to be shared out evenly.
+std::uint32_t TileSide(std::uint32_t samples_per_pixel, std::uint32_t wave);
+
+// Returns the tiles of a film in the order in which they are begun.
+std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height, std::uint32_t side);
+
+// Returns how many samples of each pixel of the film, row by row, a film holds that has come to
+// `state`.
+std::vector<std::uint32_t> SamplesByPixel(const FrameView& frame, const RenderState& state);
 
 }  // namespace skywave

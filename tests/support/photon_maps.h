@@ -28,7 +28,11 @@ inline void EachPassOf(const FrameView& frame,
                        const std::function<void(const FrameView&)>& render) {
   WorkerPool pool = TwoThreads(frame);
   PhotonCounts counts;
-  pool.Run([&] { ForEachPass(frame, pool, counts, render); });
+  const RenderPass render_pass = [&](const FrameView& pass) {
+    render(pass);
+    return true;
+  };
+  pool.Run([&] { ForEachPass(frame, pool, counts, render_pass); });
 }
 
 }  // namespace skywave

@@ -100,7 +100,8 @@ TEST_P(Determinism, EightThreadsOnAnyNumberOfCoresDoNotMatter) {
   if (!guide.empty()) learnt.guide = &guide;
   EachPassOf(learnt, [&](const FrameView& frame) {
     const std::uint32_t samples = frame.options.samples_per_pixel;
-    const std::vector<Tile> tiles = CutTiles(frame.camera.width, frame.camera.height, samples, 16);
+    const std::vector<Tile> tiles =
+        CutTiles(frame.camera.width, frame.camera.height, TileSide(samples, 16));
     ASSERT_GE(tiles.size(), 16u);
     std::atomic<std::size_t> next = 0;
     const auto work = [&] {

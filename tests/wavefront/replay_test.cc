@@ -28,7 +28,7 @@ struct RecordedFrame {
     request.options.threads = 2;
     job = std::make_unique<RenderJob>(std::move(scene), request);
     Film film = job->MakeFilm();
-    result = RenderFrame(job->frame(), film, nullptr, &recorders);
+    result = RenderFrame(job->frame(), film, {.recorders = &recorders});
   }
   std::unique_ptr<RenderJob> job;
   std::vector<RayRecorder> recorders;

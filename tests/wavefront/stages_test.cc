@@ -36,7 +36,7 @@ TEST(GenerateStage, BeamsAreBlocksOfTheWholeFilm) {
       const CameraView& camera = frame.camera;
       Worker w(wave);
       std::set<std::array<std::uint32_t, 3>> beams;
-      for (const Tile& tile : CutTiles(camera.width, camera.height, kSamples, 16)) {
+      for (const Tile& tile : CutTiles(camera.width, camera.height, TileSide(kSamples, 16))) {
         const std::uint32_t total = tile.width * tile.height * kSamples;
         for (std::uint32_t first = 0; first < total; first += wave) {
           const std::uint32_t n = std::min(wave, total - first);

@@ -56,7 +56,7 @@ float ToFloat(double value) {
 
 AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
                  std::vector<std::string> light_groups)
-    : aovs_(aovs), pixels_(pixels), light_groups_(std::move(light_groups)) {
+    : pixels_(pixels), light_groups_(std::move(light_groups)) {
   for (std::size_t i = 0; i < Aovs().size(); ++i) {
     const Aov& aov = Aovs()[i];
     if ((aovs >> i & 1) == 0 || aov.read == nullptr) continue;
@@ -154,34 +154,15 @@ void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, s
   }
 }
 
-void AovFilm::Merge(const AovFilm& other) {
-  assert(aovs_ == other.aovs_ && pixels_ == other.pixels_);
-  for (std::size_t k = 0; k < layers_.size(); ++k) {
-    HitLayer& to = layers_[k];
-    const HitLayer& from = other.layers_[k];
-    const std::size_t channels = to.aov->channels.size();
-    for (std::size_t i = 0; i < to.sums.size(); ++i) to.sums[i] += from.sums[i];
-    for (std::size_t i = 0; i < to.values.size(); ++i) {
-      if (other.nearest_[i / channels] < nearest_[i / channels]) to.values[i] = from.values[i];
-    }
-  }
-  for (std::size_t i = 0; i < hits_.size(); ++i) hits_[i] += other.hits_[i];
-  for (std::size_t i = 0; i < nearest_.size(); ++i) {
-    nearest_[i] = std::min(nearest_[i], other.nearest_[i]);
-  }
-  for (std::size_t i = 0; i < squares_.size(); ++i) {
-    squares_[i] = SaturatingSum(squares_[i], other.squares_[i]);
-  }
-  for (std::size_t i = 0; i < direct_.size(); ++i) {
-    direct_[i] = SaturatingSum(direct_[i], other.direct_[i]);
-  }
-  for (std::size_t i = 0; i < lit_.size(); ++i) lit_[i] = SaturatingSum(lit_[i], other.lit_[i]);
+double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const {
+  return Variance(squares_[i], sum, samples);
 }
 
-std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& radiance,
-                                           const FilmScale& scale, std::uint64_t samples) const {
-  const double unit = 1 / scale.units, n = double(std::max<std::uint64_t>(samples, 1));
-  const double unit_of_mean = unit / n;
+std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted,
+                                           const std::vector<std::uint64_t>& radiance,
+                                           const FilmScale& scale,
+                                           const SampleCounts& samples) const {
+  const double unit = 1 / scale.units;
   const auto layer_of = [&](const Aov& aov) {
     return std::find_if(layers_.begin(), layers_.end(),
                         [&](const HitLayer& layer) { return layer.aov == &aov; });
@@ -189,6 +170,8 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
   // Value i of a layer is channel i % channels of pixel i / channels.
   const auto value = [&](const Aov& aov, std::size_t group, std::size_t pixel,
                          std::size_t i) -> double {
+    const double n = double(std::max<std::uint64_t>(samples[pixel], 1));
+    const double unit_of_mean = unit / n;
     switch (aov.sum) {
       case AovSum::kMeanOfHits: {
         const HitLayer& layer = *layer_of(aov);
@@ -200,9 +183,9 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
       case AovSum::kCoverage:
         return hits_[pixel] / n;
       case AovSum::kSampleCount:
-        return double(samples);
+        return double(samples[pixel]);
       case AovSum::kVariance:
-        return Variance(squares_[i], radiance[i], samples) * unit * unit;
+        return VarianceOf(i, radiance[i], samples[pixel]) * unit * unit;
       case AovSum::kDirect:
         return double(direct_[i]) * unit_of_mean;
       case AovSum::kIndirect:
@@ -214,7 +197,7 @@ std::vector<NamedChannel> AovFilm::Resolve(const std::vector<std::uint64_t>& rad
   };
   std::vector<NamedChannel> resolved;
   for (std::size_t k = 0; k < Aovs().size(); ++k) {
-    if ((aovs_ >> k & 1) == 0) continue;
+    if ((wanted >> k & 1) == 0) continue;
     const Aov& aov = Aovs()[k];
     const std::size_t channels = aov.channels.size();
     const bool split = aov.sum == AovSum::kLightGroups;

@@ -12,6 +12,7 @@
 #include "kernels/accumulate.h"
 #include "kernels/columns.h"
 #include "wavefront/film/aovs.h"
+#include "wavefront/film/film_column.h"
 #include "wavefront/film/light_groups.h"
 
 namespace skywave {
@@ -42,13 +43,39 @@ class AovFilm {
 
   const std::vector<std::uint64_t>& light_group_sums() const { return lit_; }
 
-  // Adds the sums of `other`, which holds other samples.
-  void Merge(const AovFilm& other);
+  // Calls f(values_of, column) for each FilmColumn: values_of(film) are its values in a film like
+  // this one. The keys of the nearest samples come last.
+  template <class F>
+  void ForEachColumn(F f) const {
+    for (std::size_t k = 0; k < layers_.size(); ++k) {
+      const std::size_t channels = layers_[k].aov->channels.size();
+      f(
+          [k](auto& film) -> auto& { return film.layers_[k].sums; }, FilmColumn{channels});
+      f(
+          [k](auto& film) -> auto& { return film.layers_[k].values; },
+          FilmColumn{.per_pixel = channels, .of_nearest = true});
+    }
+    f(
+        [](auto& film) -> auto& { return film.hits_; }, FilmColumn{});
+    f(
+        [](auto& film) -> auto& { return film.squares_; }, FilmColumn{3});
+    f(
+        [](auto& film) -> auto& { return film.direct_; }, FilmColumn{3});
+    f(
+        [](auto& film) -> auto& { return film.lit_; }, FilmColumn{3, light_groups_.size()});
+    f(
+        [](auto& film) -> auto& { return film.nearest_; }, FilmColumn{.of_nearest = true});
+  }
+  // Returns the variance of a sample [1 / scale.units^2] in value `i`, channel i % 3 of pixel i /
+  // 3, whose `samples` samples have this sum. The layer variance is kept.
+  double VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const;
+  // Returns the keys of the nearest samples, by pixel; empty where no layer asks for them.
+  const std::vector<std::uint64_t>& nearest() const { return nearest_; }
 
-  // Returns one entry per channel of every layer, for `samples` samples per pixel. `radiance` holds
-  // the film's own sums, three per pixel [1 / scale.units].
-  std::vector<NamedChannel> Resolve(const std::vector<std::uint64_t>& radiance,
-                                    const FilmScale& scale, std::uint64_t samples) const;
+  // Returns one entry per channel of every layer of `wanted`, which are kept. `radiance` holds the
+  // film's own sums, three per pixel [1 / scale.units].
+  std::vector<NamedChannel> Resolve(AovSet wanted, const std::vector<std::uint64_t>& radiance,
+                                    const FilmScale& scale, const SampleCounts& samples) const;
 
  private:
   // A layer of first hits has its values at [pixel * channels + channel] of `sums` or `values`.
@@ -63,7 +90,6 @@ class AovFilm {
   bool BecomesNearest(std::uint32_t pixel, std::uint64_t key);
   void AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end);
 
-  AovSet aovs_;
   std::size_t pixels_;
   std::vector<HitLayer> layers_;
   std::vector<std::uint32_t> hits_;     // samples that hit something, by pixel

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
+#include <type_traits>
 #include <utility>
 
 #include "kernels/accumulate.h"
@@ -30,13 +32,28 @@ std::vector<T> CutPicture(const FilmArea& area, const std::vector<T>& values,
 
 }  // namespace
 
-Film::Film(const FilmArea& area, float brightest_radiance, AovSet aovs, float world_extent,
-           bool shared, std::vector<std::string> light_groups)
-    : area_(area), sums_(std::size_t(area.width) * area.height * 3), shared_(shared) {
+Film::Film(FilmLayout layout)
+    : layout_(std::move(layout)),
+      sums_(std::size_t(layout_.area.width) * std::size_t(layout_.area.height) * 3) {
+  const float brightest = layout_.brightest_radiance;
   int exponent = 0;
-  if (brightest_radiance > 0) std::frexp(brightest_radiance * kHeadroom, &exponent);
+  if (brightest > 0) std::frexp(brightest * kHeadroom, &exponent);
   unit_ = std::ldexp(1 / kSampleUnits, std::max(exponent, 20));
-  if (aovs != 0) aovs_.emplace(aovs, sums_.size() / 3, world_extent, std::move(light_groups));
+  if (layout_.aovs != 0) {
+    aovs_.emplace(layout_.aovs, sums_.size() / 3, layout_.world_extent, layout_.light_groups);
+  }
+}
+
+template <class F>
+void Film::ForEachColumn(F f) const {
+  f(
+      [](auto& film) -> auto& { return film.sums_; }, FilmColumn{3});
+  if (!aovs_) return;
+  aovs_->ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    if (values_of(*aovs_).empty()) return;
+    f(
+        [values_of](auto& film) -> auto& { return values_of(*film.aovs_); }, column);
+  });
 }
 
 FilmScale Film::scale() const { return {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)}; }
@@ -47,13 +64,13 @@ void Film::Count(const FilmCounts& counts, RenderStats& stats) {
 }
 
 void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
-  Count(AddToFilm(paths, n, scale(), sums_.data(), shared_), stats);
+  Count(AddToFilm(paths, n, scale(), sums_.data(), layout_.shared), stats);
   if (aovs_) aovs_->AddRadiance(paths, n, scale());
 }
 
 void Film::AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
                      float factor, RenderStats& stats) {
-  assert(shared_);
+  assert(layout_.shared);
   Count(AddSplatsToFilm(splats, pixel, n, factor, scale(), sums_.data()), stats);
 }
 
@@ -71,17 +88,94 @@ void Film::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std:
 }
 
 void Film::Merge(const Film& other) {
-  assert(sums_.size() == other.sums_.size() && unit_ == other.unit_);
-  assert(has_aovs() == other.has_aovs());
-  std::transform(sums_.begin(), sums_.end(), other.sums_.begin(), sums_.begin(),
-                 SaturatingSum<std::uint64_t>);
-  if (aovs_) aovs_->Merge(*other.aovs_);
+  assert(layout_.area.width == other.layout_.area.width);
+  assert(layout_.area.height == other.layout_.area.height);
+  AddWindow(other, {0, 0, layout_.area.width, layout_.area.height}, 0, 0);
 }
 
-std::vector<NamedChannel> Film::ResolveAovs(std::uint64_t samples) const {
+void Film::AddPart(const Film& part, int x, int y) {
+  AddWindow(part, part.layout_.area.picture, layout_.area.picture.x + x,
+            layout_.area.picture.y + y);
+}
+
+// Adds the pixels `window` of `other` to those from (x, y) on.
+void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) {
+  assert(unit_ == other.unit_ && layout_.aovs == other.layout_.aovs);
+  assert(x >= 0 && x + window.width <= layout_.area.width);
+  assert(y >= 0 && y + window.height <= layout_.area.height);
+  const std::size_t pixels = sums_.size() / 3, other_pixels = other.sums_.size() / 3;
+  ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    auto& to = values_of(*this);
+    const auto& from = values_of(other);
+    for (std::size_t plane = 0; plane < column.planes; ++plane) {
+      const auto add = [&](std::size_t to_pixel, std::size_t from_pixel, std::size_t n) {
+        auto* const sums = &to[(plane * pixels + to_pixel) * column.per_pixel];
+        const auto* const more = &from[(plane * other_pixels + from_pixel) * column.per_pixel];
+        for (std::size_t i = 0; i < n * column.per_pixel; ++i) {
+          if (!column.of_nearest) {
+            if constexpr (!std::is_same_v<decltype(more), const float* const>) {
+              sums[i] = Combined(sums[i], more[i]);
+            }
+          } else if (const std::size_t pixel = i / column.per_pixel;
+                     other.aovs_->nearest()[from_pixel + pixel] <
+                     aovs_->nearest()[to_pixel + pixel]) {
+            sums[i] = more[i];
+          }
+        }
+      };
+      ForEachRun(window, other.layout_.area.width, x, y, layout_.area.width, add);
+    }
+  });
+}
+
+std::size_t Film::packed_bytes() const {
+  const CropWindow& picture = layout_.area.picture;
+  std::size_t bytes = 0;
+  ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    bytes += column.planes * column.per_pixel * sizeof(values_of(*this)[0]);
+  });
+  return bytes * std::size_t(picture.width) * std::size_t(picture.height);
+}
+
+template <class Self, class F>
+void Film::ForEachPictureRow(Self& self, F f) {
+  const FilmArea& area = self.layout_.area;
+  self.ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    auto& values = values_of(self);
+    for (std::size_t plane = 0; plane < column.planes; ++plane) {
+      const std::size_t first = plane * (self.sums_.size() / 3);
+      ForEachRun(area.picture, area.width, 0, 0, area.width,
+                 [&](std::size_t, std::size_t pixel, std::size_t n) {
+                   f(&values[(first + pixel) * column.per_pixel],
+                     n * column.per_pixel * sizeof values[0]);
+                 });
+    }
+  });
+}
+
+std::string Film::PackPicture() const {
+  std::string bytes;
+  bytes.reserve(packed_bytes());
+  ForEachPictureRow(*this, [&](const void* row, std::size_t size) {
+    bytes.append(static_cast<const char*>(row), size);
+  });
+  return bytes;
+}
+
+void Film::UnpackPicture(std::string_view bytes) {
+  assert(bytes.size() == packed_bytes());
+  ForEachPictureRow(*this, [&](void* row, std::size_t size) {
+    std::memcpy(row, bytes.data(), size);
+    bytes.remove_prefix(size);
+  });
+}
+
+std::vector<NamedChannel> Film::ResolveAovs(const SampleCounts& samples, AovSet wanted) const {
   if (!aovs_) return {};
-  std::vector<NamedChannel> channels = aovs_->Resolve(sums_, scale(), samples);
-  for (NamedChannel& channel : channels) channel.values = CutPicture(area_, channel.values, 1);
+  std::vector<NamedChannel> channels = aovs_->Resolve(wanted, sums_, scale(), samples);
+  for (NamedChannel& channel : channels) {
+    channel.values = CutPicture(layout_.area, channel.values, 1);
+  }
   return channels;
 }
 
@@ -90,12 +184,34 @@ std::span<const std::uint64_t> Film::light_group_sums() const {
   return aovs_->light_group_sums();
 }
 
-Image Film::Resolve(std::uint64_t samples) const {
-  Image image(area_.picture.width, area_.picture.height);
-  const double scale = unit_ / double(std::max<std::uint64_t>(samples, 1));
-  const std::vector<std::uint64_t> sums = CutPicture(area_, sums_, 3);
-  std::transform(sums.begin(), sums.end(), image.rgb.begin(),
-                 [&](std::uint64_t sum) { return float(double(sum) * scale); });
+double Film::Noise(std::uint64_t samples) const {
+  const CropWindow& picture = layout_.area.picture;
+  double variance = 0, mean = 0;  // sums over pixels and channels, in units
+  ForEachRun(picture, layout_.area.width, 0, 0, picture.width,
+             [&](std::size_t, std::size_t pixel, std::size_t n) {
+               for (std::size_t i = 3 * pixel; i < 3 * (pixel + n); ++i) {
+                 variance += aovs_->VarianceOf(i, sums_[i], samples) / double(samples);
+                 mean += double(sums_[i]) / double(samples);
+               }
+             });
+  const double values = 3.0 * picture.width * picture.height;
+  return mean > 0 ? std::sqrt(variance / values) / (mean / values) : 0;
+}
+
+Image Film::Resolve(const SampleCounts& samples) const {
+  const FilmArea& area = layout_.area;
+  Image image(area.picture.width, area.picture.height);
+  ForEachRun(area.picture, area.width, 0, 0, area.picture.width,
+             [&](std::size_t to, std::size_t from, std::size_t n) {
+               for (std::size_t i = 0; i < n; ++i) {
+                 const double count = double(std::max<std::uint64_t>(samples[from + i], 1));
+                 const double scale = unit_ / count;
+                 for (std::size_t c = 0; c < 3; ++c) {
+                   const std::uint64_t sum = sums_[(from + i) * 3 + c];
+                   image.rgb[(to + i) * 3 + c] = float(double(sum) * scale);
+                 }
+               }
+             });
   return image;
 }
 

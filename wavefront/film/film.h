@@ -16,6 +16,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "image/image.h"
@@ -23,21 +24,34 @@
 #include "kernels/columns.h"
 #include "wavefront/film/aov_film.h"
 #include "wavefront/film/film_area.h"
+#include "wavefront/film/film_column.h"
 #include "wavefront/stats.h"
 
 namespace skywave {
 
+// What a film is made for.
+struct FilmLayout {
+  FilmArea area;
+  float brightest_radiance = 0;                // [scene radiance]
+  AovSet aovs = 0;                             // kept in addition to radiance
+  float world_extent = 0;                      // see AovFilm
+  bool shared = false;                         // gets splats
+  std::vector<std::string> light_groups = {};  // see AovFilm
+};
+
 class Film {
  public:
-  // The film keeps `aovs` in addition to radiance; for `world_extent` and `light_groups` see
-  // AovFilm. A `shared` film gets splats.
-  Film(const FilmArea& area, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
-       bool shared = false, std::vector<std::string> light_groups = {});
+  explicit Film(FilmLayout layout);
   // Makes a film that is all picture.
   Film(int width, int height, float brightest_radiance, AovSet aovs = 0, float world_extent = 0,
        bool shared = false)
-      : Film({width, height, {0, 0, width, height}}, brightest_radiance, aovs, world_extent,
-             shared) {}
+      : Film({{width, height, {0, 0, width, height}},
+              brightest_radiance,
+              aovs,
+              world_extent,
+              shared}) {}
+
+  const FilmLayout& layout() const { return layout_; }
 
   // Adds the radiance of paths [0, n) to their pixels. Two threads must not add to the same pixel,
   // unless the film is shared. Samples brighter than the range are clamped, NaN and negative
@@ -61,11 +75,26 @@ class Film {
   // Adds the sums of `other`, a film of the same size for the same brightest radiance that holds
   // other samples: afterwards it is as if all had been added to this one.
   void Merge(const Film& other);
+  // Does so with the picture of `part`, whose top left corner is pixel (x, y) of this picture.
+  void AddPart(const Film& part, int x, int y);
 
-  // Returns the picture: the mean of `samples` samples in every pixel.
-  Image Resolve(std::uint64_t samples) const;
-  // Returns the channels of the requested layers, cut like the picture.
-  std::vector<NamedChannel> ResolveAovs(std::uint64_t samples) const;
+  // Returns all sums of the picture's pixels as bytes, column by column and row by row, and puts
+  // them back into a film of the same layout. The rim of the film is left out.
+  std::string PackPicture() const;
+  std::size_t packed_bytes() const;  // of PackPicture
+  void UnpackPicture(std::string_view bytes);
+
+  // Returns the noise of the picture of `samples` samples: the root of the mean variance of its
+  // pixels and channels over its mean. The film keeps the variance of samples.
+  double Noise(std::uint64_t samples) const;
+
+  // Returns the picture: the mean of the samples of every pixel.
+  Image Resolve(const SampleCounts& samples) const;
+  // Returns the channels of the layers `wanted`, all of which are kept, cut like the picture.
+  std::vector<NamedChannel> ResolveAovs(const SampleCounts& samples, AovSet wanted) const;
+  std::vector<NamedChannel> ResolveAovs(const SampleCounts& samples) const {
+    return ResolveAovs(samples, layout_.aovs);
+  }
 
   // Returns the sums as they are kept, three per pixel of the film [units].
   std::span<const std::uint64_t> sums() const { return sums_; }
@@ -77,12 +106,19 @@ class Film {
  private:
   FilmScale scale() const;
   static void Count(const FilmCounts& counts, RenderStats& stats);
+  // Calls f(values_of, column) for each FilmColumn that has values; values_of(film) are those of a
+  // film of the same layout.
+  template <class F>
+  void ForEachColumn(F f) const;
+  // Calls f(values, bytes) for each row of the picture in each column of `self`.
+  template <class Self, class F>
+  static void ForEachPictureRow(Self& self, F f);
+  void AddWindow(const Film& other, const CropWindow& window, int x, int y);
 
-  FilmArea area_;
+  FilmLayout layout_;
   double unit_;                      // [scene radiance]
   std::vector<std::uint64_t> sums_;  // [units], three per pixel
   std::optional<AovFilm> aovs_;
-  bool shared_;
 };
 
 }  // namespace skywave

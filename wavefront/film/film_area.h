@@ -8,6 +8,7 @@ namespace skywave {
 // A crop window is the part of a film that is rendered.
 struct CropWindow {
   int x = 0, y = 0, width = 0, height = 0;
+  friend bool operator==(const CropWindow&, const CropWindow&) = default;
 };
 
 // Returns the blocks of beams that `part` touches, which have to be rendered for it.

@@ -60,8 +60,8 @@ enum class StoredLight {
   kVertices  // light vertices in one map, to be merged
 };
 
-// Renders the samples of a pass.
-using RenderPass = std::function<void(const FrameView& frame)>;
+// Renders the samples of a pass. Returns false if no further pass is wanted.
+using RenderPass = std::function<bool(const FrameView& frame)>;
 
 // Describes what an integrator is, needs and does.
 struct IntegratorDescriptor {

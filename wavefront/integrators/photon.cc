@@ -4,7 +4,9 @@
 // where the rays of a final gather hit the next surfaces. BSDFs with a density count as diffuse,
 // however narrow their lobe, and mirrors and glass as specular. There are no more than max_depth
 // surfaces on both sides of a photon together.
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "wavefront/integrators/integrators.h"
@@ -70,16 +72,50 @@ void AddTables(const RenderOptions& options, Worker& worker) {
   worker.photon.emplace(options.wave, options.photons.neighbors);
 }
 
+// The radii of the first pass in which there are photons of a kind, from which those of all passes
+// follow. A part of a picture may begin with a later pass, so earlier ones are asked too.
+class FirstRadii {
+ public:
+  FirstRadii(const RenderOptions& options, const Geometry& geometry)
+      : passes_(PhotonPasses(options)),
+        missing_caustic_(options.photons.caustic > 0 && HasCaustics(geometry)),
+        missing_indirect_(options.photons.indirect > 0) {}
+
+  // Returns the maps of `pass`, traced by `trace`, with their radii.
+  template <class Trace>
+  PhotonMaps MapsOf(const PhotonPass& pass, const Trace& trace) {
+    std::optional<PhotonMaps> maps;
+    for (; missing() && passes_[asked_].samples.first <= pass.samples.first; ++asked_) {
+      maps = trace(passes_[asked_]);
+      Take(maps->caustic.radius, missing_caustic_, caustic_);
+      Take(maps->indirect.radius, missing_indirect_, indirect_);
+      if (passes_[asked_].samples != pass.samples) maps.reset();
+    }
+    if (!maps) maps = trace(pass);
+    maps->caustic.radius = caustic_ * pass.shrink;
+    maps->indirect.radius = indirect_ * pass.shrink;
+    return std::move(*maps);
+  }
+
+ private:
+  bool missing() const {
+    return (missing_caustic_ || missing_indirect_) && asked_ < passes_.size();
+  }
+  static void Take(float found, bool& is_missing, float& radius) {
+    if (is_missing && found > 0) radius = found, is_missing = false;
+  }
+
+  std::vector<PhotonPass> passes_;
+  std::size_t asked_ = 0;
+  bool missing_caustic_, missing_indirect_;
+  float caustic_ = 0, indirect_ = 0;
+};
+
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render) {
-  float caustic_radius = 0, indirect_radius = 0;  // of the first pass
+  FirstRadii radii(frame.options, *frame.geometry);
   const auto trace = [&](const FrameView& view, const PhotonPass& pass) {
-    PhotonMaps maps = TracePhotons(view, pass, pool);
-    if (caustic_radius == 0) caustic_radius = maps.caustic.radius;
-    if (indirect_radius == 0) indirect_radius = maps.indirect.radius;
-    maps.caustic.radius = caustic_radius * pass.shrink;
-    maps.indirect.radius = indirect_radius * pass.shrink;
-    return maps;
+    return radii.MapsOf(pass, [&](const PhotonPass& one) { return TracePhotons(view, one, pool); });
   };
   ForEachPhotonPass(frame, trace, counts, render);
 }

@@ -77,7 +77,7 @@ MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
   const RenderOptions& options = frame.options;
   const PhotonOptions& wanted = options.photons;
   if (options.max_depth == 0) return {.light_paths = 0, .radius = 0};
-  const std::uint64_t samples = options.samples_per_pixel / PhotonPasses(options).size();
+  const std::uint64_t samples = PictureSamples(options).count() / PhotonPasses(options).size();
   const std::uint64_t most = frame.light_paths() * samples;
   const std::uint64_t traced = std::min(most, kPlanningPaths);
   const PhotonMap map = MapOfVertices(frame, kFirstPlanningPath, traced,
@@ -96,7 +96,7 @@ MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
 
 PhotonMap TraceVertices(const FrameView& frame, const MergePlan& plan, const PhotonPass& pass,
                         WorkerPool& pool) {
-  const std::uint64_t first = std::uint64_t(pass.first_sample) << 32;
+  const std::uint64_t first = std::uint64_t(pass.samples.first) << 32;
   PhotonMap map = MapOfVertices(frame, first, frame.eta_vcm > 0 ? plan.light_paths : 0,
                                 frame.options.photons.indirect, pool);
   map.radius = plan.radius * pass.shrink;

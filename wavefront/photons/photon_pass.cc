@@ -69,26 +69,24 @@ void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
 }
 
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options) {
-  const std::uint32_t samples = options.samples_per_pixel, wanted = options.photons.passes;
+  const SampleRange picture = PictureSamples(options);
+  const std::uint32_t samples = picture.count(), wanted = options.photons.passes;
   const bool each_sample = Describe(options.integrator).pass_each_sample && wanted == 0;
   const std::uint32_t passes = each_sample ? samples : std::clamp(wanted, 1u, samples);
   const auto first_of = [&](std::uint32_t pass) {
-    return std::uint32_t(std::uint64_t(samples) * pass / passes);
+    return picture.first + std::uint32_t(std::uint64_t(samples) * pass / passes);
   };
   std::vector<PhotonPass> list;
   double shrink2 = 1;
   const auto shrink = [&](std::uint32_t pass) {
     shrink2 *= (pass + 1 + double(options.photons.alpha)) / (pass + 2);
   };
-  // If a pass is a sample, the passes of a range of samples are those of the whole frame.
-  if (each_sample) {
-    for (std::uint32_t i = 0; i < options.first_sample; ++i) shrink(i);
-  }
-  const std::uint32_t before = each_sample ? options.first_sample : 0;
+  // If a pass is a sample, it is the same pass in every picture.
+  const std::uint32_t before = each_sample ? picture.first : 0;
+  for (std::uint32_t i = 0; i < before; ++i) shrink(i);
   for (std::uint32_t i = 0; i < passes; ++i) {
-    list.push_back({.first_sample = options.first_sample + first_of(i),
-                    .samples = first_of(i + 1) - first_of(i),
-                    .shrink = float(std::sqrt(shrink2))});
+    list.push_back(
+        {.samples = {first_of(i), first_of(i + 1)}, .shrink = float(std::sqrt(shrink2))});
     shrink(before + i);
   }
   return list;
@@ -99,7 +97,7 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPo
   const std::uint32_t max_depth = frame.options.max_depth;
   // There is one set of photons for all samples, whichever of them are rendered, or one for each
   // pass.
-  const std::uint64_t first = photons.progressive() ? std::uint64_t(pass.first_sample) << 32 : 0;
+  const std::uint64_t first = photons.progressive() ? std::uint64_t(pass.samples.first) << 32 : 0;
   // A photon that is not direct light at the visible surface has hit another one before.
   const bool any = max_depth >= 2;
   PhotonCollector caustic(any && HasCaustics(*frame.geometry) ? photons.caustic : 0, max_depth,
@@ -127,15 +125,19 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPo
 
 void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
                        const RenderPass& render) {
+  const SampleRange wanted = SamplesOf(frame.options);
   for (const PhotonPass& pass : PhotonPasses(frame.options)) {
+    const SampleRange samples = {std::max(pass.samples.first, wanted.first),
+                                 std::min(pass.samples.end, wanted.end)};
+    if (samples.first >= samples.end) continue;
     const auto start = Clock::now();
     FrameView view = frame;
     const PhotonMaps maps = trace(view, pass);
     counts.Add(maps, SecondsSince(start));
     view.photons = &maps;
-    view.options.first_sample = pass.first_sample;
-    view.options.samples_per_pixel = pass.samples;
-    render(view);
+    view.options.first_sample = samples.first;
+    view.options.samples_per_pixel = samples.count();
+    if (!render(view)) return;
   }
 }
 

@@ -15,10 +15,9 @@ namespace skywave {
 // True if there are mirrors or glass that light may come from.
 bool HasCaustics(const Geometry& geometry);
 
-// A pass of a frame has samples [first_sample, first_sample + samples) of every pixel, and photons
-// of its own.
+// A pass of a picture has photons of its own.
 struct PhotonPass {
-  std::uint32_t first_sample, samples;
+  SampleRange samples;
   float shrink;  // its radius over that of the first pass
 };
 
@@ -33,21 +32,22 @@ struct PhotonCounts {
   void Add(const PhotonMaps& maps, double pass_seconds);
 };
 
-// Returns the passes of a frame: options.photons.passes of them. 0 means one, or one for each
+// Returns the passes of a picture: options.photons.passes of them. 0 means one, or one for each
 // sample (IntegratorDescriptor::pass_each_sample), with radii that go by the number of the sample.
-// Radii shrink as in Knaus and Zwicker 2011 (eq. 15): r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1).
-// Variance and bias of the mean of all passes then both vanish.
+// A frame that has some of the picture's samples renders parts of some of the passes. Radii shrink
+// as in Knaus and Zwicker 2011 (eq. 15): r_(i+1)^2 = r_i^2 (i + alpha) / (i + 1). Variance and bias
+// of the mean of all passes then both vanish.
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
-// Traces light paths of `pass`, in progressive frames numbered from 2^32 first_sample on, and
-// builds the maps: the photons of the first light paths that together have as many as
+// Traces light paths of `pass`, in progressive frames numbered from 2^32 times its first sample on,
+// and builds the maps: the photons of the first light paths that together have as many as
 // options.photons requests. After kMostPathsAPhoton light paths for each requested photon, maps
 // stay as they are. Bits depend on neither threads nor wave. Radii are those of a first pass.
 inline constexpr std::uint64_t kMostPathsAPhoton = 64;
 PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPool& pool);
 
-// Calls `render` for each pass of a frame, with the maps that `trace` has made before. `trace` may
-// change the frame of its pass.
+// Calls `render` for the samples of the frame in each pass, with the maps that `trace` has made
+// before. `trace` may change the frame of its pass.
 using TracePass = std::function<PhotonMaps(FrameView& frame, const PhotonPass& pass)>;
 void ForEachPhotonPass(const FrameView& frame, const TracePass& trace, PhotonCounts& counts,
                        const RenderPass& render);

@@ -1,0 +1,214 @@
+#include "job/film_file.h"
+
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <bit>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "wavefront/film/aovs.h"
+
+namespace skywave {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little,
+              "films are written as they lie in memory");
+
+constexpr std::string_view kMagic = "SKYWFILM";
+constexpr int kFormat = 1;
+constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint64_t);
+// No film has more values than this, so that sizes of a torn manifest do not exhaust the memory.
+constexpr int kMostPixelsASide = 1 << 20;
+
+Json ToJson(const CropWindow& w) { return {w.x, w.y, w.width, w.height}; }
+Json ToJson(const SampleRange& r) { return {r.first, r.end}; }
+
+// A 32-bit float as the number of its bits, which JSON keeps.
+Json Bits(float value) { return std::bit_cast<std::uint32_t>(value); }
+
+Json ToJson(const PictureIdentity& identity) {
+  Json json = {{"software", identity.software},
+               {"scene", identity.scene},
+               {"scene_hash", fmt::format("{:016x}", identity.scene_hash)},
+               {"map_hash", fmt::format("{:016x}", identity.map_hash)},
+               {"film", ToJson(identity.film)},
+               {"samples", identity.samples},
+               {"seed", identity.seed},
+               {"repeatable", identity.repeatable},
+               {"options", Json::array()}};
+  for (const RecordedOption& option : identity.options) {
+    json["options"].push_back(
+        {{"name", option.name}, {"words", option.words}, {"is_input", option.is_input}});
+  }
+  return json;
+}
+
+Json Manifest(const FilmFile& file, const Film& film) {
+  const FilmLayout& layout = film.layout();
+  Json json = {{"format", kFormat},
+               {"picture", ToJson(file.identity)},
+               {"window", ToJson(file.window)},
+               {"layers", ToString(file.layers)},
+               {"seconds", file.seconds},
+               {"sums",
+                {{"layers", ToString(layout.aovs)},
+                 {"brightest_bits", Bits(layout.brightest_radiance)},
+                 {"extent_bits", Bits(layout.world_extent)},
+                 {"light_groups", layout.light_groups},
+                 {"bytes", film.packed_bytes()}}},
+               {"holds", Json::array()}};
+  for (const PicturePart& part : file.holds) {
+    json["holds"].push_back({{"window", ToJson(part.window)}, {"samples", ToJson(part.samples)}});
+  }
+  if (file.is_checkpoint) {
+    json["checkpoint"] = {{"samples", ToJson(file.samples)},
+                          {"step", ToJson(file.state.step)},
+                          {"tile_side", file.state.tile_side},
+                          {"rows", file.state.rows}};
+  }
+  return json;
+}
+
+CropWindow WindowFrom(const Json& json) {
+  const CropWindow window = {json.at(0), json.at(1), json.at(2), json.at(3)};
+  const auto fits = [](int first, int count) {
+    return first >= 0 && count > 0 && first < kMostPixelsASide && count <= kMostPixelsASide;
+  };
+  if (!fits(window.x, window.width) || !fits(window.y, window.height)) {
+    throw std::runtime_error("a window is not on a film");
+  }
+  return window;
+}
+
+SampleRange RangeFrom(const Json& json) {
+  const SampleRange range = {json.at(0), json.at(1)};
+  if (range.first > range.end) throw std::runtime_error("a range of samples ends before it begins");
+  return range;
+}
+
+AovSet LayersFrom(const Json& json) {
+  const std::string names = json.get<std::string>();
+  if (names.empty()) return 0;
+  const std::optional<AovSet> layers = ParseAovs(names);
+  if (!layers) throw std::runtime_error("unknown layers " + names);
+  return *layers;
+}
+
+PictureIdentity IdentityFrom(const Json& json) {
+  const auto hash = [](const Json& text) {
+    return std::stoull(text.get<std::string>(), nullptr, 16);
+  };
+  PictureIdentity identity = {.software = json.at("software"),
+                              .scene = json.at("scene"),
+                              .scene_hash = hash(json.at("scene_hash")),
+                              .map_hash = hash(json.at("map_hash")),
+                              .film = WindowFrom(json.at("film")),
+                              .samples = json.at("samples"),
+                              .seed = json.at("seed"),
+                              .repeatable = json.at("repeatable"),
+                              .options = {}};
+  for (const Json& option : json.at("options")) {
+    identity.options.push_back({.name = option.at("name"),
+                                .words = option.at("words"),
+                                .is_input = option.at("is_input")});
+  }
+  return identity;
+}
+
+FilmFile FileFrom(const Json& json) {
+  FilmFile file = {.identity = IdentityFrom(json.at("picture")),
+                   .window = WindowFrom(json.at("window")),
+                   .holds = {},
+                   .layers = LayersFrom(json.at("layers")),
+                   .seconds = json.at("seconds")};
+  for (const Json& part : json.at("holds")) {
+    file.holds.push_back({WindowFrom(part.at("window")), RangeFrom(part.at("samples"))});
+  }
+  if (const auto found = json.find("checkpoint"); found != json.end()) {
+    file.is_checkpoint = true;
+    file.samples = RangeFrom(found->at("samples"));
+    file.state = {.step = RangeFrom(found->at("step")),
+                  .tile_side = found->at("tile_side"),
+                  .rows = found->at("rows").get<std::vector<std::uint64_t>>()};
+  }
+  return file;
+}
+
+Film EmptyFilm(const Json& sums, const CropWindow& window) {
+  return Film(FilmLayout{
+      .area = {window.width, window.height, {0, 0, window.width, window.height}},
+      .brightest_radiance = std::bit_cast<float>(sums.at("brightest_bits").get<std::uint32_t>()),
+      .aovs = LayersFrom(sums.at("layers")),
+      .world_extent = std::bit_cast<float>(sums.at("extent_bits").get<std::uint32_t>()),
+      .light_groups = sums.at("light_groups").get<std::vector<std::string>>()});
+}
+
+void Append(std::string& bytes, std::uint64_t number) {
+  bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+std::uint64_t NumberAt(std::string_view bytes, std::size_t offset) {
+  std::uint64_t number = 0;
+  std::memcpy(&number, bytes.data() + offset, sizeof number);
+  return number;
+}
+
+}  // namespace
+
+void WriteFilm(const std::string& path, const FilmFile& file, const Film& film) {
+  const std::string manifest = Manifest(file, film).dump(1);
+  std::string bytes(kMagic);
+  Append(bytes, manifest.size());
+  bytes += manifest;
+  bytes += film.PackPicture();
+  Append(bytes, XXH64(bytes.data(), bytes.size(), 0));
+  WriteFileAtomically(path, bytes);
+}
+
+FilmInFile ReadFilm(const std::string& path) {
+  const std::string bytes = ReadFile(path);
+  const auto refuse = [&](std::size_t offset, const std::string& why) -> InputError {
+    return InputError(InputPosition::Byte(path, offset), why);
+  };
+  if (!std::string_view(bytes).starts_with(kMagic)) throw refuse(0, "is not a film of skywave");
+  if (bytes.size() < kHeaderBytes + sizeof(std::uint64_t)) {
+    throw refuse(bytes.size(), "the film ends too early");
+  }
+  const std::size_t body = bytes.size() - sizeof(std::uint64_t);
+  if (NumberAt(bytes, body) != XXH64(bytes.data(), body, 0)) {
+    throw refuse(body, "the film is torn or was changed: its checksum is another one");
+  }
+  const std::uint64_t manifest_bytes = NumberAt(bytes, kMagic.size());
+  if (manifest_bytes > body - kHeaderBytes) throw refuse(kMagic.size(), "the manifest is too long");
+  const std::size_t sums = kHeaderBytes + std::size_t(manifest_bytes);
+  try {
+    const Json json =
+        Json::parse(bytes.begin() + kHeaderBytes, bytes.begin() + std::ptrdiff_t(sums));
+    if (json.at("format") != kFormat) {
+      throw refuse(kHeaderBytes, fmt::format("is a film of format {}, and this program knows {}",
+                                             json.at("format").dump(), kFormat));
+    }
+    FilmFile file = FileFrom(json);
+    if (json.at("sums").at("bytes") != body - sums) {
+      throw refuse(sums, "the film has another number of sums than its manifest says");
+    }
+    Film film = EmptyFilm(json.at("sums"), file.window);
+    if (film.packed_bytes() != body - sums) {
+      throw refuse(sums, "the film has another number of sums than its window and layers need");
+    }
+    film.UnpackPicture(std::string_view(bytes).substr(sums, body - sums));
+    return {std::move(file), std::move(film)};
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw refuse(kHeaderBytes, fmt::format("the manifest cannot be used: {}", error.what()));
+  }
+}
+
+}  // namespace skywave

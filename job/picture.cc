@@ -1,0 +1,147 @@
+#include "job/picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "base/version.h"
+#include "job/limits.h"
+
+namespace skywave {
+namespace {
+
+// The options that tell a part from the whole.
+bool IsOfPart(const RecordedOption& option) {
+  return option.name == "crop" || option.name == "sample-range";
+}
+
+// Returns the value of recorded words " --spp 4", or what stands for none.
+std::string ValueOf(const RecordedOption& option) {
+  if (option.words.empty()) return "not given";
+  const std::size_t blank = option.words.find_first_of(" =", 3);
+  return blank == std::string::npos ? option.words.substr(1) : option.words.substr(blank + 1);
+}
+
+const RecordedOption* Find(const std::vector<RecordedOption>& options, const std::string& name) {
+  const auto found =
+      std::find_if(options.begin(), options.end(),
+                   [&](const RecordedOption& option) { return option.name == name; });
+  return found != options.end() ? &*found : nullptr;
+}
+
+// Returns the words of the option `name` of `table` with the value of `request`.
+template <class Options, class Request>
+std::string WordsOf(const Options& table, std::string_view name, const Request& request) {
+  const auto option = std::find_if(table.begin(), table.end(),
+                                   [&](const auto& candidate) { return candidate.name == name; });
+  return CommandWords(*option, request);
+}
+
+}  // namespace
+
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable) {
+  const JobRequest& request = job.request();
+  PictureIdentity identity = {.software = fmt::format("skywave {}", Version()),
+                              .scene = request.scene,
+                              .scene_hash = job.scene_hash(),
+                              .map_hash = job.map_hash(),
+                              .film = {0, 0, *request.width, *request.height},
+                              .samples = job.options().samples_per_pixel,
+                              .seed = job.options().seed,
+                              .repeatable = repeatable,
+                              .options = RecordedOptions(request)};
+  for (RecordedOption& option : identity.options) {
+    if (IsOfPart(option)) option.words.clear();
+  }
+  identity.options.push_back({.name = "sample-range", .words = "", .is_input = false});
+  static const ExposureRequest defaults;
+  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
+    const bool given = option.get(exposure) != option.get(defaults);
+    identity.options.push_back({.name = std::string(option.name),
+                                .words = given ? CommandWords(option, exposure) : "",
+                                .is_input = false});
+  }
+  return identity;
+}
+
+PicturePart PartOf(const RenderJob& job, const SampleRange& samples) {
+  const RenderOptions& options = job.options();
+  return {{options.crop_x, options.crop_y, options.width, options.height}, samples};
+}
+
+std::string RepeatCommand(const PictureIdentity& identity, const PicturePart& part) {
+  std::string command = "skywave render";
+  for (const RecordedOption& option : identity.options) {
+    if (option.name == "crop" && part.window != identity.film) {
+      JobRequest request;
+      request.crop = part.window;
+      command += WordsOf(JobOptions(), "crop", request);
+    } else if (option.name == "sample-range" && part.samples != SampleRange{0, identity.samples}) {
+      command += WordsOf(LimitOptions(), "sample-range", RenderLimits{.samples = part.samples});
+    } else {
+      command += option.words;
+    }
+  }
+  return command;
+}
+
+std::string Difference(const PictureIdentity& here, const PictureIdentity& there) {
+  if (here.software != there.software) {
+    return fmt::format("it is of {}, and this is {}", there.software, here.software);
+  }
+  for (const RecordedOption& option : here.options) {
+    const RecordedOption* const other = Find(there.options, option.name);
+    const bool same = option.is_input || (other != nullptr && other->words == option.words);
+    if (same) continue;
+    return fmt::format("`{}` is {} here and {} there", option.name, ValueOf(option),
+                       other != nullptr ? ValueOf(*other) : "not given");
+  }
+  for (const RecordedOption& option : there.options) {
+    if (option.is_input || Find(here.options, option.name) != nullptr) continue;
+    return fmt::format("`{}` is {} there and not given here", option.name, ValueOf(option));
+  }
+  if (here.film != there.film) return "the films have different sizes";
+  if (here.samples != there.samples) return "the pictures have different numbers of samples";
+  if (here.map_hash != there.map_hash) return "the illumination maps differ";
+  if (here.scene_hash != there.scene_hash) {
+    return fmt::format("the scenes differ: {} here and {} there, or what belongs to them",
+                       here.scene, there.scene);
+  }
+  return "";
+}
+
+Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
+                       const PictureIdentity& identity, const PicturePart& part,
+                       const ToneMapping& tone) {
+  Metadata metadata = {{"software", identity.software},
+                       {"samples", fmt::format("{}", part.samples.count())},
+                       {"seed", fmt::format("{}", identity.seed)},
+                       {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
+  if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
+  return {.image = film.Resolve(samples),
+          .layers = film.ResolveAovs(samples, layers),
+          .metadata = std::move(metadata),
+          .tone = tone};
+}
+
+void WriteExr(const std::string& path, const Picture& picture) {
+  WriteExr(path, picture.image, picture.metadata, picture.layers);
+}
+
+std::string EncodePng(const Picture& picture) {
+  const Image& image = picture.image;
+  return EncodePng(image.width, image.height, ToneMap(image, picture.tone));
+}
+
+void WritePng(const std::string& path, const Picture& picture) {
+  const Image& image = picture.image;
+  WritePng(path, image.width, image.height, ToneMap(image, picture.tone));
+}
+
+std::string PngBeside(const std::string& exr) {
+  return std::filesystem::path(exr).replace_extension(".png").string();
+}
+
+}  // namespace skywave

@@ -1,0 +1,72 @@
+// A picture as files: what decides its bytes, the part of it that has been rendered, and the EXR
+// and PNG with what they record of both.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+#include "job/exposure.h"
+#include "job/job.h"
+#include "job/options.h"
+
+namespace skywave {
+
+// Samples of the pixels of a window of the whole film.
+struct PicturePart {
+  CropWindow window;
+  SampleRange samples;
+};
+
+// What decides the bytes of a picture. Two parts with the same identity belong together.
+struct PictureIdentity {
+  std::string software;          // "skywave 0.1.0"
+  std::string scene;             // its name, for people
+  std::uint64_t scene_hash = 0;  // with camera and lights
+  std::uint64_t map_hash = 0;    // of the map alone
+  CropWindow film;               // the whole film
+  std::uint32_t samples = 0;     // per pixel of the whole picture
+  std::uint32_t seed = 0;
+  bool repeatable = true;               // a command makes the same picture
+  std::vector<RecordedOption> options;  // in the order of the tables, without those of the part
+};
+
+// Returns the identity of the picture of a job. Not repeatable: no file has its scene.
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable);
+
+// Returns the part of the picture that the options of the job ask for, with these samples.
+PicturePart PartOf(const RenderJob& job, const SampleRange& samples);
+
+// Returns the command that renders a part of the picture, which has nothing that changes from run
+// to run.
+std::string RepeatCommand(const PictureIdentity& identity, const PicturePart& part);
+
+// Returns half a sentence that tells how two pictures differ, "`spp` is 4 here and 8 there", or
+// nothing if they are the same. Names of files do not matter, what is in them does.
+std::string Difference(const PictureIdentity& here, const PictureIdentity& there);
+
+struct Picture {
+  Image image;
+  std::vector<NamedChannel> layers;
+  Metadata metadata;
+  ToneMapping tone;  // of the PNG
+};
+
+// Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
+// `layers` are those to show.
+Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
+                       const PictureIdentity& identity, const PicturePart& part,
+                       const ToneMapping& tone);
+
+// Write the files of a picture. A file that exists is replaced.
+void WriteExr(const std::string& path, const Picture& picture);
+void WritePng(const std::string& path, const Picture& picture);
+
+// Returns the bytes that WritePng writes.
+std::string EncodePng(const Picture& picture);
+
+// Returns the name of the PNG beside an EXR.
+std::string PngBeside(const std::string& exr);
+
+}  // namespace skywave

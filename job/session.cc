@@ -1,0 +1,187 @@
+#include "job/session.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "base/clock.h"
+#include "base/error.h"
+
+namespace skywave {
+namespace {
+
+// What a session knows while it renders.
+struct Session {
+  const RenderJob& job;
+  const PictureIdentity& identity;
+  const SessionRequest& request;
+  PicturePart part;
+  Film film;
+  RenderState state = {};
+  double seconds_before = 0;  // spent by sessions that this one goes on from
+  Clock::time_point start = Clock::now();
+  Clock::time_point last_checkpoint = start;
+  bool checkpoint_due = false, snapshot_due = false;  // for the next pause
+
+  double seconds() const { return seconds_before + SecondsSince(start); }
+};
+
+// Returns the frame with the samples of the part, of which the whole picture has more.
+FrameView FrameOf(const Session& session) {
+  FrameView frame = session.job.frame();
+  frame.options.picture_samples = {0, session.identity.samples};
+  frame.options.first_sample = session.part.samples.first;
+  frame.options.samples_per_pixel = session.part.samples.count();
+  return frame;
+}
+
+void SaveCheckpoint(Session& session) {
+  WriteFilm(session.request.checkpoint.path,
+            {.identity = session.identity,
+             .window = session.part.window,
+             .holds = {},
+             .layers = session.job.options().aovs,
+             .seconds = session.seconds(),
+             .is_checkpoint = true,
+             .samples = session.part.samples,
+             .state = session.state},
+            session.film);
+  session.last_checkpoint = Clock::now();
+}
+
+// Returns whether the rows of a state are those of the tiles of its step.
+bool Fits(const RenderState& state, const FrameView& frame, const SampleRange& samples) {
+  if (state.step.first < samples.first || state.step.end > samples.end) return false;
+  if (state.rows.empty()) return true;
+  if (state.tile_side % 8 != 0 || state.tile_side == 0) return false;
+  const std::vector<Tile> tiles =
+      CutTiles(frame.camera.width, frame.camera.height, state.tile_side);
+  if (tiles.size() != state.rows.size()) return false;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const std::uint64_t all = std::uint64_t(tiles[i].width) * tiles[i].height * state.step.count();
+    if (state.rows[i] > all || state.rows[i] % kBeamRays != 0) return false;
+  }
+  return true;
+}
+
+// Puts a checkpoint into the session, if there is one.
+void Resume(Session& session) {
+  const std::string& path = session.request.checkpoint.path;
+  if (!session.request.checkpoint.resume || !std::filesystem::exists(path)) return;
+  const FilmInFile saved = ReadFilm(path);
+  const auto refuse = [&](const std::string& why) {
+    return InputError(InputPosition::File(path),
+                      "this checkpoint is of something else: " + why + "; remove it to begin anew");
+  };
+  if (!saved.file.is_checkpoint) throw refuse("it is a finished film");
+  const std::string difference = Difference(session.identity, saved.file.identity);
+  if (!difference.empty()) throw refuse(difference);
+  if (saved.file.window != session.part.window) throw refuse("it shows another part of the film");
+  if (saved.file.samples != session.part.samples) {
+    throw refuse(fmt::format("it is to have samples {}, not {}",
+                             SampleRanges().print(saved.file.samples),
+                             SampleRanges().print(session.part.samples)));
+  }
+  if (saved.film.packed_bytes() != session.film.packed_bytes()) {
+    throw refuse("it keeps other layers; with `noise` a film keeps the variance too");
+  }
+  if (!Fits(saved.file.state, FrameOf(session), session.part.samples)) {
+    throw refuse("it has come to a place that this render does not have");
+  }
+  session.film.UnpackPicture(saved.film.PackPicture());
+  session.state = saved.file.state;
+  session.seconds_before = saved.file.seconds;
+}
+
+// Called by the rendering thread while all others rest.
+void Pause(Session& session) {
+  if (std::exchange(session.snapshot_due, false)) {
+    session.request.show(session.film, SamplesByPixel(FrameOf(session), session.state));
+  }
+  if (std::exchange(session.checkpoint_due, false)) SaveCheckpoint(session);
+}
+
+// Called by the watching thread: asks for a pause where there is something to do.
+void AskForPause(Session& session, Progress& progress) {
+  if (progress.pause) return;  // the last one is not over
+  const SessionRequest& request = session.request;
+  if (request.wants_snapshot && request.wants_snapshot()) session.snapshot_due = true;
+  if (request.checkpoint.seconds > 0 &&
+      SecondsSince(session.last_checkpoint) >= request.checkpoint.seconds) {
+    session.checkpoint_due = true;
+  }
+  if (session.snapshot_due || session.checkpoint_due) progress.pause = true;
+}
+
+// Renders what is missing, watched by the calling thread.
+FrameResult Render(Session& session) {
+  const SessionRequest& request = session.request;
+  const FrameView frame = FrameOf(session);
+  const auto seconds = [&] { return session.seconds(); };
+  Progress progress;
+  RenderControl control = {.progress = &progress,
+                           .at_pause = [&](const RenderState&) { Pause(session); }};
+  if (request.limits.end_early()) {
+    control.next_stop = StopRule(request.limits, session.part.samples, session.film, seconds);
+  }
+  if (request.on_tile) {
+    control.on_tile = [&](const Tile& tile, std::uint32_t samples) {
+      request.on_tile(session.film, tile, samples);
+    };
+  }
+  FrameResult result;
+  const auto work = [&](Progress&) {
+    result = RenderFrame(frame, session.film, session.state, control);
+  };
+  const RenderOptions& options = frame.options;
+  const bool asks = request.wants_snapshot || request.checkpoint.seconds > 0;
+  const Teller tell = [&](double done) {
+    AskForPause(session, progress);
+    return !request.tell || request.tell(done);
+  };
+  Watch(progress,
+        std::uint64_t(options.width) * std::uint64_t(options.height) * options.samples_per_pixel,
+        work, asks || request.tell ? tell : Teller());
+  return result;
+}
+
+}  // namespace
+
+RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
+                        const SessionRequest& request) {
+  const AovSet more = LayersForLimits(request.limits, job.options().integrator);
+  Session session = {.job = job,
+                     .identity = identity,
+                     .request = request,
+                     .part = PartOf(job, ChooseSamples(request.limits, identity.samples)),
+                     .film = job.MakeFilm(more)};
+  Resume(session);
+  FrameResult frame;
+  try {
+    frame = Render(session);
+  } catch (...) {
+    // Whatever ended the render, the state tells what the film holds.
+    if (!request.checkpoint.path.empty()) SaveCheckpoint(session);
+    throw;
+  }
+  session.part.samples.end = session.part.samples.first + frame.samples_per_pixel;
+  return {.film = std::move(session.film),
+          .part = session.part,
+          .frame = frame,
+          .seconds = session.seconds()};
+}
+
+void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
+               const RenderedFilm& rendered) {
+  WriteFilm(path,
+            {.identity = identity,
+             .window = rendered.part.window,
+             .holds = {rendered.part},
+             .layers = layers,
+             .seconds = rendered.seconds},
+            rendered.film);
+}
+
+}  // namespace skywave

@@ -1,0 +1,54 @@
+// A session renders a job to the end that its limits give. It keeps checkpoints, from which another
+// session goes on to the same bytes, and shows snapshots on the way.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "job/film_file.h"
+#include "job/job.h"
+#include "job/limits.h"
+#include "job/picture.h"
+#include "job/watch.h"
+
+namespace skywave {
+
+struct CheckpointRequest {
+  std::string path;     // empty: no checkpoints are kept
+  double seconds = 0;   // between two of them; 0: only when the session is stopped
+  bool resume = false;  // go on from `path` if it exists
+};
+
+struct SessionRequest {
+  RenderLimits limits;
+  CheckpointRequest checkpoint;
+  // Told about ten times a second by the thread that runs the session. If it returns false or
+  // throws, the session saves a checkpoint, if it keeps any, and throws RenderCanceled or that.
+  Teller tell;
+  // Asked as often. If it returns true, `show` gets the film as it is, with all threads at rest.
+  std::function<bool()> wants_snapshot;
+  std::function<void(const Film& film, const SampleCounts& samples)> show;
+  // See RenderControl.
+  std::function<void(const Film& film, const Tile& tile, std::uint32_t samples)> on_tile;
+};
+
+// What a session has rendered.
+struct RenderedFilm {
+  Film film;
+  PicturePart part;
+  FrameResult frame;
+  double seconds = 0;  // of rendering, sessions before this one included
+};
+
+// Renders. `identity` is that of the job's picture. A checkpoint that is there at the end stays
+// until the caller has written what was rendered. Throws InputError for a checkpoint of something
+// else, and RenderCanceled.
+RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
+                        const SessionRequest& request);
+
+// Writes the film of a session as a part of its picture.
+void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
+               const RenderedFilm& rendered);
+
+}  // namespace skywave
