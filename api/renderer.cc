@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/errors.h"
+#include "api/picture_display.h"
 #include "api/state.h"
 #include "base/clock.h"
 #include "base/version.h"
@@ -143,9 +144,22 @@ void Renderer::Render(const RenderControl& control) {
         skywave::WritePng(PngBeside(snapshot), picture);
       };
     }
+    std::optional<PictureDisplay> display;
+    if (!control.viewer.empty()) {
+      const auto viewer = ParseViewerAddress(control.viewer);
+      Require(viewer.has_value(), "viewer", "'" + control.viewer + "' is not HOST:PORT");
+      display.emplace(*viewer, control.name_in_viewer, state.job->options().aovs);
+      request.on_tile = [&](const Film& film, const Tile& tile, std::uint32_t samples) {
+        display->ShowTile(film, tile, samples);
+      };
+    }
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
     state.picture = PictureOf(state, rendered.film, rendered.part.samples.count(), rendered.part);
     state.layers = LayersOf(state.picture.layers);
+    if (display) {
+      const std::string problem = display->End(state.picture);
+      if (!problem.empty()) state.notes.push_back(problem);
+    }
     state.rendered = std::move(rendered);
   });
 }

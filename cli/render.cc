@@ -9,6 +9,7 @@
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/progress.h"
+#include "display/tev.h"
 #include "job/exposure.h"
 #include "job/options.h"
 #include "skywave/skywave.h"
@@ -23,11 +24,21 @@ struct RenderFlags {
   api::Options read_options, options;  // as given, for the library
   std::string output;
   std::string stats;
+  std::string viewer;
   ProgressFlags progress;
 };
 
 std::string PngPath(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
+}
+
+Codec<std::string> Viewers() {
+  Codec<std::string> codec = Texts("HOST or HOST:PORT (port 14158)");
+  codec.metavar = "HOST:PORT";
+  codec.parse = [](const std::string& text) {
+    return ParseViewerAddress(text) ? std::optional(text) : std::nullopt;
+  };
+  return codec;
 }
 
 #define FIELD SKYWAVE_FIELD
@@ -40,6 +51,7 @@ std::vector<OptionOf<RenderFlags>> OutputOptions() {
     option({.name = "output", .help = "EXR file; the PNG has the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
     option({.name = "stats", .group = "Output", .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
+    option({.name = "display", .group = "Output", .help = "show the picture in the viewer tev while it is rendered"}, FIELD(viewer), Viewers()),
     ProgressOption<RenderFlags>(),
   };
   // clang-format on
@@ -68,24 +80,30 @@ int RenderMain(RenderFlags& flags) {
   }
   CheckOutputs(flags);
   api::Renderer renderer(api::Scene(flags.request.scene, flags.read_options), flags.options);
-  if (flags.progress.quiet) {
-    renderer.Render();
-  } else {
-    PrintNotes(renderer.notes());
+  if (!flags.progress.quiet) PrintNotes(renderer.notes());
+  const std::size_t notes_before = renderer.notes().size();
+  api::RenderControl control = {.viewer = flags.viewer, .name_in_viewer = flags.output};
+  {
     ProgressDisplay display(flags.progress);
     display.Begin("", renderer.samples());
-    renderer.Render([&](double done) {
+    control.progress = [&](double done) {
       display.Show(done);
       return true;
-    });
+    };
+    renderer.Render(control);
     display.End();
+  }
+  if (!flags.progress.quiet) {
+    const std::vector<std::string>& notes = renderer.notes();
+    PrintNotes({notes.begin() + std::ptrdiff_t(notes_before), notes.end()});
   }
   const std::string png = PngPath(flags.output);
   renderer.WriteExr(flags.output);
   renderer.WritePng(png);
   if (!flags.stats.empty()) WriteFileAtomically(flags.stats, renderer.Statistics());
-  if (!flags.progress.quiet)
+  if (!flags.progress.quiet) {
     fmt::print("{}wrote {} and {}\n", renderer.Summary(), flags.output, png);
+  }
   return 0;
 }
 

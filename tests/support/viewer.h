@@ -22,6 +22,7 @@ struct ViewedPicture {
   int width = 0, height = 0;
   std::map<std::string, std::vector<float>> channels;
   int updates = 0;
+  int replaced = 0;  // values that were shown, not 0, and became others
 };
 
 class Viewer {
@@ -182,8 +183,11 @@ class Viewer {
         const std::int64_t index = offsets[c] + i * strides[c];
         Fields::Require(index >= 0 && index < std::int64_t(values.size()));
         needed = std::max(needed, index + 1);
-        plane[std::size_t(y + i / width) * std::size_t(picture.width) +
-              std::size_t(x + i % width)] = values[std::size_t(index)];
+        float& shown = plane[std::size_t(y + i / width) * std::size_t(picture.width) +
+                             std::size_t(x + i % width)];
+        const float value = values[std::size_t(index)];
+        if (shown != 0 && std::memcmp(&shown, &value, sizeof value) != 0) ++picture.replaced;
+        shown = value;
       }
     }
     Fields::Require(needed == std::int64_t(values.size()));
