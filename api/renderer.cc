@@ -67,7 +67,7 @@ std::string Version() {
 std::vector<BoundOption> BindJobOptions(const std::shared_ptr<JobRequest>& request) {
   std::vector<BoundOption> bound;
   for (const JobOption& option : JobOptions()) {
-    if (!option.positional && !IsReadOption(option)) bound.push_back(Bind(option, request));
+    if (!option.positional && !option.of_reading) bound.push_back(Bind(option, request));
   }
   return bound;
 }

@@ -6,11 +6,11 @@
 #include <glm/glm.hpp>
 
 #include "api/errors.h"
-#include "api/material.h"
 #include "api/state.h"
 #include "base/clock.h"
 #include "job/options.h"
 #include "scene/geometry_checks.h"
+#include "scene/materials/parameters.h"
 #include "scene/reader.h"
 
 namespace skywave::api {
@@ -113,7 +113,7 @@ Scene::Scene(const std::string& path, const Options& options) : state_(std::make
     const auto request = std::make_shared<JobRequest>();
     std::vector<BoundOption> bound;
     for (const JobOption& option : JobOptions()) {
-      if (IsReadOption(option)) bound.push_back(Bind(option, request));
+      if (option.of_reading) bound.push_back(Bind(option, request));
     }
     SetOptions(bound, options);
     const Clock::time_point start = Clock::now();
@@ -150,7 +150,11 @@ int Scene::AddTexture(const ImageArray& image, TextureUse use) {
 int Scene::AddMaterial(const std::string& bsdf, const std::vector<MaterialParameter>& parameters,
                        const std::string& name) {
   skywave::Scene& scene = state_->scene;
-  Material material = MakeMaterial(bsdf, parameters);
+  Material material = Translated([&] {
+    Material made = MakeMaterial(bsdf);
+    for (const MaterialParameter& p : parameters) SetParameter({p.name, p.values}, made);
+    return made;
+  });
   material.name = name.empty() ? fmt::format("{} {}", bsdf, scene.materials.size()) : name;
   scene.materials.push_back(std::move(material));
   try {
@@ -250,6 +254,14 @@ void Scene::SetUp(char axis) {
   Require(axis == 'x' || axis == 'y' || axis == 'z', "axis", "is x, y or z");
   state_->scene.up_axis = axis;
   state_->changed = true;
+}
+
+std::vector<std::string> OptionsOfReading() {
+  std::vector<std::string> names;
+  for (const JobOption& option : JobOptions()) {
+    if (option.of_reading) names.emplace_back(option.name);
+  }
+  return names;
 }
 
 std::size_t Scene::triangles() const {

@@ -138,7 +138,7 @@ class SKYWAVE_API Scene {
   // Makes an empty scene with y up. It needs a mesh before it can be rendered.
   Scene();
   // Reads a pbrt, OBJ, glTF or PLY file, or makes a built-in scene ("gallery"). `options` are those
-  // of reading (strict, max-triangles). Meshes and lights can be added to it.
+  // of reading (OptionsOfReading). Meshes and lights can be added to it.
   explicit Scene(const std::string& path, const Options& options = {});
   Scene(const Scene&);
   Scene(Scene&&) noexcept;
@@ -248,6 +248,9 @@ class SKYWAVE_API Renderer {
   std::unique_ptr<State> state_;
 };
 
+// Returns the names of the options that Scene takes; Renderer takes all others.
+SKYWAVE_API std::vector<std::string> OptionsOfReading();
+
 // Returns the bytes of a PNG, 8-bit sRGB. Radiance is multiplied by 2^exposure; `tone` is a value
 // of the option "tone".
 SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
@@ -257,10 +260,10 @@ SKYWAVE_API std::string EncodePng(const ImageArray& image, float exposure = 0,
 SKYWAVE_API std::string Compare(const ImageArray& image, const ImageArray& reference);
 
 // Returns what `skywave converge --json` writes. `options` are those of `skywave converge`, for
-// example {"strategies", "importance product"} and {"budgets", "1,4,16"}, except for strict and
-// max-triangles, which a Scene takes, and for json, plot, report, exposure and quiet. If the
-// reference is rendered, the callback sees its share from 0 to 1 first, and then that of the
-// measurement. Making tables and warming up come before and are not interrupted.
+// example {"strategies", "importance product"} and {"budgets", "1,4,16"}, except for those of
+// reading, which a Scene takes, and for json, plot, report, exposure and quiet. If the reference is
+// rendered, the callback sees its share from 0 to 1 first, and then that of the measurement. Making
+// tables and warming up come before and are not interrupted.
 SKYWAVE_API std::string Converge(Scene scene, const Options& options,
                                  const ProgressCallback& progress = {});
 

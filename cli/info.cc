@@ -151,6 +151,18 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   json["up_axis"] = std::string(1, scene.up_axis);
   json["has_camera"] = scene.camera.has_value();
   if (scene.camera) json["camera"] = Json(*scene.camera);
+  json["cameras"] = nlohmann::ordered_json::array();
+  for (const NamedCamera& named : scene.cameras) {
+    nlohmann::ordered_json camera = {{"name", named.name}};
+    camera.update(Json(named.camera));
+    json["cameras"].push_back(std::move(camera));
+  }
+  json["animations"] = nlohmann::ordered_json::array();
+  for (const AnimationInfo& animation : scene.animations) {
+    json["animations"].push_back({{"name", animation.name},
+                                  {"seconds", animation.seconds},
+                                  {"channels", animation.channels}});
+  }
   json["materials"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     json["materials"].push_back(Json(scene.materials[i], summary.triangles_of_material[i]));
@@ -248,6 +260,15 @@ void Print(const std::string& path, const SceneFile& file) {
                             double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib,
                             double(file.bvh_bytes) / kMib));
   row("time", fmt::format("load {:.3f} s, build {:.3f} s", file.load_seconds, file.build_seconds));
+  if (!scene.cameras.empty()) fmt::print("\n{} cameras\n", scene.cameras.size());
+  for (const NamedCamera& named : scene.cameras) {
+    fmt::print("  {:<24}{}\n", named.name, Describe(named.camera));
+  }
+  if (!scene.animations.empty()) fmt::print("\n{} animations\n", scene.animations.size());
+  for (const AnimationInfo& animation : scene.animations) {
+    fmt::print("  {:<24}{:.6g} s, {} channels\n", animation.name, animation.seconds,
+               animation.channels);
+  }
   fmt::print("\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
@@ -288,7 +309,7 @@ Command InfoCommand() {
                      .run = [flags](const GivenOptions&) { return InfoMain(*flags); }};
   const std::shared_ptr<JobRequest> request(flags, &flags->request);
   for (const JobOption& option : JobOptions()) {
-    if (option.name == "scene" || IsReadOption(option)) {
+    if (option.name == "scene" || option.of_reading) {
       AddOptions(command, std::span(&option, 1), request);
     }
   }

@@ -43,10 +43,16 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
     return;
   }
   CLI::Option* added;
-  if (info.most_values > 1) {
+  if (info.most_values > 1 && info.delimiter != 0) {
+    // The list is one word; if the option is given several times, their lists are joined.
+    added = app.add_option_function<std::vector<std::string>>(flags, take, Explanation(info))
+                ->expected(1)
+                ->allow_extra_args(false)
+                ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+                ->delimiter(info.delimiter);
+  } else if (info.most_values > 1) {
     added = app.add_option_function<std::vector<std::string>>(flags, take, Explanation(info))
                 ->expected(1, info.most_values);
-    if (info.delimiter != 0) added->delimiter(info.delimiter);
   } else if (info.positional) {
     added = app.add_option_function<std::string>(
         flags, [take](const std::string& text) { take({text}); }, Explanation(info));
@@ -59,6 +65,7 @@ void AddOption(CLI::App& app, const BoundOption& option, GivenOptions& given) {
                    },
                    Explanation(info))
                 ->expected(1)
+                ->allow_extra_args(false)
                 ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
   added->type_name(info.positional ? "" : info.value_name)->group(group)->required(info.required);

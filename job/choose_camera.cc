@@ -2,15 +2,47 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
+#include <vector>
+
 #include "base/error.h"
+#include "base/nearest_name.h"
 #include "wavefront/option_names.h"
 
 namespace skywave {
+namespace {
+
+// Returns the camera that is asked for, or nothing if the scene has none.
+const Camera* SceneCamera(const Scene& scene, const std::string& name) {
+  if (name.empty()) return scene.camera ? &*scene.camera : nullptr;
+  std::vector<std::string_view> names;
+  for (const NamedCamera& named : scene.cameras) {
+    if (named.name == name) return &named.camera;
+    names.push_back(named.name);
+  }
+  throw OptionError("scene-camera", name,
+                    names.empty()
+                        ? "the scene has no camera with a name"
+                        : "there is no such camera; there are " + NearestFirst(name, names));
+}
+
+// Returns the camera turned about the up axis through `middle`.
+Camera Orbited(Camera camera, const glm::vec3& middle, float degrees, const Scene& scene) {
+  if (degrees == 0) return camera;
+  const glm::mat3 turn = EnvironmentTurn(scene.up_axis, scene.left_handed, degrees);
+  glm::mat4& world = camera.world_from_camera;
+  for (int axis = 0; axis < 3; ++axis) world[axis] = glm::vec4(turn * glm::vec3(world[axis]), 0);
+  world[3] = glm::vec4(middle + turn * (glm::vec3(world[3]) - middle), 1);
+  return camera;
+}
+
+}  // namespace
 
 Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& request,
                     float aspect) {
+  const Camera* const of_scene = SceneCamera(scene, request.name);
   Camera camera =
-      scene.camera ? *scene.camera : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
+      of_scene ? *of_scene : FrameBounds(bounds, scene.up_axis, scene.left_handed, aspect);
   const glm::vec3 middle = 0.5f * (bounds.low + bounds.high);
   if (request.fov_degrees) camera.fov_degrees = *request.fov_degrees;
   if (request.eye || request.target) {
@@ -44,7 +76,7 @@ Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraReques
     if (distance > 0) camera.focal_distance = distance;
   }
   if (request.focal_distance) camera.focal_distance = *request.focal_distance / depth;
-  return camera;
+  return Orbited(camera, request.target.value_or(middle), request.orbit_degrees.value_or(0), scene);
 }
 
 }  // namespace skywave

@@ -7,8 +7,8 @@
 namespace skywave {
 
 // The camera of the scene, or else one that sees all of `bounds`, with the changes of the request.
-// `aspect`: width / height of the whole film. Throws InputError for a view without a direction and
-// for a field of view that the camera cannot have.
+// `aspect`: width / height of the whole film. Throws InputError for a view without a direction, for
+// a field of view that the camera cannot have, and for a name that no camera of the scene has.
 Camera ChooseCamera(const Scene& scene, const Bounds& bounds, const CameraRequest& request,
                     float aspect);
 

@@ -13,6 +13,7 @@
 #include "base/granted.h"
 #include "job/choose_camera.h"
 #include "job/environment.h"
+#include "job/material_changes.h"
 #include "job/options.h"
 #include "scene/reader.h"
 #include "scene/scene_hash.h"
@@ -118,6 +119,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   if (options().threads == 0) {
     notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
   }
+  ChangeMaterials(request_.materials, scene);
   scene.up_axis = request.environment.up_axis.value_or(scene.up_axis);
   EnvironmentLight light;
   times_.load += Time([&] { light = LoadEnvironment(scene, request_, notes_); });

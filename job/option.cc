@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <sstream>
 
 #include "base/error.h"
@@ -107,6 +106,11 @@ Codec<bool> Switches() {
           .is_switch = true};
 }
 
+std::string Joined(const OptionInfo& option, const std::vector<std::string>& texts) {
+  const char separator = option.delimiter != 0 ? option.delimiter : ' ';
+  return fmt::format("{}", fmt::join(texts, std::string(1, separator)));
+}
+
 std::string NotAValue(const std::string& text, const std::string& values) {
   return fmt::format("'{}' is not {}", text, values);
 }
@@ -182,30 +186,6 @@ void SetOptions(std::span<const BoundOption> options,
                         fmt::format("does not go together with `{}`", info.excludes));
     }
   }
-}
-
-std::string NearestName(std::string_view name, const std::vector<std::string_view>& names) {
-  // Levenshtein's distance, row by row.
-  const auto distance = [name](std::string_view other) {
-    std::vector<std::size_t> row(other.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= name.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i;
-      for (std::size_t j = 1; j <= other.size(); ++j) {
-        const std::size_t replaced = diagonal + (name[i - 1] == other[j - 1] ? 0 : 1);
-        diagonal = row[j];
-        row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-      }
-    }
-    return row[other.size()];
-  };
-  std::string_view best;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
-  for (const std::string_view other : names) {
-    if (const std::size_t d = distance(other); d < least) least = d, best = other;
-  }
-  return std::string(best);
 }
 
 }  // namespace skywave

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/names.h"
+#include "base/nearest_name.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
@@ -41,16 +42,18 @@ struct OptionInfo {
   std::string_view help;              // half a sentence
   OptionScope scope = OptionScope::kOutput;
   // Arguments that try the option on a scene of the tests, together with what it needs, e.g.
-  // "--split 2 --continuation-strategy uniform". An option that changes pixels has to have one.
+  // "--split 2 --continuation-strategy uniform", and behind the name of a scene where it needs
+  // another one. An option that changes pixels has to have one.
   std::string_view example = {};
   std::string_view default_text = {};  // where no field has a default value to print
   std::string_view metavar = {};       // what stands for a value in help texts, e.g. "DEGREES"
   char letter = 0;                     // one-letter form, 0: none
   bool positional = false, required = false;
-  bool scene_may_set = false;                  // a scene file may give it; the option comes first
-  bool in_suite = false;                       // `skywave bench` takes it for its suite of scenes
-  int most_values = 1;                         // more than 1: a list, separated by spaces
-  char delimiter = 0;                          // of a list in one word, 0: none
+  bool scene_may_set = false;  // a scene file may give it; the option comes first
+  bool of_reading = false;     // it says how a scene is read; `skywave info` takes it as well
+  bool in_suite = false;       // `skywave bench` takes it for its suite of scenes
+  int most_values = 1;         // more than 1: a list, separated by spaces
+  char delimiter = 0;          // of a list in one word, 0: none
   std::string_view needs = {}, excludes = {};  // another option
   bool (*applies)(Integrator) = nullptr;       // null: to all integrators
 
@@ -170,6 +173,10 @@ struct IsVector : std::false_type {};
 template <class T>
 struct IsVector<std::vector<T>> : std::true_type {};
 
+// The text that SetOption takes for the values `texts`: a list joined by its delimiter or by
+// blanks.
+std::string Joined(const OptionInfo& option, const std::vector<std::string>& texts);
+
 // "'text' is not VALUES", as half a sentence of an error message.
 std::string NotAValue(const std::string& text, const std::string& values);
 
@@ -248,11 +255,7 @@ std::string CommandWords(const OptionOf<Request>& option, const Request& request
     return (texts.front() == "true" ? " --" : " --no-") + name;
   }
   if (option.delimiter != 0) {
-    std::string list;
-    for (const std::string& text : texts) {
-      list += (list.empty() ? std::string() : std::string(1, option.delimiter)) + text;
-    }
-    return " --" + name + " " + Quoted(list);
+    return " --" + name + " " + Quoted(Joined(option, texts));
   }
   // A value that begins with a dash would be taken for a flag.
   if (texts.size() == 1) {
@@ -271,8 +274,5 @@ std::string Explanation(const OptionInfo& info);
 
 // The names of the integrators that an option applies to.
 std::vector<std::string> IntegratorsOf(const OptionInfo& info);
-
-// The name among `names` that is most like `name`; empty where none is near.
-std::string NearestName(std::string_view name, const std::vector<std::string_view>& names);
 
 }  // namespace skywave

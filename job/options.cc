@@ -20,8 +20,8 @@ namespace {
 
 constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixels,
                       kSpeed = OptionScope::kSpeed;
-constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera", kFilm = "Film",
-                           kPaths = "Paths",
+constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera",
+                           kMaterials = "Materials", kFilm = "Film", kPaths = "Paths",
                            kPhotons = "Photon mapping and vertex merging (photon, vcm)",
                            kReading = "Reading", kSpeedGroup = "Speed";
 
@@ -50,20 +50,6 @@ Codec<glm::vec3> Points() {
             return glm::vec3(p[0], p[1], p[2]);
           },
           .print = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
-}
-
-Codec<CropWindow> Crops() {
-  return {.values = "WxH+X+Y, for example 64x64+320+200",
-          .metavar = "WxH+X+Y",
-          .parse = [](const std::string& text) -> std::optional<CropWindow> {
-            int v[4];
-            if (!ParseTuple(text, "x++", 4, v)) return std::nullopt;
-            return CropWindow{.x = v[2], .y = v[3], .width = v[0], .height = v[1]};
-          },
-          .print =
-              [](const CropWindow& c) {
-                return fmt::format("{}x{}+{}+{}", c.width, c.height, c.x, c.y);
-              }};
 }
 
 Codec<SubpathLengths> Lengths() {
@@ -221,8 +207,15 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(camera.lens_radius), Floats(0, 1e12)),
     Plain({.name = "focal-distance", .group = kCamera, .help = "distance that is sharp", .scope = kPixels, .example = "--lens-radius 0.1 --focal-distance 2.25", .default_text = "the middle of the scene"},
           FIELD(camera.focal_distance), Floats(1e-12, 1e12)),
+    Plain({.name = "scene-camera", .group = kCamera, .help = "name of one of the scene's cameras: skywave info", .scope = kPixels, .example = "moving.gltf --scene-camera side", .default_text = "its first one", .metavar = "NAME"},
+          FIELD(camera.name), Texts("the name of a camera")),
+    Plain({.name = "orbit", .group = kCamera, .help = "turn of the camera about the up axis through --target or the middle of the scene, counter-clockwise seen from above, after all other changes", .scope = kPixels, .example = "--orbit 120.5", .default_text = "0", .metavar = "DEGREES"},
+          FIELD(camera.orbit_degrees), Floats(-1e6, 1e6)),
     Plain({.name = "ground", .group = kCamera, .help = "put a grey plane under the scene", .scope = kPixels, .example = "--ground"},
           FIELD(ground), Switches()),
+
+    Plain({.name = "material", .group = kMaterials, .help = "give the material NAME another BSDF with these parameters, or without a BSDF only other parameters (KEY=1 or KEY=0.8/0.2/0.1); several are separated by ;", .scope = kPixels, .example = "moving.gltf --material 'paint=conductor:alpha=0.2,reflectance=0.9/0.5/0.1;steel=:alpha=0.4'", .default_text = "the scene's", .metavar = "NAME=[BSDF][:KEY=VALUE,...]", .most_values = 1000, .delimiter = ';'},
+          FIELD(materials), Texts("NAME=[BSDF][:KEY=VALUE,...]")),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},
           FIELD(crop), Crops()), ResolveCrop),
@@ -261,10 +254,16 @@ std::vector<JobOption> MakeJobOptions() {
     Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
           FIELD(options.photons.alpha), Floats(0.01, 1)),
 
-    Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict"},
+    Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),
-    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000"},
+    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
           FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
+    Plain({.name = "frame", .group = kReading, .help = "number of the frame at which an animated scene is read, which may be a fraction", .scope = kPixels, .example = "moving.gltf --frame 12.5", .default_text = "without animation", .metavar = "N", .of_reading = true},
+          FIELD(read.frame), Doubles(-1e9, 1e9)),
+    Plain({.name = "fps", .group = kReading, .help = "frames in a second of animation", .scope = kPixels, .example = "moving.gltf --frame 15 --fps 30", .default_text = "24", .metavar = "R", .of_reading = true},
+          FIELD(read.fps), Doubles(1e-3, 1e6)),
+    Plain({.name = "animation", .group = kReading, .help = "the only animation that moves something: skywave info", .scope = kPixels, .example = "moving.gltf --animation slide --frame 12", .default_text = "all", .metavar = "NAME", .of_reading = true},
+          FIELD(read.animation), Texts("the name of an animation")),
     Plain({.name = "trust-input", .group = kReading, .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = kInput, .example = "--trust-input"},
           FIELD(environment.limits.trust_input), Switches()),
 
@@ -283,13 +282,23 @@ std::vector<JobOption> MakeJobOptions() {
 
 }  // namespace
 
+Codec<CropWindow> Crops() {
+  return {.values = "WxH+X+Y, for example 64x64+320+200",
+          .metavar = "WxH+X+Y",
+          .parse = [](const std::string& text) -> std::optional<CropWindow> {
+            int v[4];
+            if (!ParseTuple(text, "x++", 4, v)) return std::nullopt;
+            return CropWindow{.x = v[2], .y = v[3], .width = v[0], .height = v[1]};
+          },
+          .print =
+              [](const CropWindow& c) {
+                return fmt::format("{}x{}+{}+{}", c.width, c.height, c.x, c.y);
+              }};
+}
+
 std::span<const JobOption> JobOptions() {
   static const std::vector<JobOption> options = MakeJobOptions();
   return options;
-}
-
-bool IsReadOption(const OptionInfo& option) {
-  return option.name == "strict" || option.name == "max-triangles";
 }
 
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,

@@ -23,14 +23,14 @@ struct JobOption : OptionOf<JobRequest> {
 // In the order of help texts: groups of common options come before those of rare ones.
 std::span<const JobOption> JobOptions();
 
-// The options that say how scenes are read; `skywave info` takes them as well.
-bool IsReadOption(const OptionInfo& option);
-
 // `request` with a value for every option: its own, else the scene file's, else the default;
 // request.options is complete then. Appends to `notes` what was changed. A pure function. Throws
 // InputError for options that do not go together.
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
                           std::vector<std::string>& notes);
+
+// Prints and parses "WxH+X+Y".
+Codec<CropWindow> Crops();
 
 // An option as a picture records it.
 struct RecordedOption {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lights/maps/environment_map.h"
 #include "scene/read_options.h"
@@ -28,11 +29,15 @@ struct EnvironmentRequest {
 
 // Changes of the camera. Unset values are those of the scene's camera or of the automatic one.
 struct CameraRequest {
+  std::string name;  // one of the scene's cameras; empty: its first one
   std::optional<CameraKind> kind;
   std::optional<glm::vec3> eye, target;  // target: the middle of the scene if only the eye is given
   std::optional<float> fov_degrees;
   std::optional<float> lens_radius;     // world space
   std::optional<float> focal_distance;  // world space; unset: the middle of the scene is sharp
+  // A turn of the whole camera about the up axis, through the target or the middle of the scene;
+  // counter-clockwise, seen from above.
+  std::optional<float> orbit_degrees;
 };
 
 // Unset values come from the scene file, and where that has none from RenderOptions
@@ -41,6 +46,7 @@ struct JobRequest {
   std::string scene;    // file or built-in scene
   bool ground = false;  // a plane under the scene
   ReadOptions read;
+  std::vector<std::string> materials;  // changes, see job/material_changes.h
   EnvironmentRequest environment;
   CameraRequest camera;
   std::string strategy = "importance";

@@ -296,6 +296,7 @@ void AddRenderer(py::module_& module) {
 void AddFunctions(py::module_& module) {
   const auto image = py::arg("image").noconvert();
   module.def("version", [] { return api::Version(); });
+  module.def("options_of_reading", &api::OptionsOfReading);
   module.def("read_image", &ReadImage);
   module.def(
       "encode_png",

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <iterator>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "base/nearest_name.h"
 #include "scene/builtin/builtin.h"
 #include "scene/gltf/reader.h"
 #include "scene/obj/reader.h"
@@ -44,6 +47,31 @@ constexpr SceneFormat kFormats[] = {
     {".glb", ReadGltf},  {".ply", ReadPlyScene},
 };
 
+Scene ReadByEnding(const std::string& path, const ReadOptions& options) {
+  const std::string ending = LowerCaseEnding(path);
+  for (const SceneFormat& format : kFormats) {
+    if (format.ending == ending) return format.read(path, options);
+  }
+  throw InputError(InputPosition::File(path),
+                   fmt::format("scenes end in {}, not in '{}'", SceneEndings(), ending));
+}
+
+// Checks what `options` ask of the animations of a scene, whatever its format.
+void CheckAnimation(const std::string& path, const ReadOptions& options, Scene& scene) {
+  std::vector<std::string_view> names;
+  for (const AnimationInfo& animation : scene.animations) names.push_back(animation.name);
+  const bool found = std::find(names.begin(), names.end(), options.animation) != names.end();
+  if (!options.animation.empty() && !found) {
+    throw OptionError("animation", options.animation,
+                      names.empty() ? path + " has no animation"
+                                    : "there is no such animation; there are " +
+                                          NearestFirst(options.animation, names));
+  }
+  if (options.frame && names.empty()) {
+    scene.warnings.push_back(path + ": has no animation, so all of its frames are the same");
+  }
+}
+
 }  // namespace
 
 std::string SceneEndings() {
@@ -57,13 +85,10 @@ std::string SceneEndings() {
 
 Scene ReadScene(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return BuiltinScene(path);
-  const std::string ending = LowerCaseEnding(path);
-  for (const SceneFormat& format : kFormats) {
-    if (format.ending == ending) return format.read(path, options);
-  }
-  throw InputError(InputPosition::File(path),
-                   fmt::format("scenes end in {}, not in '{}'", SceneEndings(), ending));
+  const bool is_file = std::filesystem::exists(path, ignored);
+  Scene scene = is_file ? ReadByEnding(path, options) : BuiltinScene(path);
+  CheckAnimation(path, options, scene);
+  return scene;
 }
 
 }  // namespace skywave

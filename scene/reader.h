@@ -12,7 +12,7 @@ namespace skywave {
 // (shapes/ply.h: one mesh of grey Lambert). The extension may be in any case; .pbrt and .ply may be
 // followed by .gz. If `path` is not a file, it may name a built-in scene (builtin/builtin.h).
 // Throws InputError for other extensions, and, listing the built-in scenes, if there is neither
-// file nor scene.
+// file nor scene; OptionError, listing the animations, if the scene has none of the name asked for.
 Scene ReadScene(const std::string& path, const ReadOptions& options = {});
 
 // Returns the endings of the files that ReadScene reads, ".pbrt, .obj, ... or .ply".

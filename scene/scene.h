@@ -66,6 +66,19 @@ struct Camera {
   float focal_distance = 1e6f;
 };
 
+// One of the cameras of a file, by which it can be asked for.
+struct NamedCamera {
+  std::string name;  // no other camera of the scene has it
+  Camera camera;
+};
+
+// What a file can move, for those who choose from it.
+struct AnimationInfo {
+  std::string name;    // no other animation of the scene has it
+  double seconds = 0;  // the time of the last key
+  std::size_t channels = 0;
+};
+
 enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris };
 
 // An infinitely distant light: a map, or a constant radiance where it has none.
@@ -116,6 +129,8 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<Image> images;  // those of textures: linear RGB, or numbers as they are
   std::optional<Camera> camera;
+  std::vector<NamedCamera> cameras;  // all those of a file that names them, the one above first
+  std::vector<AnimationInfo> animations;
   std::vector<EnvironmentLight> environments;
   std::vector<PunctualLight> lights;
   RenderSettings settings;

@@ -26,7 +26,7 @@ def version():
 
 __version__ = version().split()[0]
 
-_READING = ("strict", "max_triangles")
+_READING = tuple(name.replace("-", "_") for name in _core.options_of_reading())
 
 
 def _scene_and_options(scene, env, options):

@@ -162,6 +162,9 @@ def image(value, argument):
     return _float32(array)
 
 
+_SEPARATORS = {"size": "x", "strategies": " ", "integrators": " ", "material": ";"}  # else: ","
+
+
 def _text(name, value):
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -178,11 +181,9 @@ def _text(name, value):
     if len(value) == 0:
         raise ValueError("it is empty; None leaves an option out")
     parts = [_text(name, part) for part in value]
-    if name == "size":
-        return "x".join(parts)
     if name == "crop" and len(parts) == 4:
         return "{}x{}+{}+{}".format(*parts)
-    return (" " if name in ("strategies", "integrators") else ",").join(parts)
+    return _SEPARATORS.get(name, ",").join(parts)
 
 
 def options(keywords):

@@ -8,8 +8,8 @@ class Scene:
 
     Scene() is empty, with y up; it needs a mesh before it can be rendered. Scene("model.glb") reads
     a pbrt, OBJ, glTF or PLY file or makes a built-in scene, to which more can be added; the options
-    are those of reading, `strict` and `max_triangles`. Material 0 always exists; that of an empty
-    scene is grey and diffuse.
+    are those of reading: `strict`, `max_triangles`, `frame`, `fps` and `animation`. Material 0
+    always exists; that of an empty scene is grey and diffuse.
 
     Space is right-handed. Arrays are copied. A method returns the scene itself if there is nothing
     else to return.

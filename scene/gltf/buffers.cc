@@ -12,6 +12,9 @@
 namespace skywave {
 namespace {
 
+// Elements of a sparse accessor without a buffer view, at most: nothing in the file bounds them.
+constexpr std::size_t kMostZeros = std::size_t{1} << 22;
+
 // Describes the elements of an accessor in place.
 struct Elements {
   const char* first;
@@ -20,39 +23,54 @@ struct Elements {
   bool normalized;
 };
 
-Elements FindElements(const tinygltf::Model& model, int index, int components,
-                      const std::string& path) {
+// Returns the elements in a buffer view as an accessor has them: `count` elements of `components`
+// numbers, the first one `offset` bytes behind the begin of the view. `name` is for errors.
+Elements ElementsOf(const tinygltf::Model& model, int buffer_view, std::size_t offset,
+                    std::size_t count, int components, int component_type, const std::string& name,
+                    const std::string& path) {
+  const auto fail = [&](const std::string& reason) { FailGltf(path, name + " " + reason); };
+  const int bytes = tinygltf::GetComponentSizeInBytes(std::uint32_t(component_type));
+  if (bytes < 1 || component_type == TINYGLTF_COMPONENT_TYPE_DOUBLE) {
+    fail("has an unknown component type");
+  }
+  const std::string_view view = GltfBytes(model, buffer_view, path);
+  const std::size_t element = std::size_t(bytes) * std::size_t(components);
+  const std::size_t given = model.bufferViews[std::size_t(buffer_view)].byteStride;
+  const std::size_t stride = given == 0 ? element : given;
+  if (stride < element) fail("has elements that overlap");
+  if (offset > view.size() || count == 0 || view.size() - offset < element ||
+      (view.size() - offset - element) / stride < count - 1) {
+    fail(fmt::format("has {} elements, which its buffer view does not hold", count));
+  }
+  return {.first = view.data() + offset,
+          .count = count,
+          .stride = stride,
+          .component_bytes = std::size_t(bytes),
+          .type = component_type,
+          .normalized = false};
+}
+
+std::string AccessorName(int index) { return fmt::format("accessor {}", index); }
+
+const tinygltf::Accessor& FindAccessor(const tinygltf::Model& model, int index, int components,
+                                       const std::string& path) {
   if (index < 0 || std::size_t(index) >= model.accessors.size()) {
     FailGltf(path, fmt::format("there is no accessor {}", index));
   }
   const tinygltf::Accessor& accessor = model.accessors[std::size_t(index)];
-  const auto fail = [&](const std::string& reason) {
-    FailGltf(path, fmt::format("accessor {} {}", index, reason));
-  };
-  if (accessor.sparse.isSparse) fail("is sparse, which is not supported");
   if (tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)) != components) {
-    fail(fmt::format("has not {} components", components));
+    FailGltf(path, fmt::format("{} has not {} components", AccessorName(index), components));
   }
-  const int bytes = tinygltf::GetComponentSizeInBytes(std::uint32_t(accessor.componentType));
-  if (bytes < 1 || accessor.componentType == TINYGLTF_COMPONENT_TYPE_DOUBLE) {
-    fail("has an unknown component type");
-  }
-  const std::string_view view = GltfBytes(model, accessor.bufferView, path);
-  const std::size_t element = std::size_t(bytes) * std::size_t(components);
-  const std::size_t given = model.bufferViews[std::size_t(accessor.bufferView)].byteStride;
-  const std::size_t stride = given == 0 ? element : given;
-  if (stride < element) fail("has elements that overlap");
-  if (accessor.byteOffset > view.size() || accessor.count == 0 ||
-      view.size() - accessor.byteOffset < element ||
-      (view.size() - accessor.byteOffset - element) / stride < accessor.count - 1) {
-    fail(fmt::format("has {} elements, which its buffer view does not hold", accessor.count));
-  }
-  return {.first = view.data() + accessor.byteOffset,
-          .count = accessor.count,
-          .stride = stride,
-          .component_bytes = std::size_t(bytes),
-          .type = accessor.componentType,
-          .normalized = accessor.normalized};
+  return accessor;
+}
+
+Elements ElementsOfAccessor(const tinygltf::Model& model, int index, int components,
+                            const std::string& path) {
+  const tinygltf::Accessor& accessor = FindAccessor(model, index, components, path);
+  Elements elements = ElementsOf(model, accessor.bufferView, accessor.byteOffset, accessor.count,
+                                 components, accessor.componentType, AccessorName(index), path);
+  elements.normalized = accessor.normalized;
+  return elements;
 }
 
 template <class Number>
@@ -82,6 +100,60 @@ double ReadComponent(const Elements& e, const char* from) {
   }
 }
 
+std::uint32_t ReadIndex(const Elements& e, std::size_t i) {
+  return std::uint32_t(ReadComponent(e, e.first + i * e.stride));
+}
+
+// Writes `elements` into those of `numbers` that `place` gives for each.
+template <class Place>
+void ReadInto(const Elements& elements, int components, const Place& place, int accessor,
+              const std::string& path, std::vector<float>& numbers) {
+  for (std::size_t i = 0; i < elements.count; ++i) {
+    for (std::size_t c = 0; c < std::size_t(components); ++c) {
+      const char* const from = elements.first + i * elements.stride + c * elements.component_bytes;
+      const auto number = float(ReadComponent(elements, from));
+      if (!std::isfinite(number)) {
+        FailGltf(path, fmt::format("accessor {}: element {} is not finite", accessor, place(i)));
+      }
+      numbers[place(i) * std::size_t(components) + c] = number;
+    }
+  }
+}
+
+bool IsIndexType(int type) {
+  return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+         type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+         type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+}
+
+// Replaces the elements of `numbers` that a sparse accessor lists.
+void ReadSparse(const tinygltf::Model& model, int index, int components, const std::string& path,
+                std::vector<float>& numbers) {
+  const tinygltf::Accessor& accessor = model.accessors[std::size_t(index)];
+  const auto& sparse = accessor.sparse;
+  const std::string name = AccessorName(index);
+  if (sparse.count < 1 || std::size_t(sparse.count) > accessor.count ||
+      sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 ||
+      !IsIndexType(sparse.indices.componentType)) {
+    FailGltf(path, name + " is sparse in a way that makes no sense");
+  }
+  const Elements places =
+      ElementsOf(model, sparse.indices.bufferView, std::size_t(sparse.indices.byteOffset),
+                 std::size_t(sparse.count), 1, sparse.indices.componentType, name, path);
+  Elements values =
+      ElementsOf(model, sparse.values.bufferView, std::size_t(sparse.values.byteOffset),
+                 std::size_t(sparse.count), components, accessor.componentType, name, path);
+  values.normalized = accessor.normalized;
+  for (std::size_t i = 0; i < places.count; ++i) {
+    if (ReadIndex(places, i) >= accessor.count) {
+      FailGltf(path, fmt::format("{} replaces element {} of {}", name, ReadIndex(places, i),
+                                 accessor.count));
+    }
+  }
+  const auto place = [&](std::size_t i) { return std::size_t(ReadIndex(places, i)); };
+  ReadInto(values, components, place, index, path, numbers);
+}
+
 }  // namespace
 
 void FailGltf(const std::string& path, const std::string& reason) {
@@ -106,34 +178,38 @@ std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const 
 
 std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, int components,
                                    const std::string& path) {
-  const Elements e = FindElements(model, accessor, components, path);
+  const tinygltf::Accessor& from = FindAccessor(model, accessor, components, path);
+  const bool sparse = from.sparse.isSparse;
   std::vector<float> numbers;
-  numbers.reserve(e.count * std::size_t(components));
-  for (std::size_t i = 0; i < e.count; ++i) {
-    for (std::size_t c = 0; c < std::size_t(components); ++c) {
-      const char* const from = e.first + i * e.stride + c * e.component_bytes;
-      const auto number = float(ReadComponent(e, from));
-      if (!std::isfinite(number)) {
-        FailGltf(path, fmt::format("accessor {}: element {} is not finite", accessor, i));
-      }
-      numbers.push_back(number);
+  if (sparse && from.bufferView < 0) {  // all elements are zero but those that are replaced
+    if (from.count > kMostZeros) {
+      FailGltf(path, fmt::format("accessor {} has {} elements without a buffer view, and {} are "
+                                 "the most that are read",
+                                 accessor, from.count, kMostZeros));
     }
+    numbers.resize(from.count * std::size_t(components));
+  } else {
+    const Elements elements = ElementsOfAccessor(model, accessor, components, path);
+    numbers.resize(elements.count * std::size_t(components));
+    ReadInto(
+        elements, components, [](std::size_t i) { return i; }, accessor, path, numbers);
   }
+  if (sparse) ReadSparse(model, accessor, components, path, numbers);
   return numbers;
 }
 
 std::vector<std::uint32_t> ReadGltfIndices(const tinygltf::Model& model, int accessor,
                                            const std::string& path) {
-  const Elements e = FindElements(model, accessor, 1, path);
-  if (e.type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
-      e.type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
-      e.type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) {
+  const Elements e = ElementsOfAccessor(model, accessor, 1, path);
+  if (model.accessors[std::size_t(accessor)].sparse.isSparse) {
+    FailGltf(path,
+             fmt::format("accessor {} has sparse indices, which are not supported", accessor));
+  }
+  if (!IsIndexType(e.type)) {
     FailGltf(path, fmt::format("accessor {} has indices that are no unsigned integers", accessor));
   }
   std::vector<std::uint32_t> indices(e.count);
-  for (std::size_t i = 0; i < e.count; ++i) {
-    indices[i] = std::uint32_t(ReadComponent(e, e.first + i * e.stride));
-  }
+  for (std::size_t i = 0; i < e.count; ++i) indices[i] = ReadIndex(e, i);
   return indices;
 }
 

@@ -17,13 +17,13 @@ namespace skywave {
 // Returns the bytes of a buffer view. Throws InputError(path) if it extends beyond its buffer.
 std::string_view GltfBytes(const tinygltf::Model& model, int buffer_view, const std::string& path);
 
-// Returns all components of all elements of an accessor as floats, with normalized integers scaled
-// to [0, 1] or [-1, 1]. Throws InputError(path) unless the accessor has `components` components per
-// element, lies within its buffer view, is not sparse and holds finite numbers.
+// Returns all components of all elements of an accessor, sparse or not, as floats, with normalized
+// integers scaled to [0, 1] or [-1, 1]. Throws InputError(path) unless the accessor has
+// `components` components per element, lies within its buffer views and holds finite numbers.
 std::vector<float> ReadGltfNumbers(const tinygltf::Model& model, int accessor, int components,
                                    const std::string& path);
 
-// Returns scalars of an unsigned integer type.
+// Returns scalars of an unsigned integer type. Sparse ones are refused.
 std::vector<std::uint32_t> ReadGltfIndices(const tinygltf::Model& model, int accessor,
                                            const std::string& path);
 

@@ -9,14 +9,17 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/gltf/animation.h"
 #include "scene/gltf/buffers.h"
 #include "scene/gltf/lights.h"
 #include "scene/gltf/materials.h"
 #include "scene/gltf/meshes.h"
+#include "scene/gltf/names.h"
 #include "scene/shapes/mesh.h"
 
 namespace skywave {
@@ -135,16 +138,27 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
   return model;
 }
 
-glm::dmat4 LocalTransform(const tinygltf::Node& node) {
+// Returns T * R * S, with the values of `pose` instead of the file's where it has them.
+glm::dmat4 LocalTransform(const tinygltf::Node& node, const GltfPose& pose) {
   if (node.matrix.size() == 16) return glm::make_mat4(node.matrix.data());
   glm::dmat4 matrix(1);
-  if (node.rotation.size() == 4) {
+  if (pose.rotation) {
+    matrix = glm::mat4_cast(*pose.rotation);
+  } else if (node.rotation.size() == 4) {
     const auto& r = node.rotation;
     matrix = glm::mat4_cast(glm::normalize(glm::dquat(r[3], r[0], r[1], r[2])));
   }
   for (int c = 0; c < 3; ++c) {
-    if (node.scale.size() == 3) matrix[c] *= node.scale[std::size_t(c)];
-    if (node.translation.size() == 3) matrix[3][c] = node.translation[std::size_t(c)];
+    if (pose.scale) {
+      matrix[c] *= (*pose.scale)[c];
+    } else if (node.scale.size() == 3) {
+      matrix[c] *= node.scale[std::size_t(c)];
+    }
+    if (pose.translation) {
+      matrix[3][c] = (*pose.translation)[c];
+    } else if (node.translation.size() == 3) {
+      matrix[3][c] = node.translation[std::size_t(c)];
+    }
   }
   return matrix;
 }
@@ -172,34 +186,56 @@ std::vector<int> Roots(const tinygltf::Model& model, const std::string& path) {
 }
 
 // glTF's cameras look along -z. Their yfov is the vertical angle; Camera's angle is that of the
-// shorter side.
-Camera MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world, const std::string& path) {
+// shorter side. Returns nothing for a camera without usable numbers.
+std::optional<Camera> MakeCamera(const tinygltf::Camera& from, const glm::dmat4& world) {
   Camera camera;
   camera.world_from_camera =
       glm::mat4(world * glm::dmat4(glm::dvec4(1, 0, 0, 0), glm::dvec4(0, 1, 0, 0),
                                    glm::dvec4(0, 0, -1, 0), glm::dvec4(0, 0, 0, 1)));
-  const auto check = [&](bool valid) {
-    if (!valid) FailGltf(path, fmt::format("camera '{}' has no usable numbers", from.name));
-  };
-  check(std::abs(glm::determinant(glm::mat3(camera.world_from_camera))) > 0);
+  if (!(std::abs(glm::determinant(glm::mat3(camera.world_from_camera))) > 0)) return std::nullopt;
   if (from.type == "orthographic") {
     const double x = from.orthographic.xmag, y = from.orthographic.ymag;
-    check(std::abs(x) > 0 && std::abs(y) > 0 && std::abs(x) < 1e18 && std::abs(y) < 1e18);
+    const bool usable =
+        std::abs(x) > 0 && std::abs(y) > 0 && std::abs(x) < 1e18 && std::abs(y) < 1e18;
+    if (!usable) return std::nullopt;
     camera.kind = CameraKind::kOrthographic;
     camera.window = ScreenWindow{-float(std::abs(x)), float(std::abs(x)), -float(std::abs(y)),
                                  float(std::abs(y))};
     return camera;
   }
   double slope = std::tan(0.5 * from.perspective.yfov);
-  check(from.perspective.yfov > 0 && from.perspective.yfov < 3.14159);
+  if (!(from.perspective.yfov > 0 && from.perspective.yfov < 3.14159)) return std::nullopt;
   const double aspect = from.perspective.aspectRatio;
   if (aspect > 0 && aspect < 1) slope *= aspect;
   camera.fov_degrees = float(2 * glm::degrees(std::atan(slope)));
   return camera;
 }
 
+// Adds the camera of node `index`. The first one of a file is rendered unless another is asked for,
+// so it has to be usable; the others may be left out.
+void AddCamera(const tinygltf::Model& model, std::size_t index, const glm::dmat4& world,
+               const std::string& path, std::set<std::string>& names, Scene& scene,
+               Warnings& warnings) {
+  const tinygltf::Node& node = model.nodes[index];
+  if (std::size_t(node.camera) >= model.cameras.size()) {
+    FailGltf(path, fmt::format("there is no camera {}", node.camera));
+  }
+  const tinygltf::Camera& from = model.cameras[std::size_t(node.camera)];
+  const std::optional<Camera> camera = MakeCamera(from, world);
+  const std::string problem = fmt::format("camera '{}' has no usable numbers", from.name);
+  if (!camera && scene.cameras.empty()) FailGltf(path, problem);
+  if (!camera) {
+    AddNote(warnings, InputPosition::File(path), problem + ": left out");
+    return;
+  }
+  if (!scene.camera) scene.camera = camera;
+  scene.cameras.push_back(
+      {NameOnce(node.name.empty() ? from.name : node.name, index, names), *camera});
+}
+
 // Walks the trees below the roots; every node has at most one parent.
-void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, const std::string& path,
+void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials,
+              const std::vector<GltfPose>& poses, const std::string& path,
               std::size_t max_triangles, Scene& scene, Warnings& warnings) {
   struct Visit {
     int node;
@@ -209,6 +245,7 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
   for (const int root : Roots(model, path)) open.push_back({root, glm::dmat4(1)});
   std::reverse(open.begin(), open.end());
   std::vector<bool> seen(model.nodes.size());
+  std::set<std::string> camera_names;
   std::size_t triangles = 0;
   while (!open.empty()) {
     const Visit visit = open.back();
@@ -221,7 +258,7 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
     }
     seen[std::size_t(visit.node)] = true;
     const tinygltf::Node& node = model.nodes[std::size_t(visit.node)];
-    const glm::dmat4 world = visit.parent * LocalTransform(node);
+    const glm::dmat4 world = visit.parent * LocalTransform(node, poses[std::size_t(visit.node)]);
     if (node.skin >= 0) {
       AddWarning(warnings, InputPosition::File(path), "skins are not supported: left at rest");
     }
@@ -237,11 +274,8 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials, cons
       }
     }
     AddGltfLight(model, node, world, path, scene, warnings);
-    if (node.camera >= 0 && !scene.camera) {
-      if (std::size_t(node.camera) >= model.cameras.size()) {
-        FailGltf(path, fmt::format("there is no camera {}", node.camera));
-      }
-      scene.camera = MakeCamera(model.cameras[std::size_t(node.camera)], world, path);
+    if (node.camera >= 0) {
+      AddCamera(model, std::size_t(visit.node), world, path, camera_names, scene, warnings);
     }
     for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
       open.push_back({*child, world});
@@ -256,9 +290,12 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
   Scene scene;
   Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
   const GltfMaterials materials = AddGltfMaterials(model, path, scene, warnings);
-  AddNodes(model, materials, path, options.max_triangles, scene, warnings);
-  if (!model.animations.empty()) {
-    AddWarning(warnings, InputPosition::File(path), "animations are not supported: left at rest");
+  const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
+  AddNodes(model, materials, poses, path, options.max_triangles, scene, warnings);
+  scene.animations = ListGltfAnimations(model, path, warnings);
+  if (!scene.animations.empty() && !options.frame) {
+    AddNote(warnings, InputPosition::File(path),
+            "is animated, and no frame is asked for: everything is left at rest");
   }
   scene.warnings = WarningLines(warnings);
   return scene;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -18,6 +19,7 @@
 #include <vector>
 
 #include "kernels/bsdf/bsdf.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/program.h"
 
 namespace skywave {
@@ -371,6 +373,39 @@ TEST_F(Library, MeasuresWhatTheSubcommandsMeasure) {
   const auto changed_scene = nlohmann::json::parse(api::Converge(
       scene, {{"size", "16x12"}, {"budgets", "1"}, {"repeats", "2"}, {"reference-spp", "2"}}));
   EXPECT_FALSE(changed_scene.contains("command"));
+}
+
+// A frame of an animation is the picture of a file whose nodes are there anyway.
+TEST_F(Library, FramesAreThePicturesOfTheirPoses) {
+  Put("moving.gltf", MovingTriangle().text());
+  GltfDocument posed = TriangleDocument();
+  posed.json["nodes"][0]["translation"] = {2.5, 0, 0};
+  Put("still.gltf", posed.text());
+  const Map map;
+  const auto render = [&](const std::string& path, const Options& reading, const Options& options) {
+    api::Scene scene(Path(path), reading);
+    scene.SetEnvironment(map.image());
+    return Render(scene, With(kSmall, options));
+  };
+  const Options half = {{"frame", "15"}, {"fps", "30"}, {"animation", "slide"}};
+  const std::vector<float> picture = render("moving.gltf", half, {});
+  EXPECT_TRUE(SameBits(picture, render("still.gltf", {}, {})));
+  EXPECT_FALSE(SameBits(picture, render("moving.gltf", {}, {})));
+  // Another camera and other materials, in the same way.
+  posed.json["scenes"][0]["nodes"] = {0, 3};
+  posed.json["materials"][0] = {{"name", "paint"}};
+  Put("other.gltf", posed.text());
+  EXPECT_TRUE(SameBits(
+      render("moving.gltf", half, {{"scene-camera", "side"}, {"material", "paint=:reflectance=1"}}),
+      render("other.gltf", {}, {})));
+}
+
+TEST_F(Library, ListsTheOptionsOfReading) {
+  const std::vector<std::string> names = api::OptionsOfReading();
+  for (const char* const name : {"strict", "max-triangles", "frame", "fps", "animation"}) {
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  }
+  EXPECT_EQ(std::count(names.begin(), names.end(), "spp"), 0);
 }
 
 // Each call is refused with an Error whose place is `place` and whose message contains `word`.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "kernels/bsdf/bsdf.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/program.h"
 
 namespace skywave {
@@ -71,6 +72,24 @@ TEST_F(Info, CountsAnObjFile) {
   EXPECT_EQ(json.at("bytes").at("meshes"), (7 + 3 + 3) * 12);
   EXPECT_GT(json.at("bytes").at("geometry").get<int>(), 0);
   EXPECT_GE(json.at("seconds").at("load").get<double>(), 0);
+}
+
+TEST_F(Info, ListsCamerasAndAnimations) {
+  Put("moving.gltf", MovingTriangle().text());
+  const Result result = Run("info moving.gltf --frame 24 --animation slide --json i.json");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const char* const part : {"2 cameras", "side", "2 animations", "turn", "2 s, 1 channels"}) {
+    EXPECT_TRUE(Contains(result.out, part)) << part << " in\n" << result.out;
+  }
+  const auto json = nlohmann::json::parse(Bytes("i.json"));
+  ASSERT_EQ(json.at("cameras").size(), 2u);
+  EXPECT_EQ(json.at("cameras")[1].at("name"), "side");
+  EXPECT_EQ(json.at("cameras")[1].at("eye"), nlohmann::json({4, 1, 3}));
+  ASSERT_EQ(json.at("animations").size(), 2u);
+  EXPECT_EQ(json.at("animations")[0],
+            nlohmann::json({{"name", "slide"}, {"seconds", 1}, {"channels", 1}}));
+  // Frame 24 is the end of the slide, which moves the triangle to the origin.
+  EXPECT_NEAR(json.at("bounds").at("low")[0].get<double>(), 0, 1e-6);
 }
 
 TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {

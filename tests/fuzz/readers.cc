@@ -17,7 +17,7 @@ namespace {
 
 // The limits are small, so that a run finds more than slow inputs. The folder does not exist, so no
 // file is included.
-constexpr ReadOptions kOptions = {.strict = false, .max_triangles = std::size_t{1} << 15};
+const ReadOptions kOptions = {.strict = false, .max_triangles = std::size_t{1} << 15};
 constexpr ReadLimits kLimits = {
     .max_width = 1024, .max_height = 1024, .max_pixels = std::size_t{1} << 18};
 constexpr std::string_view kPath = "/nowhere/fuzzed";
@@ -39,7 +39,12 @@ void Mtl(std::string_view bytes) {
   Warnings warnings;
   ParseMtl(std::string(bytes), Path(".mtl"), textures, warnings);
 }
-void Gltf(std::string_view bytes) { ParseGltf(std::string(bytes), Path(".gltf"), kOptions); }
+void Gltf(std::string_view bytes) {
+  ParseGltf(std::string(bytes), Path(".gltf"), kOptions);
+  ReadOptions animated = kOptions;
+  animated.frame = 12;
+  ParseGltf(std::string(bytes), Path(".gltf"), animated);
+}
 void Picture(std::string_view bytes) {
   DecodeTexture(std::string(kPath), bytes, Encoding::kSrgb, kLimits);
 }

@@ -76,12 +76,26 @@ TEST(Options, ReadTheWordsThatTheyPrint) {
                                                         {"aovs", "albedo,depth"},
                                                         {"max-triangles", "77"},
                                                         {"backend", "packet"},
+                                                        {"frame", "-12.25"},
+                                                        {"fps", "29.97"},
+                                                        {"animation", "a b"},
+                                                        {"scene-camera", "front"},
+                                                        {"orbit", "-120"},
                                                         {"guide", "true"}};
   for (const auto& [name, text] : values) {
     JobRequest request;
     Set(request, name, text);
     EXPECT_EQ(OptionCalled(name).get(request), std::vector<std::string>{text}) << name;
   }
+}
+
+// A list is one word, which is split at its delimiter.
+TEST(Options, ListsSurviveACommand) {
+  JobRequest request;
+  Set(request, "material", "red paint=mirror; steel=:alpha=0.5");
+  EXPECT_EQ(request.materials, (std::vector<std::string>{"red paint=mirror", " steel=:alpha=0.5"}));
+  EXPECT_EQ(CommandWords(OptionCalled("material"), request),
+            " --material 'red paint=mirror; steel=:alpha=0.5'");
 }
 
 TEST(Options, RefuseCallsThatTheLinkedEmbreeLacks) {

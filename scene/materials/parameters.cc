@@ -1,7 +1,6 @@
-#include "api/material.h"
+#include "scene/materials/parameters.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,29 +9,34 @@
 #include <span>
 #include <string_view>
 
-#include "api/errors.h"
+#include "base/error.h"
+#include "base/nearest_name.h"
 #include "kernels/bsdf/bsdf.h"
 
-namespace skywave::api {
+namespace skywave {
 namespace {
+
+void Require(bool condition, std::string_view place, const std::string& reason) {
+  if (!condition) throw InputError(InputPosition::File(std::string(place)), reason, kExitUsage);
+}
 
 // The values that a field may have. Fields without a line must not be negative.
 struct Range {
   std::string_view field;
   float low, high;
 };
-constexpr float kMost = std::numeric_limits<float>::max();
+constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr Range kRanges[] = {
     {"reflectance", 0, 1},    {"second_color", 0, 1}, {"alpha", 0, 1},
     {"alpha_across", 0, 1},   {"coat_alpha", 0, 1},   {"sheen_alpha", 0, 1},
     {"metallic", 0, 1},       {"coat", 0, 1},         {"opacity", 0, 1},
-    {"opacity_cutoff", 0, 1}, {"ior", 1e-3f, 1e3f},   {"normal_scale", -kMost, kMost}};
+    {"opacity_cutoff", 0, 1}, {"ior", 1e-3f, 1e3f},   {"normal_scale", -kLargest, kLargest}};
 
 Range RangeOf(std::string_view field) {
   for (const Range& range : kRanges) {
     if (range.field == field) return range;
   }
-  return {field, 0, kMost};
+  return {field, 0, kLargest};
 }
 
 // Each Assign puts `v`, which is not empty, into a field. It returns 0, or how many values the
@@ -70,7 +74,7 @@ struct NamedField {
 };
 std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   std::vector<NamedField> fields = {{"reflectance", "reflectance"}};
-  for (const skywave::MaterialParameter& parameter : ParametersOf(traits)) {
+  for (const MaterialParameter& parameter : ParametersOf(traits)) {
     fields.push_back({parameter.name, parameter.field});
   }
   const Material material;
@@ -81,13 +85,28 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   return fields;
 }
 
-void SetParameter(const std::vector<NamedField>& fields, const MaterialParameter& parameter,
-                  Material& material) {
+}  // namespace
+
+Material MakeMaterial(std::string_view bsdf) {
+  std::vector<std::string_view> names;
+  for (const BsdfKernels& kernels : Bsdfs()) names.push_back(kernels.name);
+  const auto found = std::find(names.begin(), names.end(), bsdf);
+  Require(
+      found != names.end(), "bsdf",
+      fmt::format("there is no '{}'; there are {}", bsdf, NearestFirst(bsdf, names, names.size())));
+  Material material;
+  material.bsdf = BsdfKind(found - names.begin());
+  return material;
+}
+
+void SetParameter(const ParameterValues& parameter, Material& material) {
+  const std::vector<NamedField> fields = FieldsOf(Bsdfs()[std::size_t(material.bsdf)]);
   std::vector<std::string_view> names;
   for (const NamedField& field : fields) names.push_back(field.name);
   const auto known = std::find(names.begin(), names.end(), parameter.name);
   Require(known != names.end(), parameter.name,
-          fmt::format("the material has no such parameter; it has {}", fmt::join(names, ", ")));
+          fmt::format("the material has no such parameter; it has {}",
+                      NearestFirst(parameter.name, names, names.size())));
   const std::string_view wanted = fields[std::size_t(known - names.begin())].field;
   const Range range = RangeOf(wanted);
   Require(!parameter.values.empty(), parameter.name, "has no value");
@@ -103,20 +122,4 @@ void SetParameter(const std::vector<NamedField>& fields, const MaterialParameter
   });
 }
 
-}  // namespace
-
-Material MakeMaterial(const std::string& bsdf, const std::vector<MaterialParameter>& parameters) {
-  std::vector<std::string_view> names;
-  for (const BsdfKernels& kernels : Bsdfs()) names.push_back(kernels.name);
-  const auto found = std::find(names.begin(), names.end(), bsdf);
-  Require(found != names.end(), "bsdf",
-          fmt::format("there is no '{}'; there are {}", bsdf, fmt::join(names, ", ")));
-  const auto kind = std::size_t(found - names.begin());
-  Material material;
-  material.bsdf = BsdfKind(kind);
-  const std::vector<NamedField> fields = FieldsOf(Bsdfs()[kind]);
-  for (const MaterialParameter& parameter : parameters) SetParameter(fields, parameter, material);
-  return material;
-}
-
-}  // namespace skywave::api
+}  // namespace skywave
