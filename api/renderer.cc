@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/errors.h"
+#include "api/picture_display.h"
 #include "api/state.h"
 #include "base/clock.h"
 #include "base/version.h"
@@ -107,6 +108,11 @@ Renderer::~Renderer() = default;
 
 int Renderer::width() const { return state_->job->options().width; }
 int Renderer::height() const { return state_->job->options().height; }
+std::uint64_t Renderer::samples() const {
+  const RenderOptions& options = state_->job->options();
+  return std::uint64_t(options.width) * std::uint64_t(options.height) *
+         ChooseSamples(state_->limits, state_->identity.samples).count();
+}
 const std::vector<Layer>& Renderer::layers() const { return state_->layers; }
 const std::vector<std::string>& Renderer::notes() const { return state_->notes; }
 
@@ -138,9 +144,22 @@ void Renderer::Render(const RenderControl& control) {
         skywave::WritePng(PngBeside(snapshot), picture);
       };
     }
+    std::optional<PictureDisplay> display;
+    if (!control.viewer.empty()) {
+      const auto viewer = ParseViewerAddress(control.viewer);
+      Require(viewer.has_value(), "viewer", "'" + control.viewer + "' is not HOST:PORT");
+      display.emplace(*viewer, control.name_in_viewer, state.job->options().aovs);
+      request.on_tile = [&](const Film& film, const Tile& tile, std::uint32_t samples) {
+        display->ShowTile(film, tile, samples);
+      };
+    }
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
     state.picture = PictureOf(state, rendered.film, rendered.part.samples.count(), rendered.part);
     state.layers = LayersOf(state.picture.layers);
+    if (display) {
+      const std::string problem = display->End(state.picture);
+      if (!problem.empty()) state.notes.push_back(problem);
+    }
     state.rendered = std::move(rendered);
   });
 }

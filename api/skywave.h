@@ -125,6 +125,10 @@ struct RenderControl {
   // Asked as often as `progress` is called. If it returns the name of an EXR, the picture as it is
   // then is written there, and to a PNG of the same name.
   std::function<std::string()> snapshot = {};
+  // "HOST:PORT" of the viewer tev, which shows tiles and layers as they are finished, and in the
+  // end the picture. If it cannot be reached, notes() say so behind Render. Empty: nothing is shown.
+  std::string viewer = {};
+  std::string name_in_viewer = "skywave";
 };
 
 // Triangles, materials, textures, lights and a camera. Material 0 always exists; that of an empty
@@ -207,6 +211,7 @@ class SKYWAVE_API Renderer {
 
   int width() const;  // of the picture, or of its part that "crop" asks for [pixels]
   int height() const;
+  std::uint64_t samples() const;  // of the whole picture
   // Returns a line for each thing that was assumed, repaired or left out.
   const std::vector<std::string>& notes() const;
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/granted.h"
 #include "job/job.h"
 #include "scene/builtin/builtin.h"
 #include "tests/support/oracle.h"
@@ -30,7 +31,7 @@ void Floor(benchmark::State& state, const std::string& name) {
   request.scene = name;
   request.width = 320, request.height = 240;
   request.samples_per_pixel = 16;
-  request.options.threads = wish != nullptr ? std::stoi(wish) : AvailableThreads();
+  request.options.threads = wish != nullptr ? std::stoi(wish) : GrantedHere().threads;
   const Oracle oracle(scene);
   const RenderJob job(std::move(scene), request);
   const double samples =

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/granted.h"
 #include "bench/photon_points.h"
 #include "job/job.h"
 #include "scene/builtin/builtin.h"
@@ -140,7 +141,7 @@ int Main(int repetitions, int threads) {
 
 int main(int argc, char** argv) {
   const int repetitions = argc > 1 ? std::atoi(argv[1]) : 5;
-  const int threads = argc > 2 ? std::atoi(argv[2]) : skywave::AvailableThreads();
+  const int threads = argc > 2 ? std::atoi(argv[2]) : skywave::GrantedHere().threads;
   if (argc > 3 || repetitions < 1 || threads < 1) {
     fmt::print(stderr, "photon_scaling_bench [repetitions] [threads]\n");
     return 64;

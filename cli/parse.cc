@@ -1,10 +1,12 @@
 #include "cli/parse.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
 
 #include "base/error.h"
+#include "base/granted.h"
 #include "base/version.h"
 #include "measure/revision.h"
 #include "scene/embree.h"
@@ -95,25 +97,21 @@ void AddCommand(CLI::App& parent, const Command& command, GivenOptions& given,
 int Run(const std::function<int()>& run) {
   try {
     return run();
-  } catch (const api::Error& error) {
-    // The library has translated an error of ours, which knows its exit code and its options.
-    return Run([&]() -> int {
-      std::rethrow_if_nested(error);
-      throw InputError({}, error.what(), kExitUsage);
-    });
-  } catch (const OptionError& error) {
-    fmt::print(stderr, "skywave: {}\n", Message(error));
-    return error.exit_code();
-  } catch (const InputError& error) {
-    fmt::print(stderr, "skywave: {}\n", error.what());
-    return error.exit_code();
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "skywave: out of memory\n");
-    return kExitIo;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "skywave: {}\n", error.what());
-    return 1;
+  } catch (...) {
+    const ErrorDescription error = DescribeError(std::current_exception());
+    fmt::print(stderr, "skywave: {}\n", error.text);
+    return error.exit_code;
   }
+}
+
+std::string VersionText() {
+  std::string text = fmt::format("skywave {} (revision {}, Embree {})", Version(), GitRevision(),
+                                 RTC_VERSION_STRING);
+  const Granted& granted = GrantedHere();
+  if (granted.limits_threads()) {
+    text += fmt::format("\nthreads: {} ({})", granted.threads, granted.threads_from);
+  }
+  return text;
 }
 
 }  // namespace
@@ -148,11 +146,32 @@ std::string Message(const OptionError& error) {
   return flags + ": " + SpellFlags(error.why());
 }
 
+ErrorDescription DescribeError(const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const api::Error& error) {
+    // The library has translated an error of ours, which knows its exit code and its options.
+    try {
+      std::rethrow_if_nested(error);
+    } catch (...) {
+      return DescribeError(std::current_exception());
+    }
+    return {error.what(), kExitUsage};
+  } catch (const OptionError& error) {
+    return {Message(error), error.exit_code()};
+  } catch (const InputError& error) {
+    return {error.what(), error.exit_code()};
+  } catch (const std::bad_alloc&) {
+    return {"out of memory", kExitIo};
+  } catch (const std::exception& error) {
+    return {error.what(), 1};
+  }
+}
+
 int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
   CLI::App program{std::string(kProgramDescription) +
                    "\nStart with:  skywave render gallery -o gallery.exr"};
-  program.set_version_flag("--version", fmt::format("skywave {} (revision {}, Embree {})",
-                                                    Version(), GitRevision(), RTC_VERSION_STRING));
+  program.set_version_flag("--version", VersionText());
   program.require_subcommand(1);
   GivenOptions given;
   const Command* chosen = nullptr;
@@ -162,7 +181,9 @@ int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) 
   } catch (const CLI::ParseError& error) {
     return program.exit(error) == 0 ? 0 : kExitUsage;
   }
-  return Run([&] { return chosen->run(given); });
+  // The arena is for what runs in parallel without an option for the number of threads.
+  tbb::task_arena arena(GrantedHere().threads);
+  return arena.execute([&] { return Run([&] { return chosen->run(given); }); });
 }
 
 }  // namespace skywave

@@ -31,7 +31,7 @@ struct PathsFlags {
   JobRequest request;
   std::string output;
   ToneMapping tone;
-  bool quiet = false;
+  ProgressFlags progress;
 };
 
 struct TechniquePicture {
@@ -123,17 +123,21 @@ int PathsMain(PathsFlags& flags) {
                      fmt::format("there would be too many layers; at most {}", kDeepest),
                      kExitUsage);
   }
-  if (!flags.quiet) PrintNotes(job.notes());
+  if (!flags.progress.quiet) PrintNotes(job.notes());
   std::vector<TechniquePicture> pictures = TechniquesTo(options.max_depth);
   Image whole;
   const std::uint64_t samples =
       std::uint64_t(options.width) * options.height * options.samples_per_pixel;
-  ShowProgress(flags.quiet, samples * (pictures.size() + 1), [&](Progress& done) {
+  {
+    ProgressDisplay display(flags.progress, pictures.size() + 1);
     for (TechniquePicture& p : pictures) {
-      p.picture = RenderTechnique(job, p.lengths, p.weighted, done);
+      ShowProgress(display, p.name(), samples, [&](Progress& done) {
+        p.picture = RenderTechnique(job, p.lengths, p.weighted, done);
+      });
     }
-    whole = RenderTechnique(job, std::nullopt, true, done);
-  });
+    ShowProgress(display, "whole", samples,
+                 [&](Progress& done) { whole = RenderTechnique(job, std::nullopt, true, done); });
+  }
   std::vector<NamedChannel> layers;
   for (const TechniquePicture& p : pictures) AddLayer(p.picture, p.name(), layers);
   const ContactSheet sheet = Sheet(pictures, options.max_depth, flags.tone);
@@ -142,7 +146,7 @@ int PathsMain(PathsFlags& flags) {
       {"software", fmt::format("skywave {}", Version())}};
   WriteExr(flags.output, whole, metadata, layers);
   WritePng(png, sheet.width, sheet.height, sheet.rgb);
-  if (!flags.quiet) {
+  if (!flags.progress.quiet) {
     fmt::print("wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
                flags.output, pictures.size() / 2, png);
   }
@@ -155,7 +159,8 @@ std::vector<OptionOf<PathsFlags>> PathsOptions() {
   return {
     MakeOption<PathsFlags>({.name = "output", .help = "EXR file with two layers for each pair S, T, weighted_sStT and unweighted_sStT, of S vertices from the light and T from the eye; the sheet goes to a PNG of the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
     MakeOption<PathsFlags>({.name = "exposure", .help = "exposure of the sheet [stops]"}, FIELD(tone.exposure_stops), Floats(-100, 100)),
-    MakeOption<PathsFlags>({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    MakeOption<PathsFlags>({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
+    ProgressOption<PathsFlags>(),
   };
   // clang-format on
 }
@@ -178,7 +183,9 @@ Command PathsCommand() {
           "find. The layer without a name is the picture.\n\n"
           "Example:\n"
           "  skywave paths lamps --size 160x120 --spp 64 --max-depth 4 --exposure 1",
-      .run = [flags](const GivenOptions&) { return PathsMain(*flags); }};
+      .run = [flags](const GivenOptions&) {
+        return TellFailures(flags->progress, [&] { return PathsMain(*flags); });
+      }};
   AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request),
              {std::begin(kNotOfPaths), std::end(kNotOfPaths)});
   const auto options = PathsOptions();

@@ -4,51 +4,118 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <exception>
 #include <string>
+
+#include "cli/parse.h"
 
 namespace skywave {
 namespace {
 
-std::string Duration(double seconds) {
-  const auto total = std::uint64_t(seconds + 0.5);
-  if (total < 60) return fmt::format("{} s", total);
-  if (total < 3600) return fmt::format("{}:{:02}", total / 60, total % 60);
-  return fmt::format("{}:{:02}:{:02}", total / 3600, total / 60 % 60, total % 60);
+ProgressForm FormOf(const ProgressFlags& flags) {
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  return flags.form.value_or(terminal ? ProgressForm::kBar : ProgressForm::kPlain);
+}
+
+// Seconds between two lines, at least.
+double Pause(ProgressForm form) {
+  switch (form) {
+    case ProgressForm::kBar:
+      return 0.2;
+    case ProgressForm::kPlain:
+      return 10;
+    case ProgressForm::kJson:
+    case ProgressForm::kOpenJd:
+      return 0.5;
+  }
+  return 0;
 }
 
 }  // namespace
 
-ProgressDisplay::ProgressDisplay()
-    : terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()), last_(start_) {}
+ProgressDisplay::ProgressDisplay(const ProgressFlags& flags, std::size_t pictures)
+    : form_(FormOf(flags)), quiet_(flags.quiet), start_(Clock::now()), picture_start_(start_) {
+  state_.pictures = pictures;
+  // A log begins with a line after its first pause; a program learns at once what there will be.
+  if (form_ == ProgressForm::kPlain) last_ = start_;
+}
 
-ProgressDisplay::~ProgressDisplay() {
-  if (terminal_) fmt::print(stderr, "\r\033[K");
+ProgressDisplay::~ProgressDisplay() { Clear(); }
+
+void ProgressDisplay::Begin(const std::string& what, std::uint64_t samples) {
+  state_.what = what;
+  state_.samples = samples;
+  state_.share = 0;
+  picture_start_ = Clock::now();
+  Print(false);
 }
 
 void ProgressDisplay::Show(double done) {
-  // If standard error is not a terminal, a line every ten seconds suffices.
-  if (SecondsSince(last_) < (terminal_ ? 0.2 : 10.0)) return;
+  state_.share = done;
+  Print(false);
+}
+
+void ProgressDisplay::End() {
+  state_.timed_seconds += SecondsSince(picture_start_);
+  ++state_.timed_pictures;
+  Skip();
+}
+
+void ProgressDisplay::Skip() {
+  ++state_.pictures_done;
+  state_.share = 0;
+  picture_start_ = Clock::now();
+  // Programs are told of the end; people see it.
+  const bool last = state_.pictures_done >= state_.pictures;
+  Print(last && (form_ == ProgressForm::kJson || form_ == ProgressForm::kOpenJd));
+}
+
+void ProgressDisplay::Clear() {
+  if (!drawn_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  drawn_ = false;
+  last_.reset();
+}
+
+void ProgressDisplay::Print(bool now) {
+  if (quiet_ || (!now && last_ && SecondsSince(*last_) < Pause(form_))) return;
   last_ = Clock::now();
-  const std::string left =
-      done > 0.01 ? Duration(SecondsSince(start_) / done * (1 - done)) + " left" : "estimating";
-  if (terminal_) {
-    constexpr int kWidth = 40;
-    const int filled = int(done * kWidth);
-    fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:3.0f} %  {}   ", "", filled, "", kWidth - filled,
-               done * 100, left);
+  state_.seconds = SecondsSince(start_);
+  state_.picture_seconds = SecondsSince(picture_start_);
+  if (form_ == ProgressForm::kBar) {
+    fmt::print(stderr, "\r\033[K{}", BarText(state_));
+    drawn_ = true;
+  } else if (form_ == ProgressForm::kPlain) {
+    fmt::print(stderr, "{}", PlainText(state_));
+  } else if (form_ == ProgressForm::kJson) {
+    fmt::print(stderr, "{}", JsonText(state_));
   } else {
-    fmt::print(stderr, "{:.0f} % rendered, {}\n", done * 100, left);
+    fmt::print("{}", OpenJdText(state_));
+    std::fflush(stdout);
   }
   std::fflush(stderr);
 }
 
-void ShowProgress(bool quiet, std::uint64_t total, const WatchedWork& work) {
-  if (quiet) return Watch(total, work, nullptr);
-  ProgressDisplay display;
+void ShowProgress(ProgressDisplay& display, const std::string& what, std::uint64_t total,
+                  const WatchedWork& work) {
+  display.Begin(what, total);
   Watch(total, work, [&](double done) {
     display.Show(done);
     return true;
   });
+  display.End();
+}
+
+int TellFailures(const ProgressFlags& flags, const std::function<int()>& work) {
+  if (flags.quiet || flags.form != ProgressForm::kOpenJd) return work();
+  try {
+    return work();
+  } catch (...) {
+    fmt::print("{}", OpenJdFailure(DescribeError(std::current_exception()).text));
+    std::fflush(stdout);
+    throw;
+  }
 }
 
 void PrintNotes(const std::vector<std::string>& notes) {

@@ -12,6 +12,7 @@
 #include "cli/parse.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
+#include "display/tev.h"
 #include "job/exposure.h"
 #include "job/limits.h"
 #include "job/options.h"
@@ -32,10 +33,20 @@ struct RenderFlags {
   std::string stats;
   std::optional<double> checkpoint_seconds;
   bool resume = false;
-  bool quiet = false;
+  std::string viewer;
+  ProgressFlags progress;
 
   bool keeps_checkpoint() const { return checkpoint_seconds || resume; }
 };
+
+Codec<std::string> Viewers() {
+  Codec<std::string> codec = Texts("HOST or HOST:PORT (port 14158)");
+  codec.metavar = "HOST:PORT";
+  codec.parse = [](const std::string& text) {
+    return ParseViewerAddress(text) ? std::optional(text) : std::nullopt;
+  };
+  return codec;
+}
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<RenderFlags>> OutputOptions() {
@@ -47,10 +58,12 @@ std::vector<OptionOf<RenderFlags>> OutputOptions() {
   return {
     option({.name = "output", .help = "EXR file; the PNG has the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
     option({.name = "film", .help = "keep the sums of the film, for skywave merge; without --output they are all that is written"}, FIELD(film), Texts("FILM")),
-    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
     option({.name = "checkpoint", .group = kStopping, .help = "save what is rendered as often as this [s], 0: only on SIGINT or SIGTERM, after which the exit code is 75; the file is called like the output, with the ending .checkpoint, and goes when all is written", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Doubles(0, 1e9)),
     option({.name = "resume", .group = kStopping, .help = "go on from the checkpoint, if there is one, to the same bytes"}, FIELD(resume), Switches()),
     option({.name = "stats", .group = "Output", .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
+    option({.name = "display", .group = "Output", .help = "show the picture in the viewer tev while it is rendered"}, FIELD(viewer), Viewers()),
+    ProgressOption<RenderFlags>(),
   };
   // clang-format on
 }
@@ -89,15 +102,16 @@ void CheckOutputs(const RenderFlags& flags) {
 
 // Renders, and shows progress and what signals ask for.
 void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
-  std::optional<ProgressDisplay> display;
-  if (!flags.quiet) {
-    PrintNotes(renderer.notes());
-    display.emplace();
-  }
-  api::RenderControl control = {.progress = [&](double done) {
-    if (display) display->Show(done);
-    return !StopAsked();
-  }};
+  if (!flags.progress.quiet) PrintNotes(renderer.notes());
+  const std::size_t notes = renderer.notes().size();
+  ProgressDisplay display(flags.progress);
+  api::RenderControl control = {.progress =
+                                    [&](double done) {
+                                      display.Show(done);
+                                      return !StopAsked();
+                                    },
+                                .viewer = flags.viewer,
+                                .name_in_viewer = flags.output.empty() ? flags.film : flags.output};
   if (flags.keeps_checkpoint()) {
     control.checkpoint = CheckpointPath(flags);
     control.checkpoint_seconds = flags.checkpoint_seconds.value_or(0);
@@ -109,7 +123,13 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
     const auto snapshot = std::filesystem::path(flags.output).replace_extension(".snapshot.exr");
     control.snapshot = [snapshot] { return TakeSnapshotAsked() ? snapshot.string() : ""; };
   }
+  display.Begin("", renderer.samples());
   renderer.Render(control);
+  display.End();
+  display.Clear();
+  if (!flags.progress.quiet) {
+    PrintNotes({renderer.notes().begin() + std::ptrdiff_t(notes), renderer.notes().end()});
+  }
 }
 
 int RenderMain(RenderFlags& flags) {
@@ -134,7 +154,7 @@ int RenderMain(RenderFlags& flags) {
   }
   if (!flags.stats.empty()) WriteFileAtomically(flags.stats, renderer.Statistics());
   if (flags.keeps_checkpoint()) std::filesystem::remove(CheckpointPath(flags));
-  if (!flags.quiet) {
+  if (!flags.progress.quiet) {
     const std::string pictures =
         flags.output.empty() ? "" : flags.output + " and " + PngBeside(flags.output);
     const std::string comma = flags.film.empty() || flags.output.empty() ? "" : ", ";
@@ -196,7 +216,9 @@ Command RenderCommand() {
           "  skywave render three-spheres --integrator vcm --spp 256\n"
           "  skywave render room --integrator bdpt --guide\n"
           "  skywave render gallery --aovs albedo,normal,depth -o gallery.exr",
-      .run = [flags](const GivenOptions&) { return RenderMain(*flags); }};
+      .run = [flags](const GivenOptions&) {
+        return TellFailures(flags->progress, [&] { return RenderMain(*flags); });
+      }};
   AddKeptOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), flags);
   AddOptions(command, OutputOptions(), flags);
   AddKeptOptions(command, LimitOptions(), std::shared_ptr<RenderLimits>(flags, &flags->limits),

@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/granted.h"
 #include "job/choose_camera.h"
 #include "job/environment.h"
 #include "job/material_changes.h"
@@ -43,8 +44,14 @@ double EnvironmentPower(const Image& map, float radius) {
 // Runs `work` with as many threads as the user allows.
 template <class Work>
 void RunOnThreads(int threads, const Work& work) {
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  tbb::task_arena arena(ThreadsFor(threads));
   arena.execute(work);
+}
+
+// Returns the number of threads for Embree's device: 0, all of the machine, unless there is a
+// limit, because Embree holds the whole process to any other number as long as the device lives.
+int EmbreeThreads(int threads) {
+  return threads == 0 && GrantedHere().limits_threads() ? GrantedHere().threads : threads;
 }
 
 // `environment`: whether there is light in the map.
@@ -109,6 +116,9 @@ void RenderJob::BuildOnThreads(Scene scene, const JobRequest& request) {
 void RenderJob::Build(Scene scene, const JobRequest& request) {
   notes_ = scene.warnings;
   request_ = ResolveRequest(request, scene.settings, notes_);
+  if (options().threads == 0) {
+    notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
+  }
   ChangeMaterials(request_.materials, scene);
   scene.up_axis = request.environment.up_axis.value_or(scene.up_axis);
   EnvironmentLight light;
@@ -117,7 +127,7 @@ void RenderJob::Build(Scene scene, const JobRequest& request) {
   const Bounds bounds = SceneBounds(scene, request.scene);  // without the ground
   PlaceCamera(scene, bounds);
   if (request.ground) AddGround(scene, bounds);
-  geometry_ = std::make_unique<Geometry>(scene, request.scene, options().threads,
+  geometry_ = std::make_unique<Geometry>(scene, request.scene, EmbreeThreads(options().threads),
                                          request.embree_config, NeedsUvs(options().aovs));
   times_.build = geometry_->build_seconds();
   sphere_ = BoundingSphere(SceneBounds(scene, request.scene));

@@ -127,8 +127,8 @@ FrameResult Render(Session& session) {
     control.next_stop = StopRule(request.limits, session.part.samples, session.film, seconds);
   }
   if (request.on_tile) {
-    control.on_tile = [&](const Tile& tile, std::uint32_t samples) {
-      request.on_tile(session.film, tile, samples);
+    control.on_tile = [&](const Tile& tile, std::uint32_t done) {
+      request.on_tile(session.film, tile, done - session.part.samples.first);
     };
   }
   FrameResult result;

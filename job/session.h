@@ -29,7 +29,8 @@ struct SessionRequest {
   // Asked as often. If it returns true, `show` gets the film as it is, with all threads at rest.
   std::function<bool()> wants_snapshot;
   std::function<void(const Film& film, const SampleCounts& samples)> show;
-  // See RenderControl.
+  // Called by the thread that has finished a tile of a step, of which `film` then holds `samples` a
+  // pixel (RenderControl::on_tile).
   std::function<void(const Film& film, const Tile& tile, std::uint32_t samples)> on_tile;
 };
 

@@ -4,16 +4,15 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 #include <tbb/version.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <fstream>
 
+#include "base/granted.h"
 #include "kernels/targets.h"
 #include "measure/revision.h"
 #include "scene/embree.h"
 #include "scene/geometry.h"
-#include "wavefront/render.h"
 
 namespace skywave {
 namespace {
@@ -53,8 +52,8 @@ std::string BuildKind() {
 
 Machine DescribeMachine(const std::string& embree_config) {
   return {.processor = ProcessorName(),
-          .processors = AvailableThreads(),
-          .memory_bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE)),
+          .processors = GrantedHere().threads,
+          .memory_bytes = double(GrantedHere().memory_bytes),
           .system = SystemName(),
 #ifdef __clang__
           .compiler = "clang " __VERSION__,

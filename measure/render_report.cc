@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "base/granted.h"
 #include "base/version.h"
 #include "wavefront/option_names.h"
 
@@ -15,6 +16,11 @@ double PeakMemoryMib() {
   return double(usage.ru_maxrss) / 1024;
 }
 
+// Returns whose limit the number of threads is.
+std::string ThreadsFrom(const RenderReport& report) {
+  return report.job->options().threads > 0 ? "option" : GrantedHere().threads_from;
+}
+
 double Rate(double count, double seconds) { return seconds > 0 ? count / seconds * 1e-6 : 0; }
 
 }  // namespace
@@ -23,6 +29,7 @@ std::string Table(const RenderReport& report) {
   const RenderStats& stats = report.frame.stats;
   const JobTimes& times = report.job->times();
   const double seconds = report.frame.seconds;
+  const std::string limit = ThreadsFrom(report);
   std::string text;
   const auto line = [&]<class... T>(fmt::format_string<T...> format, T&&... values) {
     text += fmt::format(format, std::forward<T>(values)...) + "\n";
@@ -31,10 +38,11 @@ std::string Table(const RenderReport& report) {
       "load {:.3f} s, build {:.3f} s, tables {:.3f} s, render {:.3f} s, write {:.3f} s, "
       "peak memory {:.0f} MiB",
       times.load, times.build, times.tables, seconds, report.write_seconds, PeakMemoryMib());
-  line("{:.3f} Msamples/s, {:.3f} Mrays/s, {:.2f} rays a sample, {} threads",
+  line("{:.3f} Msamples/s, {:.3f} Mrays/s, {:.2f} rays a sample, {} threads{}",
        Rate(double(stats.samples), seconds), Rate(double(stats.total_rays()), seconds),
        double(stats.total_rays()) / double(std::max<std::uint64_t>(stats.samples, 1)),
-       report.frame.threads);
+       report.frame.threads,
+       limit == "machine" || limit == "option" ? "" : fmt::format(" ({})", limit));
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
     line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
@@ -84,6 +92,7 @@ nlohmann::ordered_json Json(const RenderReport& report) {
                       {"max_depth", options.max_depth},
                       {"strategy", report.job->strategy().name()},
                       {"threads", report.frame.threads},
+                      {"threads_from", ThreadsFrom(report)},
                       {"wave", options.wave},
                       {"backend", ToString(options.backend)}};
   json["scene"] = {{"hash", fmt::format("{:016x}", report.job->scene_hash())},

@@ -1,6 +1,5 @@
 #include "wavefront/render.h"
 
-#include <tbb/task_arena.h>
 #include <time.h>
 
 #include <algorithm>
@@ -139,8 +138,6 @@ bool RenderSteps(const FrameView& frame, const SampleRange& range, WorkerPool& p
 void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, Film& film) {
   Describe(frame.options.integrator).render_wave(frame, range, worker, film);
 }
-
-int AvailableThreads() { return tbb::this_task_arena::max_concurrency(); }
 
 std::uint32_t TileSide(std::uint32_t samples_per_pixel, std::uint32_t wave) {
   std::uint32_t side = 8;

@@ -44,9 +44,9 @@ struct RenderControl {
   std::function<std::uint32_t(std::uint32_t done)> next_stop;
   // Called while all threads rest, once the watcher has set Progress::pause.
   std::function<void(const RenderState& state)> at_pause;
-  // Called by the thread that has added all samples of a step to a tile; `samples` is what its
-  // pixels then hold. Other tiles are being rendered meanwhile.
-  std::function<void(const Tile& tile, std::uint32_t samples)> on_tile;
+  // Called by the thread that has added all samples of a step to a tile; its pixels then hold those
+  // of the frame before `done`. Other tiles are being rendered meanwhile.
+  std::function<void(const Tile& tile, std::uint32_t done)> on_tile;
 };
 
 struct FrameResult {
@@ -74,9 +74,6 @@ void RenderWave(const FrameView& frame, const WaveRange& range, Worker& worker, 
 // samples of the pass see it; once with the frame itself where there are none.
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render);
-
-// Returns the number of threads that the process may use, for which `threads` = 0 stands.
-int AvailableThreads();
 
 // Returns the side of the tiles of a step. They are large enough for a tile to fill several waves,
 // if that is possible, and small enough to be shared out evenly.

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/granted.h"
 #include "wavefront/flush_denormals.h"
 
 namespace skywave {
@@ -9,7 +10,7 @@ namespace skywave {
 WorkerPool::WorkerPool(const RenderOptions& options, std::vector<RayRecorder>* recorders,
                        const std::atomic<bool>* cancel)
     : options_(options),
-      arena_(options.threads > 0 ? options.threads : tbb::task_arena::automatic),
+      arena_(ThreadsFor(options.threads)),
       recorders_(recorders),
       cancel_(cancel) {
   arena_.initialize();

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/granted.h"
 #include "base/version.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
@@ -23,6 +25,7 @@ struct BenchFlags {
   std::string json, report;
   std::vector<std::string> history;
   bool full = false, counters = false, renders_only = false;
+  ProgressFlags progress;
 };
 
 constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
@@ -133,8 +136,7 @@ int BenchSuite(const BenchFlags& flags) {
           : flags.repetitions.value_or(flags.full ? kFullRepetitions : kQuickRepetitions);
   settings.replay = !flags.counters && !flags.renders_only;
   if (settings.replay) {
-    const int threads = flags.request.options.threads;
-    settings.thread_counts = ScalingThreads(threads > 0 ? threads : AvailableThreads());
+    settings.thread_counts = ScalingThreads(ThreadsFor(flags.request.options.threads));
   }
   SuiteReport report = {.full = flags.full,
                         .machine = DescribeMachine(flags.request.embree_config),
@@ -142,10 +144,17 @@ int BenchSuite(const BenchFlags& flags) {
                         .replayed = settings.replay};
   bool right = true;
   const bool tables = flags.counters || !flags.renders_only;
-  for (const SuiteScene& scene : SuiteScenes(flags.full)) {
+  const auto scenes = SuiteScenes(flags.full);
+  // It is drawn between scenes only: a thread that watched would be measured as well.
+  std::optional<ProgressDisplay> display(std::in_place, flags.progress, scenes.size());
+  for (const SuiteScene& scene : scenes) {
+    display->Begin(std::string(scene.name), 0);
     report.results.push_back(MeasureScene(scene, flags.request, settings, tables));
+    display->Clear();
     right &= PictureIsRight(report.results.back());
+    display->End();
   }
+  display.reset();
   report.options = report.results.front().options;
   // The counters of a wrong picture are shown because they help to find the change.
   if (flags.counters) {
@@ -169,6 +178,7 @@ std::vector<OptionOf<BenchFlags>> Options() {
   return {
     option({.name = "repetitions", .help = "renders and replays, in turn", .default_text = "5; suite: 3, --full 9"}, FIELD(repetitions), Numbers(1, 1000)),
     option({.name = "json", .help = "write every repetition to this file"}, FIELD(json), Texts("JSON")),
+    ProgressOption<BenchFlags>(),
     option({.name = "full", .group = kSuite, .help = "larger pictures, more repetitions"}, FIELD(full), Switches()),
     option({.name = "counters", .group = kSuite, .help = "only counters: rays, rows, bytes, hashes; the same text every time"}, FIELD(counters), Switches()),
     option({.name = "renders-only", .group = kSuite, .help = "no replays, other thread counts or tables: for comparisons of two programs"}, FIELD(renders_only), Switches()),
@@ -209,7 +219,8 @@ Command BenchCommand() {
   command.run = [flags, described = command](const GivenOptions& given) {
     const bool has_scene = !flags->request.scene.empty();
     CheckGiven(described, given, has_scene);
-    return has_scene ? BenchScene(*flags) : BenchSuite(*flags);
+    return TellFailures(flags->progress,
+                        [&] { return has_scene ? BenchScene(*flags) : BenchSuite(*flags); });
   };
   return command;
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <optional>
 
 #include "base/files.h"
 #include "cli/commands.h"
@@ -17,7 +18,7 @@ struct ConvergeFlags {
   ConvergeRequest request;
   std::string json, plot, html;
   ToneMapping tone;
-  bool quiet = false;
+  ProgressFlags progress;
 };
 
 void CheckOutputs(const ConvergeFlags& flags) {
@@ -43,7 +44,8 @@ std::vector<OptionOf<ConvergeFlags>> OutputOptions() {
     option({.name = "plot", .help = "curves as SVG"}, FIELD(plot), Texts("SVG")),
     option({.name = "report", .help = "one HTML page: figures, curves, pictures, errors"}, FIELD(html), Texts("HTML")),
     option({.name = "exposure", .help = "exposure of the page's pictures [stops]"}, FIELD(tone.exposure_stops), Floats(-100, 100)),
-    option({.name = "quiet", .help = "no notes and no progress", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "quiet", .help = "no notes and no progress", .letter = 'q'}, FIELD(progress.quiet), Switches()),
+    ProgressOption<ConvergeFlags>(),
   };
   // clang-format on
 }
@@ -58,13 +60,16 @@ void WriteOutputs(const ConvergeFlags& flags, const ConvergeReport& report) {
 int ConvergeMain(const ConvergeFlags& flags) {
   CheckOutputs(flags);
   const RenderJob job(flags.request.job);
-  if (!flags.quiet) PrintNotes(job.notes());
+  if (!flags.progress.quiet) PrintNotes(job.notes());
+  // The steps are the reference, unless it is given, and the measurement.
+  std::optional<ProgressDisplay> display(std::in_place, flags.progress,
+                                         flags.request.reference == "auto" ? 2 : 1);
   const ConvergeReport report =
       RunConverge(job, flags.request,
                   [&](const std::string& what, std::uint64_t total, const WatchedWork& work) {
-                    if (!flags.quiet) fmt::print(stderr, "{}\n", what);
-                    ShowProgress(flags.quiet, total, work);
+                    ShowProgress(*display, what, total, work);
                   });
+  display.reset();
   WriteOutputs(flags, report);
   for (const std::string& warning : report.warnings) {
     fmt::print(stderr, "warning: {}\n", warning);
@@ -92,7 +97,9 @@ Command ConvergeCommand() {
           "  skywave converge gallery --strategies importance penrose:lights=256 --budgets 4,16,64 "
           "\\\n"
           "      --reference gallery_reference.exr --target-error 1e-4",
-      .run = [flags](const GivenOptions&) { return ConvergeMain(*flags); }};
+      .run = [flags](const GivenOptions&) {
+        return TellFailures(flags->progress, [&] { return ConvergeMain(*flags); });
+      }};
   std::set<std::string_view> without;
   for (const JobOption& option : JobOptions()) {
     if (HasOwnFormInConverge(option)) without.insert(option.name);

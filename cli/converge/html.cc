@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/granted.h"
 #include "base/version.h"
 #include "cli/converge/report.h"
 #include "measure/html.h"
@@ -70,7 +71,7 @@ std::string Html(const ConvergeReport& report, const ToneMapping& tone) {
       "<p>{} x {} pixels, {} threads, {} runs each; skywave {}.<br>\n"
       "<code>{}</code></p>\n",
       EscapeXml(report.scene), options.width, options.height,
-      options.threads > 0 ? options.threads : AvailableThreads(), report.settings.repeats,
+      ThreadsFor(options.threads), report.settings.repeats,
       Version(), EscapeXml(report.command));
   for (const std::string& warning : report.warnings) {
     page += fmt::format("<p class=\"warning\">{}</p>\n", EscapeXml(warning));

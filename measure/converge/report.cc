@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/granted.h"
 #include "base/version.h"
 #include "measure/revision.h"
 #include "wavefront/option_names.h"
@@ -131,7 +132,7 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
                       {"max_depth", options.max_depth},
                       {"mis", options.mis},
                       {"filter", ToString(options.filter)},
-                      {"threads", options.threads > 0 ? options.threads : AvailableThreads()},
+                      {"threads", ThreadsFor(options.threads)},
                       {"wave", options.wave},
                       {"backend", ToString(options.backend)},
                       {"seed", options.seed},

@@ -134,6 +134,14 @@ void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) 
   });
 }
 
+Film Film::Cut(const CropWindow& window) const {
+  FilmLayout layout = layout_;
+  layout.area = {window.width, window.height, {0, 0, window.width, window.height}};
+  Film cut(std::move(layout));
+  cut.AddWindow(*this, window, 0, 0);
+  return cut;
+}
+
 std::size_t Film::packed_bytes() const {
   const CropWindow& picture = layout_.area.picture;
   std::size_t bytes = 0;

@@ -81,6 +81,9 @@ class Film {
   // Does so with the picture of `part`, whose top left corner is pixel (x, y) of this picture.
   void AddPart(const Film& part, int x, int y);
 
+  // Returns a film of the pixels `window` of this film, which is all picture.
+  Film Cut(const CropWindow& window) const;
+
   // Returns all sums of the picture's pixels as bytes, column by column and row by row, and puts
   // them back into a film of the same layout. The rim of the film is left out.
   std::string PackPicture() const;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/clock.h"
+#include "base/granted.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/soa.h"
 
@@ -99,7 +100,7 @@ ReplayTime Replay(RTCScene scene, Backend backend, const std::vector<RayRecorder
                          .closest = backend,
                          .occlusion = backend,
                          .beams = backend == Backend::kPacket};
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  tbb::task_arena arena(ThreadsFor(threads));
   ReplayTime time;
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
     for (const bool occlusion : {false, true}) {
