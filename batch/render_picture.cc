@@ -26,20 +26,27 @@ std::optional<double> NoiseOf(const RenderJob& job, const RenderLimits& limits,
 }  // namespace
 
 PictureResult RenderAlone(const BatchPlan& plan, const BatchPicture& picture,
-                          const Teller& tell) try {
+                          const PictureWatcher& watcher) try {
   PictureResult result = {.status = PictureStatus::kRendered};
   const PictureRequest request = RequestOf(plan.path, picture.options);
   Clock::time_point start = Clock::now();
   const RenderJob job(request.job);
   const PictureIdentity identity = IdentityOf(job, request.exposure, true);
   result.load_seconds = SecondsSince(start);
-  const RenderedFilm rendered = RunSession(job, identity, {.limits = request.limits, .tell = tell});
+  result.notes = job.notes();
+  const RenderOptions& options = job.options();
+  if (watcher.begin) {
+    watcher.begin(std::uint64_t(options.width) * std::uint64_t(options.height) *
+                  ChooseSamples(request.limits, options.samples_per_pixel).count());
+  }
+  const RenderedFilm rendered =
+      RunSession(job, identity, {.limits = request.limits, .tell = watcher.tell});
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
   result.noise = NoiseOf(job, request.limits, rendered);
   start = Clock::now();
   const Picture resolved =
-      ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs, identity,
+      ResolvePicture(rendered.film, rendered.part.samples.count(), options.aovs, identity,
                      rendered.part, Tone(request.exposure));
   WriteExr(picture.output, resolved);
   WritePng(PngBeside(picture.output), resolved);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "batch/check.h"
@@ -23,7 +24,8 @@ namespace {
 struct BatchFlags {
   std::string job_file, output_folder;
   BatchShare only;
-  bool list = false, dry_run = false, json = false, force = false, quiet = false;
+  bool list = false, dry_run = false, json = false, force = false;
+  ProgressFlags progress;
 };
 
 // Parses I/N.
@@ -61,7 +63,8 @@ std::vector<OptionOf<BatchFlags>> BatchOptions() {
     option({.name = "list", .help = "print the pictures and their values, and render none", .excludes = "dry-run"}, FIELD(list), Switches()),
     option({.name = "json", .help = "with --list: print JSON", .needs = "list"}, FIELD(json), Switches()),
     option({.name = "dry-run", .help = "read every scene and map, check every option, and render nothing"}, FIELD(dry_run), Switches()),
-    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
+    ProgressOption<BatchFlags>(),
   };
   // clang-format on
 }
@@ -98,24 +101,36 @@ TextTable ResultTable(const BatchPlan& plan, const BatchSummary& summary) {
 int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   CheckOutputs(plan);
   PrepareOutputs(plan, flags.only);
+  ProgressDisplay display(flags.progress, plan.pictures.size());
   const auto render = [&](const BatchPicture& picture, const BatchPicture*) {
-    if (flags.quiet) return RenderAlone(plan, picture, nullptr);
-    ProgressDisplay display;
-    return RenderAlone(plan, picture, [&](double done) {
-      display.Show(done);
-      return true;
-    });
+    return RenderAlone(
+        plan, picture,
+        {.begin = [&](std::uint64_t samples) { display.Begin(picture.output, samples); },
+         .tell =
+             [&](double done) {
+               display.Show(done);
+               return true;
+             }});
   };
   BatchReporter reporter;
-  if (!flags.quiet) {
-    reporter.begin = [](const BatchPicture& picture, std::size_t number, std::size_t count) {
-      fmt::print(stderr, "{} of {}: {}\n", number + 1, count, picture.output);
-    };
-  }
+  std::set<std::string> told;  // notes are the same for many pictures
+  reporter.end = [&](const BatchPicture&, const PictureResult& result) {
+    if (result.status == PictureStatus::kRendered) {
+      display.End();
+    } else {
+      display.Skip();
+    }
+    for (const std::string& note : result.notes) {
+      if (flags.progress.quiet || !told.insert(note).second) continue;
+      display.Clear();
+      PrintNotes({note});
+    }
+  };
   BatchFiles files(plan, flags.only);
   reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };
   const BatchSummary summary = files.WithEarlier(RunBatch(plan, render, reporter));
-  if (!flags.quiet) fmt::print("{}", Text(ResultTable(plan, summary)));
+  display.Clear();
+  if (!flags.progress.quiet) fmt::print("{}", Text(ResultTable(plan, summary)));
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
     const PictureResult& result = summary.results[i];
     if (result.status != PictureStatus::kFailed) continue;
@@ -139,7 +154,7 @@ int BatchMain(const BatchFlags& flags) {
   if (flags.dry_run) {
     const DryRun checked = CheckWithoutRendering(plan);
     fmt::print("{}{} pictures, {:.4g} Msamples, of {} scenes and {} maps: all can be rendered\n",
-               flags.quiet ? "" : Text(PictureTable(plan)), plan.pictures.size(),
+               flags.progress.quiet ? "" : Text(PictureTable(plan)), plan.pictures.size(),
                double(checked.samples) * 1e-6, checked.scenes, checked.maps);
     return 0;
   }
@@ -158,7 +173,9 @@ Command BatchCommand() {
                          "  skywave batch turntable.toml --dry-run\n"
                          "  skywave batch turntable.toml -o renders\n"
                          "  skywave batch turntable.toml --only 1/4",
-                     .run = [flags](const GivenOptions&) { return BatchMain(*flags); }};
+                     .run = [flags](const GivenOptions&) {
+                       return TellFailures(flags->progress, [&] { return BatchMain(*flags); });
+                     }};
   AddOptions(command, BatchOptions(), flags);
   return command;
 }
