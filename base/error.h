@@ -15,6 +15,7 @@ namespace skywave {
 inline constexpr int kExitUsage = 64;     // a flag or argument that makes no sense (EX_USAGE)
 inline constexpr int kExitBadInput = 65;  // a file that cannot be used (EX_DATAERR)
 inline constexpr int kExitIo = 74;        // a file that cannot be read or written (EX_IOERR)
+inline constexpr int kExitTryAgain = 75;  // stopped with a checkpoint to go on from (EX_TEMPFAIL)
 
 // The position of an error in the input. Text formats give a line, binary formats a byte offset.
 struct InputPosition {

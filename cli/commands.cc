@@ -3,8 +3,8 @@
 namespace skywave {
 
 std::vector<Command> AllCommands() {
-  return {RenderCommand(),   InfoCommand(),  PathsCommand(), CompareCommand(), StrategiesCommand(),
-          ConvergeCommand(), BenchCommand(), ProbeCommand(), OptionsCommand()};
+  return {RenderCommand(),     MergeCommand(),    InfoCommand(),  PathsCommand(), CompareCommand(),
+          StrategiesCommand(), ConvergeCommand(), BenchCommand(), ProbeCommand(), OptionsCommand()};
 }
 
 }  // namespace skywave

@@ -8,6 +8,7 @@
 namespace skywave {
 
 Command RenderCommand();
+Command MergeCommand();
 Command InfoCommand();
 Command PathsCommand();
 Command CompareCommand();

@@ -3,14 +3,19 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
 #include "job/exposure.h"
+#include "job/limits.h"
 #include "job/options.h"
+#include "job/picture.h"
 #include "skywave/skywave.h"
 #include "wavefront/film/aovs.h"
 
@@ -20,68 +25,121 @@ namespace {
 struct RenderFlags {
   JobRequest request;
   ExposureRequest exposure;
+  RenderLimits limits;
   api::Options read_options, options;  // as given, for the library
-  std::string output;
+  std::string output;                  // empty: a film is all that is wanted
+  std::string film;
   std::string stats;
+  std::optional<double> checkpoint_seconds;
+  bool resume = false;
   bool quiet = false;
-};
 
-std::string PngPath(const std::string& exr) {
-  return std::filesystem::path(exr).replace_extension(".png").string();
-}
+  bool keeps_checkpoint() const { return checkpoint_seconds || resume; }
+};
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<RenderFlags>> OutputOptions() {
   const auto option = [](OptionInfo info, auto field, auto codec) {
     return MakeOption<RenderFlags>(info, field, codec);
   };
+  constexpr std::string_view kStopping = "Stopping and going on";
   // clang-format off
   return {
     option({.name = "output", .help = "EXR file; the PNG has the same name", .default_text = "name of the scene", .letter = 'o'}, FIELD(output), Texts("EXR")),
+    option({.name = "film", .help = "keep the sums of the film, for skywave merge; without --output they are all that is written"}, FIELD(film), Texts("FILM")),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
+    option({.name = "checkpoint", .group = kStopping, .help = "save what is rendered as often as this [s], 0: only on SIGINT or SIGTERM, after which the exit code is 75; the file is called like the output, with the ending .checkpoint, and goes when all is written", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Doubles(0, 1e9)),
+    option({.name = "resume", .group = kStopping, .help = "go on from the checkpoint, if there is one, to the same bytes"}, FIELD(resume), Switches()),
     option({.name = "stats", .group = "Output", .help = "write the statistics as JSON to this file"}, FIELD(stats), Texts("JSON")),
   };
   // clang-format on
 }
 #undef FIELD
 
+std::string CheckpointPath(const RenderFlags& flags) {
+  const std::string& beside = flags.output.empty() ? flags.film : flags.output;
+  return std::filesystem::path(beside).replace_extension(".checkpoint").string();
+}
+
+// Returns the names of all files that are written.
+std::vector<std::string> Outputs(const RenderFlags& flags) {
+  std::vector<std::string> outputs;
+  if (!flags.output.empty()) outputs = {flags.output, PngBeside(flags.output)};
+  for (const std::string& path : {flags.film, flags.stats}) {
+    if (!path.empty()) outputs.push_back(path);
+  }
+  if (flags.keeps_checkpoint()) outputs.push_back(CheckpointPath(flags));
+  return outputs;
+}
+
 void CheckOutputs(const RenderFlags& flags) {
-  if (std::filesystem::path(flags.output).extension() != ".exr") {
+  if (!flags.output.empty() && std::filesystem::path(flags.output).extension() != ".exr") {
     throw InputError(InputPosition::File("--output " + flags.output),
                      flags.request.options.aovs == 0
                          ? "the picture is an EXR file, so its name has to end in .exr"
                          : "the layers of --aovs need an EXR file, whose name ends in .exr",
                      kExitUsage);
   }
-  for (const std::string& path : {flags.output, PngPath(flags.output), flags.stats}) {
-    if (path.empty()) continue;
+  for (const std::string& path : Outputs(flags)) {
     CheckNotInput(path, flags.request.scene);
     CheckNotInput(path, flags.request.environment.path);
     CheckWritable(path);
   }
 }
 
+// Renders, and shows progress and what signals ask for.
+void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
+  std::optional<ProgressDisplay> display;
+  if (!flags.quiet) {
+    PrintNotes(renderer.notes());
+    display.emplace();
+  }
+  api::RenderControl control = {.progress = [&](double done) {
+    if (display) display->Show(done);
+    return !StopAsked();
+  }};
+  if (flags.keeps_checkpoint()) {
+    control.checkpoint = CheckpointPath(flags);
+    control.checkpoint_seconds = flags.checkpoint_seconds.value_or(0);
+    control.resume = flags.resume;
+    CatchStopSignals();
+  }
+  if (!flags.output.empty()) {
+    CatchSnapshotSignal();
+    const auto snapshot = std::filesystem::path(flags.output).replace_extension(".snapshot.exr");
+    control.snapshot = [snapshot] { return TakeSnapshotAsked() ? snapshot.string() : ""; };
+  }
+  renderer.Render(control);
+}
+
 int RenderMain(RenderFlags& flags) {
-  if (flags.output.empty()) {
+  if (flags.output.empty() && flags.film.empty()) {
     flags.output = std::filesystem::path(flags.request.scene).stem().string() + ".exr";
   }
   CheckOutputs(flags);
   api::Renderer renderer(api::Scene(flags.request.scene, flags.read_options), flags.options);
-  if (flags.quiet) {
-    renderer.Render();
-  } else {
-    PrintNotes(renderer.notes());
-    ProgressDisplay display;
-    renderer.Render([&](double done) {
-      display.Show(done);
-      return true;
-    });
+  try {
+    RenderWatched(flags, renderer);
+  } catch (const api::Canceled&) {
+    fmt::print(stderr,
+               "stopped; {} keeps what is rendered, and the same command with --resume "
+               "goes on\n",
+               CheckpointPath(flags));
+    return kExitTryAgain;
   }
-  const std::string png = PngPath(flags.output);
-  renderer.WriteExr(flags.output);
-  renderer.WritePng(png);
+  if (!flags.film.empty()) renderer.WriteFilm(flags.film);
+  if (!flags.output.empty()) {
+    renderer.WritePng(PngBeside(flags.output));
+    renderer.WriteExr(flags.output);
+  }
   if (!flags.stats.empty()) WriteFileAtomically(flags.stats, renderer.Statistics());
-  if (!flags.quiet) fmt::print("{}wrote {} and {}\n", renderer.Summary(), flags.output, png);
+  if (flags.keeps_checkpoint()) std::filesystem::remove(CheckpointPath(flags));
+  if (!flags.quiet) {
+    const std::string pictures =
+        flags.output.empty() ? "" : flags.output + " and " + PngBeside(flags.output);
+    const std::string comma = flags.film.empty() || flags.output.empty() ? "" : ", ";
+    fmt::print("{}wrote {}{}{}\n", renderer.Summary(), flags.film, comma, pictures);
+  }
   return 0;
 }
 
@@ -141,6 +199,8 @@ Command RenderCommand() {
       .run = [flags](const GivenOptions&) { return RenderMain(*flags); }};
   AddKeptOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), flags);
   AddOptions(command, OutputOptions(), flags);
+  AddKeptOptions(command, LimitOptions(), std::shared_ptr<RenderLimits>(flags, &flags->limits),
+                 flags);
   AddKeptOptions(command, ExposureOptions(),
                  std::shared_ptr<ExposureRequest>(flags, &flags->exposure), flags);
   return command;

@@ -61,6 +61,7 @@ Json Manifest(const FilmFile& file, const Film& film) {
                  {"brightest_bits", Bits(layout.brightest_radiance)},
                  {"extent_bits", Bits(layout.world_extent)},
                  {"light_groups", layout.light_groups},
+                 {"splats", layout.shared},
                  {"bytes", film.packed_bytes()}}},
                {"holds", Json::array()}};
   for (const PicturePart& part : file.holds) {

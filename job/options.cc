@@ -52,20 +52,6 @@ Codec<glm::vec3> Points() {
           .print = [](const glm::vec3& p) { return fmt::format("{},{},{}", p.x, p.y, p.z); }};
 }
 
-Codec<CropWindow> Crops() {
-  return {.values = "WxH+X+Y, for example 64x64+320+200",
-          .metavar = "WxH+X+Y",
-          .parse = [](const std::string& text) -> std::optional<CropWindow> {
-            int v[4];
-            if (!ParseTuple(text, "x++", 4, v)) return std::nullopt;
-            return CropWindow{.x = v[2], .y = v[3], .width = v[0], .height = v[1]};
-          },
-          .print =
-              [](const CropWindow& c) {
-                return fmt::format("{}x{}+{}+{}", c.width, c.height, c.x, c.y);
-              }};
-}
-
 Codec<SubpathLengths> Lengths() {
   return {.values = "S,T, for example 1,2",
           .metavar = "S,T",
@@ -295,6 +281,20 @@ std::vector<JobOption> MakeJobOptions() {
 #undef FIELD
 
 }  // namespace
+
+Codec<CropWindow> Crops() {
+  return {.values = "WxH+X+Y, for example 64x64+320+200",
+          .metavar = "WxH+X+Y",
+          .parse = [](const std::string& text) -> std::optional<CropWindow> {
+            int v[4];
+            if (!ParseTuple(text, "x++", 4, v)) return std::nullopt;
+            return CropWindow{.x = v[2], .y = v[3], .width = v[0], .height = v[1]};
+          },
+          .print =
+              [](const CropWindow& c) {
+                return fmt::format("{}x{}+{}+{}", c.width, c.height, c.x, c.y);
+              }};
+}
 
 std::span<const JobOption> JobOptions() {
   static const std::vector<JobOption> options = MakeJobOptions();

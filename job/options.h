@@ -29,6 +29,9 @@ std::span<const JobOption> JobOptions();
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
                           std::vector<std::string>& notes);
 
+// Prints and parses "WxH+X+Y".
+Codec<CropWindow> Crops();
+
 // An option as a picture records it.
 struct RecordedOption {
   std::string name;

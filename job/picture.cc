@@ -17,13 +17,6 @@ bool IsOfPart(const RecordedOption& option) {
   return option.name == "crop" || option.name == "sample-range";
 }
 
-// Returns the value of recorded words " --spp 4", or what stands for none.
-std::string ValueOf(const RecordedOption& option) {
-  if (option.words.empty()) return "not given";
-  const std::size_t blank = option.words.find_first_of(" =", 3);
-  return blank == std::string::npos ? option.words.substr(1) : option.words.substr(blank + 1);
-}
-
 const RecordedOption* Find(const std::vector<RecordedOption>& options, const std::string& name) {
   const auto found =
       std::find_if(options.begin(), options.end(),
@@ -40,6 +33,13 @@ std::string WordsOf(const Options& table, std::string_view name, const Request& 
 }
 
 }  // namespace
+
+std::string ValueOf(const RecordedOption& option) {
+  if (option.words.empty()) return "not given";
+  const std::size_t end_of_name = option.words.find_first_of(" =", 3);
+  if (end_of_name == std::string::npos) return option.words.substr(1);  // a switch
+  return option.words.substr(end_of_name + 1);
+}
 
 PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable) {
   const JobRequest& request = job.request();

@@ -42,6 +42,9 @@ PicturePart PartOf(const RenderJob& job, const SampleRange& samples);
 // to run.
 std::string RepeatCommand(const PictureIdentity& identity, const PicturePart& part);
 
+// Returns the value in the words of an option, or "not given" where there are none.
+std::string ValueOf(const RecordedOption& option);
+
 // Returns half a sentence that tells how two pictures differ, "`spp` is 4 here and 8 there", or
 // nothing if they are the same. Names of files do not matter, what is in them does.
 std::string Difference(const PictureIdentity& here, const PictureIdentity& there);

@@ -113,7 +113,10 @@ TEST_F(OptionsCli, TheRecordedCommandRepeatsThePictureOfEveryOption) {
     }
     ASSERT_EQ(repeat.substr(0, 8), "skywave ");
     if (!option.at("positional")) {
-      EXPECT_TRUE(Contains(repeat, " --" + name) || Contains(repeat, " --no-" + name)) << repeat;
+      // Whatever ended a picture early, the command asks for the samples that it got.
+      const std::string recorded = option.at("group") == "Limits" ? "sample-range" : name;
+      EXPECT_TRUE(Contains(repeat, " --" + recorded) || Contains(repeat, " --no-" + recorded))
+          << repeat;
     }
     const Result second = Run(repeat.substr(8) + " -q -o second.exr");
     ASSERT_EQ(second.exit_code, 0) << repeat << "\n" << second.err;

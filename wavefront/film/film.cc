@@ -87,6 +87,12 @@ void Film::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std:
   if (aovs_) aovs_->AddToGroups(paths, rows, n, scale(), given);
 }
 
+bool Film::SumsLike(const Film& other) const {
+  return unit_ == other.unit_ && layout_.aovs == other.layout_.aovs &&
+         layout_.world_extent == other.layout_.world_extent &&
+         layout_.light_groups == other.layout_.light_groups;
+}
+
 void Film::Merge(const Film& other) {
   assert(layout_.area.width == other.layout_.area.width);
   assert(layout_.area.height == other.layout_.area.height);

@@ -72,6 +72,9 @@ class Film {
   void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                    const GroupColumns& given);
 
+  // Returns whether the sums of both films are of the same kinds, in the same units.
+  bool SumsLike(const Film& other) const;
+
   // Adds the sums of `other`, a film of the same size for the same brightest radiance that holds
   // other samples: afterwards it is as if all had been added to this one.
   void Merge(const Film& other);

@@ -1,0 +1,39 @@
+#include "cli/signals.h"
+
+#include <signal.h>
+
+#include <atomic>
+
+namespace skywave {
+namespace {
+
+std::atomic<bool> stop_asked = false, snapshot_asked = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "handlers of signals may set these");
+
+void Catch(int signal, void (*handler)(int), int flags) {
+  struct sigaction action = {};
+  action.sa_handler = handler;
+  action.sa_flags = flags | SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+void CatchStopSignals() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Catch(
+        signal, [](int) { stop_asked = true; }, SA_RESETHAND);
+  }
+}
+
+bool StopAsked() { return stop_asked; }
+
+void CatchSnapshotSignal() {
+  Catch(
+      SIGUSR1, [](int) { snapshot_asked = true; }, 0);
+}
+
+bool TakeSnapshotAsked() { return snapshot_asked.exchange(false); }
+
+}  // namespace skywave

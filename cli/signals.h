@@ -1,0 +1,16 @@
+// Signals ask a long render to save what it has and end, or to show it.
+#pragma once
+
+namespace skywave {
+
+// SIGINT and SIGTERM ask once for an end; a second one ends the process as usual.
+void CatchStopSignals();
+// True once an end has been asked for.
+bool StopAsked();
+
+// SIGUSR1 asks for a snapshot.
+void CatchSnapshotSignal();
+// True if a snapshot has been asked for since the last call.
+bool TakeSnapshotAsked();
+
+}  // namespace skywave
