@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -68,11 +69,15 @@ std::string_view TargetOfTemporary(std::string_view name) {
   return process ? name.substr(0, dot) : std::string_view();
 }
 
-// Holds a lock on a file, if its file system has locks, until its end.
+// Holds a lock on the file `path`, if there is one and its file system has locks, until its end.
 class FileLock {
  public:
-  FileLock(const std::string& path, int flags) : file_(::open(path.c_str(), flags, 0666)) {
-    locked_ = file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) == 0;
+  FileLock(const std::string& path, int open_flags, int lock_flags)
+      : file_(::open(path.c_str(), open_flags, 0666)) {
+    locked_ = file_ >= 0 && ::flock(file_, LOCK_EX | lock_flags) == 0;
+    struct stat opened = {}, named = {};
+    is_named_ = locked_ && ::fstat(file_, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+                opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
   }
   ~FileLock() {
     if (file_ >= 0) ::close(file_);
@@ -80,11 +85,24 @@ class FileLock {
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
   bool locked() const { return locked_; }
+  // Returns whether the locked file still has the name: another process that held the lock may have
+  // renamed or removed it, and the name may be that of a newer file.
+  bool is_named() const { return is_named_; }
 
  private:
   int file_;
-  bool locked_ = false;
+  bool locked_ = false, is_named_ = false;
 };
+
+// Makes a temporary file and locks it. RemoveLeftovers of another process may remove it before it
+// is locked; then it is made again. Not every file system has locks or tells files apart, so the
+// last attempt has to do. A file that cannot be made is reported by its writer.
+std::unique_ptr<FileLock> MakeLocked(const std::string& temporary) {
+  for (int attempts = 10;; --attempts) {
+    auto lock = std::make_unique<FileLock>(temporary, O_RDWR | O_CREAT | O_CLOEXEC, 0);
+    if (lock->is_named() || !lock->locked() || attempts == 1) return lock;
+  }
+}
 
 }  // namespace
 
@@ -115,8 +133,7 @@ void WriteFileAtomically(const std::string& path,
   const std::string target = Target(path);
   const std::string temporary = TemporaryName(target);
   try {
-    // See RemoveLeftovers. A file that cannot be made is reported by `write`.
-    const FileLock lock(temporary, O_RDWR | O_CREAT | O_CLOEXEC);
+    const std::unique_ptr<FileLock> lock = MakeLocked(temporary);
     write(temporary);
     SyncToDisk(temporary);
     std::filesystem::rename(temporary, target);
@@ -152,8 +169,8 @@ std::size_t RemoveLeftovers(std::span<const std::string> targets) {
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
       if (!files.contains(TargetOfTemporary(entry.path().filename().string()))) continue;
-      const FileLock lock(entry.path().string(), O_RDWR | O_CLOEXEC);
-      if (lock.locked() && std::filesystem::remove(entry.path(), ignored)) ++removed;
+      const FileLock lock(entry.path().string(), O_RDWR | O_CLOEXEC, LOCK_NB);
+      if (lock.is_named() && std::filesystem::remove(entry.path(), ignored)) ++removed;
     }
   }
   return removed;
