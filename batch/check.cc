@@ -98,6 +98,8 @@ void CheckOutputs(const BatchPlan& plan) {
 }
 
 void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
+  std::vector<std::string> targets = {ReportName(plan, share, ".json"),
+                                      ReportName(plan, share, ".html")};
   for (const std::string& folder : OutputFolders(plan)) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -105,10 +107,9 @@ void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
       throw InputError(InputPosition::File(folder), "the folder cannot be made: " + error.message(),
                        kExitIo);
     }
-    CheckWritable((std::filesystem::path(folder) / "skywave_batch").string());
+    targets.push_back((std::filesystem::path(folder) / "skywave_batch").string());
+    CheckWritable(targets.back());
   }
-  std::vector<std::string> targets = {ReportName(plan, share, ".json"),
-                                      ReportName(plan, share, ".html")};
   for (const BatchPicture& picture : plan.pictures) {
     targets.push_back(picture.output);
     targets.push_back(PngBeside(picture.output));
