@@ -104,7 +104,10 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   const RenderJob& job = *ready.job;
   const RenderLimits& limits = ready.request.limits;
   PictureResult result = {.status = PictureStatus::kSkipped, .load_seconds = ready.load_seconds};
+  const std::string checkpoint = CheckpointBeside(picture.output);
   if (!settings_.force && IsFinished(picture.output, job, ready.identity, limits)) {
+    // A run that was killed as soon as the picture was complete has left it.
+    std::filesystem::remove(checkpoint);
     return Known(std::move(result));
   }
   result.status = PictureStatus::kRendered;
@@ -114,7 +117,6 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     watcher.begin(std::uint64_t(options.width) * std::uint64_t(options.height) *
                   ChooseSamples(limits, options.samples_per_pixel).count());
   }
-  const std::string checkpoint = CheckpointBeside(picture.output);
   RenderedFilm rendered = RunSession(
       job, ready.identity,
       {.limits = limits,
