@@ -1,0 +1,242 @@
+// Tests the cache of jobs, and that jobs which share parts make the pictures of jobs that do not.
+#include "job/job_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <barrier>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "job/job.h"
+#include "job/options.h"
+#include "job/picture.h"
+#include "tests/support/temporary_folder.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+struct Bytes {
+  int number;
+  std::size_t size;
+  std::size_t bytes() const { return size; }
+};
+
+class Cache : public testing::Test {
+ protected:
+  // Returns what the cache has for `key`; if it has nothing, a value of `size` bytes is made.
+  std::shared_ptr<const Bytes> Get(JobCache& cache, const std::string& key, std::size_t size = 10) {
+    return cache.Get<Bytes>(key, [&] {
+      ++made_;
+      return std::make_shared<const Bytes>(Bytes{made_, size});
+    });
+  }
+  bool Has(JobCache& cache, const std::string& key) {
+    const int before = made_;
+    Get(cache, key);
+    return made_ == before;
+  }
+
+  int made_ = 0;
+};
+
+TEST_F(Cache, DropsFirstWhatHasNotBeenAskedForLongest) {
+  JobCache cache(30);
+  for (const char* const key : {"a", "b", "c", "a", "d"}) Get(cache, key);
+  EXPECT_EQ(made_, 4);
+  EXPECT_EQ(cache.bytes(), 30u);
+  EXPECT_TRUE(Has(cache, "a"));
+  EXPECT_TRUE(Has(cache, "c"));
+  EXPECT_TRUE(Has(cache, "d"));
+  EXPECT_FALSE(Has(cache, "b"));  // now it replaces `a`
+  EXPECT_FALSE(Has(cache, "a"));
+}
+
+TEST_F(Cache, StaysWithinItsLimitWhateverTheSizes) {
+  JobCache cache(100);
+  for (std::size_t i = 0; i < 50; ++i) {
+    Get(cache, std::to_string(i), i * 37 % 60);
+    EXPECT_LE(cache.bytes(), 100u);
+  }
+  Get(cache, "small", 1);
+  const std::shared_ptr<const Bytes> large = Get(cache, "large", 101);
+  EXPECT_EQ(large->size, 101u);
+  EXPECT_LE(cache.bytes(), 100u);
+  EXPECT_FALSE(Has(cache, "large"));
+}
+
+TEST_F(Cache, HoldersKeepWhatItDrops) {
+  JobCache cache(1);
+  const std::shared_ptr<const Bytes> held = Get(cache, "a");
+  EXPECT_FALSE(Has(cache, "a"));
+  EXPECT_EQ(held->number, 1);
+}
+
+TEST_F(Cache, MakesAValueOnceForAllThreads) {
+  constexpr int kThreads = 8;
+  JobCache cache(1000);
+  std::atomic<int> made = 0;
+  std::barrier start(kThreads);
+  std::vector<std::shared_ptr<const Bytes>> got(kThreads);
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kThreads; ++i) {
+    threads.emplace_back([&, i] {
+      start.arrive_and_wait();
+      got[std::size_t(i)] = cache.Get<Bytes>("a", [&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        return std::make_shared<const Bytes>(Bytes{++made, 10});
+      });
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(made, 1);
+  for (const auto& value : got) EXPECT_EQ(value, got[0]);
+  EXPECT_EQ(cache.bytes(), 10u);
+}
+
+TEST_F(Cache, ForgetsWhatCouldNotBeMade) {
+  JobCache cache(100);
+  const auto fail = [&] {
+    cache.Get<Bytes>(
+        "a", []() -> std::shared_ptr<const Bytes> { throw std::runtime_error("no memory"); });
+  };
+  EXPECT_THROW(fail(), std::runtime_error);
+  EXPECT_THROW(fail(), std::runtime_error);
+  EXPECT_EQ(cache.bytes(), 0u);
+  EXPECT_EQ(Get(cache, "a")->number, 1);
+}
+
+// Everything that tells whether two jobs are the same, and one sample of every pixel.
+struct Outcome {
+  std::string command;
+  std::uint64_t scene_hash, map_hash;
+  std::vector<std::string> notes;
+  std::vector<std::uint64_t> sums;
+  bool operator==(const Outcome&) const = default;
+};
+
+using Option = std::pair<std::string, std::string>;
+using Options = std::vector<Option>;
+
+Outcome Render(const Options& options, JobCache* cache) {
+  const auto request = std::make_shared<JobRequest>();
+  request->width = 24, request->height = 16, request->samples_per_pixel = 1;
+  std::vector<BoundOption> bound;
+  for (const JobOption& option : JobOptions()) bound.push_back(Bind(option, request));
+  SetOptions(bound, options);
+  const RenderJob job(*request, cache);
+  Film film = job.MakeFilm();
+  RenderFrame(job.frame(), film);
+  const PictureIdentity identity = IdentityOf(job, {}, true);
+  return {.command = RepeatCommand(identity, PartOf(job, {0, identity.samples})),
+          .scene_hash = job.scene_hash(),
+          .map_hash = job.map_hash(),
+          .notes = job.notes(),
+          .sums = {film.sums().begin(), film.sums().end()}};
+}
+
+constexpr char kCamera[] =
+    "LookAt 0 2 5  0 0.5 0  0 1 0\nCamera \"perspective\" \"float fov\" 50\nWorldBegin\n";
+constexpr char kOneLight[] = "LightSource \"infinite\" \"string filename\" \"sun.pfm\"\n";
+// Two maps, one of them turned, and a lamp.
+constexpr char kLights[] = R"(LightSource "infinite" "string filename" "sky.pfm"
+AttributeBegin
+Rotate 40 0 1 0
+LightSource "infinite" "string filename" "sun.pfm"
+AttributeEnd
+LightSource "point" "rgb I" [3 2 1] "point3 from" [1 2 1]
+)";
+constexpr char kShapes[] =
+    R"(MakeNamedMaterial "red" "string type" "diffuse" "rgb reflectance" [0.8 0.1 0.1]
+NamedMaterial "red"
+Shape "trianglemesh" "integer indices" [0 1 2 2 1 3] "point2 uv" [0 0 1 0 0 1 1 1]
+  "point3 P" [-2 0 -2  2 0 -2  -2 0 2  2 1 2]
+)";
+
+class SharedParts : public testing::Test {
+ protected:
+  SharedParts() {
+    // A square is taken for an angular map, or whatever a projection says.
+    for (const auto& [name, width, height] :
+         {std::tuple("sky.pfm", 16, 8), {"sun.pfm", 8, 8}, {"ramp.pfm", 12, 12}}) {
+      Image map(width, height);
+      for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = float(i * 7 % 23) / 8;
+      map.rgb[map.rgb.size() / 3] = name[1] == 'u' ? 90.0f : -1.0f;  // a sun, or a bad pixel
+      WritePfm(folder_.Path(name), map);
+    }
+    const Option one = {"scene",
+                        folder_.Write("one.pbrt", std::string(kCamera) + kOneLight + kShapes)};
+    const Option lights = {"scene",
+                           folder_.Write("lights.pbrt", std::string(kCamera) + kLights + kShapes)};
+    const Option sky = {"env", folder_.Path("sky.pfm")}, ramp = {"env", folder_.Path("ramp.pfm")};
+    const std::vector<Options> scenes = {{one}, {one, sky}, {one, ramp}, {lights}, {lights, sky}};
+    const std::vector<Options> changes = {{},
+                                          {{"env-rotate", "30"}},
+                                          {{"env-rotate", "75"}},
+                                          {{"env-intensity", "2"}},
+                                          {{"env-up", "z"}},
+                                          {{"env-up", "z"}, {"env-rotate", "30"}},
+                                          {{"eye", "1,3,6"}},
+                                          {{"orbit", "90"}},
+                                          {{"ground", "true"}},
+                                          {{"aovs", "albedo,uv,normal"}},
+                                          {{"strategy", "alias"}},
+                                          {{"strategy", "uniform"}},
+                                          {{"strategy", "median-cut"}, {"env-rotate", "30"}},
+                                          {{"continuation-strategy", "uniform"}, {"split", "2"}},
+                                          {{"integrator", "light"}, {"strategy", "alias"}},
+                                          {{"seed", "5"}},
+                                          {{"trust-input", "true"}},
+                                          {{"material", "red=:reflectance=0.1/0.2/0.9"}},
+                                          {{"size", "16x16"}}};
+    for (const Options& scene : scenes) {
+      std::vector<Options> all = changes;
+      if (scene.size() > 1) {
+        all.push_back({{"env-projection", "mirror-ball"}});
+        all.push_back({{"env-projection", "latlong"}, {"env-rotate", "30"}});
+      }
+      for (const Options& change : all) {
+        jobs_.push_back(scene);
+        jobs_.back().insert(jobs_.back().end(), change.begin(), change.end());
+      }
+    }
+  }
+
+  static std::string Text(const Options& options) {
+    std::string text;
+    for (const auto& [name, value] : options) text += name + " = " + value + ", ";
+    return text;
+  }
+
+  TemporaryFolder folder_;
+  std::vector<Options> jobs_;
+};
+
+TEST_F(SharedParts, MakeThePicturesOfPartsThatAreMadeAnew) {
+  std::vector<Outcome> expected;
+  for (const Options& job : jobs_) expected.push_back(Render(job, nullptr));
+  JobCache all(std::uint64_t{1} << 40), none(1), some(200'000);
+  for (JobCache* const cache : {&all, &none, &some}) {
+    // The second round finds what the first one has left, in another order.
+    for (std::size_t i = 0; i < 2 * jobs_.size(); ++i) {
+      const std::size_t number = i < jobs_.size() ? i : (i * 31) % jobs_.size();
+      const Outcome outcome = Render(jobs_[number], cache);
+      EXPECT_EQ(outcome.command, expected[number].command);
+      EXPECT_EQ(outcome.notes, expected[number].notes) << Text(jobs_[number]);
+      EXPECT_EQ(outcome.scene_hash, expected[number].scene_hash) << Text(jobs_[number]);
+      EXPECT_EQ(outcome.map_hash, expected[number].map_hash) << Text(jobs_[number]);
+      EXPECT_TRUE(outcome.sums == expected[number].sums) << Text(jobs_[number]);
+    }
+  }
+  EXPECT_LE(none.bytes(), 1u);
+  EXPECT_LE(some.bytes(), 200'000u);
+}
+
+}  // namespace
+}  // namespace skywave
