@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,10 +40,14 @@ struct PictureResult {
   int exit_code = 0;  // what the program would end with because of the error
 };
 
-// Renders and writes a picture. `next` comes after it, so that it can be read meanwhile; null: none
-// does. May throw, which makes the picture a failed one, except for RenderCanceled.
-using RenderPicture =
-    std::function<PictureResult(const BatchPicture& picture, const BatchPicture* next)>;
+// Renders a picture; the future has the result once it is written, which may be later. `next` comes
+// after it, so that it can be read meanwhile; null: none does. Function and future may throw, which
+// makes the picture a failed one, except for RenderCanceled.
+using RenderPicture = std::function<std::future<PictureResult>(const BatchPicture& picture,
+                                                               const BatchPicture* next)>;
+
+// Returns a result that is there already.
+std::future<PictureResult> Known(PictureResult result);
 
 struct BatchSummary {
   std::vector<PictureResult> results;  // one for each picture of the plan

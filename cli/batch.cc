@@ -16,7 +16,9 @@
 #include "batch/save.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
 #include "cli/text_table.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 namespace {
@@ -24,6 +26,7 @@ namespace {
 struct BatchFlags {
   std::string job_file, output_folder;
   BatchShare only;
+  double checkpoint_seconds = 0;
   bool list = false, dry_run = false, json = false, force = false;
   ProgressFlags progress;
 };
@@ -59,6 +62,7 @@ std::vector<OptionOf<BatchFlags>> BatchOptions() {
     option({.name = "job", .help = "TOML file of options and axes (docs/batch.md)", .positional = true, .required = true}, FIELD(job_file), Texts("JOB")),
     option({.name = "output", .help = "folder that the path of [output] is relative to", .default_text = "that of the job file", .letter = 'o'}, FIELD(output_folder), Texts("FOLDER")),
     option({.name = "only", .help = "render one of N interleaved shares of the pictures", .default_text = "all of them"}, FIELD(only), Shares()),
+    option({.name = "checkpoint", .help = "save what is rendered of a picture as often as this, too; SIGINT and SIGTERM save it anyhow, and the same command goes on", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Unless(0.0, Doubles(0.01, 1e9))),
     option({.name = "force", .help = "also render pictures that are there already"}, FIELD(force), Switches()),
     option({.name = "list", .help = "print the pictures and their values, and render none", .excludes = "dry-run"}, FIELD(list), Switches()),
     option({.name = "json", .help = "with --list: print JSON", .needs = "list"}, FIELD(json), Switches()),
@@ -102,14 +106,19 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   CheckOutputs(plan);
   PrepareOutputs(plan, flags.only);
   ProgressDisplay display(flags.progress, plan.pictures.size());
-  const auto render = [&](const BatchPicture& picture, const BatchPicture*) {
-    return RenderAlone(
-        plan, picture,
+  PictureRenderer renderer(plan, {.cache_bytes = plan.memory_bytes,
+                                  .force = flags.force,
+                                  .checkpoint_seconds = flags.checkpoint_seconds});
+  CatchStopSignals();
+  const auto render = [&](const BatchPicture& picture, const BatchPicture* next) {
+    if (StopAsked()) throw RenderCanceled();
+    return renderer.Render(
+        picture, next,
         {.begin = [&](std::uint64_t samples) { display.Begin(picture.output, samples); },
          .tell =
              [&](double done) {
                display.Show(done);
-               return true;
+               return !StopAsked();
              }});
   };
   BatchReporter reporter;
@@ -158,7 +167,12 @@ int BatchMain(const BatchFlags& flags) {
                double(checked.samples) * 1e-6, checked.scenes, checked.maps);
     return 0;
   }
-  return RenderBatch(flags, plan);
+  try {
+    return RenderBatch(flags, plan);
+  } catch (const RenderCanceled&) {
+    fmt::print(stderr, "stopped; the same command goes on from here\n");
+    return kExitTryAgain;
+  }
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ TEST_F(Run, GoesOnAfterAFailureAndEndsWithTheFirstOnesCode) {
     EXPECT_EQ(next, picture.index == 4 ? nullptr : &plan_.pictures[picture.index + 1]);
     if (picture.index == 1) throw InputError(InputPosition::File("a.exr"), "is torn", kExitIo);
     if (picture.index == 3) throw std::runtime_error("surprise");
-    return PictureResult{.status = PictureStatus::kRendered, .render_seconds = 2, .samples = 10};
+    return Known({.status = PictureStatus::kRendered, .render_seconds = 2, .samples = 10});
   };
   std::vector<std::size_t> pending;
   BatchReporter reporter;
@@ -64,7 +64,7 @@ TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {
   const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
     rendered_.push_back(picture.index);
     if (picture.index == 2) folder_.Write("job.toml", plan_.bytes + "\n");
-    return PictureResult{.status = PictureStatus::kRendered};
+    return Known({.status = PictureStatus::kRendered});
   };
   const BatchSummary summary = RunBatch(plan_, render, {});
   EXPECT_EQ(rendered_, (std::vector<std::size_t>{0, 1, 2}));
@@ -76,7 +76,7 @@ TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {
 TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
   const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
     if (picture.index == 1) throw RenderCanceled();
-    return PictureResult{.status = PictureStatus::kRendered};
+    return Known({.status = PictureStatus::kRendered});
   };
   std::size_t saved = 0;
   BatchReporter reporter;
