@@ -1,13 +1,16 @@
 #include "base/files.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "base/error.h"
@@ -49,9 +52,39 @@ void SyncToDisk(const std::string& path) {
   if (!synced) throw std::runtime_error(std::strerror(error));
 }
 
+constexpr std::string_view kTemporaryEnding = ".part";
+
 std::string TemporaryName(const std::string& path) {
-  return path + "." + std::to_string(::getpid()) + ".part";
+  return path + "." + std::to_string(::getpid()) + std::string(kTemporaryEnding);
 }
+
+// Returns the name of the file that `name` is a temporary name of, or nothing.
+std::string_view TargetOfTemporary(std::string_view name) {
+  if (!name.ends_with(kTemporaryEnding)) return {};
+  name.remove_suffix(kTemporaryEnding.size());
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string_view::npos || dot + 1 == name.size()) return {};
+  const bool process = name.find_first_not_of("0123456789", dot + 1) == std::string_view::npos;
+  return process ? name.substr(0, dot) : std::string_view();
+}
+
+// Holds a lock on a file, if its file system has locks, until its end.
+class FileLock {
+ public:
+  FileLock(const std::string& path, int flags) : file_(::open(path.c_str(), flags, 0666)) {
+    locked_ = file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) == 0;
+  }
+  ~FileLock() {
+    if (file_ >= 0) ::close(file_);
+  }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+  bool locked() const { return locked_; }
+
+ private:
+  int file_;
+  bool locked_ = false;
+};
 
 }  // namespace
 
@@ -82,6 +115,8 @@ void WriteFileAtomically(const std::string& path,
   const std::string target = Target(path);
   const std::string temporary = TemporaryName(target);
   try {
+    // See RemoveLeftovers. A file that cannot be made is reported by `write`.
+    const FileLock lock(temporary, O_RDWR | O_CREAT | O_CLOEXEC);
     write(temporary);
     SyncToDisk(temporary);
     std::filesystem::rename(temporary, target);
@@ -104,6 +139,24 @@ void WriteFileAtomically(const std::string& path, std::string_view bytes) {
       ThrowIo(path, std::string("cannot be written: ") + std::strerror(complete ? errno : error));
     }
   });
+}
+
+std::size_t RemoveLeftovers(std::span<const std::string> targets) {
+  std::map<std::filesystem::path, std::set<std::string, std::less<>>> names;  // by folder
+  for (const std::string& target : targets) {
+    const std::filesystem::path path = Target(target);
+    names[path.has_parent_path() ? path.parent_path() : "."].insert(path.filename().string());
+  }
+  std::size_t removed = 0;
+  for (const auto& [folder, files] : names) {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+      if (!files.contains(TargetOfTemporary(entry.path().filename().string()))) continue;
+      const FileLock lock(entry.path().string(), O_RDWR | O_CLOEXEC);
+      if (lock.locked() && std::filesystem::remove(entry.path(), ignored)) ++removed;
+    }
+  }
+  return removed;
 }
 
 void CheckNotInput(const std::string& output, const std::string& input) {

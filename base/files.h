@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -13,13 +14,20 @@ namespace skywave {
 // `max_bytes` bytes.
 std::string ReadFile(const std::string& path, std::size_t max_bytes = std::size_t{8} << 30);
 
-// Calls `write(temporary_path)`, flushes the file to disk, then renames it to `path`. If `write`
-// throws or the rename fails, the temporary file is removed, `path` remains unchanged, and an
-// InputError (kExitIo) gives the reason. Links are followed; a target that is not a regular file (a
-// pipe, a terminal) is written into.
+// Calls `write(temporary_path)`, flushes the file to disk, then renames it to `path`. The temporary
+// file, "PATH.PROCESS.part", is locked meanwhile, so `write` may not replace it. If `write` throws
+// or the rename fails, the temporary file is removed, `path` remains unchanged, and an InputError
+// (kExitIo) gives the reason. Links are followed; a target that is not a regular file (a pipe, a
+// terminal) is written into.
 void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string& temporary_path)>& write);
 void WriteFileAtomically(const std::string& path, std::string_view bytes);
+
+// Removes the temporary files of `targets` that writers have left because they were killed, and
+// returns their number. A writer holds a lock (flock) on its file, which ends with its process, on
+// this machine or on another one that shares the folder; so a file is removed only if it can be
+// locked. Where a file system has no locks, nothing is removed.
+std::size_t RemoveLeftovers(std::span<const std::string> targets);
 
 // Throws InputError (kExitIo) unless a file could be created at `path`. It is called before a long
 // render, so that an unwritable output fails in the first second rather than the last.

@@ -3,8 +3,9 @@
 namespace skywave {
 
 std::vector<Command> AllCommands() {
-  return {RenderCommand(),     MergeCommand(),    InfoCommand(),  PathsCommand(), CompareCommand(),
-          StrategiesCommand(), ConvergeCommand(), BenchCommand(), ProbeCommand(), OptionsCommand()};
+  return {RenderCommand(), MergeCommand(),   BatchCommand(),      InfoCommand(),
+          PathsCommand(),  CompareCommand(), StrategiesCommand(), ConvergeCommand(),
+          BenchCommand(),  ProbeCommand(),   OptionsCommand()};
 }
 
 }  // namespace skywave

@@ -9,6 +9,7 @@ namespace skywave {
 
 Command RenderCommand();
 Command MergeCommand();
+Command BatchCommand();
 Command InfoCommand();
 Command PathsCommand();
 Command CompareCommand();

@@ -1,8 +1,12 @@
+#include "image/jpeg.h"
+
 #include <cstdio>
 // jpeglib.h needs FILE from this header.
 #include <jpeglib.h>
 
+#include <cassert>
 #include <csetjmp>
+#include <cstdlib>
 
 #include "base/error.h"
 #include "image/formats.h"
@@ -65,7 +69,48 @@ bool ReadPixels(jpeg_decompress_struct& decoder, Errors& errors, jpeg_progress_m
   return true;
 }
 
+// Writes into a buffer of libjpeg, which belongs to the caller afterwards.
+bool WritePixels(jpeg_compress_struct& encoder, Errors& errors, const std::uint8_t* rgb,
+                 int quality, unsigned char*& buffer, unsigned long& size) {
+  if (setjmp(errors.jump)) return false;
+  jpeg_mem_dest(&encoder, &buffer, &size);
+  jpeg_set_defaults(&encoder);
+  jpeg_set_quality(&encoder, quality, TRUE);
+  encoder.dct_method = JDCT_ISLOW;
+  jpeg_start_compress(&encoder, TRUE);
+  const std::size_t stride = std::size_t{encoder.image_width} * 3;
+  while (encoder.next_scanline < encoder.image_height) {
+    auto* row = const_cast<JSAMPROW>(rgb + stride * encoder.next_scanline);
+    jpeg_write_scanlines(&encoder, &row, 1);
+  }
+  jpeg_finish_compress(&encoder);
+  return true;
+}
+
 }  // namespace
+
+std::string EncodeJpeg(int width, int height, const std::vector<std::uint8_t>& rgb, int quality) {
+  assert(rgb.size() == std::size_t(width) * std::size_t(height) * 3);
+  Errors errors = {};
+  jpeg_compress_struct encoder = {};
+  encoder.err = jpeg_std_error(&errors.base);
+  errors.base.error_exit = Jump;
+  jpeg_create_compress(&encoder);
+  encoder.image_width = JDIMENSION(width), encoder.image_height = JDIMENSION(height);
+  encoder.input_components = 3, encoder.in_color_space = JCS_RGB;
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;
+  const bool written = WritePixels(encoder, errors, rgb.data(), quality, buffer, size);
+  jpeg_destroy_compress(&encoder);
+  std::string bytes;
+  if (written) bytes.assign(reinterpret_cast<const char*>(buffer), size);
+  std::free(buffer);
+  if (!written) {
+    throw InputError(InputPosition::File("JPEG"),
+                     std::string("the picture cannot be encoded: ") + errors.message, kExitIo);
+  }
+  return bytes;
+}
 
 Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
                  const ReadLimits& limits) {

@@ -6,7 +6,8 @@ wrapped.
 
 PROGRAM (default: build/release/skywave) runs the commands of every ```sh block in a scratch folder,
 smaller and with fewer samples than the documents say. Maps, models and pictures that the commands
-read are small stand-ins that this script makes. A block with a comment
+read are small stand-ins that this script makes. A ```toml block is a job file of which
+`skywave batch` lists the pictures. A block with a comment
 
     <!-- not run: why -->
 
@@ -40,6 +41,7 @@ class Document:
         self.name = str(path.relative_to(ROOT))
         self.lines = path.read_text(encoding="utf-8").split("\n")
         self.kinds, self.blocks = [], []  # blocks: (first line, commands, reason not to run)
+        self.jobs = []  # the same of job files
         fence, generated, block = None, False, None
         for number, line in enumerate(self.lines, 1):
             text = line.strip()
@@ -48,8 +50,8 @@ class Document:
                     fence = text[3:]
                     block = (number + 1, [], self.reason_before(number))
                 else:
-                    if fence == "sh":
-                        self.blocks.append(block)
+                    if fence in ("sh", "toml"):
+                        (self.blocks if fence == "sh" else self.jobs).append(block)
                     fence = None
                 self.kinds.append("code")
                 continue
@@ -227,6 +229,12 @@ def make_stand_ins(program, folder):
     (folder / "scene.pbrt").write_text(
         'LookAt 4 3 6  0 1 0  0 1 0\nCamera "perspective" "float fov" 40\nWorldBegin\n' +
         pbrt_mesh())
+    (folder / "skies").mkdir()
+    shutil.copy(folder / "sky.hdr", folder / "skies/noon.hdr")
+    shutil.copy(folder / "sky.exr", folder / "grace.exr")
+    (folder / "examples").mkdir()
+    for job in (ROOT / "examples").glob("*.toml"):
+        (folder / "examples" / job.name).write_text(quick_job(job.read_text()))
     data = folder / "DATA"
     (data / "models").mkdir(parents=True)
     (data / "probes/latlong").mkdir(parents=True)
@@ -239,6 +247,13 @@ def make_stand_ins(program, folder):
 
 
 # ---- Commands ----
+
+def quick_job(text):
+    """Returns a job file with less work."""
+    for key, value in (("size", '"32x24"'), ("spp", "1"), ("steps", "2")):
+        text = re.sub(rf"\b{key} = [^\s,}}]+", f"{key} = {value}", text)
+    return text
+
 
 # These changes make a command quick: values that replace those of the document, and flags that are
 # added if it has none of `unless`.
@@ -351,6 +366,14 @@ def main():
                             print(f"{time.monotonic() - start:6.2f} s  {document.name}:{number}")
                         if problem:
                             fail(document, number, problem)
+                for first, lines, reason in document.jobs:
+                    job = folder / f"job_{ran}.toml"
+                    job.write_text("\n".join(lines) + "\n")
+                    words = ["skywave", "batch", job.name, "--list"]
+                    problem = None if reason else run_command(program, words, folder)
+                    ran += reason is None
+                    if problem:
+                        fail(document, first, problem)
     print(f"{len(chosen)} documents, {ran} commands run, {skipped} blocks not run, "
           f"{len(failures)} failures")
     return 1 if failures else 0

@@ -11,7 +11,8 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "measure", "api", "cli"]
+FOLDERS = ["base", "kernels", "image", "lights", "scene", "wavefront", "job", "measure", "batch", "api",
+           "cli"]
 INCLUDE = re.compile(r'^\s*#include "([^"]+)"', re.MULTILINE)
 
 

@@ -22,8 +22,8 @@ namespace skywave {
 // others.
 struct Progress {
   std::atomic<std::uint64_t> samples = 0;  // in the film, counted when their tile is finished
-  std::atomic<bool> pause = false;  // the render calls RenderControl::at_pause, then resets it
-  std::atomic<bool> cancel = false;        // the render throws RenderCanceled
+  std::atomic<bool> pause = false;   // the render calls RenderControl::at_pause, then resets it
+  std::atomic<bool> cancel = false;  // the render throws RenderCanceled
 };
 
 // How far a render has come. A render goes step by step; the film holds all samples before the step

@@ -2,6 +2,7 @@
 
 #include "cli/bench/report.h"
 #include "measure/bars.h"
+#include "measure/html.h"
 #include "measure/plot.h"
 #include "measure/statistics.h"
 
@@ -113,13 +114,10 @@ std::string HistoryCharts(const SuiteReport& report, const std::vector<HistoryEn
 
 std::string Html(const SuiteReport& report, const std::vector<HistoryEntry>& history) {
   const SuiteSummary summary = Summarize(report.results);
-  std::string page = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width\">\n"
-      "<title>skywave bench</title>\n<style>{}</style></head>\n<body>\n"
-      "<h1>{:.2f} Msamples/s</h1>\n<p>{}</p>\n<pre>{}</pre>\n",
-      kStyle, summary.msamples_per_s, EscapeXml(Headline(report)),
-      EscapeXml(SummaryLine(summary) + NotMeasured(report)));
+  std::string page = HtmlStart("skywave bench", kStyle);
+  page += fmt::format("<h1>{:.2f} Msamples/s</h1>\n<p>{}</p>\n<pre>{}</pre>\n",
+                      summary.msamples_per_s, EscapeXml(Headline(report)),
+                      EscapeXml(SummaryLine(summary) + NotMeasured(report)));
   if (!history.empty()) page += "<h2>History</h2>\n" + HistoryCharts(report, history);
   page += "<h2>Stages</h2>\n" +
           Figure(Svg(StageChart(report)), "Medians over the repetitions; hover for values.");
@@ -145,7 +143,7 @@ std::string Html(const SuiteReport& report, const std::vector<HistoryEntry>& his
     page += "<h2>Threads</h2>\n" + Svg(std::span(&plot, 1)) + "\n";
   }
   page += "<h2>All figures</h2>\n<pre>" + EscapeXml(SuiteText(report)) + "</pre>\n";
-  return page + "</body></html>\n";
+  return page + HtmlEnd();
 }
 
 }  // namespace skywave

@@ -6,6 +6,7 @@
 #include "base/granted.h"
 #include "base/version.h"
 #include "cli/converge/report.h"
+#include "measure/html.h"
 
 namespace skywave {
 namespace {
@@ -21,27 +22,11 @@ constexpr std::string_view kStyle =
     ".warning{background:#fff3cd;border-left:4px solid #e69f00;padding:8px 12px}"
     "figure{margin:18px 0}figcaption{font-size:13px;color:#404040}code{font-size:13px}";
 
-std::string Base64(const std::string& bytes) {
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t b = 0; b < 3; ++b) {
-      group = group << 8 | (i + b < bytes.size() ? static_cast<unsigned char>(bytes[i + b]) : 0);
-    }
-    for (int d = 3; d >= 0; --d) text += kDigits[group >> 6 * d & 63];
-  }
-  const std::size_t padding = (3 - bytes.size() % 3) % 3;
-  text.replace(text.size() - padding, padding, padding, '=');
-  return text;
-}
-
 std::string Picture(const Image& image, const std::vector<std::uint8_t>& rgb,
                     const std::string& alt) {
-  return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
-                     image.width, image.height, EscapeXml(alt),
-                     Base64(EncodePng(image.width, image.height, rgb)));
+  return fmt::format("<img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"{}\">", image.width,
+                     image.height, EscapeXml(alt),
+                     DataAddress("image/png", EncodePng(image.width, image.height, rgb)));
 }
 
 // Returns one scale for all error maps, so that they can be compared: twice the typical relative
@@ -80,16 +65,13 @@ std::string Figure(const std::string& pictures, const std::string& caption) {
 
 std::string Html(const ConvergeReport& report, const ToneMapping& tone) {
   const RenderOptions& options = report.job->options();
-  std::string page = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width\">\n"
-      "<title>{0}: convergence</title>\n<style>{1}</style></head>\n<body>\n"
-      "<h1>{0}: error at equal time</h1>\n"
-      "<p>{2} x {3} pixels, {4} threads, {5} runs each; skywave {6}.<br>\n"
-      "<code>{7}</code></p>\n",
-      EscapeXml(report.scene), kStyle, options.width, options.height,
-      ThreadsFor(options.threads), report.settings.repeats,
-      Version(), EscapeXml(report.command));
+  std::string page = HtmlStart(report.scene + ": convergence", kStyle);
+  page += fmt::format(
+      "<h1>{}: error at equal time</h1>\n"
+      "<p>{} x {} pixels, {} threads, {} runs each; skywave {}.<br>\n"
+      "<code>{}</code></p>\n",
+      EscapeXml(report.scene), options.width, options.height, ThreadsFor(options.threads),
+      report.settings.repeats, Version(), EscapeXml(report.command));
   for (const std::string& warning : report.warnings) {
     page += fmt::format("<p class=\"warning\">{}</p>\n", EscapeXml(warning));
   }
@@ -116,7 +98,7 @@ std::string Html(const ConvergeReport& report, const ToneMapping& tone) {
                     EscapeXml(contestant.name), rung.samples_per_pixel, rung.runs.front().seconds,
                     rung.runs.front().error.mse, full_scale));
   }
-  return page + "</body></html>\n";
+  return page + HtmlEnd();
 }
 
 }  // namespace skywave

@@ -1,0 +1,138 @@
+#include "batch/check.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "image/image.h"
+#include "job/options.h"
+#include "job/picture.h"
+#include "scene/reader.h"
+
+namespace skywave {
+namespace {
+
+// Returns the folders of the outputs, "." for the working directory.
+std::set<std::string> OutputFolders(const BatchPlan& plan) {
+  std::set<std::string> folders;
+  for (const BatchPicture& picture : plan.pictures) {
+    const std::string folder = std::filesystem::path(picture.output).parent_path().string();
+    folders.insert(folder.empty() ? "." : folder);
+  }
+  return folders;
+}
+
+// Throws unless a folder is writable, or could be made.
+void CheckFolder(const std::string& folder) {
+  std::filesystem::path existing = folder;
+  std::error_code ignored;
+  while (!existing.empty() && !std::filesystem::exists(existing, ignored)) {
+    existing = existing.parent_path();
+  }
+  if (existing.empty()) existing = ".";
+  if (!std::filesystem::is_directory(existing, ignored)) {
+    throw InputError(InputPosition::File(folder),
+                     fmt::format("cannot be a folder of pictures: {} is a file", existing.string()),
+                     kExitIo);
+  }
+  if (::access(existing.c_str(), W_OK | X_OK) == 0) return;
+  throw InputError(
+      InputPosition::File(folder),
+      fmt::format("pictures cannot be written there: {} is not writable", existing.string()),
+      kExitIo);
+}
+
+// Resolves the options of a picture with the settings of its scene, and returns its samples.
+std::uint64_t CountSamples(const BatchPlan& plan, const BatchPicture& picture,
+                           const RenderSettings& settings) {
+  std::vector<std::string> notes;
+  try {
+    const PictureRequest request = RequestOf(plan.path, picture.options);
+    const RenderOptions options = ResolveRequest(request.job, settings, notes).options;
+    LayersForLimits(request.limits, options.integrator);
+    const SampleRange samples = ChooseSamples(request.limits, options.samples_per_pixel);
+    return std::uint64_t(options.width) * std::uint64_t(options.height) * samples.count();
+  } catch (const OptionError& error) {
+    throw AtOption(plan.path, picture.options, error);
+  } catch (const InputError& error) {
+    throw InputError(InputPosition::File(plan.path),
+                     fmt::format("picture {}: {}", picture.index, error.what()), error.exit_code());
+  }
+}
+
+}  // namespace
+
+std::set<std::string> InputFiles(const BatchPlan& plan) {
+  std::set<std::string> files;
+  for (const BatchPicture& picture : plan.pictures) {
+    for (const PictureOption& option : picture.options) {
+      std::error_code ignored;
+      if ((option.name == "scene" || option.name == "env") &&
+          std::filesystem::is_regular_file(option.text, ignored)) {
+        files.insert(option.text);
+      }
+    }
+  }
+  return files;
+}
+
+void CheckOutputs(const BatchPlan& plan) {
+  for (const std::string& folder : OutputFolders(plan)) CheckFolder(folder);
+  const std::set<std::string> inputs = InputFiles(plan);
+  for (const BatchPicture& picture : plan.pictures) {
+    for (const std::string& output : {picture.output, PngBeside(picture.output)}) {
+      std::error_code ignored;
+      if (!std::filesystem::exists(output, ignored)) continue;
+      if (std::filesystem::is_directory(output, ignored)) {
+        throw InputError(InputPosition::File(output), "is a folder, not a file", kExitIo);
+      }
+      for (const std::string& input : inputs) CheckNotInput(output, input);
+    }
+  }
+}
+
+void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
+  for (const std::string& folder : OutputFolders(plan)) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+      throw InputError(InputPosition::File(folder), "the folder cannot be made: " + error.message(),
+                       kExitIo);
+    }
+    CheckWritable((std::filesystem::path(folder) / "skywave_batch").string());
+  }
+  std::vector<std::string> targets = {ReportName(plan, share, ".json"),
+                                      ReportName(plan, share, ".html")};
+  for (const BatchPicture& picture : plan.pictures) {
+    targets.push_back(picture.output);
+    targets.push_back(PngBeside(picture.output));
+  }
+  RemoveLeftovers(targets);
+}
+
+DryRun CheckWithoutRendering(const BatchPlan& plan) {
+  CheckOutputs(plan);
+  DryRun result;
+  std::map<std::string, RenderSettings> settings;
+  std::set<std::string> maps;
+  for (const BatchPicture& picture : plan.pictures) {
+    const JobRequest job = RequestOf(plan.path, picture.options).job;
+    if (!settings.contains(job.scene)) {
+      settings[job.scene] = ReadScene(job.scene, job.read).settings;
+    }
+    if (const std::string& map = job.environment.path; !map.empty() && maps.insert(map).second) {
+      ReadImage(map, job.environment.limits);
+    }
+    result.samples += CountSamples(plan, picture, settings[job.scene]);
+  }
+  result.scenes = settings.size();
+  result.maps = maps.size();
+  return result;
+}
+
+}  // namespace skywave

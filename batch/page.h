@@ -1,0 +1,19 @@
+// The page of a batch: a contact sheet by the axes, and a table that can be sorted.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "batch/plan.h"
+#include "batch/run.h"
+#include "batch/thumbnail.h"
+
+namespace skywave {
+
+// Returns a page that lies in the folder of the plan. It has the thumbnails inside, links the
+// pictures by relative names, and needs no network. There is a result and a thumbnail for each
+// picture of the plan.
+std::string BatchPage(const BatchPlan& plan, const BatchSummary& summary,
+                      std::span<const Thumbnail> thumbnails);
+
+}  // namespace skywave

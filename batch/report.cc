@@ -1,0 +1,67 @@
+#include "batch/report.h"
+
+#include "base/version.h"
+#include "job/picture.h"
+
+namespace skywave {
+namespace {
+
+// `output` is the name of the EXR that is told.
+nlohmann::ordered_json PictureJson(const BatchPicture& picture, const std::string& output) {
+  nlohmann::ordered_json json = {
+      {"index", picture.index}, {"output", output}, {"png", PngBeside(output)}};
+  json["axes"] = nlohmann::ordered_json::object();
+  for (const AxisValue& value : picture.axes) json["axes"][value.axis] = value.label;
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json ListJson(const BatchPlan& plan) {
+  nlohmann::ordered_json json = {{"schema", "skywave-batch-list-1"},
+                                 {"job", plan.path},
+                                 {"folder", plan.folder},
+                                 {"all_pictures", plan.all_pictures}};
+  json["pictures"] = nlohmann::ordered_json::array();
+  for (const BatchPicture& picture : plan.pictures) {
+    nlohmann::ordered_json item = PictureJson(picture, picture.output);
+    item["options"] = nlohmann::ordered_json::object();
+    for (const PictureOption& option : picture.options) item["options"][option.name] = option.text;
+    json["pictures"].push_back(std::move(item));
+  }
+  return json;
+}
+
+nlohmann::ordered_json SummaryJson(const BatchPlan& plan, const BatchShare& share,
+                                   const BatchSummary& summary) {
+  nlohmann::ordered_json json = {{"schema", "skywave-batch-1"},
+                                 {"version", Version()},
+                                 {"job", plan.path},
+                                 {"share", {{"number", share.number}, {"count", share.count}}},
+                                 {"all_pictures", plan.all_pictures},
+                                 {"exit_code", summary.exit_code},
+                                 {"stopped", summary.stopped},
+                                 {"seconds", summary.seconds},
+                                 {"samples", summary.samples()}};
+  for (const PictureStatus status : ValuesOf<PictureStatus>()) {
+    json[std::string(ToString(status))] = summary.Count(status);
+  }
+  json["pictures"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
+    const PictureResult& result = summary.results[i];
+    nlohmann::ordered_json item =
+        PictureJson(plan.pictures[i], RelativeName(plan.folder, plan.pictures[i].output));
+    item["status"] = ToString(result.status);
+    item["seconds"] = {{"load", result.load_seconds},
+                       {"render", result.render_seconds},
+                       {"write", result.write_seconds}};
+    item["samples"] = result.samples;
+    if (result.noise) item["noise"] = *result.noise;
+    if (!result.hash.empty()) item["hash"] = result.hash;
+    if (!result.error.empty()) item["error"] = result.error;
+    json["pictures"].push_back(std::move(item));
+  }
+  return json;
+}
+
+}  // namespace skywave

@@ -1,0 +1,19 @@
+// Tells programs of a batch: its pictures, and what became of them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "batch/plan.h"
+#include "batch/run.h"
+
+namespace skywave {
+
+// Returns the pictures of a plan: index, output, values of the axes, options.
+nlohmann::ordered_json ListJson(const BatchPlan& plan);
+
+// Returns what became of the pictures of a plan, or of a share of them. Names of files are relative
+// to the folder of the plan. docs/batch.md describes the keys.
+nlohmann::ordered_json SummaryJson(const BatchPlan& plan, const BatchShare& share,
+                                   const BatchSummary& summary);
+
+}  // namespace skywave

@@ -1,0 +1,181 @@
+// Implements skywave batch: the pictures of a job file, checked, listed or rendered.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "base/error.h"
+#include "batch/check.h"
+#include "batch/plan.h"
+#include "batch/render_picture.h"
+#include "batch/report.h"
+#include "batch/run.h"
+#include "batch/save.h"
+#include "cli/commands.h"
+#include "cli/progress.h"
+#include "cli/text_table.h"
+
+namespace skywave {
+namespace {
+
+struct BatchFlags {
+  std::string job_file, output_folder;
+  BatchShare only;
+  bool list = false, dry_run = false, json = false, force = false;
+  ProgressFlags progress;
+};
+
+// Parses I/N.
+Codec<BatchShare> Shares() {
+  return {.values = "I/N, for example 1/4 for the first of four shares",
+          .metavar = "I/N",
+          .parse = [](const std::string& text) -> std::optional<BatchShare> {
+            BatchShare share;
+            const char *const begin = text.data(), *const end = begin + text.size();
+            const auto [slash, bad_number] = std::from_chars(begin, end, share.number);
+            if (bad_number != std::errc() || slash == end || *slash != '/') return std::nullopt;
+            const auto [stop, bad_count] = std::from_chars(slash + 1, end, share.count);
+            const bool good = bad_count == std::errc() && stop == end && share.number >= 1 &&
+                              share.number <= share.count;
+            return good ? std::optional(share) : std::nullopt;
+          },
+          .print =
+              [](const BatchShare& share) {
+                return share.count > 1 ? fmt::format("{}/{}", share.number, share.count)
+                                       : std::string();
+              }};
+}
+
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<BatchFlags>> BatchOptions() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    return MakeOption<BatchFlags>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "job", .help = "TOML file of options and axes (docs/batch.md)", .positional = true, .required = true}, FIELD(job_file), Texts("JOB")),
+    option({.name = "output", .help = "folder that the path of [output] is relative to", .default_text = "that of the job file", .letter = 'o'}, FIELD(output_folder), Texts("FOLDER")),
+    option({.name = "only", .help = "render one of N interleaved shares of the pictures", .default_text = "all of them"}, FIELD(only), Shares()),
+    option({.name = "force", .help = "also render pictures that are there already"}, FIELD(force), Switches()),
+    option({.name = "list", .help = "print the pictures and their values, and render none", .excludes = "dry-run"}, FIELD(list), Switches()),
+    option({.name = "json", .help = "with --list: print JSON", .needs = "list"}, FIELD(json), Switches()),
+    option({.name = "dry-run", .help = "read every scene and map, check every option, and render nothing"}, FIELD(dry_run), Switches()),
+    option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
+    ProgressOption<BatchFlags>(),
+  };
+  // clang-format on
+}
+#undef FIELD
+
+TextTable PictureTable(const BatchPlan& plan) {
+  TextTable table = {{"picture", "output"}};
+  for (const AxisValue& value : plan.pictures.front().axes) table.front().push_back(value.axis);
+  for (const BatchPicture& picture : plan.pictures) {
+    table.push_back({fmt::format("{}", picture.index), picture.output});
+    for (const AxisValue& value : picture.axes) table.back().push_back(value.label);
+  }
+  return table;
+}
+
+std::string Rate(const PictureResult& result) {
+  if (!(result.render_seconds > 0)) return "-";
+  return fmt::format("{:.3f}", double(result.samples) / result.render_seconds * 1e-6);
+}
+
+TextTable ResultTable(const BatchPlan& plan, const BatchSummary& summary) {
+  TextTable table = {{"picture", "status", "time [s]", "Msamples/s", "noise", "error"}};
+  for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
+    const PictureResult& result = summary.results[i];
+    table.push_back(
+        {plan.pictures[i].output, std::string(ToString(result.status)),
+         fmt::format("{:.3f}", result.load_seconds + result.render_seconds + result.write_seconds),
+         Rate(result), result.noise ? fmt::format("{:.4g}", *result.noise) : "-", result.error});
+  }
+  return table;
+}
+
+// Returns how many samples a picture has at most; 0 where that is up to its scene.
+std::uint64_t SamplesOf(const BatchPlan& plan, const BatchPicture& picture) {
+  const JobRequest request = RequestOf(plan.path, picture.options).job;
+  if (!request.width || !request.height || !request.samples_per_pixel) return 0;
+  const CropWindow window =
+      request.crop.value_or(CropWindow{0, 0, *request.width, *request.height});
+  return std::uint64_t(window.width) * std::uint64_t(window.height) * *request.samples_per_pixel;
+}
+
+// Renders the pictures and returns the exit code.
+int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
+  CheckOutputs(plan);
+  PrepareOutputs(plan, flags.only);
+  ProgressDisplay display(flags.progress, plan.pictures.size());
+  const auto render = [&](const BatchPicture& picture, const BatchPicture*) {
+    display.Begin(picture.output, SamplesOf(plan, picture));
+    return RenderAlone(plan, picture, [&](double done) {
+      display.Show(done);
+      return true;
+    });
+  };
+  BatchReporter reporter;
+  reporter.begin = [&](const BatchPicture& picture, std::size_t number, std::size_t count) {
+    display.Say(fmt::format("{} of {}: {}", number + 1, count, picture.output));
+  };
+  reporter.end = [&](const BatchPicture&, const PictureResult& result) {
+    result.status == PictureStatus::kRendered ? display.End() : display.Skip();
+  };
+  BatchFiles files(plan, flags.only);
+  reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };
+  const BatchSummary summary = RunBatch(plan, render, reporter);
+  display.Clear();
+  if (!flags.progress.quiet) fmt::print("{}", Text(ResultTable(plan, summary)));
+  for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
+    const PictureResult& result = summary.results[i];
+    if (result.status != PictureStatus::kFailed) continue;
+    fmt::print(stderr, "skywave: {}: {}\n", plan.pictures[i].output, result.error);
+  }
+  if (!summary.stopped.empty()) fmt::print(stderr, "skywave: {}\n", summary.stopped);
+  return summary.exit_code;
+}
+
+int BatchMain(const BatchFlags& flags) {
+  const BatchPlan plan = ShareOf(ReadBatchPlan(flags.job_file, flags.output_folder), flags.only);
+  if (plan.pictures.empty()) {
+    fmt::print("share {} of {} has none of the {} pictures\n", flags.only.number, flags.only.count,
+               plan.all_pictures);
+    return 0;
+  }
+  if (flags.list) {
+    fmt::print("{}", flags.json ? ListJson(plan).dump(2) + "\n" : Text(PictureTable(plan)));
+    return 0;
+  }
+  if (flags.dry_run) {
+    const DryRun checked = CheckWithoutRendering(plan);
+    fmt::print("{}{} pictures, {:.4g} Msamples, of {} scenes and {} maps: all can be rendered\n",
+               flags.progress.quiet ? "" : Text(PictureTable(plan)), plan.pictures.size(),
+               double(checked.samples) * 1e-6, checked.scenes, checked.maps);
+    return 0;
+  }
+  return RenderBatch(flags, plan);
+}
+
+}  // namespace
+
+Command BatchCommand() {
+  const auto flags = std::make_shared<BatchFlags>();
+  Command command = {.name = "batch",
+                     .summary = "Render the pictures of a job file: axes crossed, one process",
+                     .footer =
+                         "Examples:\n"
+                         "  skywave batch turntable.toml --list\n"
+                         "  skywave batch turntable.toml --dry-run\n"
+                         "  skywave batch turntable.toml -o renders\n"
+                         "  skywave batch turntable.toml --only 1/4",
+                     .run = [flags](const GivenOptions&) {
+                       return TellFailures(flags->progress, [&] { return BatchMain(*flags); });
+                     }};
+  AddOptions(command, BatchOptions(), flags);
+  return command;
+}
+
+}  // namespace skywave

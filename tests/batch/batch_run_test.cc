@@ -1,0 +1,88 @@
+// Tests the order of a batch with pictures that take no time: failures, changes and what is told.
+#include "batch/run.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "batch/report.h"
+#include "tests/support/temporary_folder.h"
+#include "wavefront/worker_pool.h"
+
+namespace skywave {
+namespace {
+
+class Run : public testing::Test {
+ protected:
+  Run()
+      : plan_(ReadBatchPlan(folder_.Write("job.toml",
+                                          "[base]\nscene = \"spheres\"\n[axes]\nseed = \"1-5\"\n"
+                                          "[output]\npath = \"o/{seed}.exr\"\n"))) {}
+
+  TemporaryFolder folder_;
+  BatchPlan plan_;
+  std::vector<std::size_t> rendered_;
+};
+
+TEST_F(Run, GoesOnAfterAFailureAndEndsWithTheFirstOnesCode) {
+  const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture* next) {
+    rendered_.push_back(picture.index);
+    EXPECT_EQ(next, picture.index == 4 ? nullptr : &plan_.pictures[picture.index + 1]);
+    if (picture.index == 1) throw InputError(InputPosition::File("a.exr"), "is torn", kExitIo);
+    if (picture.index == 3) throw std::runtime_error("surprise");
+    return PictureResult{.status = PictureStatus::kRendered, .render_seconds = 2, .samples = 10};
+  };
+  std::vector<std::size_t> pending;
+  BatchReporter reporter;
+  reporter.save = [&](const BatchSummary& summary) {
+    pending.push_back(summary.Count(PictureStatus::kPending));
+  };
+  const BatchSummary summary = RunBatch(plan_, render, reporter);
+  EXPECT_EQ(rendered_, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(summary.exit_code, kExitIo);
+  EXPECT_EQ(summary.Count(PictureStatus::kRendered), 3u);
+  EXPECT_EQ(summary.results[1].error, "a.exr: is torn");
+  EXPECT_EQ(summary.results[3].error, "surprise");
+  EXPECT_EQ(summary.samples(), 30u);
+  EXPECT_EQ(pending.front(), 5u);
+  EXPECT_EQ(pending.back(), 0u);
+
+  const nlohmann::ordered_json json = SummaryJson(plan_, {}, summary);
+  EXPECT_EQ(json["failed"], 2);
+  EXPECT_EQ(json["pictures"][1]["status"], "failed");
+  EXPECT_EQ(json["pictures"][4]["output"], "5.exr");
+  EXPECT_EQ(json["pictures"][4]["axes"]["seed"], "5");
+}
+
+TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {
+  const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
+    rendered_.push_back(picture.index);
+    if (picture.index == 2) folder_.Write("job.toml", plan_.bytes + "\n");
+    return PictureResult{.status = PictureStatus::kRendered};
+  };
+  const BatchSummary summary = RunBatch(plan_, render, {});
+  EXPECT_EQ(rendered_, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(summary.Count(PictureStatus::kPending), 2u);
+  EXPECT_EQ(summary.exit_code, kExitBadInput);
+  EXPECT_NE(summary.stopped.find("job.toml: has changed"), std::string::npos) << summary.stopped;
+}
+
+TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
+  const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
+    if (picture.index == 1) throw RenderCanceled();
+    return PictureResult{.status = PictureStatus::kRendered};
+  };
+  std::size_t saved = 0;
+  BatchReporter reporter;
+  reporter.save = [&](const BatchSummary& summary) {
+    saved = summary.Count(PictureStatus::kRendered);
+  };
+  EXPECT_THROW(RunBatch(plan_, render, reporter), RenderCanceled);
+  EXPECT_EQ(saved, 1u);
+}
+
+}  // namespace
+}  // namespace skywave

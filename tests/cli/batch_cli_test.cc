@@ -1,0 +1,116 @@
+// Tests skywave batch from the outside: pictures, files, exit codes, messages.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+using Json = nlohmann::json;
+using Names = std::set<std::string>;
+
+bool Contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+constexpr char kJob[] =
+    "[base]\nscene = \"spheres\"\nsize = \"8x6\"\nspp = 1\n"
+    "[axes]\nseed = \"1-3\"\n"
+    "[output]\npath = \"out/{scene}_{seed:02}.exr\"\n";
+
+class Batch : public Program {
+ protected:
+  Names FilesIn(const std::string& folder) const {
+    Names names;
+    for (const auto& entry : std::filesystem::directory_iterator(Path(folder))) {
+      names.insert(entry.path().filename().string());
+    }
+    return names;
+  }
+};
+
+TEST_F(Batch, MakesThePicturesOfSingleRendersAndNoOtherFile) {
+  Put("job.toml", kJob);
+  const Result result = Run("batch job.toml");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "out/spheres_02.exr  rendered")) << result.out;
+  EXPECT_EQ(FilesIn("out"),
+            (Names{"job.batch.html", "job.batch.json", "spheres_01.exr", "spheres_01.png",
+                   "spheres_02.exr", "spheres_02.png", "spheres_03.exr", "spheres_03.png"}));
+  EXPECT_EQ(Run("render spheres --size 8x6 --spp 1 --seed 2 -q -o alone.exr").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("out/spheres_02.exr")).rgb, ReadImage(Path("alone.exr")).rgb);
+  EXPECT_EQ(Bytes("out/spheres_02.png"), Bytes("alone.png"));
+  const Json summary = Json::parse(Bytes("out/job.batch.json"));
+  EXPECT_EQ(summary["rendered"], 3);
+  EXPECT_EQ(summary["pictures"][2]["output"], "spheres_03.exr");
+}
+
+TEST_F(Batch, ListsAndSharesMakeNothing) {
+  Put("job.toml", kJob);
+  const Json list = Json::parse(Run("batch job.toml --list --json --only 2/2").out);
+  ASSERT_EQ(list["pictures"].size(), 1u);
+  EXPECT_EQ(list["pictures"][0]["index"], 1);
+  EXPECT_EQ(list["pictures"][0]["options"]["seed"], "2");
+  EXPECT_TRUE(Contains(Run("batch job.toml --list").out, "2        out/spheres_03.exr  3"));
+  EXPECT_TRUE(Contains(Run("batch job.toml --dry-run").out, "3 pictures, 0.000144 Msamples"));
+  EXPECT_EQ(Files(), Names{"job.toml"});
+}
+
+TEST_F(Batch, WritesUnderTheFolderThatIsAskedFor) {
+  Put("job.toml", kJob);
+  EXPECT_EQ(Run("batch job.toml -q -o else --only 1/2").exit_code, 0);
+  EXPECT_EQ(FilesIn("else/out"),
+            (Names{"job.batch.1of2.html", "job.batch.1of2.json", "spheres_01.exr", "spheres_01.png",
+                   "spheres_03.exr", "spheres_03.png"}));
+}
+
+TEST_F(Batch, APictureThatFailsIsToldAndTheOthersAreMade) {
+  Put("bad.hdr", "no map");
+  Image map(8, 4);
+  std::fill(map.rgb.begin(), map.rgb.end(), 1.0f);
+  WritePfm(Path("good.pfm"), map);
+  Put("job.toml",
+      "[base]\nscene = \"spheres\"\nsize = \"8x6\"\nspp = 1\n"
+      "[axes]\nenv = [\"bad.hdr\", \"good.pfm\"]\n[output]\npath = \"{env}.exr\"\n");
+  const Result checked = Run("batch job.toml --dry-run");
+  EXPECT_EQ(checked.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(checked.err, "bad.hdr")) << checked.err;
+  const Result result = Run("batch job.toml");
+  EXPECT_EQ(result.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(result.err, "skywave: bad.exr: bad.hdr")) << result.err;
+  EXPECT_EQ(Files(), (Names{"bad.hdr", "good.pfm", "good.exr", "good.png", "job.toml",
+                            "job.batch.html", "job.batch.json"}));
+}
+
+TEST_F(Batch, BadFlagsAndFilesAreRefusedBeforeTheFirstRay) {
+  Put("job.toml", kJob);
+  Put("typo.toml", std::string(kJob) + "[axs]\n");
+  const struct {
+    std::string arguments;
+    int exit_code;
+    std::string part;
+  } cases[] = {{"batch", kExitUsage, "job is required"},
+               {"batch nosuch.toml", kExitIo, "nosuch.toml"},
+               {"batch typo.toml", kExitBadInput, "typo.toml:9: 'axs'"},
+               {"batch job.toml -o job.toml", kExitIo, "job.toml is a file"},
+               {"batch job.toml --only 3/2", kExitUsage, "3/2"},
+               {"batch job.toml --only 0/2", kExitUsage, "0/2"},
+               {"batch job.toml --only 2", kExitUsage, "--only"},
+               {"batch job.toml --json", kExitUsage, "--list"},
+               {"batch job.toml --list --dry-run", kExitUsage, "--list"}};
+  for (const auto& [arguments, exit_code, part] : cases) {
+    const Result result = Run(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << arguments;
+    EXPECT_TRUE(Contains(result.err, part)) << arguments << "\n" << result.err;
+  }
+  EXPECT_EQ(Files(), (Names{"job.toml", "typo.toml"}));
+}
+
+}  // namespace
+}  // namespace skywave
