@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "batch/render_picture.h"
 #include "image/image.h"
 #include "job/options.h"
 #include "job/picture.h"
@@ -111,6 +112,7 @@ void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
   for (const BatchPicture& picture : plan.pictures) {
     targets.push_back(picture.output);
     targets.push_back(PngBeside(picture.output));
+    targets.push_back(CheckpointBeside(picture.output));
   }
   RemoveLeftovers(targets);
 }

@@ -167,8 +167,8 @@ std::string FigureOf(const BatchPlan& plan, const BatchPicture& picture,
     plate = Link(plan, png, plate);
   }
   std::string figures;
-  if (SecondsOf(result) > 0) figures = Seconds(SecondsOf(result));
-  if (result.noise)
+  if (IsThere(result) && SecondsOf(result) > 0) figures = Seconds(SecondsOf(result));
+  if (IsThere(result) && result.noise)
     figures += fmt::format("{}noise {:.3g}", figures.empty() ? "" : ", ", *result.noise);
   if (!caption.empty() && !figures.empty()) figures = "<br>" + figures;
   return fmt::format(

@@ -3,9 +3,15 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/files.h"
+#include "base/granted.h"
+#include "image/formats.h"
 #include "job/job.h"
 #include "job/picture.h"
 #include "job/session.h"
@@ -23,32 +29,119 @@ std::optional<double> NoiseOf(const RenderJob& job, const RenderLimits& limits,
   return rendered.film.Noise(rendered.part.samples.count());
 }
 
+// Returns the words of the limits under which a render may end early; empty without any.
+std::string LimitWords(const RenderLimits& limits) {
+  std::string words;
+  for (const OptionOf<RenderLimits>& option : LimitOptions()) words += CommandWords(option, limits);
+  return words;
+}
+
+std::string ValueOf(const Metadata& metadata, std::string_view name) {
+  for (const auto& [key, text] : metadata) {
+    if (key == name) return text;
+  }
+  return "";
+}
+
+// Returns whether the files of a picture are those that the job would make.
+bool IsFinished(const std::string& exr, const RenderJob& job, const PictureIdentity& identity,
+                const RenderLimits& limits) {
+  if (!std::filesystem::exists(exr) || !std::filesystem::exists(PngBeside(exr))) return false;
+  try {
+    const Metadata metadata = ReadExrMetadata(exr);
+    SampleRange samples = ChooseSamples(limits, identity.samples);
+    // A render under limits may have ended with any number of samples.
+    if (limits.end_early()) {
+      samples.end = samples.first + std::uint32_t(std::stoul(ValueOf(metadata, "samples")));
+    }
+    return ValueOf(metadata, "software") == identity.software &&
+           ValueOf(metadata, "sceneHash") == fmt::format("{:016x}", identity.scene_hash) &&
+           ValueOf(metadata, "limits") == LimitWords(limits) &&
+           ValueOf(metadata, "command") == RepeatCommand(identity, PartOf(job, samples));
+  } catch (const std::exception&) {
+    return false;  // it is not even a picture of ours
+  }
+}
+
+// Writes the PNG, then the EXR by which a finished picture is known, and reads that back. Returns
+// its hash.
+std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
+  WritePng(PngBeside(exr), picture);
+  WriteExr(exr, picture);
+  const std::string bytes = ReadFile(exr);
+  DecodeExr(exr, bytes, {});
+  return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
+}
+
+std::uint64_t HalfOfMemory() { return GrantedHere().memory_bytes / 2; }
+
 }  // namespace
 
-PictureResult RenderAlone(const BatchPlan& plan, const BatchPicture& picture,
-                          const Teller& tell) try {
-  PictureResult result = {.status = PictureStatus::kRendered};
-  const PictureRequest request = RequestOf(plan.path, picture.options);
-  Clock::time_point start = Clock::now();
-  const RenderJob job(request.job);
-  const PictureIdentity identity = IdentityOf(job, request.exposure, true);
-  result.load_seconds = SecondsSince(start);
-  const RenderedFilm rendered = RunSession(job, identity, {.limits = request.limits, .tell = tell});
+PictureRenderer::PictureRenderer(const BatchPlan& plan, const PictureSettings& settings)
+    : plan_(plan),
+      settings_(settings),
+      cache_(settings.cache_bytes > 0 ? settings.cache_bytes : HalfOfMemory()) {}
+
+PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
+  const Clock::time_point start = Clock::now();
+  Ready ready = {.request = RequestOf(plan_.path, picture.options)};
+  ready.job = std::make_unique<RenderJob>(ready.request.job, &cache_);
+  ready.identity = IdentityOf(*ready.job, ready.request.exposure, true);
+  ready.load_seconds = SecondsSince(start);
+  return ready;
+} catch (const OptionError& error) {
+  throw AtOption(plan_.path, picture.options, error);
+}
+
+std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
+                                                   const BatchPicture* next,
+                                                   const PictureWatcher& watcher) try {
+  const Ready ready = next_ == &picture ? next_ready_.get() : Read(picture);
+  next_ = next;
+  if (next != nullptr) {
+    next_ready_ = std::async(std::launch::async, [this, next] { return Read(*next); });
+  }
+  const RenderJob& job = *ready.job;
+  const RenderLimits& limits = ready.request.limits;
+  PictureResult result = {.status = PictureStatus::kSkipped, .load_seconds = ready.load_seconds};
+  if (!settings_.force && IsFinished(picture.output, job, ready.identity, limits)) {
+    return Known(std::move(result));
+  }
+  result.status = PictureStatus::kRendered;
+  result.notes = job.notes();
+  const RenderOptions& options = job.options();
+  if (watcher.begin) {
+    watcher.begin(std::uint64_t(options.width) * std::uint64_t(options.height) *
+                  ChooseSamples(limits, options.samples_per_pixel).count());
+  }
+  const std::string checkpoint = CheckpointBeside(picture.output);
+  RenderedFilm rendered = RunSession(
+      job, ready.identity,
+      {.limits = limits,
+       .checkpoint = {.path = checkpoint, .seconds = settings_.checkpoint_seconds, .resume = true},
+       .tell = watcher.tell});
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
-  result.noise = NoiseOf(job, request.limits, rendered);
-  start = Clock::now();
-  const Picture resolved =
-      ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs, identity,
-                     rendered.part, Tone(request.exposure));
-  WriteExr(picture.output, resolved);
-  WritePng(PngBeside(picture.output), resolved);
-  const std::string bytes = ReadFile(picture.output);
-  result.hash = fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
-  result.write_seconds = SecondsSince(start);
-  return result;
+  result.noise = NoiseOf(job, limits, rendered);
+  Picture resolved = ResolvePicture(rendered.film, rendered.part.samples.count(), options.aovs,
+                                    ready.identity, rendered.part, Tone(ready.request.exposure));
+  const std::string words = LimitWords(limits);
+  if (!words.empty()) resolved.metadata.emplace_back("limits", words);
+  const auto write = [result = std::move(result), resolved = std::move(resolved),
+                      exr = picture.output, checkpoint]() mutable {
+    const Clock::time_point start = Clock::now();
+    result.hash = WriteAndReadBack(exr, resolved);
+    std::filesystem::remove(checkpoint);
+    result.write_seconds = SecondsSince(start);
+    return std::move(result);
+  };
+  return std::async(std::launch::async, write);
 } catch (const OptionError& error) {
-  throw AtOption(plan.path, picture.options, error);
+  throw AtOption(plan_.path, picture.options, error);
+}
+
+std::string CheckpointBeside(const std::string& exr) {
+  return std::filesystem::path(exr).replace_extension(".checkpoint").string();
 }
 
 }  // namespace skywave

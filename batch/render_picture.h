@@ -1,13 +1,62 @@
-// Renders one picture of a batch and writes its files.
+// Renders the pictures of a batch: what they have in common is made once, and while one picture is
+// rendered the next one is read and the last one written.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <memory>
+
 #include "batch/run.h"
+#include "job/job.h"
+#include "job/job_cache.h"
+#include "job/picture.h"
 #include "job/watch.h"
 
 namespace skywave {
 
-// Renders a picture of `plan` from nothing and writes the EXR and the PNG. `tell`, if there is one,
-// is told the share of the samples that is done. Throws InputError, and RenderCanceled.
-PictureResult RenderAlone(const BatchPlan& plan, const BatchPicture& picture, const Teller& tell);
+// Who watches a picture; each function may be empty.
+struct PictureWatcher {
+  std::function<void(std::uint64_t samples)> begin;  // rendering begins, of so many samples
+  Teller tell;                                       // see SessionRequest
+};
+
+struct PictureSettings {
+  std::uint64_t cache_bytes = 0;  // of what is kept for later pictures; 0: half of the memory
+  bool force = false;             // also render pictures that are there already
+  double checkpoint_seconds = 0;  // between checkpoints; 0: only when the batch is stopped
+};
+
+class PictureRenderer {
+ public:
+  // The plan must outlive the renderer.
+  PictureRenderer(const BatchPlan& plan, const PictureSettings& settings);
+
+  // Renders a picture unless it is there already: files are known by what they record. The future
+  // has its result once the EXR and the PNG are written and the EXR has been read back. `next` is
+  // the picture that is read meanwhile; null: none. A picture whose render is stopped leaves a
+  // checkpoint, from which a later batch goes on. Throws InputError, and RenderCanceled.
+  std::future<PictureResult> Render(const BatchPicture& picture, const BatchPicture* next,
+                                    const PictureWatcher& watcher);
+
+ private:
+  // A picture that is ready to be rendered.
+  struct Ready {
+    PictureRequest request;
+    std::unique_ptr<const RenderJob> job;
+    PictureIdentity identity;
+    double load_seconds = 0;
+  };
+  Ready Read(const BatchPicture& picture);
+
+  const BatchPlan& plan_;
+  const PictureSettings settings_;
+  JobCache cache_;
+  const BatchPicture* next_ = nullptr;
+  std::future<Ready> next_ready_;
+};
+
+// Returns the name of the checkpoint of a picture.
+std::string CheckpointBeside(const std::string& exr);
 
 }  // namespace skywave

@@ -6,6 +6,8 @@
 namespace skywave {
 namespace {
 
+constexpr const char* kSummarySchema = "skywave-batch-1";
+
 // `output` is the name of the EXR that is told.
 nlohmann::ordered_json PictureJson(const BatchPicture& picture, const std::string& output) {
   nlohmann::ordered_json json = {
@@ -34,7 +36,7 @@ nlohmann::ordered_json ListJson(const BatchPlan& plan) {
 
 nlohmann::ordered_json SummaryJson(const BatchPlan& plan, const BatchShare& share,
                                    const BatchSummary& summary) {
-  nlohmann::ordered_json json = {{"schema", "skywave-batch-1"},
+  nlohmann::ordered_json json = {{"schema", kSummarySchema},
                                  {"version", Version()},
                                  {"job", plan.path},
                                  {"share", {{"number", share.number}, {"count", share.count}}},
@@ -62,6 +64,29 @@ nlohmann::ordered_json SummaryJson(const BatchPlan& plan, const BatchShare& shar
     json["pictures"].push_back(std::move(item));
   }
   return json;
+}
+
+std::map<std::string, PictureResult> ResultsInJson(const std::string& text) {
+  std::map<std::string, PictureResult> results;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(text);
+    if (json.at("schema") != kSummarySchema) return {};
+    for (const nlohmann::json& item : json.at("pictures")) {
+      const nlohmann::json& seconds = item.at("seconds");
+      PictureResult result = {.status = Parse<PictureStatus>(item.at("status").get<std::string>())
+                                            .value_or(PictureStatus::kPending),
+                              .load_seconds = seconds.at("load"),
+                              .render_seconds = seconds.at("render"),
+                              .write_seconds = seconds.at("write"),
+                              .samples = item.at("samples"),
+                              .hash = item.value("hash", "")};
+      if (item.contains("noise")) result.noise = item["noise"].get<double>();
+      results.emplace(item.at("output"), std::move(result));
+    }
+  } catch (const nlohmann::json::exception&) {
+    return {};  // another program's file, which will be replaced
+  }
+  return results;
 }
 
 }  // namespace skywave

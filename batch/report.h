@@ -1,7 +1,9 @@
 // Tells programs of a batch: its pictures, and what became of them.
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "batch/plan.h"
 #include "batch/run.h"
@@ -15,5 +17,9 @@ nlohmann::ordered_json ListJson(const BatchPlan& plan);
 // to the folder of the plan. docs/batch.md describes the keys.
 nlohmann::ordered_json SummaryJson(const BatchPlan& plan, const BatchShare& share,
                                    const BatchSummary& summary);
+
+// Returns the results of pictures by their output, from the text of such JSON; none from other
+// text.
+std::map<std::string, PictureResult> ResultsInJson(const std::string& text);
 
 }  // namespace skywave

@@ -14,10 +14,11 @@ PictureResult Failure(const std::string& error, int exit_code) {
   return {.status = PictureStatus::kFailed, .error = error, .exit_code = exit_code};
 }
 
-PictureResult RenderOrFail(const RenderPicture& render, const BatchPicture& picture,
-                           const BatchPicture* next) {
+// Returns what `work` returns, or the failure that it throws.
+template <class Work>
+PictureResult ResultOf(const Work& work) {
   try {
-    return render(picture, next);
+    return work();
   } catch (const InputError& error) {
     return Failure(error.what(), error.exit_code());
   } catch (const std::bad_alloc&) {
@@ -25,6 +26,16 @@ PictureResult RenderOrFail(const RenderPicture& render, const BatchPicture& pict
   } catch (const std::exception& error) {
     return Failure(error.what(), 1);
   }
+}
+
+std::future<PictureResult> RenderOrFail(const RenderPicture& render, const BatchPicture& picture,
+                                        const BatchPicture* next) {
+  std::future<PictureResult> written;
+  PictureResult failure = ResultOf([&] {
+    written = render(picture, next);
+    return PictureResult();
+  });
+  return written.valid() ? std::move(written) : Known(std::move(failure));
 }
 
 // Saves the summary where that takes little of the time.
@@ -72,14 +83,24 @@ std::size_t BatchSummary::Count(PictureStatus status) const {
 
 double BatchSummary::render_seconds() const {
   double sum = 0;
-  for (const PictureResult& result : results) sum += result.render_seconds;
+  for (const PictureResult& result : results) {
+    if (result.status != PictureStatus::kPending) sum += result.render_seconds;
+  }
   return sum;
 }
 
 std::uint64_t BatchSummary::samples() const {
   std::uint64_t sum = 0;
-  for (const PictureResult& result : results) sum += result.samples;
+  for (const PictureResult& result : results) {
+    if (result.status != PictureStatus::kPending) sum += result.samples;
+  }
   return sum;
+}
+
+std::future<PictureResult> Known(PictureResult result) {
+  std::promise<PictureResult> promise;
+  promise.set_value(std::move(result));
+  return promise.get_future();
 }
 
 BatchSummary RunBatch(const BatchPlan& plan, const RenderPicture& render,
@@ -88,23 +109,34 @@ BatchSummary RunBatch(const BatchPlan& plan, const RenderPicture& render,
   summary.results.resize(plan.pictures.size());
   Saver saver(reporter);
   saver.Save(summary);
-  for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
-    if (i > 0 && !GoesOn(plan, summary)) break;
-    const BatchPicture& picture = plan.pictures[i];
-    if (reporter.begin) reporter.begin(picture, i, plan.pictures.size());
-    const BatchPicture* const next = i + 1 < plan.pictures.size() ? &picture + 1 : nullptr;
-    PictureResult& result = summary.results[i];
+  std::future<PictureResult> written;  // of the picture before number `rendered`
+  std::size_t rendered = 0;
+  const auto take_last = [&] {
+    if (!written.valid()) return;
+    PictureResult& result = summary.results[rendered - 1];
+    result = ResultOf([&] { return written.get(); });
+    if (summary.exit_code == 0) summary.exit_code = result.exit_code;
+    if (reporter.end) reporter.end(plan.pictures[rendered - 1], result);
+  };
+  for (; rendered < plan.pictures.size(); ++rendered) {
+    if (rendered > 0 && !GoesOn(plan, summary)) break;
+    const BatchPicture& picture = plan.pictures[rendered];
+    if (reporter.begin) reporter.begin(picture, rendered, plan.pictures.size());
+    const bool is_last = rendered + 1 == plan.pictures.size();
+    std::future<PictureResult> writing;
     try {
-      result = RenderOrFail(render, picture, next);
+      writing = RenderOrFail(render, picture, is_last ? nullptr : &picture + 1);
     } catch (const RenderCanceled&) {
+      take_last();
       summary.stopped = "it was canceled";
       saver.Save(summary);
       throw;
     }
-    if (summary.exit_code == 0) summary.exit_code = result.exit_code;
-    if (reporter.end) reporter.end(picture, result);
+    take_last();
+    written = std::move(writing);
     saver.SaveSometimes(summary);
   }
+  take_last();
   saver.Save(summary);
   return summary;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,17 +32,22 @@ struct PictureResult {
   double load_seconds = 0;  // scene and map read, BVH and tables built
   double render_seconds = 0;
   double write_seconds = 0;
-  std::uint64_t samples = 0;    // of all pixels
-  std::optional<double> noise;  // relative error of the picture
-  std::string hash;             // of the bytes of the EXR
+  std::uint64_t samples = 0;       // of all pixels
+  std::optional<double> noise;     // relative error of the picture
+  std::vector<std::string> notes;  // what was assumed or left out, for the user
+  std::string hash;                // of the bytes of the EXR
   std::string error;
   int exit_code = 0;  // what the program would end with because of the error
 };
 
-// Renders and writes a picture. `next` comes after it, so that it can be read meanwhile; null: none
-// does. May throw, which makes the picture a failed one, except for RenderCanceled.
-using RenderPicture =
-    std::function<PictureResult(const BatchPicture& picture, const BatchPicture* next)>;
+// Renders a picture; the future has the result once it is written, which may be later. `next` comes
+// after it, so that it can be read meanwhile; null: none does. Function and future may throw, which
+// makes the picture a failed one, except for RenderCanceled.
+using RenderPicture = std::function<std::future<PictureResult>(const BatchPicture& picture,
+                                                               const BatchPicture* next)>;
+
+// Returns a result that is there already.
+std::future<PictureResult> Known(PictureResult result);
 
 struct BatchSummary {
   std::vector<PictureResult> results;  // one for each picture of the plan
@@ -49,8 +55,8 @@ struct BatchSummary {
   std::string stopped;  // why the batch ended before its last picture; empty: it did not
   int exit_code = 0;    // 0 if every picture is there
   std::size_t Count(PictureStatus status) const;
-  double render_seconds() const;  // sum over the pictures
-  std::uint64_t samples() const;  // sum over the pictures
+  double render_seconds() const;  // sum over the pictures that are begun
+  std::uint64_t samples() const;  // sum over the pictures that are begun
 };
 
 // Functions that are told how a batch goes; each may be empty.

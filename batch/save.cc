@@ -1,5 +1,6 @@
 #include "batch/save.h"
 
+#include "base/error.h"
 #include "base/files.h"
 #include "batch/page.h"
 #include "batch/report.h"
@@ -7,7 +8,33 @@
 
 namespace skywave {
 
-void BatchFiles::Save(const BatchSummary& summary) {
+BatchFiles::BatchFiles(const BatchPlan& plan, const BatchShare& share)
+    : plan_(plan), share_(share) {
+  std::string bytes;
+  try {
+    bytes = ReadFile(ReportName(plan, share, ".json"));
+  } catch (const InputError&) {
+    return;  // this is the first run
+  }
+  earlier_ = ResultsInJson(bytes);
+}
+
+BatchSummary BatchFiles::WithEarlier(BatchSummary summary) const {
+  for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
+    PictureResult& result = summary.results[i];
+    const auto found = earlier_.find(RelativeName(plan_.folder, plan_.pictures[i].output));
+    if (found == earlier_.end() || found->second.hash.empty()) continue;
+    const PictureStatus status = result.status;
+    const bool same = status == PictureStatus::kSkipped && found->second.hash == result.hash;
+    if (!same && status != PictureStatus::kPending) continue;
+    result = found->second;
+    result.status = status;
+  }
+  return summary;
+}
+
+void BatchFiles::Save(const BatchSummary& run) {
+  const BatchSummary summary = WithEarlier(run);
   thumbnails_.resize(plan_.pictures.size());
   for (std::size_t i = 0; i < plan_.pictures.size(); ++i) {
     const PictureStatus status = summary.results[i].status;

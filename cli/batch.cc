@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -18,7 +19,9 @@
 #include "batch/slurm.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
 #include "cli/text_table.h"
+#include "wavefront/worker_pool.h"
 
 namespace skywave {
 namespace {
@@ -26,6 +29,7 @@ namespace {
 struct BatchFlags {
   std::string job_file, output_folder;
   BatchShare only;
+  double checkpoint_seconds = 0;
   bool list = false, dry_run = false, json = false, force = false;
   std::string slurm;
   std::uint32_t shards = 1;
@@ -63,6 +67,7 @@ std::vector<OptionOf<BatchFlags>> BatchOptions() {
     option({.name = "job", .help = "TOML file of options and axes (docs/batch.md)", .positional = true, .required = true}, FIELD(job_file), Texts("JOB")),
     option({.name = "output", .help = "folder that the path of [output] is relative to", .default_text = "that of the job file", .letter = 'o'}, FIELD(output_folder), Texts("FOLDER")),
     option({.name = "only", .help = "render one of N interleaved shares of the pictures", .default_text = "all of them"}, FIELD(only), Shares()),
+    option({.name = "checkpoint", .help = "save what is rendered of a picture as often as this, too; SIGINT and SIGTERM save it anyhow, and the same command goes on", .default_text = "never", .metavar = "SECONDS"}, FIELD(checkpoint_seconds), Unless(0.0, Doubles(0.01, 1e9))),
     option({.name = "force", .help = "also render pictures that are there already"}, FIELD(force), Switches()),
     option({.name = "list", .help = "print the pictures and their values, and render none", .excludes = "dry-run"}, FIELD(list), Switches()),
     option({.name = "json", .help = "with --list: print JSON", .needs = "list"}, FIELD(json), Switches()),
@@ -103,37 +108,43 @@ TextTable ResultTable(const BatchPlan& plan, const BatchSummary& summary) {
   return table;
 }
 
-// Returns how many samples a picture has at most; 0 where that is up to its scene.
-std::uint64_t SamplesOf(const BatchPlan& plan, const BatchPicture& picture) {
-  const JobRequest request = RequestOf(plan.path, picture.options).job;
-  if (!request.width || !request.height || !request.samples_per_pixel) return 0;
-  const CropWindow window =
-      request.crop.value_or(CropWindow{0, 0, *request.width, *request.height});
-  return std::uint64_t(window.width) * std::uint64_t(window.height) * *request.samples_per_pixel;
-}
-
 // Renders the pictures and returns the exit code.
 int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   CheckOutputs(plan);
   PrepareOutputs(plan, flags.only);
   ProgressDisplay display(flags.progress, plan.pictures.size());
-  const auto render = [&](const BatchPicture& picture, const BatchPicture*) {
-    display.Begin(picture.output, SamplesOf(plan, picture));
-    return RenderAlone(plan, picture, [&](double done) {
-      display.Show(done);
-      return true;
-    });
+  PictureRenderer renderer(plan, {.cache_bytes = plan.memory_bytes,
+                                  .force = flags.force,
+                                  .checkpoint_seconds = flags.checkpoint_seconds});
+  CatchStopSignals();
+  const auto render = [&](const BatchPicture& picture, const BatchPicture* next) {
+    if (StopAsked()) throw RenderCanceled();
+    return renderer.Render(
+        picture, next,
+        {.begin = [&](std::uint64_t samples) { display.Begin(picture.output, samples); },
+         .tell =
+             [&](double done) {
+               display.Show(done);
+               return !StopAsked();
+             }});
   };
   BatchReporter reporter;
-  reporter.begin = [&](const BatchPicture& picture, std::size_t number, std::size_t count) {
-    display.Say(fmt::format("{} of {}: {}", number + 1, count, picture.output));
-  };
+  std::set<std::string> told;  // notes are the same for many pictures
   reporter.end = [&](const BatchPicture&, const PictureResult& result) {
-    result.status == PictureStatus::kRendered ? display.End() : display.Skip();
+    if (result.status == PictureStatus::kRendered) {
+      display.End();
+    } else {
+      display.Skip();
+    }
+    for (const std::string& note : result.notes) {
+      if (flags.progress.quiet || !told.insert(note).second) continue;
+      display.Clear();
+      PrintNotes({note});
+    }
   };
   BatchFiles files(plan, flags.only);
   reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };
-  const BatchSummary summary = RunBatch(plan, render, reporter);
+  const BatchSummary summary = files.WithEarlier(RunBatch(plan, render, reporter));
   display.Clear();
   if (!flags.progress.quiet) fmt::print("{}", Text(ResultTable(plan, summary)));
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
@@ -181,7 +192,13 @@ int BatchMain(const BatchFlags& flags) {
                double(checked.samples) * 1e-6, checked.scenes, checked.maps);
     return 0;
   }
-  return flags.slurm.empty() ? RenderBatch(flags, plan) : WriteSlurmScripts(flags, plan);
+  if (!flags.slurm.empty()) return WriteSlurmScripts(flags, plan);
+  try {
+    return RenderBatch(flags, plan);
+  } catch (const RenderCanceled&) {
+    fmt::print(stderr, "stopped; the same command goes on from here\n");
+    return kExitTryAgain;
+  }
 }
 
 }  // namespace

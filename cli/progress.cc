@@ -70,12 +70,6 @@ void ProgressDisplay::Skip() {
   Print(last && (form_ == ProgressForm::kJson || form_ == ProgressForm::kOpenJd));
 }
 
-void ProgressDisplay::Say(const std::string& line) {
-  if (quiet_ || (form_ != ProgressForm::kBar && form_ != ProgressForm::kPlain)) return;
-  Clear();
-  fmt::print(stderr, "{}\n", line);
-}
-
 void ProgressDisplay::Clear() {
   if (!drawn_) return;
   fmt::print(stderr, "\r\033[K");

@@ -51,8 +51,6 @@ class ProgressDisplay {
   void End();
   // Counts a picture that need not be rendered, and says nothing about the time of the others.
   void Skip();
-  // Prints a line to people; programs do not get it.
-  void Say(const std::string& line);
   // Clears the bar, so that other lines can be printed; the next Show draws it again.
   void Clear();
 

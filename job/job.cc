@@ -12,12 +12,7 @@
 #include "base/error.h"
 #include "base/granted.h"
 #include "job/choose_camera.h"
-#include "job/environment.h"
-#include "job/material_changes.h"
 #include "job/options.h"
-#include "scene/reader.h"
-#include "scene/scene_hash.h"
-#include "scene/shapes/ground.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
 
@@ -33,12 +28,9 @@ double Time(const Work& work) {
 }
 
 // Luminance of the light that a map sends through the disk of a sphere around the scene.
-double EnvironmentPower(const Image& map, float radius) {
-  const std::array<double, 3> mean = SphereMean(map);
-  double luminance = 0;
-  for (std::size_t c = 0; c < 3; ++c) luminance += double(kLuminance[c]) * mean[c];
+double EnvironmentPower(double mean_luminance, float radius) {
   constexpr double kPi = glm::pi<double>();
-  return 4 * kPi * luminance * kPi * double(radius) * radius;
+  return 4 * kPi * mean_luminance * kPi * double(radius) * radius;
 }
 
 // Runs `work` with as many threads as the user allows.
@@ -54,24 +46,21 @@ int EmbreeThreads(int threads) {
   return threads == 0 && GrantedHere().limits_threads() ? GrantedHere().threads : threads;
 }
 
-// `environment`: whether there is light in the map.
-std::unique_ptr<EnvStrategy> MakeUsableStrategy(const std::string& specification,
-                                                const EnvironmentMap& map, bool environment,
-                                                const RenderOptions& options) {
-  std::unique_ptr<EnvStrategy> strategy = MakeStrategy(specification, map);
-  if (!options.mis && !strategy->complete()) {
+// Throws unless a strategy can be used. `environment`: whether there is light in the map.
+void CheckStrategy(const EnvStrategy& strategy, const std::string& specification, bool environment,
+                   const RenderOptions& options) {
+  if (!options.mis && !strategy.complete()) {
     throw OptionError("strategy", specification,
                       "leaves light to BSDF sampling, so it cannot go with `no-mis`");
   }
   if (Describe(options.integrator).light_paths == LightPaths::kStrategy && environment &&
-      !CanEmit(*strategy)) {
+      !CanEmit(strategy)) {
     throw OptionError("strategy", specification,
                       fmt::format("no light path can start with its samples, as `integrator {}` "
                                   "needs it: use importance, alias, warp, uniform, presampled, or "
                                   "directional lights with pick=power",
                                   ToString(options.integrator)));
   }
-  return strategy;
 }
 
 // A sphere around all surfaces. It is larger than need be by what floats may lose of its disk.
@@ -90,94 +79,86 @@ float WorldExtent(const Bounds& bounds, const Camera& camera) {
   return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
 }
 
-std::array<float, 9> Rows(const glm::mat3& columns) {
-  std::array<float, 9> rows;
-  for (int i = 0; i < 9; ++i) rows[std::size_t(i)] = columns[i / 3][i % 3];
-  return rows;
-}
-
 }  // namespace
 
-RenderJob::RenderJob(const JobRequest& request) {
-  Scene scene;
-  times_.load = Time([&] { scene = ReadScene(request.scene, request.read); });
-  BuildOnThreads(std::move(scene), request);
+RenderJob::RenderJob(const JobRequest& request, JobCache* cache) {
+  RunOnThreads(request.options.threads, [&] {
+    std::optional<JobParts> parts;
+    times_.load = Time([&] { parts.emplace(request, cache); });
+    Build(std::move(*parts), request);
+  });
 }
 
 RenderJob::RenderJob(Scene scene, const JobRequest& request, double load_seconds) {
   times_.load = load_seconds;
-  BuildOnThreads(std::move(scene), request);
+  RunOnThreads(request.options.threads, [&] { Build(JobParts(std::move(scene)), request); });
 }
 
-void RenderJob::BuildOnThreads(Scene scene, const JobRequest& request) {
-  RunOnThreads(request.options.threads, [&] { Build(std::move(scene), request); });
-}
-
-void RenderJob::Build(Scene scene, const JobRequest& request) {
-  notes_ = scene.warnings;
-  request_ = ResolveRequest(request, scene.settings, notes_);
+void RenderJob::Build(JobParts parts, const JobRequest& request) {
+  notes_ = parts.loaded().warnings;
+  request_ = ResolveRequest(request, parts.loaded().settings, notes_);
   if (options().threads == 0) {
     notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
   }
-  ChangeMaterials(request_.materials, scene);
-  scene.up_axis = request.environment.up_axis.value_or(scene.up_axis);
-  EnvironmentLight light;
-  times_.load += Time([&] { light = LoadEnvironment(scene, request_, notes_); });
+  parts.Prepare(request_);
+  const PreparedScene& prepared = parts.prepared();
+  std::shared_ptr<const LoadedLight> light;
+  times_.load += Time([&] { light = parts.Light(request_); });
+  notes_.insert(notes_.end(), light->notes.begin(), light->notes.end());
 
-  const Bounds bounds = SceneBounds(scene, request.scene);  // without the ground
-  PlaceCamera(scene, bounds);
-  if (request.ground) AddGround(scene, bounds);
-  geometry_ = std::make_unique<Geometry>(scene, request.scene, EmbreeThreads(options().threads),
-                                         request.embree_config, NeedsUvs(options().aovs));
-  times_.build = geometry_->build_seconds();
-  sphere_ = BoundingSphere(SceneBounds(scene, request.scene));
-  PlaceLights(scene, *light.map, BoundingRadius(bounds));
+  PlaceCamera(*prepared.scene, prepared.bounds);
+  times_.build = Time([&] { geometry_ = parts.Build(request_, EmbreeThreads(options().threads)); });
+  sphere_ = BoundingSphere(prepared.whole_bounds);
+  PlaceLights(prepared, *light);
   CheckLightPaths(options().integrator);
 
   // For the hash the light is part of the scene; for the strategy it is a map.
-  scene.environments = {std::move(light)};
-  scene_hash_ = SceneHash(scene);
-  map_hash_ = MapHash(*scene.environments[0].map);
-  map_ = {.latlong = std::move(*scene.environments[0].map),
-          .map_from_world = Rows(scene.environments[0].world_from_map)};
-  times_.tables = Time([&] { BuildStrategies(); });
+  scene_hash_ = prepared.content.WithView(
+      scene_camera_, light->light, parts.WorldFromMap(request_, *light), prepared.scene->lights);
+  map_hash_ = light->hash;
+  times_.tables = Time([&] { BuildStrategies(parts, *light); });
 }
 
-void RenderJob::PlaceCamera(Scene& scene, const Bounds& bounds) {
+void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
   if (!scene.camera && !request_.camera.eye) {
     notes_.push_back(request_.scene + ": has no camera; one that sees the whole scene is used");
   }
   const int width = *request_.width, height = *request_.height;  // of the whole film
-  scene.camera = ChooseCamera(scene, bounds, request_.camera, float(width) / float(height));
+  scene_camera_ = ChooseCamera(scene, bounds, request_.camera, float(width) / float(height));
   filter_offsets_ = FilterOffsets(options().filter, options().filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options().filter_radius);
-  camera_ = MakeCameraView(*scene.camera, width, height, filter_offsets_.data(), request_.crop);
+  camera_ = MakeCameraView(scene_camera_, width, height, filter_offsets_.data(), request_.crop);
 }
 
-void RenderJob::PlaceLights(const Scene& scene, const Image& map, float radius) {
-  brightest_ = *std::max_element(map.rgb.begin(), map.rgb.end());
+void RenderJob::PlaceLights(const PreparedScene& prepared, const LoadedLight& light) {
+  const Scene& scene = *prepared.scene;
+  const float radius = BoundingRadius(prepared.bounds);
+  brightest_ = light.brightest;
   if (HasLocalLights(scene)) {
-    local_lights_ =
-        LocalLights(scene, *geometry_, request_.scene, radius, EnvironmentPower(map, radius));
+    local_lights_ = LocalLights(scene, geometry(), request_.scene, radius,
+                                EnvironmentPower(light.mean_luminance, radius));
     brightest_ = std::max(brightest_, local_lights_.brightest());
   }
   if (Sums(options().aovs, AovSum::kLightGroups)) {
-    light_groups_ = MakeLightGroups(scene, *geometry_, local_lights_.view());
+    light_groups_ = MakeLightGroups(scene, geometry(), local_lights_.view());
   }
-  if (options().aovs != 0) {
-    world_extent_ = WorldExtent(SceneBounds(scene, request_.scene), *scene.camera);
-  }
+  if (options().aovs != 0) world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
 }
 
-void RenderJob::BuildStrategies() {
-  strategy_ = MakeUsableStrategy(request_.strategy, map_, has_environment(), options());
+void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light) {
+  map_ = parts.Place(request_, light);
+  const auto make = [&](const std::string& specification) {
+    auto tables = parts.Tables(request_, specification, light, map_);
+    CheckStrategy(*tables->strategy, specification, has_environment(), options());
+    return tables;
+  };
+  strategy_ = make(request_.strategy);
   if (!request_.continuation_strategy.empty()) {
-    continuation_strategy_ =
-        MakeUsableStrategy(request_.continuation_strategy, map_, has_environment(), options());
+    continuation_strategy_ = make(request_.continuation_strategy);
   }
   const IntegratorDescriptor& integrator = Describe(options().integrator);
-  if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(*strategy_)) {
-    emitter_ = MakeStrategy("importance", map_);
+  if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(strategy())) {
+    emitter_ = make("importance");
   }
   if (options().guide && integrator.has_light_paths() && !has_environment()) {
     notes_.emplace_back(
@@ -200,33 +181,34 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
         fmt::format("its bounds, of radius {}, are no place for light paths; use --integrator path",
                     sphere_.radius));
   }
-  if (const auto check = Describe(integrator).check_scene) check(options(), *geometry_, sphere_);
+  if (const auto check = Describe(integrator).check_scene) check(options(), geometry(), sphere_);
 }
 
 FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
   RenderOptions changed = options();
   changed.integrator = integrator;
   const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
-                                     : emitter_        ? emitter_.get()
-                                                       : strategy_.get();
+                                     : emitter_        ? emitter_->strategy.get()
+                                                       : strategy_->strategy.get();
   assert(!Describe(integrator).has_light_paths() || !has_environment() || CanEmit(*emitter));
   return {.options = changed,
-          .geometry = geometry_.get(),
+          .geometry = &geometry(),
           .strategy = &strategy,
-          .continuation_strategy = continuation_strategy_.get(),
+          .continuation_strategy =
+              continuation_strategy_ ? continuation_strategy_->strategy.get() : nullptr,
           .local_lights = local_lights_.view(),
           .camera = camera_,
-          .tracer = {.scene = geometry_->scene(),
+          .tracer = {.scene = geometry().scene(),
                      .closest = options().backend,
                      .occlusion = options().backend,
                      .recorder = nullptr,
-                     .first_with_alpha = geometry_->has_alpha()
-                                             ? std::optional(geometry_->first_with_alpha())
+                     .first_with_alpha = geometry().has_alpha()
+                                             ? std::optional(geometry().first_with_alpha())
                                              : std::nullopt},
           .sphere = sphere_,
           .filter = {.density = filter_densities_.data(), .radius = options().filter_radius},
           .emitter = emitter,
-          .map = &map_,
+          .map = &map_->map,
           .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
 }
 
@@ -243,7 +225,8 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   CheckLightPaths(integrator);
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options().threads, [&] {
-    strategy = MakeUsableStrategy(specification, map_, has_environment(), changed);
+    strategy = MakeStrategy(specification, map_->map);
+    CheckStrategy(*strategy, specification, has_environment(), changed);
   });
   return strategy;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "job/job_parts.h"
 #include "job/request.h"
 #include "lights/strategies/strategy.h"
 #include "scene/geometry.h"
@@ -23,13 +24,14 @@ struct JobTimes {
 
 class RenderJob {
  public:
-  // Reads, checks and builds; throws InputError. No file is touched for writing.
-  explicit RenderJob(const JobRequest& request);
+  // Reads, checks and builds; throws InputError. No file is touched for writing. What jobs have in
+  // common comes from `cache`, if there is one.
+  explicit RenderJob(const JobRequest& request, JobCache* cache = nullptr);
   // The same for a scene that is in memory already; `request.scene` only names it in errors.
   // `load_seconds` is the time that reading it took.
   RenderJob(Scene scene, const JobRequest& request, double load_seconds = 0);
 
-  FrameView frame() const { return frame(options().integrator, *strategy_); }
+  FrameView frame() const { return frame(options().integrator, strategy()); }
   // The film keeps `layers` in addition to those of the options.
   Film MakeFilm(AovSet layers = 0) const { return MakeFilm(options().integrator, layers); }
   // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy
@@ -43,8 +45,8 @@ class RenderJob {
   const RenderOptions& options() const { return request_.options; }
   // The request with a value for every option (ResolveRequest).
   const JobRequest& request() const { return request_; }
-  const Geometry& geometry() const { return *geometry_; }
-  const EnvStrategy& strategy() const { return *strategy_; }
+  const Geometry& geometry() const { return geometry_->geometry; }
+  const EnvStrategy& strategy() const { return *strategy_->strategy; }
   const LocalLights& local_lights() const { return local_lights_; }
   const JobTimes& times() const { return times_; }
   std::uint64_t scene_hash() const { return scene_hash_; }
@@ -53,23 +55,23 @@ class RenderJob {
   const std::vector<std::string>& notes() const { return notes_; }
 
  private:
-  void BuildOnThreads(Scene scene, const JobRequest& request);
-  void Build(Scene scene, const JobRequest& request);
+  void Build(JobParts parts, const JobRequest& request);
   // The steps of Build, in their order.
-  void PlaceCamera(Scene& scene, const Bounds& bounds);
-  void PlaceLights(const Scene& scene, const Image& map, float radius);
-  void BuildStrategies();
+  void PlaceCamera(const Scene& scene, const Bounds& bounds);
+  void PlaceLights(const PreparedScene& prepared, const LoadedLight& light);
+  void BuildStrategies(const JobParts& parts, const LoadedLight& light);
   bool has_environment() const;
   void CheckLightPaths(Integrator integrator) const;
 
   JobRequest request_;  // resolved
-  std::unique_ptr<Geometry> geometry_;
-  EnvironmentMap map_;  // strategies read its pixels
+  std::shared_ptr<const BuiltGeometry> geometry_;
+  std::shared_ptr<const PlacedMap> map_;  // strategies read its pixels
   LocalLights local_lights_;
   LightGroups light_groups_;  // where they are asked for
-  std::unique_ptr<EnvStrategy> strategy_, continuation_strategy_;
-  std::unique_ptr<EnvStrategy> emitter_;  // of light paths, for strategies that cannot emit
+  std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
+  std::shared_ptr<const StrategyTables> emitter_;  // of light paths; null: `strategy_` can emit
   std::vector<float> filter_offsets_, filter_densities_;
+  Camera scene_camera_;
   CameraView camera_;
   SceneSphere sphere_;
   float brightest_ = 0;     // channel of map and local lights [scene radiance]

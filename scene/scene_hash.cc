@@ -14,6 +14,8 @@ namespace {
 class Hash {
  public:
   Hash() { XXH64_reset(state_.get(), 0); }
+  Hash(const Hash& other) { XXH64_copyState(state_.get(), other.state_.get()); }
+  Hash& operator=(const Hash&) = delete;
   std::uint64_t value() const { return XXH64_digest(state_.get()); }
 
   template <class T>
@@ -77,9 +79,9 @@ void AddCamera(const Camera& camera, Hash& hash) {
   hash.Add(camera.lens_radius), hash.Add(camera.focal_distance);
 }
 
-void AddEnvironment(const EnvironmentLight& light, Hash& hash) {
+void AddEnvironment(const EnvironmentLight& light, const glm::mat3& world_from_map, Hash& hash) {
   if (light.map) AddImage(*light.map, hash);
-  hash.Add(light.scale), hash.Add(light.world_from_map);
+  hash.Add(light.scale), hash.Add(world_from_map);
 }
 
 void AddLight(const PunctualLight& light, Hash& hash) {
@@ -89,15 +91,32 @@ void AddLight(const PunctualLight& light, Hash& hash) {
 
 }  // namespace
 
+SceneHashContent::SceneHashContent(const Scene& scene) {
+  const auto hash = std::make_shared<Hash>();
+  for (const Mesh& mesh : scene.meshes) AddMesh(mesh, *hash);
+  for (const Material& material : scene.materials) AddMaterial(material, *hash);
+  for (const MeasuredBrdf& brdf : scene.measured) hash->AddAll(brdf.rgb);
+  for (const Texture& texture : scene.textures) AddTexture(texture, *hash);
+  for (const Image& image : scene.images) AddImage(image, *hash);
+  state_ = hash;
+}
+
+std::uint64_t SceneHashContent::WithView(const Camera& camera, const EnvironmentLight& light,
+                                         const glm::mat3& world_from_map,
+                                         std::span<const PunctualLight> lights) const {
+  Hash hash = *static_cast<const Hash*>(state_.get());
+  AddCamera(camera, hash);
+  AddEnvironment(light, world_from_map, hash);
+  for (const PunctualLight& punctual : lights) AddLight(punctual, hash);
+  return hash.value();
+}
+
 std::uint64_t SceneHash(const Scene& scene) {
-  Hash hash;
-  for (const Mesh& mesh : scene.meshes) AddMesh(mesh, hash);
-  for (const Material& material : scene.materials) AddMaterial(material, hash);
-  for (const MeasuredBrdf& brdf : scene.measured) hash.AddAll(brdf.rgb);
-  for (const Texture& texture : scene.textures) AddTexture(texture, hash);
-  for (const Image& image : scene.images) AddImage(image, hash);
+  Hash hash = *static_cast<const Hash*>(SceneHashContent(scene).state_.get());
   if (scene.camera) AddCamera(*scene.camera, hash);
-  for (const EnvironmentLight& light : scene.environments) AddEnvironment(light, hash);
+  for (const EnvironmentLight& light : scene.environments) {
+    AddEnvironment(light, light.world_from_map, hash);
+  }
   for (const PunctualLight& light : scene.lights) AddLight(light, hash);
   return hash.value();
 }

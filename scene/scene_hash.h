@@ -2,10 +2,29 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
 
 #include "scene/scene.h"
 
 namespace skywave {
+
+// What the meshes, materials and textures of a scene bring to its hash: most of the work, which
+// pictures by other cameras or under other lights have in common.
+class SceneHashContent {
+ public:
+  SceneHashContent() = default;
+  explicit SceneHashContent(const Scene& scene);
+  // Returns the hash of a scene with this content, of which `light` is the only light from
+  // infinitely far away; it lies in the world as `world_from_map` says.
+  std::uint64_t WithView(const Camera& camera, const EnvironmentLight& light,
+                         const glm::mat3& world_from_map,
+                         std::span<const PunctualLight> lights) const;
+
+ private:
+  friend std::uint64_t SceneHash(const Scene& scene);
+  std::shared_ptr<const void> state_;  // of the hash, after the content
+};
 
 // Returns a hash of everything that decides what a scene looks like: meshes, materials, camera and
 // lights. Two scenes with the same hash give the same picture for the same settings.

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "batch/report.h"
+#include "batch/save.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/worker_pool.h"
 
@@ -33,7 +34,7 @@ TEST_F(Run, GoesOnAfterAFailureAndEndsWithTheFirstOnesCode) {
     EXPECT_EQ(next, picture.index == 4 ? nullptr : &plan_.pictures[picture.index + 1]);
     if (picture.index == 1) throw InputError(InputPosition::File("a.exr"), "is torn", kExitIo);
     if (picture.index == 3) throw std::runtime_error("surprise");
-    return PictureResult{.status = PictureStatus::kRendered, .render_seconds = 2, .samples = 10};
+    return Known({.status = PictureStatus::kRendered, .render_seconds = 2, .samples = 10});
   };
   std::vector<std::size_t> pending;
   BatchReporter reporter;
@@ -61,7 +62,7 @@ TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {
   const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
     rendered_.push_back(picture.index);
     if (picture.index == 2) folder_.Write("job.toml", plan_.bytes + "\n");
-    return PictureResult{.status = PictureStatus::kRendered};
+    return Known({.status = PictureStatus::kRendered});
   };
   const BatchSummary summary = RunBatch(plan_, render, {});
   EXPECT_EQ(rendered_, (std::vector<std::size_t>{0, 1, 2}));
@@ -73,7 +74,7 @@ TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {
 TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
   const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
     if (picture.index == 1) throw RenderCanceled();
-    return PictureResult{.status = PictureStatus::kRendered};
+    return Known({.status = PictureStatus::kRendered});
   };
   std::size_t saved = 0;
   BatchReporter reporter;
@@ -82,6 +83,38 @@ TEST_F(Run, SavesWhatThereIsWhenItIsCanceled) {
   };
   EXPECT_THROW(RunBatch(plan_, render, reporter), RenderCanceled);
   EXPECT_EQ(saved, 1u);
+}
+
+TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
+  std::filesystem::create_directory(folder_.Path("o"));
+  BatchSummary first;
+  for (const std::string hash : {"a", "b", "c", "d", ""}) {
+    first.results.push_back({.status = PictureStatus::kRendered,
+                             .render_seconds = 2,
+                             .samples = 10,
+                             .noise = 0.5,
+                             .hash = hash});
+  }
+  BatchFiles(plan_, {}).Save(first);
+
+  BatchSummary second;
+  second.results.resize(5);
+  second.results[0] = {.status = PictureStatus::kSkipped, .hash = "a"};
+  second.results[1] = {.status = PictureStatus::kSkipped, .hash = "other"};
+  second.results[2] = {.status = PictureStatus::kRendered, .render_seconds = 7, .hash = "c"};
+  const BatchFiles files(plan_, {});
+  const BatchSummary told = files.WithEarlier(second);
+  EXPECT_EQ(told.results[0].status, PictureStatus::kSkipped);
+  EXPECT_EQ(told.results[0].render_seconds, 2);
+  EXPECT_EQ(told.results[0].noise, 0.5);
+  EXPECT_EQ(told.results[1].render_seconds, 0);
+  EXPECT_EQ(told.results[2].render_seconds, 7);
+  EXPECT_EQ(told.results[3].status, PictureStatus::kPending);
+  EXPECT_EQ(told.results[3].hash, "d");
+  EXPECT_EQ(told.samples(), 10u);
+
+  folder_.Write("o/job.batch.json", "{\"schema\": \"skywave-batch-1\", \"pictures\": [7]}");
+  EXPECT_EQ(BatchFiles(plan_, {}).WithEarlier(second).results[0].render_seconds, 0);
 }
 
 }  // namespace

@@ -81,6 +81,16 @@ class RenderTest(Case):
         skywave.render("scene.pbrt", strict=False, **SMALL)
         with self.assertRaisesRegex(skywave.Error, "max_triangles"):
             skywave.Scene("scene.pbrt", max_triangles=0)
+        still = skywave.render("scene.pbrt", frame=12.5, fps=25, **SMALL)
+        self.assertTrue(any("no animation" in note for note in still.notes), still.notes)
+
+    def test_changes_of_materials_are_a_list(self):
+        changes = ["glass=mirror", "plaster=:reflectance=0.8/0.1/0.1"]
+        picture = skywave.render("gallery", material=changes, orbit=30, **SMALL)
+        self.assert_same_bits(
+            picture.rgb, skywave.render("gallery", material=";".join(changes), orbit=30, **SMALL).rgb)
+        plain = skywave.render("gallery", orbit=30, **SMALL)
+        self.assertFalse(numpy.array_equal(picture.rgb, plain.rgb))
 
     def test_picture(self):
         write_obj("mesh.obj")

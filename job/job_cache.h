@@ -1,0 +1,62 @@
+// Keeps what several jobs of a process have in common, within a limit of memory.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+namespace skywave {
+
+// A cache of values that are expensive to make, by text keys. What has not been asked for for the
+// longest time is dropped first; whoever holds a value keeps it alive. Threads may share a cache.
+class JobCache {
+ public:
+  // What is kept takes at most about this memory [bytes], besides what is in use.
+  explicit JobCache(std::uint64_t most_bytes) : most_bytes_(most_bytes) {}
+
+  // Returns the value of `key`, a `T` of so many `bytes()`. `make` makes it if it is not there;
+  // other threads that ask for it meanwhile wait. If `make` throws, they get its exception too, and
+  // nothing is kept. Keys of values of different types differ.
+  template <class T>
+  std::shared_ptr<const T> Get(const std::string& key,
+                               const std::function<std::shared_ptr<const T>()>& make) {
+    std::promise<Value> promise;
+    const auto [value, is_new] = Find(key, promise);
+    if (is_new)
+      Fill(key, promise, [&] {
+        std::shared_ptr<const T> made = make();
+        const std::uint64_t bytes = made->bytes();
+        return std::pair<Value, std::uint64_t>(std::move(made), bytes);
+      });
+    return std::static_pointer_cast<const T>(value.get());
+  }
+
+  std::uint64_t bytes() const;  // of what is kept
+
+ private:
+  using Value = std::shared_ptr<const void>;
+  struct Entry {
+    std::shared_future<Value> value;
+    std::uint64_t bytes = 0, last_use = 0;
+    bool made = false;
+  };
+
+  // Returns the value of an entry, which is new if there was none: then `promise` is its.
+  std::pair<std::shared_future<Value>, bool> Find(const std::string& key,
+                                                  std::promise<Value>& promise);
+  void Fill(const std::string& key, std::promise<Value>& promise,
+            const std::function<std::pair<Value, std::uint64_t>()>& make);
+  void DropOldest();
+
+  const std::uint64_t most_bytes_;
+  mutable std::mutex mutex_;  // of what follows
+  std::map<std::string, Entry> entries_;
+  std::uint64_t bytes_ = 0, uses_ = 0;
+};
+
+}  // namespace skywave

@@ -1,0 +1,102 @@
+// The parts that a job is put together from, which jobs of the same scene or map can share.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "job/job_cache.h"
+#include "job/request.h"
+#include "lights/strategies/strategy.h"
+#include "scene/geometry.h"
+#include "scene/scene.h"
+#include "scene/scene_hash.h"
+
+namespace skywave {
+
+// A scene as it was read.
+struct LoadedScene {
+  Scene scene;
+  std::size_t bytes() const;
+};
+
+// A scene as a request changes it: other materials, another up axis, a ground.
+struct PreparedScene {
+  std::shared_ptr<const Scene> scene;
+  Bounds bounds;               // without the ground
+  Bounds whole_bounds;         // with it
+  SceneHashContent content;    // of the hash of its pictures
+  std::size_t copy_bytes = 0;  // of the scene, unless it is that of a LoadedScene
+  std::size_t bytes() const { return copy_bytes; }
+};
+
+// The tables and the BVH of a prepared scene.
+struct BuiltGeometry {
+  Geometry geometry;
+  std::size_t bytes() const { return geometry.bytes() + geometry.bvh_bytes(); }
+};
+
+// The light from infinitely far away, as a map in memory.
+struct LoadedLight {
+  EnvironmentLight light;  // with a map
+  std::vector<std::string> notes;
+  std::uint64_t hash = 0;  // of the map
+  double mean_luminance = 0;
+  float brightest = 0;  // channel
+  std::size_t bytes() const;
+};
+
+// A map as it lies in the world.
+struct PlacedMap {
+  EnvironmentMap map;
+  std::size_t bytes() const;
+};
+
+// The tables of a strategy for a map.
+struct StrategyTables {
+  std::shared_ptr<const PlacedMap> map;
+  std::unique_ptr<const EnvStrategy> strategy;
+  std::size_t bytes() const { return strategy->table_bytes(); }
+};
+
+// Makes the parts of one job, or gets them from a cache that has them already.
+class JobParts {
+ public:
+  // Reads the scene of `request`. Without a cache all parts are made anew.
+  JobParts(const JobRequest& request, JobCache* cache);
+  // Takes a scene that is in memory; its parts are not shared.
+  explicit JobParts(Scene scene);
+
+  const Scene& loaded() const { return loaded_->scene; }
+
+  // These take a resolved request and throw InputError. Prepare comes first.
+  void Prepare(const JobRequest& request);
+  const PreparedScene& prepared() const { return *prepared_; }
+  std::shared_ptr<const LoadedLight> Light(const JobRequest& request) const;
+  std::shared_ptr<const BuiltGeometry> Build(const JobRequest& request, int threads) const;
+  std::shared_ptr<const PlacedMap> Place(const JobRequest& request, const LoadedLight& light) const;
+  std::shared_ptr<const StrategyTables> Tables(const JobRequest& request,
+                                               const std::string& specification,
+                                               const LoadedLight& light,
+                                               const std::shared_ptr<const PlacedMap>& map) const;
+
+  // Returns the columns of the orientation of the light in the world.
+  glm::mat3 WorldFromMap(const JobRequest& request, const LoadedLight& light) const;
+
+ private:
+  // Returns the part with the key, made by `make` unless the cache has it.
+  template <class T, class Make>
+  std::shared_ptr<const T> Get(const std::string& key, const Make& make) const;
+  std::string MapKey(const JobRequest& request) const;
+  std::string PlacedKey(const JobRequest& request, const LoadedLight& light) const;
+
+  JobCache* cache_;
+  std::string scene_key_, prepared_key_;
+  std::shared_ptr<const LoadedScene> loaded_;
+  std::shared_ptr<const PreparedScene> prepared_;
+};
+
+}  // namespace skywave
