@@ -1,7 +1,9 @@
 #include "batch/run.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
+#include <utility>
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -38,27 +40,41 @@ std::future<PictureResult> RenderOrFail(const RenderPicture& render, const Batch
   return written.valid() ? std::move(written) : Known(std::move(failure));
 }
 
-// Saves the summary where that takes little of the time.
+// Saves the summary where that takes little of the time, while pictures are rendered.
 class Saver {
  public:
   explicit Saver(const BatchReporter& reporter) : reporter_(reporter) {}
   void Save(BatchSummary& summary) {
     if (!reporter_.save) return;
+    if (saving_.valid()) saving_.get();
     summary.seconds = SecondsSince(start_);
+    SaveNow(summary);
+  }
+  void SaveSometimes(BatchSummary& summary) {
+    if (!reporter_.save) return;
+    if (saving_.valid()) {
+      if (saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+      saving_.get();
+    }
+    constexpr double kShare = 0.02;
+    if (SecondsSince(last_) * kShare < took_) return;
+    summary.seconds = SecondsSince(start_);
+    saving_ = std::async(std::launch::async, [this, summary] { SaveNow(summary); });
+  }
+
+ private:
+  void SaveNow(const BatchSummary& summary) {
     const Clock::time_point begin = Clock::now();
     reporter_.save(summary);
     last_ = Clock::now();
     took_ = SecondsSince(begin);
   }
-  void SaveSometimes(BatchSummary& summary) {
-    constexpr double kShare = 0.02;
-    if (SecondsSince(last_) * kShare >= took_) Save(summary);
-  }
 
- private:
   const BatchReporter& reporter_;
-  Clock::time_point start_ = Clock::now(), last_ = start_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_ = start_;  // of the last save, which took so long; written while it runs
   double took_ = 0;
+  std::future<void> saving_;
 };
 
 // Returns whether the job file is what it was; notes in the summary where it is not.

@@ -64,7 +64,7 @@ struct BatchReporter {
   std::function<void(const BatchPicture& picture, std::size_t number, std::size_t count)> begin;
   std::function<void(const BatchPicture& picture, const PictureResult& result)> end;
   // Keeps the summary so far. Called before the first picture, after the last one, and in between
-  // as often as at most 2 % of the time allows.
+  // as often as at most 2 % of the time allows, then from another thread; one call at a time.
   std::function<void(const BatchSummary& summary)> save;
 };
 
