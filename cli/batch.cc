@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -110,6 +111,7 @@ TextTable ResultTable(const BatchPlan& plan, const BatchSummary& summary) {
 
 // Renders the pictures and returns the exit code.
 int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
+  FailWritesInsteadOfEnding();
   CheckOutputs(plan);
   PrepareOutputs(plan, flags.only);
   ProgressDisplay display(flags.progress, plan.pictures.size());
@@ -146,13 +148,14 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };
   const BatchSummary summary = files.WithEarlier(RunBatch(plan, render, reporter));
   display.Clear();
-  if (!flags.progress.quiet) fmt::print("{}", Text(ResultTable(plan, summary)));
+  if (!flags.progress.quiet) std::fputs(Text(ResultTable(plan, summary)).c_str(), stdout);
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
     const PictureResult& result = summary.results[i];
     if (result.status != PictureStatus::kFailed) continue;
-    fmt::print(stderr, "skywave: {}: {}\n", plan.pictures[i].output, result.error);
+    std::fprintf(stderr, "skywave: %s: %s\n", plan.pictures[i].output.c_str(),
+                 result.error.c_str());
   }
-  if (!summary.stopped.empty()) fmt::print(stderr, "skywave: {}\n", summary.stopped);
+  if (!summary.stopped.empty()) std::fprintf(stderr, "skywave: %s\n", summary.stopped.c_str());
   return summary.exit_code;
 }
 

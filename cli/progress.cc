@@ -1,6 +1,5 @@
 #include "cli/progress.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -15,6 +14,12 @@ namespace {
 ProgressForm FormOf(const ProgressFlags& flags) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   return flags.form.value_or(terminal ? ProgressForm::kBar : ProgressForm::kPlain);
+}
+
+// Who reads this may have left, which is no reason to end.
+void Put(std::FILE* file, const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), file);
+  std::fflush(file);
 }
 
 // Seconds between two lines, at least.
@@ -72,8 +77,7 @@ void ProgressDisplay::Skip() {
 
 void ProgressDisplay::Clear() {
   if (!drawn_) return;
-  fmt::print(stderr, "\r\033[K");
-  std::fflush(stderr);
+  Put(stderr, "\r\033[K");
   drawn_ = false;
   last_.reset();
 }
@@ -84,17 +88,15 @@ void ProgressDisplay::Print(bool now) {
   state_.seconds = SecondsSince(start_);
   state_.picture_seconds = SecondsSince(picture_start_);
   if (form_ == ProgressForm::kBar) {
-    fmt::print(stderr, "\r\033[K{}", BarText(state_));
+    Put(stderr, "\r\033[K" + BarText(state_));
     drawn_ = true;
   } else if (form_ == ProgressForm::kPlain) {
-    fmt::print(stderr, "{}", PlainText(state_));
+    Put(stderr, PlainText(state_));
   } else if (form_ == ProgressForm::kJson) {
-    fmt::print(stderr, "{}", JsonText(state_));
+    Put(stderr, JsonText(state_));
   } else {
-    fmt::print("{}", OpenJdText(state_));
-    std::fflush(stdout);
+    Put(stdout, OpenJdText(state_));
   }
-  std::fflush(stderr);
 }
 
 void ShowProgress(ProgressDisplay& display, const std::string& what, std::uint64_t total,
@@ -112,14 +114,13 @@ int TellFailures(const ProgressFlags& flags, const std::function<int()>& work) {
   try {
     return work();
   } catch (...) {
-    fmt::print("{}", OpenJdFailure(DescribeError(std::current_exception()).text));
-    std::fflush(stdout);
+    Put(stdout, OpenJdFailure(DescribeError(std::current_exception()).text));
     throw;
   }
 }
 
 void PrintNotes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : notes) Put(stderr, "note: " + note + "\n");
 }
 
 }  // namespace skywave

@@ -27,6 +27,10 @@ void CatchStopSignals() {
   }
 }
 
+void FailWritesInsteadOfEnding() {
+  for (const int signal : {SIGXFSZ, SIGPIPE}) Catch(signal, SIG_IGN, 0);
+}
+
 bool StopAsked() { return stop_asked; }
 
 void CatchSnapshotSignal() {

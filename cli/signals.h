@@ -8,6 +8,10 @@ void CatchStopSignals();
 // True once an end has been asked for.
 bool StopAsked();
 
+// Writing beyond the limit of file sizes, or to a pipe that nobody reads, fails instead of ending
+// the process. Long commands go on without those who have listened.
+void FailWritesInsteadOfEnding();
+
 // SIGUSR1 asks for a snapshot.
 void CatchSnapshotSignal();
 // True if a snapshot has been asked for since the last call.

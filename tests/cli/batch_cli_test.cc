@@ -109,6 +109,35 @@ TEST_F(Batch, APictureThatFailsIsToldAndTheOthersAreMade) {
                             "job.batch.html", "job.batch.json"}));
 }
 
+// A shell's limit of 1 KiB for files stands for a full disk.
+TEST_F(Batch, AFullDiskFailsThePicturesAndLeavesNoPart) {
+  Put("job.toml", kJob);
+  const Result result = Shell("ulimit -f 1; '" + ProgramPath() + "' batch job.toml -q");
+  EXPECT_EQ(result.exit_code, kExitIo) << result.err;
+  for (const std::string& name : FilesIn("out")) EXPECT_FALSE(name.ends_with(".part")) << name;
+  EXPECT_EQ(Run("batch job.toml -q").exit_code, 0);
+  EXPECT_EQ(FilesIn("out").size(), 8u);
+}
+
+TEST_F(Batch, AReaderOfTheTableThatLeavesLosesNoPicture) {
+  Put("job.toml", kJob);
+  EXPECT_EQ(Shell("'" + ProgramPath() + "' batch job.toml 2>&1 | true").exit_code, 0);
+  EXPECT_EQ(FilesIn("out").size(), 8u);
+}
+
+TEST_F(Batch, TwoAtOnceMakeTheSameWholePictures) {
+  Put("job.toml", kJob);
+  EXPECT_EQ(Run("batch job.toml -q -o alone").exit_code, 0);
+  const std::string command = "'" + ProgramPath() + "' batch job.toml -q -o both --checkpoint 0.01";
+  const Result both = Shell(command + " & " + command + "; code=$?; wait $! && exit $code");
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  EXPECT_EQ(FilesIn("both/out"), FilesIn("alone/out"));
+  for (const std::string& name : FilesIn("alone/out")) {
+    if (Contains(name, "batch")) continue;
+    EXPECT_EQ(Bytes("both/out/" + name), Bytes("alone/out/" + name)) << name;
+  }
+}
+
 TEST_F(Batch, BadFlagsAndFilesAreRefusedBeforeTheFirstRay) {
   Put("job.toml", kJob);
   Put("typo.toml", std::string(kJob) + "[axs]\n");

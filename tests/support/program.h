@@ -31,8 +31,13 @@ class Program : public testing::Test {
 
   // Runs `skywave arguments` in the test's folder. The shell splits the arguments.
   Result Run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_ + "/files' || exit; '" + ProgramPath() + "' " +
-                                arguments + " >../out 2>../err </dev/null";
+    return Shell("'" + ProgramPath() + "' " + arguments);
+  }
+
+  // Runs a command of the shell there.
+  Result Shell(const std::string& line) const {
+    const std::string command =
+        "cd '" + folder_ + "/files' || exit; { " + line + "; } >../out 2>../err </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ + "/out"),
             ReadFile(folder_ + "/err")};
