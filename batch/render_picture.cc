@@ -130,19 +130,19 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
   result.noise = NoiseOf(job, limits, rendered);
-  Picture resolved = ResolvePicture(rendered.film, rendered.part.samples.count(), options.aovs,
-                                    ready.identity, rendered.part, Tone(ready.request.exposure));
-  const std::string words = LimitWords(limits);
-  if (!words.empty()) resolved.metadata.emplace_back("limits", words);
-  const auto write = [result = std::move(result), resolved = std::move(resolved),
-                      exr = picture.output, checkpoint]() mutable {
+  auto write = [result = std::move(result), rendered = std::move(rendered),
+                identity = ready.identity, aovs = options.aovs, tone = Tone(ready.request.exposure),
+                limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {
     const Clock::time_point start = Clock::now();
+    Picture resolved = ResolvePicture(rendered.film, rendered.part.samples.count(), aovs, identity,
+                                      rendered.part, tone);
+    if (!limit_words.empty()) resolved.metadata.emplace_back("limits", limit_words);
     result.hash = WriteAndReadBack(exr, resolved);
     std::filesystem::remove(checkpoint);
     result.write_seconds = SecondsSince(start);
     return std::move(result);
   };
-  return std::async(std::launch::async, write);
+  return std::async(std::launch::async, std::move(write));
 } catch (const OptionError& error) {
   throw AtOption(plan_.path, picture.options, error);
 }
