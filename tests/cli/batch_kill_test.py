@@ -71,7 +71,8 @@ def check_exr(data):
         raw = (right - left + 1) * min(16, bottom - first + 1) * bytes_per_pixel
         assert first == top + 16 * block and at + 8 + size <= len(data), f"block {block} is torn"
         if size < raw:
-            assert len(zlib.decompress(data[at + 8:at + 8 + size])) == raw, f"block {block} is short"
+            block_bytes = zlib.decompress(data[at + 8:at + 8 + size])
+            assert len(block_bytes) == raw, f"block {block} is short"
         at += 8 + size
     assert at == len(data), "bytes behind the last block"
 
