@@ -26,7 +26,7 @@ JOB = """
 scene = "spheres"
 [axes]
 look = [
-  { label = "long", size = "128x96", spp = 16 },
+  { label = "long", size = "128x96", spp = 64 },
   { label = "large", size = "160x120", spp = 1, aovs = "all" },
   { label = "map", size = "48x32", spp = 1, env = "sky.pfm", strategy = "importance" },
   { label = "guided", size = "64x64", spp = 8, env = "sky.pfm", integrator = "bdpt" },
