@@ -27,6 +27,8 @@ void CatchStopSignals() {
   }
 }
 
+void TakeFileLimitsAsErrors() { Catch(SIGXFSZ, SIG_IGN, 0); }
+
 bool StopAsked() { return stop_asked; }
 
 void CatchSnapshotSignal() {

@@ -1,4 +1,5 @@
-// Signals ask a long render to save what it has and end, or to show it.
+// Signals ask a long render to save what it has and end, or to show it; others are errors of
+// writing.
 #pragma once
 
 namespace skywave {
@@ -7,6 +8,10 @@ namespace skywave {
 void CatchStopSignals();
 // True once an end has been asked for.
 bool StopAsked();
+
+// A write beyond the limit of file sizes (ulimit -f) fails with an error, like one on a full disk,
+// instead of ending the process by SIGXFSZ.
+void TakeFileLimitsAsErrors();
 
 // SIGUSR1 asks for a snapshot.
 void CatchSnapshotSignal();
