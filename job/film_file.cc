@@ -215,6 +215,7 @@ void WriteFilm(const std::string& path, const FilmFile& file, const Film& film) 
   bytes += film.PackPicture();
   Append(bytes, XXH64(bytes.data(), bytes.size(), 0));
   WriteFileAtomically(path, bytes);
+  SyncFolderOf(path);
 }
 
 FilmInFile ReadFilm(const std::string& path) {
