@@ -77,6 +77,24 @@ TEST_F(RenderStop, Sigusr1WritesASnapshotAndChangesNothing) {
   EXPECT_GT(*std::max_element(snapshot.rgb.begin(), snapshot.rgb.end()), 0);
 }
 
+TEST_F(RenderStop, ASnapshotThatCannotBeWrittenIsANote) {
+  ASSERT_EQ(RunAnd("render spheres --size 160x120 --spp 150 -o a.exr --threads 1",
+                   "mkdir a.snapshot.exr; kill -USR1 $pid"),
+            0)
+      << Errors();
+  EXPECT_NE(Errors().find("a.snapshot.exr: "), std::string::npos) << Errors();
+  EXPECT_TRUE(Exists("a.exr"));
+}
+
+TEST_F(RenderStop, NoFileIsWrittenTwice) {
+  const std::string small = "render spheres --size 8x8 --spp 1 -q ";
+  for (const std::string names :
+       {"--film a.checkpoint --resume", "-o a.exr --film a.exr", "-o a.exr --stats a.png"}) {
+    EXPECT_EQ(Run(small + names).exit_code, kExitUsage) << names;
+  }
+  EXPECT_EQ(Files(), std::set<std::string>());
+}
+
 TEST_F(RenderStop, PartsAreMergedToTheBytesOfOneRender) {
   const std::string picture = "render spheres --size 40x30 --spp 6 --tone filmic -q ";
   ASSERT_EQ(Run(picture + "-o whole.exr").exit_code, 0);
