@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -150,6 +151,28 @@ TEST_F(Session, IsStoppedByTellAndFinishedByAnotherToTheSameBytes) {
             RepeatCommand(identity, whole.part));
   EXPECT_GT(finished.seconds, saved.file.seconds);
   EXPECT_TRUE(std::filesystem::exists(path())) << "it is the caller's to remove";
+}
+
+TEST_F(Session, GoesOnFromACheckpointOfAllThereIs) {
+  // A step of path has 20 tiles; each of the six of vcm has 6.
+  for (const auto& [integrator, all] :
+       {std::pair(Integrator::kPath, 20), std::pair(Integrator::kVcm, 36)}) {
+    SCOPED_TRACE(ToString(integrator));
+    JobRequest request = Request();
+    request.integrator = integrator;
+    // It is stopped while the last tile is told.
+    SessionRequest stopped = {.checkpoint = {.path = path()}};
+    stopped.tell = [](double done) { return done < 1; };
+    std::atomic<int> tiles = all;
+    stopped.on_tile = [&tiles](const Film&, const Tile&, std::uint32_t) {
+      if (--tiles == 0) std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    };
+    EXPECT_THROW(Rendered(request, stopped), RenderCanceled);
+    EXPECT_EQ(ReadFilm(path()).file.state.step, (SampleRange{kSamples, kSamples}));
+    const RenderedFilm resumed = Rendered(request, Resuming());
+    EXPECT_EQ(resumed.part.samples, (SampleRange{0, kSamples}));
+    EXPECT_TRUE(resumed.film.PackPicture() == Rendered(request, {}).film.PackPicture());
+  }
 }
 
 TEST_F(Session, KeepsCheckpointsAndShowsSnapshotsMeanwhile) {
