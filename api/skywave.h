@@ -127,7 +127,8 @@ struct RenderControl {
   // Render.
   std::function<std::string()> snapshot = {};
   // "HOST:PORT" of the viewer tev, which shows tiles and layers as they are finished, and in the
-  // end the picture. If it cannot be reached, notes() say so behind Render. Empty: nothing is shown.
+  // end the picture. If it cannot be reached, notes() say so behind Render. Empty: nothing is
+  // shown.
   std::string viewer = {};
   std::string name_in_viewer = "skywave";
 };

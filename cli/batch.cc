@@ -2,18 +2,21 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "batch/check.h"
 #include "batch/plan.h"
 #include "batch/render_picture.h"
 #include "batch/report.h"
 #include "batch/run.h"
 #include "batch/save.h"
+#include "batch/slurm.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
@@ -28,6 +31,8 @@ struct BatchFlags {
   BatchShare only;
   double checkpoint_seconds = 0;
   bool list = false, dry_run = false, json = false, force = false;
+  std::string slurm;
+  std::uint32_t shards = 1;
   ProgressFlags progress;
 };
 
@@ -69,6 +74,8 @@ std::vector<OptionOf<BatchFlags>> BatchOptions() {
     option({.name = "dry-run", .help = "read every scene and map, check every option, and render nothing"}, FIELD(dry_run), Switches()),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(progress.quiet), Switches()),
     ProgressOption<BatchFlags>(),
+    option({.name = "slurm", .group = "Farm", .help = "write scripts for Slurm to this folder, and render nothing (docs/farm.md)", .excludes = "only"}, FIELD(slurm), Texts("FOLDER")),
+    option({.name = "shards", .group = "Farm", .help = "with --slurm: parts into which the samples of each picture are cut", .needs = "slurm"}, FIELD(shards), Numbers(1u, 1000u)),
   };
   // clang-format on
 }
@@ -149,6 +156,24 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   return summary.exit_code;
 }
 
+int WriteSlurmScripts(const BatchFlags& flags, const BatchPlan& plan) {
+  CheckOutputs(plan);
+  const SlurmPlan slurm = PlanForSlurm(plan, flags.output_folder, flags.slurm, flags.shards);
+  std::error_code error;
+  std::filesystem::create_directories(slurm.folder, error);
+  for (const SlurmScript& script : SlurmScripts(slurm)) {
+    const std::string path = slurm.folder + "/" + script.name;
+    WriteFileAtomically(path, script.text);
+    std::filesystem::permissions(path, std::filesystem::perms::owner_exec,
+                                 std::filesystem::perm_options::add, error);
+  }
+  if (!flags.progress.quiet) {
+    fmt::print("wrote scripts for {} pictures; submit them with {}/submit.sh\n",
+               plan.pictures.size(), slurm.folder);
+  }
+  return 0;
+}
+
 int BatchMain(const BatchFlags& flags) {
   const BatchPlan plan = ShareOf(ReadBatchPlan(flags.job_file, flags.output_folder), flags.only);
   if (plan.pictures.empty()) {
@@ -167,6 +192,7 @@ int BatchMain(const BatchFlags& flags) {
                double(checked.samples) * 1e-6, checked.scenes, checked.maps);
     return 0;
   }
+  if (!flags.slurm.empty()) return WriteSlurmScripts(flags, plan);
   try {
     return RenderBatch(flags, plan);
   } catch (const RenderCanceled&) {
@@ -186,7 +212,8 @@ Command BatchCommand() {
                          "  skywave batch turntable.toml --list\n"
                          "  skywave batch turntable.toml --dry-run\n"
                          "  skywave batch turntable.toml -o renders\n"
-                         "  skywave batch turntable.toml --only 1/4",
+                         "  skywave batch turntable.toml --only 1/4\n"
+                         "  skywave batch turntable.toml --slurm farm --shards 8",
                      .run = [flags](const GivenOptions&) {
                        return TellFailures(flags->progress, [&] { return BatchMain(*flags); });
                      }};

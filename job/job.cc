@@ -113,9 +113,8 @@ void RenderJob::Build(JobParts parts, const JobRequest& request) {
   CheckLightPaths(options().integrator);
 
   // For the hash the light is part of the scene; for the strategy it is a map.
-  scene_hash_ =
-      prepared.content.WithView(scene_camera_, light->light, parts.WorldFromMap(request_, *light),
-                                prepared.scene->lights);
+  scene_hash_ = prepared.content.WithView(
+      scene_camera_, light->light, parts.WorldFromMap(request_, *light), prepared.scene->lights);
   map_hash_ = light->hash;
   times_.tables = Time([&] { BuildStrategies(parts, *light); });
 }

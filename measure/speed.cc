@@ -105,7 +105,8 @@ Speed MeasureSpeed(const RenderJob& job, const SpeedSettings& settings, Film& fi
   Speed speed;
   speed.load_average_before = LoadAverage();
   std::vector<RayRecorder> ordered[kRayOrders];
-  speed.first = RenderFrame(job.frame(), film, {.recorders = settings.replay ? &ordered[0] : nullptr});
+  speed.first =
+      RenderFrame(job.frame(), film, {.recorders = settings.replay ? &ordered[0] : nullptr});
   if (settings.replay) {
     for (int order = 1; order < kRayOrders; ++order) {
       ordered[order] = OrderRays(ordered[0], kReplayOrders[order]);

@@ -13,7 +13,7 @@ packages=(
 )
 python=(python3-dev python3-numpy pybind11-dev)
 test=(libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache valgrind groff-base pkg-config
-      "${python[@]}")
+      make munge slurm-client slurmctld slurmd "${python[@]}")
 clang14=(clang-format-14 clang-tidy-14)  # others format and warn differently; Debian 13 has none
 # shellcheck source=/dev/null
 system=$(. /etc/os-release && echo "$ID ${VERSION_ID:-}")

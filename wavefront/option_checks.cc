@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <vector>
 
 #include "base/error.h"
+#include "base/granted.h"
 #include "wavefront/photons/photon_map.h"
 #include "wavefront/photons/photon_pass.h"
 
@@ -65,8 +65,7 @@ void CheckPasses(const RenderOptions& options) {
                       fmt::format("each pass needs a sample a pixel, and `spp` is {}",
                                   PictureSamples(options).count()));
   }
-  CheckPhotonMemory(options,
-                    std::uint64_t(sysconf(_SC_PHYS_PAGES)) * std::uint64_t(sysconf(_SC_PAGESIZE)));
+  CheckPhotonMemory(options, GrantedHere().memory_bytes);
 }
 
 // Returns how many light vertices a pass has at most: options.photons.indirect, or all that its

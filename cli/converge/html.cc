@@ -70,9 +70,8 @@ std::string Html(const ConvergeReport& report, const ToneMapping& tone) {
       "<h1>{}: error at equal time</h1>\n"
       "<p>{} x {} pixels, {} threads, {} runs each; skywave {}.<br>\n"
       "<code>{}</code></p>\n",
-      EscapeXml(report.scene), options.width, options.height,
-      ThreadsFor(options.threads), report.settings.repeats,
-      Version(), EscapeXml(report.command));
+      EscapeXml(report.scene), options.width, options.height, ThreadsFor(options.threads),
+      report.settings.repeats, Version(), EscapeXml(report.command));
   for (const std::string& warning : report.warnings) {
     page += fmt::format("<p class=\"warning\">{}</p>\n", EscapeXml(warning));
   }

@@ -582,7 +582,12 @@ TEST(LibraryErrors, NameTheBadOption) {
                    [] {
                      api::EncodePng({std::vector<float>{1, 1, 1}, 1, 1}, 0, "x");
                    }},
-                  {"scene", "no light", [] { api::Renderer(api::Scene(), {}); }},
+                  {"scene", "no light",
+                   [] {
+                     api::Scene dark;
+                     dark.AddMesh(Square().mesh());
+                     api::Renderer(dark, {});
+                   }},
                   {"scene", "no triangle",
                    [] {
                      api::Scene empty;
