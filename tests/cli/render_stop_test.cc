@@ -37,7 +37,7 @@ class RenderStop : public Program {
 
 constexpr char kPicture[] = "render spheres --size 160x120 --spp 150 --aovs albedo ";
 
-TEST_F(RenderStop, SigtermAndSigintSaveACheckpointThatIsGoneOnFrom) {
+TEST_F(RenderStop, SigtermAndSigintSaveACheckpointToResume) {
   ASSERT_EQ(Run(std::string(kPicture) + "-o whole.exr -q").exit_code, 0);
   for (const std::string signal : {"TERM", "INT"}) {
     SCOPED_TRACE(signal);
