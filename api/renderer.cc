@@ -140,8 +140,12 @@ void Renderer::Render(const RenderControl& control) {
         const PicturePart part =
             PartOf(*state.job, ChooseSamples(state.limits, state.identity.samples));
         const Picture picture = PictureOf(state, film, samples, part);
-        skywave::WriteExr(snapshot, picture);
-        skywave::WritePng(PngBeside(snapshot), picture);
+        try {
+          skywave::WriteExr(snapshot, picture);
+          skywave::WritePng(PngBeside(snapshot), picture);
+        } catch (const InputError& error) {
+          state.notes.push_back(error.what());  // a look at a picture does not end its render
+        }
       };
     }
     std::optional<PictureDisplay> display;

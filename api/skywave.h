@@ -123,7 +123,8 @@ struct RenderControl {
   double checkpoint_seconds = 0;
   bool resume = false;  // go on from that file, if it exists, to the same bytes
   // Asked as often as `progress` is called. If it returns the name of an EXR, the picture as it is
-  // then is written there, and to a PNG of the same name.
+  // then is written there, and to a PNG of the same name. If that fails, notes() say so behind
+  // Render.
   std::function<std::string()> snapshot = {};
   // "HOST:PORT" of the viewer tev, which shows tiles and layers as they are finished, and in the
   // end the picture. If it cannot be reached, notes() say so behind Render. Empty: nothing is

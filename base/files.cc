@@ -158,6 +158,15 @@ void WriteFileAtomically(const std::string& path, std::string_view bytes) {
   });
 }
 
+void SyncFolderOf(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(Target(path)).parent_path();
+  const int file =
+      ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (file < 0) return;
+  ::fsync(file);
+  ::close(file);
+}
+
 std::size_t RemoveLeftovers(std::span<const std::string> targets) {
   std::map<std::filesystem::path, std::set<std::string, std::less<>>> names;  // by folder
   for (const std::string& target : targets) {

@@ -23,6 +23,10 @@ void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string& temporary_path)>& write);
 void WriteFileAtomically(const std::string& path, std::string_view bytes);
 
+// Flushes the folder of `path` to disk, so that the name of a file that has just been written
+// survives a loss of power. A folder that cannot be flushed is left as it is.
+void SyncFolderOf(const std::string& path);
+
 // Removes the temporary files of `targets` that writers have left because they were killed, and
 // returns their number. A writer holds a lock (flock) on its file, which ends with its process, on
 // this machine or on another one that shares the folder; so a file is removed only if it can be

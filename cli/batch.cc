@@ -111,7 +111,7 @@ TextTable ResultTable(const BatchPlan& plan, const BatchSummary& summary) {
 
 // Renders the pictures and returns the exit code.
 int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
-  FailWritesInsteadOfEnding();
+  OutliveClosedPipes();
   CheckOutputs(plan);
   PrepareOutputs(plan, flags.only);
   ProgressDisplay display(flags.progress, plan.pictures.size());

@@ -1,6 +1,7 @@
 // Implements skywave render by the library: a scene becomes an EXR and a PNG.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -93,7 +94,14 @@ void CheckOutputs(const RenderFlags& flags) {
                          : "the layers of --aovs need an EXR file, whose name ends in .exr",
                      kExitUsage);
   }
-  for (const std::string& path : Outputs(flags)) {
+  const std::vector<std::string> outputs = Outputs(flags);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const std::string& path = outputs[i];
+    if (std::find(outputs.begin(), outputs.begin() + std::ptrdiff_t(i), path) !=
+        outputs.begin() + std::ptrdiff_t(i)) {
+      throw InputError(InputPosition::File(path), "is to be written twice; give another name",
+                       kExitUsage);
+    }
     CheckNotInput(path, flags.request.scene);
     CheckNotInput(path, flags.request.environment.path);
     CheckWritable(path);

@@ -27,9 +27,9 @@ void CatchStopSignals() {
   }
 }
 
-void FailWritesInsteadOfEnding() {
-  for (const int signal : {SIGXFSZ, SIGPIPE}) Catch(signal, SIG_IGN, 0);
-}
+void TakeFileLimitsAsErrors() { Catch(SIGXFSZ, SIG_IGN, 0); }
+
+void OutliveClosedPipes() { Catch(SIGPIPE, SIG_IGN, 0); }
 
 bool StopAsked() { return stop_asked; }
 

@@ -1,4 +1,5 @@
-// Signals ask a long render to save what it has and end, or to show it.
+// Signals ask a long render to save what it has and end, or to show it; others are errors of
+// writing.
 #pragma once
 
 namespace skywave {
@@ -8,9 +9,13 @@ void CatchStopSignals();
 // True once an end has been asked for.
 bool StopAsked();
 
-// Writing beyond the limit of file sizes, or to a pipe that nobody reads, fails instead of ending
-// the process. Long commands go on without those who have listened.
-void FailWritesInsteadOfEnding();
+// A write beyond the limit of file sizes (ulimit -f) fails with an error, like one on a full disk,
+// instead of ending the process by SIGXFSZ.
+void TakeFileLimitsAsErrors();
+
+// Writing to a pipe that nobody reads fails instead of ending the process: long commands go on
+// without those who have listened.
+void OutliveClosedPipes();
 
 // SIGUSR1 asks for a snapshot.
 void CatchSnapshotSignal();

@@ -22,6 +22,7 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr std::string_view kMagic = "SKYWFILM";
 constexpr int kFormat = 1;
+constexpr std::size_t kMostBytes = std::size_t{1} << 40;
 constexpr std::size_t kHeaderBytes = kMagic.size() + sizeof(std::uint64_t);
 // No film has more values than this, so that sizes of a torn manifest do not exhaust the memory.
 constexpr int kMostPixelsASide = 1 << 20;
@@ -215,10 +216,11 @@ void WriteFilm(const std::string& path, const FilmFile& file, const Film& film) 
   bytes += film.PackPicture();
   Append(bytes, XXH64(bytes.data(), bytes.size(), 0));
   WriteFileAtomically(path, bytes);
+  SyncFolderOf(path);
 }
 
 FilmInFile ReadFilm(const std::string& path) {
-  const std::string bytes = ReadFile(path);
+  const std::string bytes = ReadFile(path, kMostBytes);
   const auto refuse = [&](std::size_t offset, const std::string& why) -> InputError {
     return InputError(InputPosition::Byte(path, offset), why);
   };

@@ -29,7 +29,8 @@ struct FilmFile {
   RenderState state;
 };
 
-// Writes the file as a whole: under another name, synced, renamed. Throws InputError.
+// Writes the file as a whole: under another name, synced, renamed, and its folder synced. Throws
+// InputError.
 void WriteFilm(const std::string& path, const FilmFile& file, const Film& film);
 
 // Reads a manifest and its film, which is all picture. Throws InputError with the byte offset for a

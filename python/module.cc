@@ -250,9 +250,13 @@ void AddRenderer(py::module_& module) {
              return notes;
            })
       .def("render",
-           [](Renderer& renderer, const py::object& progress) {
-             const api::ProgressCallback callback = CallbackOf(progress);
-             renderer.Use([&](api::Renderer& r) { r.Render(callback); });
+           [](Renderer& renderer, const py::object& progress, const std::string& checkpoint,
+              double seconds, bool resume) {
+             const api::RenderControl control = {.progress = CallbackOf(progress),
+                                                 .checkpoint = checkpoint,
+                                                 .checkpoint_seconds = seconds,
+                                                 .resume = resume};
+             renderer.Use([&](api::Renderer& r) { r.Render(control); });
            })
       .def("picture",
            [](Renderer& renderer) {
@@ -287,6 +291,10 @@ void AddRenderer(py::module_& module) {
       .def("write_png",
            [](Renderer& renderer, const std::string& path) {
              renderer.Use([&](api::Renderer& r) { r.WritePng(path); });
+           })
+      .def("write_film",
+           [](Renderer& renderer, const std::string& path) {
+             renderer.Use([&](api::Renderer& r) { r.WriteFilm(path); });
            })
       .def("encode_png", [](Renderer& renderer) {
         return py::bytes(renderer.Use([](api::Renderer& r) { return r.EncodePng(); }));

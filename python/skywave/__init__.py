@@ -42,17 +42,26 @@ def _scene_and_options(scene, env, options):
     return scene._core, own, _convert.options({"env": env, **options})
 
 
-def render(scene, env=None, *, progress=None, **options):
+def render(scene, env=None, *, progress=None, checkpoint=None, checkpoint_seconds=0, resume=False,
+           **options):
     """Renders a file, a built-in scene or a Scene under the map `env`; returns a Picture.
 
     `env` is a file or an array (height, width, 3) of linear radiance. `progress` is called about
     ten times a second with the share that is done, and stops the render with Canceled by returning
-    False. Ctrl-C stops it with KeyboardInterrupt. All other keywords are options, such as size,
-    spp, integrator, strategy, aovs, eye, target, fov, max_depth, seed and threads.
+    False. Ctrl-C stops it with KeyboardInterrupt.
+
+    The file `checkpoint` keeps what is rendered when the render is stopped and, if
+    `checkpoint_seconds` is not 0, as often as that. With `resume` a render goes on from it, if it
+    exists, to the same bits. It stays until you remove it.
+
+    All other keywords are options, such as size, spp, integrator, strategy, aovs, eye, target, fov,
+    max_depth, seed and threads.
     """
+    keeps = (b"" if checkpoint is None else _convert.path(checkpoint, "checkpoint"),
+             _convert.number(checkpoint_seconds, "checkpoint_seconds"), bool(resume))
     with keywords(options):
         renderer = _core.Renderer(*_scene_and_options(scene, env, options))
-    renderer.render(progress)
+    renderer.render(progress, *keeps)
     return Picture(renderer)
 
 

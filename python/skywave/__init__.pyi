@@ -92,6 +92,9 @@ def render(
     env: _Image | None = None,
     *,
     progress: _Progress = None,
+    checkpoint: _Path | None = None,
+    checkpoint_seconds: float = 0,
+    resume: bool = False,
     **options: _Option,
 ) -> Picture: ...
 def converge(

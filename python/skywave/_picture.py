@@ -38,11 +38,12 @@ class Picture:
         return self._renderer.summary()
 
     def save(self, path, *, exposure=None, tone=None):
-        """Writes an EXR with all layers and the command that repeats it, or a PNG.
+        """Writes an EXR with all layers and the command that repeats it, a PNG, or a film.
 
         A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso).
         If `exposure` (in stops) or `tone` ("clip" or "filmic") is given, these two replace all of
-        those options. The command is left out if the scene was not only read.
+        those options. The command is left out if the scene was not only read. A film holds the sums
+        of the samples, which `skywave merge` adds to those of other parts of the same picture.
         """
         ending = os.path.splitext(os.fsdecode(_convert.path(path, "path")))[1]
         if ending == ".png" and exposure is None and tone is None:
@@ -50,11 +51,14 @@ class Picture:
         elif ending == ".png":
             write_png(path, self, exposure=0 if exposure is None else exposure,
                       tone="clip" if tone is None else tone)
-        elif ending != ".exr":
-            raise bad_argument("path", f"the name ends in {ending!r}, and .exr or .png is needed")
+        elif ending not in (".exr", ".film"):
+            raise bad_argument("path",
+                               f"the name ends in {ending!r}, and .exr, .png or .film is needed")
         elif exposure is not None or tone is not None:
             raise bad_argument("exposure" if tone is None else "tone",
-                               "an EXR holds radiance, which is neither exposed nor tone-mapped")
+                               "only a PNG is exposed and tone-mapped; the others hold radiance")
+        elif ending == ".film":
+            self._renderer.write_film(_convert.path(path, "path"))
         else:
             self._renderer.write_exr(_convert.path(path, "path"))
 

@@ -216,7 +216,7 @@ class BadInputTest(Case):
 
     def test_outputs(self):
         picture = skywave.render("furnace", **SMALL)
-        self.refuse("^path$", ".exr or .png", picture.save, "a.jpg")
+        self.refuse("^path$", ".exr, .png or .film", picture.save, "a.jpg")
         self.refuse("^exposure$", "", picture.save, "a.exr", exposure=1)
         self.refuse("none/a.exr", "", picture.save, "none/a.exr", error=OSError)
         self.refuse("none/a.png", "", picture.save, "none/a.png", error=OSError)

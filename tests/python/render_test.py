@@ -121,6 +121,28 @@ class RenderTest(Case):
         self.assertEqual(shares, sorted(shares))
         self.assertTrue(0 <= shares[0] and shares[-1] <= 1)
 
+    def test_a_stopped_render_goes_on_to_the_same_bits(self):
+        picture = {"size": (160, 120), "spp": 48, "threads": 1}
+        with self.assertRaises(skywave.Canceled):
+            skywave.render("gallery", **picture, checkpoint="a.checkpoint",
+                           progress=lambda done: False)
+        whole = skywave.render("gallery", **picture)
+        resumed = skywave.render("gallery", **picture, checkpoint=pathlib.Path("a.checkpoint"),
+                                 resume=True)
+        self.assert_same_bits(resumed.rgb, whole.rgb)
+        with self.assertRaisesRegex(skywave.Error, "a.checkpoint.*seed"):
+            skywave.render("gallery", **picture, seed=1, checkpoint="a.checkpoint", resume=True)
+        with self.assertRaisesRegex(skywave.Error, "checkpoint"):
+            skywave.render("gallery", **picture, checkpoint=1)
+
+    def test_films_of_parts_are_merged(self):
+        for name, samples in (("a.film", "0:1"), ("b.film", "1:2")):
+            skywave.render("gallery", **SMALL, sample_range=samples).save(name)
+        self.command("merge", "b.film", "a.film", "-o", "merged.exr", "-q")
+        skywave.render("gallery", **SMALL).save("whole.exr")
+        self.assertEqual(pathlib.Path("merged.exr").read_bytes(),
+                         pathlib.Path("whole.exr").read_bytes())
+
     def test_measures_are_those_of_the_command_line(self):
         write_pfm("map.pfm", sky())
         for name, seed in (("a.exr", "1"), ("b.exr", "2")):

@@ -122,7 +122,7 @@ TEST_P(Resume, GivesTheBitsOfOneRender) {
       kept = {film.PackPicture(), state};
     }
     EXPECT_TRUE(kept.first == expected);
-    // What was seen in the last pause can be gone on from as well.
+    // What was seen in the last pause can be resumed as well.
     if (of_pause.first.empty()) continue;
     Film film = job.MakeFilm();
     film.UnpackPicture(of_pause.first);
