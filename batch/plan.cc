@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -242,7 +243,12 @@ void CheckScenes(const BatchPlan& plan) {
 }  // namespace
 
 BatchPlan ReadBatchPlan(const std::string& path, const std::string& output_folder) {
-  BatchPlan plan = {.path = path, .bytes = ReadFile(path, kMostJobFileBytes)};
+  return ParseBatchPlan(path, ReadFile(path, kMostJobFileBytes), output_folder);
+}
+
+BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,
+                         const std::string& output_folder) {
+  BatchPlan plan = {.path = path, .bytes = std::move(bytes)};
   const JobValue file = ParseJobFile(path, plan.bytes);
   CheckNames(path, file, {"base", "axes", "zip", "output", "batch"}, "table of a job file");
   const OutputPattern pattern = ReadOutput(path, file);

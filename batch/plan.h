@@ -47,6 +47,9 @@ struct BatchShare {
 // folder of the job file if that is empty. Reads the job file and looks which files there are; it
 // opens and makes no other. Throws InputError with the line.
 BatchPlan ReadBatchPlan(const std::string& path, const std::string& output_folder = "");
+// The same of a job file whose bytes are known.
+BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,
+                         const std::string& output_folder = "");
 
 // Returns the plan with the pictures of a share alone.
 BatchPlan ShareOf(BatchPlan plan, const BatchShare& share);

@@ -63,6 +63,10 @@ bool IsFinished(const std::string& exr, const RenderJob& job, const PictureIdent
   }
 }
 
+std::string HashText(const std::string& bytes) {
+  return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
+}
+
 // Writes the PNG, then the EXR by which a finished picture is known, and reads that back. Returns
 // its hash.
 std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
@@ -70,7 +74,7 @@ std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
   WriteExr(exr, picture);
   const std::string bytes = ReadFile(exr);
   DecodeExr(exr, bytes, {});
-  return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
+  return HashText(bytes);
 }
 
 std::uint64_t HalfOfMemory() { return GrantedHere().memory_bytes / 2; }
@@ -105,6 +109,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   const RenderLimits& limits = ready.request.limits;
   PictureResult result = {.status = PictureStatus::kSkipped, .load_seconds = ready.load_seconds};
   if (!settings_.force && IsFinished(picture.output, job, ready.identity, limits)) {
+    result.hash = HashText(ReadFile(picture.output));
     return Known(std::move(result));
   }
   result.status = PictureStatus::kRendered;

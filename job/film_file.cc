@@ -76,8 +76,19 @@ Json Manifest(const FilmFile& file, const Film& film) {
   return json;
 }
 
+// Returns a whole number that T can hold.
+template <class T>
+T Whole(const Json& json) {
+  const bool fits = json.is_number_unsigned()
+                        ? std::in_range<T>(json.get<std::uint64_t>())
+                        : json.is_number_integer() && std::in_range<T>(json.get<std::int64_t>());
+  if (!fits) throw std::runtime_error(json.dump() + " is not a number that can stand there");
+  return json.get<T>();
+}
+
 CropWindow WindowFrom(const Json& json) {
-  const CropWindow window = {json.at(0), json.at(1), json.at(2), json.at(3)};
+  const CropWindow window = {Whole<int>(json.at(0)), Whole<int>(json.at(1)), Whole<int>(json.at(2)),
+                             Whole<int>(json.at(3))};
   const auto fits = [](int first, int count) {
     return first >= 0 && count > 0 && first < kMostPixelsASide && count <= kMostPixelsASide;
   };
@@ -88,7 +99,7 @@ CropWindow WindowFrom(const Json& json) {
 }
 
 SampleRange RangeFrom(const Json& json) {
-  const SampleRange range = {json.at(0), json.at(1)};
+  const SampleRange range = {Whole<std::uint32_t>(json.at(0)), Whole<std::uint32_t>(json.at(1))};
   if (range.first > range.end) throw std::runtime_error("a range of samples ends before it begins");
   return range;
 }
@@ -110,8 +121,8 @@ PictureIdentity IdentityFrom(const Json& json) {
                               .scene_hash = hash(json.at("scene_hash")),
                               .map_hash = hash(json.at("map_hash")),
                               .film = WindowFrom(json.at("film")),
-                              .samples = json.at("samples"),
-                              .seed = json.at("seed"),
+                              .samples = Whole<std::uint32_t>(json.at("samples")),
+                              .seed = Whole<std::uint32_t>(json.at("seed")),
                               .repeatable = json.at("repeatable"),
                               .options = {}};
   for (const Json& option : json.at("options")) {
@@ -135,19 +146,53 @@ FilmFile FileFrom(const Json& json) {
     file.is_checkpoint = true;
     file.samples = RangeFrom(found->at("samples"));
     file.state = {.step = RangeFrom(found->at("step")),
-                  .tile_side = found->at("tile_side"),
-                  .rows = found->at("rows").get<std::vector<std::uint64_t>>()};
+                  .tile_side = Whole<std::uint32_t>(found->at("tile_side")),
+                  .rows = {}};
+    for (const Json& rows : found->at("rows")) {
+      file.state.rows.push_back(Whole<std::uint64_t>(rows));
+    }
   }
   return file;
 }
 
-Film EmptyFilm(const Json& sums, const CropWindow& window) {
-  return Film(FilmLayout{
+// Throws unless all that a manifest speaks of lies within what it lies in, so that nobody who uses
+// the film has to ask.
+void CheckWithin(const FilmFile& file, AovSet kept) {
+  const auto check = [](const CropWindow& inner, const CropWindow& outer) {
+    const auto fits = [](int first, int count, int all_first, int all) {
+      return first >= all_first && first + count <= all_first + all;
+    };
+    if (!fits(inner.x, inner.width, outer.x, outer.width) ||
+        !fits(inner.y, inner.height, outer.y, outer.height)) {
+      throw std::runtime_error("a window is not within the one around it");
+    }
+  };
+  check(file.window, file.identity.film);
+  for (const PicturePart& part : file.holds) {
+    check(part.window, file.window);
+    if (part.samples.end > file.identity.samples) {
+      throw std::runtime_error("a part has samples that the picture does not have");
+    }
+  }
+  if ((file.layers & ~kept) != 0) throw std::runtime_error("a layer is to be shown but not kept");
+}
+
+FilmLayout LayoutFrom(const Json& sums, const CropWindow& window) {
+  return {
       .area = {window.width, window.height, {0, 0, window.width, window.height}},
-      .brightest_radiance = std::bit_cast<float>(sums.at("brightest_bits").get<std::uint32_t>()),
+      .brightest_radiance = std::bit_cast<float>(Whole<std::uint32_t>(sums.at("brightest_bits"))),
       .aovs = LayersFrom(sums.at("layers")),
-      .world_extent = std::bit_cast<float>(sums.at("extent_bits").get<std::uint32_t>()),
-      .light_groups = sums.at("light_groups").get<std::vector<std::string>>()});
+      .world_extent = std::bit_cast<float>(Whole<std::uint32_t>(sums.at("extent_bits"))),
+      .shared = sums.at("splats"),
+      .light_groups = sums.at("light_groups").get<std::vector<std::string>>()};
+}
+
+// Returns the packed size of a film without making it: a file that is not what it says does not
+// exhaust the memory.
+double PackedBytes(FilmLayout layout) {
+  const double pixels = double(layout.area.width) * layout.area.height;
+  layout.area = {1, 1, {0, 0, 1, 1}};
+  return pixels * double(Film(std::move(layout)).packed_bytes());
 }
 
 void Append(std::string& bytes, std::uint64_t number) {
@@ -199,10 +244,12 @@ FilmInFile ReadFilm(const std::string& path) {
     if (json.at("sums").at("bytes") != body - sums) {
       throw refuse(sums, "the film has another number of sums than its manifest says");
     }
-    Film film = EmptyFilm(json.at("sums"), file.window);
-    if (film.packed_bytes() != body - sums) {
+    FilmLayout layout = LayoutFrom(json.at("sums"), file.window);
+    CheckWithin(file, layout.aovs);
+    if (PackedBytes(layout) != double(body - sums)) {
       throw refuse(sums, "the film has another number of sums than its window and layers need");
     }
+    Film film(std::move(layout));
     film.UnpackPicture(std::string_view(bytes).substr(sums, body - sums));
     return {std::move(file), std::move(film)};
   } catch (const InputError&) {

@@ -44,6 +44,13 @@ bool Contains(const Box& outer, const Box& inner) {
   return true;
 }
 
+std::optional<CropWindow> Intersection(const CropWindow& a, const CropWindow& b) {
+  const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
+  const int width = std::min(a.x + a.width, b.x + b.width) - x;
+  const int height = std::min(a.y + a.height, b.y + b.height) - y;
+  return width > 0 && height > 0 ? std::optional(CropWindow{x, y, width, height}) : std::nullopt;
+}
+
 // Makes one of two parts that lie side by side. Returns false if they do not.
 bool Join(PicturePart& a, const PicturePart& b) {
   Box to = BoxOf(a);
@@ -118,8 +125,13 @@ class Merger {
       throw InputError(InputPosition::File(path),
                        fmt::format("keeps its sums in other units or layers than {}", first_path_));
     }
+    // A film may have room for more than it holds, and what it holds is wanted.
     const CropWindow& wanted = merged_.wanted.window;
-    merged_.film.AddPart(read.film, file.window.x - wanted.x, file.window.y - wanted.y);
+    if (const auto common = Intersection(file.window, wanted)) {
+      const CropWindow inside = {common->x - file.window.x, common->y - file.window.y,
+                                 common->width, common->height};
+      merged_.film.AddPart(read.film.Cut(inside), common->x - wanted.x, common->y - wanted.y);
+    }
     for (const PicturePart& part : file.holds) {
       held_.emplace_back(part, path);
       skywave::AddPart(merged_.file.holds, part);

@@ -10,6 +10,8 @@
 #include "base/error.h"
 #include "batch/report.h"
 #include "batch/save.h"
+#include "batch/thumbnail.h"
+#include "image/image.h"
 #include "tests/support/temporary_folder.h"
 #include "wavefront/worker_pool.h"
 
@@ -115,6 +117,25 @@ TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
 
   folder_.Write("o/job.batch.json", "{\"schema\": \"skywave-batch-1\", \"pictures\": [7]}");
   EXPECT_EQ(BatchFiles(plan_, {}).WithEarlier(second).results[0].render_seconds, 0);
+}
+
+TEST(Thumbnails, AreMeansInLinearLight) {
+  const TemporaryFolder folder;
+  constexpr int kWidth = 320, kHeight = 240;
+  std::vector<std::uint8_t> rgb;
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const bool white = (i % kWidth + i / kWidth) % 2 == 0;
+    for (int c = 0; c < 3; ++c) rgb.push_back(white ? 255 : 0);
+  }
+  WritePng(folder.Path("a.png"), kWidth, kHeight, rgb);
+  const Thumbnail thumbnail = MakeThumbnail(folder.Path("a.png"));
+  EXPECT_EQ(thumbnail.width, 160);
+  EXPECT_EQ(thumbnail.height, 120);
+  const Image image = DecodeTexture("a.jpg", thumbnail.jpeg, Encoding::kSrgb);
+  ASSERT_EQ(image.width, 160);
+  ASSERT_EQ(image.height, 120);
+  for (const float value : image.rgb) ASSERT_NEAR(value, 0.5f, 0.02f);
+  EXPECT_EQ(MakeThumbnail(folder.Path("missing.png")).width, 0);
 }
 
 }  // namespace

@@ -51,6 +51,27 @@ TEST_F(Batch, MakesThePicturesOfSingleRendersAndNoOtherFile) {
   EXPECT_EQ(summary["pictures"][2]["output"], "spheres_03.exr");
 }
 
+TEST_F(Batch, ASecondRunSkipsWhatIsThereAndTellsOfTheFirst) {
+  Put("job.toml", kJob);
+  EXPECT_EQ(Run("batch job.toml -q").exit_code, 0);
+  const Json first = Json::parse(Bytes("out/job.batch.json"));
+  const std::string bytes = Bytes("out/spheres_03.exr");
+  std::filesystem::remove(Path("out/spheres_02.exr"));
+  EXPECT_EQ(Run("batch job.toml -q").exit_code, 0);
+  const Json second = Json::parse(Bytes("out/job.batch.json"));
+  EXPECT_EQ(second["skipped"], 2);
+  EXPECT_EQ(second["rendered"], 1);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(second["pictures"][i]["hash"], first["pictures"][i]["hash"]) << i;
+  }
+  EXPECT_EQ(second["pictures"][2]["seconds"], first["pictures"][2]["seconds"]);
+  EXPECT_EQ(second["samples"], 3 * 48);
+
+  EXPECT_EQ(Run("batch job.toml -q --force").exit_code, 0);
+  EXPECT_EQ(Json::parse(Bytes("out/job.batch.json"))["rendered"], 3);
+  EXPECT_EQ(Bytes("out/spheres_03.exr"), bytes);
+}
+
 TEST_F(Batch, ListsAndSharesMakeNothing) {
   Put("job.toml", kJob);
   const Json list = Json::parse(Run("batch job.toml --list --json --only 2/2").out);

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/gzip.h"
+#include "batch/plan.h"
 #include "image/image.h"
 #include "scene/gltf/reader.h"
 #include "scene/materials/spectrum.h"
@@ -49,10 +50,13 @@ void Picture(std::string_view bytes) {
   DecodeTexture(std::string(kPath), bytes, Encoding::kSrgb, kLimits);
 }
 
+// Only built-in scenes can be found.
+void Job(std::string_view bytes) { ParseBatchPlan(Path(".toml"), std::string(bytes)); }
+
 constexpr FuzzedReader kReaders[] = {
-    {"pbrt", Pbrt},   {"spd", Spd},     {"ply", Ply},     {"gzip", Gzip},
-    {"obj", Obj},     {"mtl", Mtl},     {"gltf", Gltf},   {"hdr", Picture},
-    {"pfm", Picture}, {"exr", Picture}, {"png", Picture}, {"jpeg", Picture},
+    {"pbrt", Pbrt},   {"spd", Spd},      {"ply", Ply},     {"gzip", Gzip},   {"obj", Obj},
+    {"mtl", Mtl},     {"gltf", Gltf},    {"hdr", Picture}, {"pfm", Picture}, {"exr", Picture},
+    {"png", Picture}, {"jpeg", Picture}, {"job", Job},
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The file readers as fuzzers use them: bytes in, a scene or an InputError out.
+// The file readers as fuzzers use them: bytes in, what they mean or an InputError out.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ struct FuzzedReader {
   void (*read)(std::string_view bytes);
 };
 
-// Returns pbrt, spd, ply, gzip, obj, mtl, gltf, hdr, pfm, exr, png, jpeg.
+// Returns pbrt, spd, ply, gzip, obj, mtl, gltf, hdr, pfm, exr, png, jpeg, job.
 std::span<const FuzzedReader> FuzzedReaders();
 
 // Passes the bytes to the reader. Other exceptions than InputError are bugs and propagate.
