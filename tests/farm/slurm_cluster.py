@@ -159,7 +159,7 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         text = self.run("squeue", "-h", "-a", "-r", "-t", "all", "-o", "%i %T")[1]
         return dict(line.split() for line in text.splitlines())
 
-    def wait_for_end(self, seconds=120):
+    def wait_for_end(self, seconds=240):
         """Returns the states once no task runs or waits."""
         end = time.monotonic() + seconds
         while True:
