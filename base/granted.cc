@@ -76,8 +76,9 @@ void ForEachFolder(const std::string& mount, std::string path, const Read& read)
 class Finder {
  public:
   Finder(const std::string& root, const Environment& environment, Granted& granted)
-      : cgroups_(root + "/sys/fs/cgroup"), environment_(environment), granted_(granted) {
-    for (const ControlGroup& group : ControlGroups(root)) ReadGroup(group);
+      : root_(root), environment_(environment), granted_(granted) {}
+  void Find() {
+    for (const ControlGroup& group : ControlGroups(root_)) ReadGroup(group);
     ReadThreads("SLURM_CPUS_PER_TASK");
     ReadThreads("CUE_THREADS");
     ReadMemory("SLURM_MEM_PER_NODE", 1 << 20, 1);
@@ -112,9 +113,10 @@ class Finder {
   }
 
   void ReadGroup(const ControlGroup& group) {
+    const std::string cgroups = root_ + "/sys/fs/cgroup";
     if (group.controllers.empty()) {
       // Where both versions are in use, the second one is mounted below the first.
-      for (const std::string& mount : {cgroups_, cgroups_ + "/unified"}) {
+      for (const std::string& mount : {cgroups, cgroups + "/unified"}) {
         ForEachFolder(mount, group.path, [&](const std::string& folder) {
           const std::vector<std::string> words = FirstWords(folder + "/cpu.max");
           if (words.size() == 2) LimitQuota(words[0], words[1], "cgroup cpu.max");
@@ -125,9 +127,9 @@ class Finder {
     }
     const auto each = [&](std::string_view controller, const auto& read) {
       if (!Controls(group, controller)) return;
-      const std::string own = fmt::format("{}/{}", cgroups_, controller);
+      const std::string own = fmt::format("{}/{}", cgroups, controller);
       ForEachFolder(own, group.path, read);
-      const std::string together = fmt::format("{}/{}", cgroups_, group.controllers);
+      const std::string together = fmt::format("{}/{}", cgroups, group.controllers);
       if (together != own) ForEachFolder(together, group.path, read);
     };
     each("cpu", [&](const std::string& folder) {
@@ -169,7 +171,7 @@ class Finder {
     return count.value_or(1);
   }
 
-  std::string cgroups_;
+  const std::string& root_;
   const Environment& environment_;
   Granted& granted_;
 };
@@ -194,7 +196,7 @@ Granted FindGranted(const std::string& root, const Environment& environment, int
                      .threads_from = "machine",
                      .memory_bytes = memory_bytes,
                      .memory_from = "machine"};
-  Finder(root, environment, granted);
+  Finder(root, environment, granted).Find();
   return granted;
 }
 

@@ -1,6 +1,7 @@
 """A Slurm cluster of one node as processes of a test: munge, a controller and a node on this
 machine, with a key, sockets, ports and folders of its own. It needs root, as slurmd does."""
 
+import ctypes
 import os
 import shutil
 import signal
@@ -19,6 +20,12 @@ def why_not():
     if os.geteuid() != 0:
         return "slurmd needs root"
     return None
+
+
+def end_with_parent():
+    """Called in a daemon before it begins: it gets SIGTERM when the test dies, even by a signal."""
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGTERM)
 
 
 def find(name):
@@ -129,7 +136,8 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
     def spawn(self, command):
         log = open(self.path(os.path.basename(command[0]) + ".out"), "wb")
         self.daemons.append(subprocess.Popen(command, stdout=log, stderr=log,
-                                             stdin=subprocess.DEVNULL, env=self.environment))
+                                             stdin=subprocess.DEVNULL, env=self.environment,
+                                             preexec_fn=end_with_parent))
         log.close()
 
     def wait_for(self, what, ready, seconds=30):
@@ -159,7 +167,7 @@ PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP
         text = self.run("squeue", "-h", "-a", "-r", "-t", "all", "-o", "%i %T")[1]
         return dict(line.split() for line in text.splitlines())
 
-    def wait_for_end(self, seconds=120):
+    def wait_for_end(self, seconds=240):
         """Returns the states once no task runs or waits."""
         end = time.monotonic() + seconds
         while True:

@@ -7,6 +7,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -46,9 +48,7 @@ class Viewer {
     port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { Serve(); });
   }
-  ~Viewer() {
-    if (thread_.joinable()) Close();
-  }
+  ~Viewer() { Stop(); }
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
@@ -58,10 +58,7 @@ class Viewer {
   // Waits until the client has left, where this viewer reads. Returns the pictures by name, or
   // throws what was wrong with a packet.
   std::map<std::string, ViewedPicture> Close() {
-    if (habit_ != Habit::kReads) shutdown(listener_, SHUT_RDWR);
-    thread_.join();
-    close(listener_);
-    if (connection_ >= 0) close(connection_);
+    Stop();
     if (!problem_.empty()) throw std::runtime_error(problem_);
     return pictures_;
   }
@@ -100,6 +97,13 @@ class Viewer {
     const char *next_, *end_;
   };
 
+  void Stop() {
+    if (!thread_.joinable()) return;
+    if (habit_ != Habit::kReads) shutdown(listener_, SHUT_RDWR);
+    thread_.join();
+    close(listener_);
+    if (connection_ >= 0) close(connection_);
+  }
   static int Listen() {
     const int descriptor = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     sockaddr_in address = {};
@@ -149,8 +153,8 @@ class Viewer {
 
   void Decode(const std::string& packet) {
     Fields fields(packet);
-    const int operation = fields.Get<char>();
-    Fields::Require(fields.Get<char>() <= 1);  // whether to come to the front
+    const int operation = fields.Get<std::uint8_t>();
+    Fields::Require(fields.Get<std::uint8_t>() <= 1);  // whether to come to the front
     ViewedPicture& picture = pictures_[fields.Text()];
     if (operation == 4) {
       picture.width = fields.Get<std::int32_t>();
@@ -186,7 +190,9 @@ class Viewer {
         float& shown = plane[std::size_t(y + i / width) * std::size_t(picture.width) +
                              std::size_t(x + i % width)];
         const float value = values[std::size_t(index)];
-        if (shown != 0 && std::memcmp(&shown, &value, sizeof value) != 0) ++picture.replaced;
+        const bool same =
+            std::bit_cast<std::uint32_t>(shown) == std::bit_cast<std::uint32_t>(value);
+        if (shown != 0 && !same) ++picture.replaced;
         shown = value;
       }
     }
