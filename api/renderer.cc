@@ -47,8 +47,10 @@ std::vector<std::string> Notes(const Renderer::State& state) {
 }
 
 RenderReport Report(const Renderer::State& state) {
-  return {
-      .job = &*state.job, .frame = state.finished().frame, .write_seconds = state.write_seconds};
+  return {.job = &*state.job,
+          .frame = state.finished().frame,
+          .write_seconds = state.write_seconds,
+          .noise = NoiseOf(state.finished())};
 }
 
 // Returns the picture of `film`, whose samples are those of `part` or, while it is rendered, fewer.

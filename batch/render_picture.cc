@@ -20,15 +20,6 @@
 namespace skywave {
 namespace {
 
-// Returns the noise of a film that keeps the variance.
-std::optional<double> NoiseOf(const RenderJob& job, const RenderLimits& limits,
-                              const RenderedFilm& rendered) {
-  const RenderOptions& options = job.options();
-  const AovSet kept = options.aovs | LayersForLimits(limits, options.integrator);
-  if (!Sums(kept, AovSum::kVariance)) return std::nullopt;
-  return rendered.film.Noise(rendered.part.samples.count());
-}
-
 // Returns the words of the limits under which a render may end early; empty without any.
 std::string LimitWords(const RenderLimits& limits) {
   std::string words;
@@ -129,7 +120,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
        .tell = watcher.tell});
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
-  result.noise = NoiseOf(job, limits, rendered);
+  result.noise = NoiseOf(rendered);
   auto write = [result = std::move(result), rendered = std::move(rendered),
                 identity = ready.identity, aovs = options.aovs, tone = Tone(ready.request.exposure),
                 limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {

@@ -173,6 +173,11 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
           .seconds = session.seconds()};
 }
 
+std::optional<double> NoiseOf(const RenderedFilm& rendered) {
+  if (!Sums(rendered.film.layout().aovs, AovSum::kVariance)) return std::nullopt;
+  return rendered.film.Noise(rendered.part.samples.count());
+}
+
 void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
                const RenderedFilm& rendered) {
   WriteFilm(path,

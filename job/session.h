@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,9 @@ struct RenderedFilm {
 // else, and RenderCanceled.
 RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
                         const SessionRequest& request);
+
+// Returns the noise of what was rendered (Film::Noise), if its film keeps the variance.
+std::optional<double> NoiseOf(const RenderedFilm& rendered);
 
 // Writes the film of a session as a part of its picture.
 void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,

@@ -43,6 +43,10 @@ std::string Table(const RenderReport& report) {
        double(stats.total_rays()) / double(std::max<std::uint64_t>(stats.samples, 1)),
        report.frame.threads,
        limit == "machine" || limit == "option" ? "" : fmt::format(" ({})", limit));
+  const std::uint32_t got = report.frame.samples_per_pixel,
+                      asked = report.job->options().samples_per_pixel;
+  const std::string noise = report.noise ? fmt::format(", noise {:.4g}", *report.noise) : "";
+  if (got < asked || report.noise) line("{} of {} samples per pixel{}", got, asked, noise);
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
     line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
@@ -107,6 +111,8 @@ nlohmann::ordered_json Json(const RenderReport& report) {
                      {"write", report.write_seconds}};
   json["peak_memory_mib"] = PeakMemoryMib();
   json["samples"] = stats.samples;
+  json["rendered_samples_per_pixel"] = report.frame.samples_per_pixel;
+  if (report.noise) json["noise"] = *report.noise;
   json["msamples_per_s"] = Rate(double(stats.samples), seconds);
   json["mrays_per_s"] = Rate(double(stats.total_rays()), seconds);
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "job/job.h"
@@ -13,6 +14,7 @@ struct RenderReport {
   const RenderJob* job;
   FrameResult frame;
   double write_seconds = 0;
+  std::optional<double> noise = {};  // of the picture (Film::Noise), where it is known
 };
 
 std::string Table(const RenderReport& report);
