@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/error.h"
@@ -61,6 +62,18 @@ TEST_F(RenderStop, SigtermAndSigintSaveACheckpointToResume) {
   }
   EXPECT_EQ(Files(), (std::set<std::string>{"whole.exr", "whole.png", "TERM.exr", "TERM.png",
                                             "INT.exr", "INT.png"}));
+}
+
+TEST_F(RenderStop, StatisticsTellWhatALimitedRenderGot) {
+  ASSERT_EQ(
+      Run("render spheres --size 6x5 --spp 64 --noise 1e9 --stats s.json -q -o a.exr").exit_code,
+      0);
+  const auto json = nlohmann::json::parse(Bytes("s.json"));
+  EXPECT_EQ(json.at("settings").at("samples_per_pixel"), 64);
+  EXPECT_EQ(json.at("rendered_samples_per_pixel"), 8);  // the first look
+  EXPECT_GE(json.at("noise").get<double>(), 0);
+  const Result timed = Run("render spheres --size 6x5 --spp 100000 --time 0.01 -o b.exr");
+  EXPECT_NE(timed.out.find(" of 100000 samples per pixel"), std::string::npos) << timed.out;
 }
 
 TEST_F(RenderStop, Sigusr1WritesASnapshotAndChangesNothing) {

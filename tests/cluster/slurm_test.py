@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders batches on a real Slurm cluster of one node, whose daemons are this test's own processes.
 
-    tests/farm/slurm_test.py PROGRAM
+    tests/cluster/slurm_test.py PROGRAM
 
 Pictures and parts of pictures are array jobs; one task is stopped in the middle, as before a
 preemption, and has to go on from its checkpoint. The files have the bytes of a local render."""

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders a picture in parts by the Makefile of the examples: the bytes of one render.
 
-    tests/farm/make_test.py PROGRAM"""
+    tests/cluster/make_test.py PROGRAM"""
 
 import os
 import pathlib
