@@ -132,16 +132,18 @@ void ReadSparse(const tinygltf::Model& model, int index, int components, const s
   const tinygltf::Accessor& accessor = model.accessors[std::size_t(index)];
   const auto& sparse = accessor.sparse;
   const std::string name = AccessorName(index);
-  if (sparse.count < 1 || std::size_t(sparse.count) > accessor.count ||
-      sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 ||
-      !IsIndexType(sparse.indices.componentType)) {
+  // The type of these depends on the version of tinygltf.
+  const auto first_place = std::int64_t(sparse.indices.byteOffset),
+             first_value = std::int64_t(sparse.values.byteOffset);
+  if (sparse.count < 1 || std::size_t(sparse.count) > accessor.count || first_place < 0 ||
+      first_value < 0 || !IsIndexType(sparse.indices.componentType)) {
     FailGltf(path, name + " is sparse in a way that makes no sense");
   }
   const Elements places =
-      ElementsOf(model, sparse.indices.bufferView, std::size_t(sparse.indices.byteOffset),
+      ElementsOf(model, sparse.indices.bufferView, std::size_t(first_place),
                  std::size_t(sparse.count), 1, sparse.indices.componentType, name, path);
   Elements values =
-      ElementsOf(model, sparse.values.bufferView, std::size_t(sparse.values.byteOffset),
+      ElementsOf(model, sparse.values.bufferView, std::size_t(first_value),
                  std::size_t(sparse.count), components, accessor.componentType, name, path);
   values.normalized = accessor.normalized;
   for (std::size_t i = 0; i < places.count; ++i) {
