@@ -46,6 +46,13 @@ int EmbreeThreads(int threads) {
   return threads == 0 && GrantedHere().limits_threads() ? GrantedHere().threads : threads;
 }
 
+// Returns what the strategy of an integrator's camera paths is for.
+StrategyUse UseOf(const RenderOptions& options, std::uint32_t light_samples) {
+  return {.mis = options.mis,
+          .light_samples = light_samples,
+          .starts_light_paths = Describe(options.integrator).has_light_paths()};
+}
+
 // Throws unless a strategy can be used. `environment`: whether there is light in the map.
 void CheckStrategy(const EnvStrategy& strategy, const std::string& specification, bool environment,
                    const RenderOptions& options) {
@@ -156,21 +163,22 @@ void RenderJob::PlaceLights(const PreparedScene& prepared, const LoadedLight& li
 
 void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light) {
   map_ = parts.Place(request_, light);
-  const auto make = [&](const std::string& specification) {
-    auto tables = parts.Tables(request_, specification, light, map_);
+  const auto make = [&](const std::string& specification, std::uint32_t light_samples) {
+    auto tables =
+        parts.Tables(request_, specification, UseOf(options(), light_samples), light, map_);
     CheckStrategy(*tables->strategy, specification, has_environment(), options());
     return tables;
   };
-  strategy_ = make(request_.strategy);
+  strategy_ = make(request_.strategy, LightSamplesOf(options()));
   if (!request_.continuation_strategy.empty()) {
-    continuation_strategy_ = make(request_.continuation_strategy);
+    continuation_strategy_ = make(request_.continuation_strategy, 1);
   }
   if (options().control != ControlVariate::kNone && has_environment()) {
     irradiance_ = parts.Irradiance(request_, light, *map_);
   }
   const IntegratorDescriptor& integrator = Describe(options().integrator);
   if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(strategy())) {
-    emitter_ = make("importance");
+    emitter_ = make("importance", 1);
   }
   if (options().guide && integrator.has_light_paths() && !has_environment()) {
     notes_.emplace_back(
@@ -238,7 +246,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   CheckLightPaths(integrator);
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options().threads, [&] {
-    strategy = MakeStrategy(specification, map_->map);
+    strategy = MakeStrategy(specification, map_->map, UseOf(changed, LightSamplesOf(changed)));
     CheckStrategy(*strategy, specification, has_environment(), changed);
   });
   return strategy;

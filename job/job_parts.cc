@@ -166,20 +166,22 @@ std::shared_ptr<const PlacedMap> JobParts::Place(const JobRequest& request,
 }
 
 std::shared_ptr<const StrategyTables> JobParts::Tables(
-    const JobRequest& request, const std::string& specification, const LoadedLight& light,
-    const std::shared_ptr<const PlacedMap>& map) const {
-  return Get<StrategyTables>(
-      fmt::format("{} strategy {}", PlacedKey(request, light), specification), [&] {
-        return std::make_shared<StrategyTables>(
-            StrategyTables{map, MakeStrategy(specification, map->map)});
-      });
+    const JobRequest& request, const std::string& specification, const StrategyUse& use,
+    const LoadedLight& light, const std::shared_ptr<const PlacedMap>& map) const {
+  const std::string key =
+      fmt::format("{} strategy {} {} {} {}", PlacedKey(request, light), specification, use.mis,
+                  use.light_samples, use.starts_light_paths);
+  return Get<StrategyTables>(key, [&] {
+    return std::make_shared<StrategyTables>(
+        StrategyTables{map, MakeStrategy(specification, map->map, use)});
+  });
 }
 
 std::shared_ptr<const MapIrradiance> JobParts::Irradiance(const JobRequest& request,
                                                           const LoadedLight& light,
                                                           const PlacedMap& map) const {
   return Get<MapIrradiance>(PlacedKey(request, light) + " irradiance", [&] {
-    return std::make_shared<MapIrradiance>(MapIrradiance{IrradianceTable(map.map)});
+    return std::make_shared<MapIrradiance>(MapIrradiance{VectorIrradiance(map.map)});
   });
 }
 

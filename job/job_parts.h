@@ -11,7 +11,7 @@
 #include "job/job_cache.h"
 #include "job/request.h"
 #include "lights/strategies/strategy.h"
-#include "lights/tables/irradiance_table.h"
+#include "lights/tables/vector_irradiance.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
 #include "scene/scene_hash.h"
@@ -65,7 +65,7 @@ struct StrategyTables {
 
 // The irradiance of a map on surfaces from which nothing hides it.
 struct MapIrradiance {
-  IrradianceTable table;
+  VectorIrradiance table;
   std::size_t bytes() const { return table.bytes(); }
 };
 
@@ -87,7 +87,7 @@ class JobParts {
   std::shared_ptr<const PlacedMap> Place(const JobRequest& request, const LoadedLight& light) const;
   std::shared_ptr<const StrategyTables> Tables(const JobRequest& request,
                                                const std::string& specification,
-                                               const LoadedLight& light,
+                                               const StrategyUse& use, const LoadedLight& light,
                                                const std::shared_ptr<const PlacedMap>& map) const;
 
   std::shared_ptr<const MapIrradiance> Irradiance(const JobRequest& request,
