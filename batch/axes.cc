@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "batch/number_list.h"
+#include "job/map_sequence.h"
 #include "scene/builtin/builtin.h"
 
 namespace skywave {
@@ -59,7 +60,13 @@ std::vector<std::string> GlobFiles(const std::string& pattern) {
 }  // namespace
 
 std::string LabelOf(const std::string& option, const std::string& text) {
-  return NamesFile(option) ? std::filesystem::path(text).stem().string() : text;
+  if (!NamesFile(option)) return text;
+  std::string label = std::filesystem::path(text).stem().string();
+  if (option == "env" && IsMapSequence(text)) {
+    std::erase(label, '#');
+    label.erase(label.find_last_not_of("_.-") + 1);
+  }
+  return label;
 }
 
 AxisReader::AxisReader(const std::string& path)
@@ -101,6 +108,8 @@ std::string AxisReader::FileNamed(const PictureOption& option) const {
     return file;
   }
   if (option.name == "scene" && IsBuiltinScene(option.text)) return option.text;
+  // Its files are looked for when it is known which frames there are.
+  if (option.name == "env" && IsMapSequence(file)) return file;
   Refuse(option.line,
          fmt::format("{}: there is no file {}{}", option.name, file,
                      option.name == "scene" ? ", and no built-in scene of that name" : ""));

@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "batch/render_picture.h"
 #include "image/image.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/picture.h"
 #include "scene/reader.h"
@@ -72,11 +73,12 @@ std::set<std::string> InputFiles(const BatchPlan& plan) {
   std::set<std::string> files;
   for (const BatchPicture& picture : plan.pictures) {
     for (const PictureOption& option : picture.options) {
+      if (option.name != "scene" && option.name != "env") continue;
+      const bool moves = option.name == "env" && IsMapSequence(option.text);
+      const std::string file =
+          moves ? MapFile(RequestOf(plan.path, picture.options).job) : option.text;
       std::error_code ignored;
-      if ((option.name == "scene" || option.name == "env") &&
-          std::filesystem::is_regular_file(option.text, ignored)) {
-        files.insert(option.text);
-      }
+      if (std::filesystem::is_regular_file(file, ignored)) files.insert(file);
     }
   }
   return files;
@@ -128,7 +130,7 @@ DryRun CheckWithoutRendering(const BatchPlan& plan) {
     if (!settings.contains(job.scene)) {
       settings[job.scene] = ReadScene(job.scene, job.read).settings;
     }
-    if (const std::string& map = job.environment.path; !map.empty() && maps.insert(map).second) {
+    if (const std::string map = MapFile(job); !map.empty() && maps.insert(map).second) {
       ReadImage(map, job.environment.limits);
     }
     result.samples += CountSamples(plan, picture, settings[job.scene]);

@@ -16,6 +16,7 @@
 #include "display/tev.h"
 #include "job/exposure.h"
 #include "job/limits.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/picture.h"
 #include "skywave/skywave.h"
@@ -103,7 +104,7 @@ void CheckOutputs(const RenderFlags& flags) {
                        kExitUsage);
     }
     CheckNotInput(path, flags.request.scene);
-    CheckNotInput(path, flags.request.environment.path);
+    CheckNotInput(path, MapFile(flags.request));
     CheckWritable(path);
   }
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "job/map_sequence.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
 #include "lights/maps/sum_maps.h"
@@ -17,7 +18,7 @@ std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest&
   const EnvironmentRequest& environment = request.environment;
   if (!environment.path.empty() || environment.image) {
     EnvironmentLight light;
-    light.map_path = environment.path;
+    light.map_path = MapFile(request);
     light.world_from_map =
         EnvironmentFrame(scene.up_axis, scene.left_handed, environment.rotation_degrees);
     return {light};

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "job/environment.h"
+#include "job/map_sequence.h"
 #include "job/material_changes.h"
 #include "job/options.h"
 #include "lights/maps/environment_map.h"
@@ -94,15 +95,26 @@ std::shared_ptr<const T> JobParts::Get(const std::string& key, const Make& make)
 }
 
 JobParts::JobParts(const JobRequest& request, JobCache* cache) : cache_(cache) {
-  scene_key_ = "scene " + Quoted(request.scene) +
-               Words(request, [](const OptionInfo& option) { return option.of_reading; });
-  loaded_ = Get<LoadedScene>(scene_key_, [&] {
-    return std::make_shared<LoadedScene>(LoadedScene{ReadScene(request.scene, request.read)});
-  });
+  std::shared_ptr<const LoadedScene> made;
+  const auto read = [&] {
+    if (!made) made = std::make_shared<LoadedScene>(ReadScene(request.scene, request.read));
+    return made;
+  };
+  scene_key_ = "scene " + Quoted(request.scene) + Words(request, [](const OptionInfo& option) {
+                 return option.of_reading && option.name != "frame";
+               });
+  // All frames of a scene that has no animation are one.
+  if (cache != nullptr && request.read.frame) {
+    const auto motion = Get<SceneMotion>(scene_key_ + " motion", [&] {
+      return std::make_shared<SceneMotion>(!read()->scene.animations.empty());
+    });
+    if (motion->moves) scene_key_ += fmt::format(" at {}", *request.read.frame);
+  }
+  loaded_ = Get<LoadedScene>(scene_key_, read);
 }
 
 JobParts::JobParts(Scene scene)
-    : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(LoadedScene{std::move(scene)})) {}
+    : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(std::move(scene))) {}
 
 void JobParts::Prepare(const JobRequest& request) {
   static constexpr std::string_view kChanges[] = {"material", "ground", "env-up"};
@@ -115,11 +127,12 @@ void JobParts::Prepare(const JobRequest& request) {
 // A map in a file is the same however it is turned; the lights of a scene are turned before they
 // are summed.
 std::string JobParts::MapKey(const JobRequest& request) const {
-  static constexpr std::string_view kOfMap[] = {"env", "env-projection", "env-intensity",
-                                                "trust-input"};
+  static constexpr std::string_view kOfMap[] = {"env-projection", "env-intensity", "trust-input"};
   static constexpr std::string_view kOfLights[] = {"env-rotate", "env-projection", "env-intensity",
                                                    "trust-input"};
-  if (!request.environment.path.empty()) return "map" + WordsOf(request, kOfMap);
+  if (!request.environment.path.empty()) {
+    return "map " + Quoted(MapFile(request)) + WordsOf(request, kOfMap);
+  }
   return prepared_key_ + " lights" + WordsOf(request, kOfLights);
 }
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "job/job_cache.h"
@@ -17,8 +18,16 @@
 
 namespace skywave {
 
+// Whether a scene has animations.
+struct SceneMotion {
+  explicit SceneMotion(bool does) : moves(does) {}
+  bool moves;
+  std::size_t bytes() const { return sizeof(*this); }
+};
+
 // A scene as it was read.
 struct LoadedScene {
+  explicit LoadedScene(Scene read) : scene(std::move(read)) {}
   Scene scene;
   std::size_t bytes() const;
 };

@@ -192,6 +192,20 @@ TEST_F(Plan, PatternsOfFilesAreSortedAndRelativeToTheJobFile) {
                                    folder_.Path("skies/b.hdr")}));
 }
 
+TEST_F(Plan, MapsThatMoveHaveAFileForEveryFrame) {
+  for (const char* const map : {"sky_08.exr", "sky_09.exr", "sky_10.exr"}) folder_.Write(map, "");
+  const std::string job =
+      std::string(kBase) + "env = \"sky_##.exr\"\n[output]\npath = \"{env}_{frame:03}.exr\"\n";
+  EXPECT_EQ(Outputs(job + "[axes]\nframe = \"8-10\"\n"),
+            (std::vector<std::string>{"sky_008.exr", "sky_009.exr", "sky_010.exr"}));
+  const BatchPlan plan = Read(job + "[axes]\nframe = [9]\n");
+  EXPECT_EQ(InputFiles(plan), std::set<std::string>{folder_.Path("sky_09.exr")});
+  ExpectRefused(job + "[axes]\nframe = [\n8,\n11\n]\n", 9, {"frame 11", "no file", "sky_11.exr"});
+  ExpectRefused(job + "[axes]\nframe = [8.5]\n", 7, {"frame 8.5", "whole"});
+  ExpectRefused(std::string(kBase) + "env = \"sky_##.exr\"\n" + kOutput, 3,
+                {"sky_##.exr", "`frame N`"});
+}
+
 TEST_F(Plan, ProductsSetSeveralOptionsUnderALabel) {
   const BatchPlan plan =
       Read(std::string(kBase) +

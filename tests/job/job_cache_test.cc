@@ -175,7 +175,13 @@ class SharedParts : public testing::Test {
     const Option lights = {"scene",
                            folder_.Write("lights.pbrt", std::string(kCamera) + kLights + kShapes)};
     const Option sky = {"env", folder_.Path("sky.pfm")}, ramp = {"env", folder_.Path("ramp.pfm")};
-    const std::vector<Options> scenes = {{one}, {one, sky}, {one, ramp}, {lights}, {lights, sky}};
+    // The first two frames of a map that moves.
+    std::filesystem::copy_file(folder_.Path("sky.pfm"), folder_.Path("moving_1.pfm"));
+    std::filesystem::copy_file(folder_.Path("ramp.pfm"), folder_.Path("moving_2.pfm"));
+    const Option moving = {"env", folder_.Path("moving_#.pfm")}, second = {"frame", "2"};
+    const std::vector<Options> scenes = {
+        {one},    {one, sky},    {one, ramp},           {one, moving, {"frame", "1"}},
+        {lights}, {lights, sky}, {one, moving, second}, {lights, moving, second}};
     const std::vector<Options> changes = {{},
                                           {{"env-rotate", "30"}},
                                           {{"env-rotate", "75"}},
