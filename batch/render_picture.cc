@@ -121,6 +121,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
   result.noise = NoiseOf(rendered);
+  result.notes.insert(result.notes.end(), rendered.notes.begin(), rendered.notes.end());
   auto write = [result = std::move(result), rendered = std::move(rendered),
                 identity = ready.identity, aovs = options.aovs, tone = Tone(ready.request.exposure),
                 limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {
