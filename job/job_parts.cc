@@ -84,6 +84,12 @@ std::array<float, 9> Rows(const glm::mat3& columns) {
 
 }  // namespace
 
+std::string SceneKey(const JobRequest& request) {
+  return "scene " + Quoted(request.scene) + Words(request, [](const OptionInfo& option) {
+           return option.of_reading && option.name != "frame";
+         });
+}
+
 std::size_t LoadedScene::bytes() const { return BytesOf(scene); }
 std::size_t LoadedLight::bytes() const { return BytesOf(light.map->rgb); }
 std::size_t PlacedMap::bytes() const { return BytesOf(map.latlong.rgb); }
@@ -100,9 +106,7 @@ JobParts::JobParts(const JobRequest& request, JobCache* cache) : cache_(cache) {
     if (!made) made = std::make_shared<LoadedScene>(ReadScene(request.scene, request.read));
     return made;
   };
-  scene_key_ = "scene " + Quoted(request.scene) + Words(request, [](const OptionInfo& option) {
-                 return option.of_reading && option.name != "frame";
-               });
+  scene_key_ = SceneKey(request);
   // All frames of a scene that has no animation are one.
   if (cache != nullptr && request.read.frame) {
     const auto motion = Get<SceneMotion>(scene_key_ + " motion", [&] {

@@ -18,6 +18,9 @@
 
 namespace skywave {
 
+// Returns a text that names the scene of a request and how it is read, whatever the frame.
+std::string SceneKey(const JobRequest& request);
+
 // Whether a scene has animations.
 struct SceneMotion {
   explicit SceneMotion(bool does) : moves(does) {}

@@ -12,6 +12,7 @@
 #include "batch/check.h"
 #include "batch/number_list.h"
 #include "batch/output_name.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {
@@ -204,6 +205,18 @@ TEST_F(Plan, MapsThatMoveHaveAFileForEveryFrame) {
   ExpectRefused(job + "[axes]\nframe = [8.5]\n", 7, {"frame 8.5", "whole"});
   ExpectRefused(std::string(kBase) + "env = \"sky_##.exr\"\n" + kOutput, 3,
                 {"sky_##.exr", "`frame N`"});
+}
+
+TEST_F(Plan, AStarIsEveryCameraOfTheScene) {
+  folder_.Write("a.gltf", TriangleDocument().text());
+  const std::string output = "[output]\npath = \"{scene-camera}.exr\"\n[axes]\n";
+  const std::string base = "[base]\nscene = \"a.gltf\"\n" + output;
+  EXPECT_EQ(Outputs(base + "scene-camera = \"*\"\n"),
+            (std::vector<std::string>{"front.exr", "side.exr"}));
+  EXPECT_EQ(Outputs(base + "look = [{ label = \"*\", seed = 3 }]\nscene-camera = \"side\"\n"),
+            std::vector<std::string>{"side.exr"});
+  ExpectRefused(kBase + output + "scene-camera = \"*\"\n", 6, {"spheres has no camera"});
+  ExpectRefused(output + "scene = [\"spheres\"]\nscene-camera = \"*\"\n", 5, {"[base]", "scene"});
 }
 
 TEST_F(Plan, ProductsSetSeveralOptionsUnderALabel) {
