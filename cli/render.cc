@@ -52,9 +52,7 @@ Codec<std::string> Viewers() {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<RenderFlags>> OutputOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<RenderFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<RenderFlags> option = {};
   constexpr std::string_view kStopping = "Stopping and going on";
   // clang-format off
   return {
