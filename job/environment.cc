@@ -59,8 +59,9 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
     }
     light.map = ToLatLong(std::move(image), projection);
   }
-  for (std::size_t i = 0; i < light.map->rgb.size(); ++i) {
-    light.map->rgb[i] *= light.scale[int(i % 3)] * request.intensity;
+  const glm::vec3 factor = light.scale * request.intensity;
+  for (std::size_t i = 0; i < light.map->rgb.size(); i += 3) {
+    for (int c = 0; c < 3; ++c) light.map->rgb[i + std::size_t(c)] *= factor[c];
   }
   light.scale = glm::vec3(1);
   if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {

@@ -53,6 +53,17 @@ std::string WordsOf(const JobRequest& request, std::span<const std::string_view>
   });
 }
 
+// Returns the largest of finite numbers that are not negative, in lanes that do not wait for each
+// other.
+float Brightest(const std::vector<float>& values) {
+  std::array<float, 12> lanes = {};
+  for (std::size_t i = 0; i < values.size(); i += lanes.size()) {
+    const std::size_t count = std::min(lanes.size(), values.size() - i);
+    for (std::size_t k = 0; k < count; ++k) lanes[k] = std::max(lanes[k], values[i + k]);
+  }
+  return *std::max_element(lanes.begin(), lanes.end());
+}
+
 PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
                            const JobRequest& request) {
   PreparedScene prepared = {.scene = {loaded, &loaded->scene}};
@@ -146,7 +157,7 @@ std::shared_ptr<const LoadedLight> JobParts::Light(const JobRequest& request) co
     loaded->light = LoadEnvironment(*prepared_->scene, request, loaded->notes);
     const Image& map = *loaded->light.map;
     loaded->hash = MapHash(map);
-    loaded->brightest = *std::max_element(map.rgb.begin(), map.rgb.end());
+    loaded->brightest = Brightest(map.rgb);
     const std::array<double, 3> mean = SphereMean(map);
     for (std::size_t c = 0; c < 3; ++c) loaded->mean_luminance += double(kLuminance[c]) * mean[c];
     return loaded;
@@ -157,9 +168,26 @@ std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, 
   const bool uvs = NeedsUvs(request.options.aovs);
   const std::string key = fmt::format("{} geometry {} {} {}", prepared_key_,
                                       Quoted(request.embree_config), threads, uvs);
+  static constexpr std::string_view kOfTriangles[] = {"ground", "env-up"};
+  const auto last =
+      Get<LastBuilt>(fmt::format("{} triangles{} {} {}", scene_key_, WordsOf(request, kOfTriangles),
+                                 Quoted(request.embree_config), threads),
+                     [] { return std::make_shared<LastBuilt>(); });
   return Get<BuiltGeometry>(key, [&] {
-    return std::shared_ptr<BuiltGeometry>(new BuiltGeometry{
-        Geometry(*prepared_->scene, request.scene, threads, request.embree_config, uvs)});
+    std::shared_ptr<const BuiltGeometry> twin;
+    {
+      const std::lock_guard lock(last->mutex);
+      twin = last->geometry.lock();
+    }
+    const std::shared_ptr<const BuiltGeometry> built(new BuiltGeometry{
+        Geometry(*prepared_->scene, request.scene, threads, request.embree_config, uvs,
+                 twin ? std::shared_ptr<const Geometry>(twin, &twin->geometry) : nullptr)});
+    // One that shares would keep the whole row of those before it.
+    if (built->geometry.bvh_bytes() > 0) {
+      const std::lock_guard lock(last->mutex);
+      last->geometry = built;
+    }
+    return built;
   });
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -49,6 +50,14 @@ struct PreparedScene {
 struct BuiltGeometry {
   Geometry geometry;
   std::size_t bytes() const { return geometry.bytes() + geometry.bvh_bytes(); }
+};
+
+// The geometry that was built last of some triangles, as long as somebody has it: others that
+// differ in materials may share its BVH.
+struct LastBuilt {
+  mutable std::mutex mutex;
+  mutable std::weak_ptr<const BuiltGeometry> geometry;
+  std::size_t bytes() const { return sizeof(*this); }
 };
 
 // The light from infinitely far away, as a map in memory.

@@ -224,6 +224,25 @@ class SharedParts : public testing::Test {
   std::vector<Options> jobs_;
 };
 
+TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {
+  JobCache cache(std::uint64_t{1} << 40);
+  const auto job = [&](const std::string& change, bool ground) {
+    JobRequest request;
+    request.scene = folder_.Path("one.pbrt");
+    request.width = 8, request.height = 6;
+    request.ground = ground;
+    if (!change.empty()) request.materials = {change};
+    return RenderJob(request, &cache);
+  };
+  const RenderJob plain = job("", false), mirror = job("red=mirror", false),
+                  blue = job("red=:reflectance=0.1/0.2/0.9", false), ground = job("", true);
+  EXPECT_NE(&mirror.geometry(), &plain.geometry());
+  EXPECT_EQ(mirror.geometry().scene(), plain.geometry().scene());
+  EXPECT_EQ(blue.geometry().scene(), plain.geometry().scene());
+  EXPECT_EQ(blue.geometry().bvh_bytes(), 0u);
+  EXPECT_NE(ground.geometry().scene(), plain.geometry().scene());
+}
+
 TEST_F(SharedParts, MakeThePicturesOfPartsThatAreMadeAnew) {
   std::vector<Outcome> expected;
   for (const Options& job : jobs_) expected.push_back(Render(job, nullptr));
