@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -12,6 +13,7 @@
 #include "base/error.h"
 #include "base/granted.h"
 #include "job/choose_camera.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
@@ -90,6 +92,16 @@ SceneSphere BoundingSphere(const Bounds& bounds) {
           .high = {high.x, high.y, high.z}};
 }
 
+// Returns the seed of the random numbers of a frame of an animation, by the finalizer of SplitMix64
+// (Steele, Lea and Flood 2014).
+std::uint32_t SeedOfFrame(std::uint32_t seed, double frame) {
+  std::uint64_t bits = std::bit_cast<std::uint64_t>(frame + 0.0);  // -0 is 0
+  bits += (std::uint64_t{seed} + 1) * 0x9E3779B97F4A7C15u;
+  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9u;
+  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBu;
+  return std::uint32_t((bits ^ (bits >> 31)) >> 32);
+}
+
 float WorldExtent(const Bounds& bounds, const Camera& camera) {
   const glm::vec3 farthest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
   return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
@@ -112,6 +124,11 @@ RenderJob::RenderJob(Scene scene, const JobRequest& request, double load_seconds
 
 void RenderJob::Build(JobParts parts, const JobRequest& request) {
   notes_ = parts.loaded().warnings;
+  if (request.read.frame && parts.loaded().animations.empty() &&
+      !IsMapSequence(request.environment.path)) {
+    notes_.push_back(fmt::format("{}: has no animation, so all of its frames are the same{}",
+                                 request.scene, request.coherent_noise ? "" : " but for noise"));
+  }
   request_ = ResolveRequest(request, parts.loaded().settings, notes_);
   if (options().threads == 0) {
     notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
@@ -207,6 +224,9 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
 FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
   RenderOptions changed = options();
   changed.integrator = integrator;
+  if (request_.read.frame && !request_.coherent_noise) {
+    changed.seed = SeedOfFrame(changed.seed, *request_.read.frame);
+  }
   const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
                                      : emitter_        ? emitter_->strategy.get()
                                                        : strategy_->strategy.get();

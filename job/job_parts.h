@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "job/job_cache.h"
@@ -18,8 +20,19 @@
 
 namespace skywave {
 
+// Returns a text that names the scene of a request and how it is read, whatever the frame.
+std::string SceneKey(const JobRequest& request);
+
+// Whether a scene has animations.
+struct SceneMotion {
+  explicit SceneMotion(bool does) : moves(does) {}
+  bool moves;
+  std::size_t bytes() const { return sizeof(*this); }
+};
+
 // A scene as it was read.
 struct LoadedScene {
+  explicit LoadedScene(Scene read) : scene(std::move(read)) {}
   Scene scene;
   std::size_t bytes() const;
 };
@@ -38,6 +51,14 @@ struct PreparedScene {
 struct BuiltGeometry {
   Geometry geometry;
   std::size_t bytes() const { return geometry.bytes() + geometry.bvh_bytes(); }
+};
+
+// The geometry that was built last of some triangles, as long as somebody has it: others that
+// differ in materials may share its BVH.
+struct LastBuilt {
+  mutable std::mutex mutex;
+  mutable std::weak_ptr<const BuiltGeometry> geometry;
+  std::size_t bytes() const { return sizeof(*this); }
 };
 
 // The light from infinitely far away, as a map in memory.
