@@ -35,9 +35,7 @@ class Rectifier {
   std::vector<double> Energies() const {
     std::vector<double> energies(std::size_t(texels_) * texels_);
     tbb::parallel_for(0u, texels_, [&](std::uint32_t row) {
-      for (std::uint32_t column = 0; column < texels_; ++column) {
-        energies[std::size_t(row) * texels_ + column] = EnergyByPoints(column, row);
-      }
+      FillRow(row, &energies[std::size_t(row) * texels_]);
     });
     const std::vector<double> narrow = NarrowTexels();
     for (std::size_t i = 0; i < energies.size(); ++i) {
@@ -47,20 +45,41 @@ class Rectifier {
   }
 
  private:
-  double EnergyByPoints(std::uint32_t column, std::uint32_t row) const {
-    double sum = 0;
+  // Writes the energies of a row of texels. Each has a grid of points, of which the outer ones lie
+  // on its border. Half of its energy is that of its brightest point everywhere, so that light
+  // which reaches into a texel is drawn with a density of half its own at least.
+  void FillRow(std::uint32_t row, double* energies) const {
+    const std::size_t across = std::size_t(points_) * texels_ + 1;
     const double step = step_ / points_;
-    for (int j = 0; j < points_; ++j) {
-      const double tan_y = std::tan(-kPi / 2 + row * step_ + (j + 0.5) * step);
-      for (int i = 0; i < points_; ++i) {
-        const double tan_x = std::tan(-kPi / 2 + column * step_ + (i + 0.5) * step);
-        const glm::dvec3 local = glm::normalize(glm::dvec3(tan_x, tan_y, 1));
-        const double solid_angle =
-            step * step * (1 - local.x * local.x) * (1 - local.y * local.y) / local.z;
-        sum += LuminanceAt(map_from_portal_ * local) * solid_angle;
+    std::vector<double> tangent(across), luminance(across * std::size_t(points_ + 1));
+    const auto tangent_at = [&](double place) {
+      return std::tan(std::clamp(place * step - kPi / 2, -kPi / 2 + 1e-9, kPi / 2 - 1e-9));
+    };
+    for (std::size_t i = 0; i < across; ++i) tangent[i] = tangent_at(double(i));
+    for (int j = 0; j <= points_; ++j) {
+      const double tan_y = tangent_at(double(row) * points_ + j);
+      for (std::size_t i = 0; i < across; ++i) {
+        const glm::dvec3 local = glm::normalize(glm::dvec3(tangent[i], tan_y, 1));
+        luminance[std::size_t(j) * across + i] = LuminanceAt(map_from_portal_ * local);
       }
     }
-    return sum;
+    const double middle_y = tangent_at((row + 0.5) * points_);
+    for (std::uint32_t column = 0; column < texels_; ++column) {
+      double sum = 0, weights = 0, most = 0;
+      for (int j = 0; j <= points_; ++j) {
+        for (int i = 0; i <= points_; ++i) {
+          const double weight = (i % points_ == 0 ? 0.5 : 1) * (j % points_ == 0 ? 0.5 : 1);
+          const double value =
+              luminance[std::size_t(j) * across + std::size_t(column) * points_ + i];
+          sum += weight * value, weights += weight, most = std::max(most, value);
+        }
+      }
+      const double middle_x = tangent_at((column + 0.5) * points_);
+      const glm::dvec3 local = glm::normalize(glm::dvec3(middle_x, middle_y, 1));
+      const double solid_angle =
+          step_ * step_ * (1 - local.x * local.x) * (1 - local.y * local.y) / local.z;
+      energies[column] = 0.5 * (sum / weights + most) * solid_angle;
+    }
   }
 
   double LuminanceAt(const glm::dvec3& m) const {
