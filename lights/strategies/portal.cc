@@ -79,7 +79,7 @@ void PortalStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n,
 
 StrategyFactory PortalFactory() {
   static constexpr StrategyParameter kParameters[] = {
-      {"texels", "512", "rows and columns of the map as a portal sees it, 16 to 4096"},
+      {"texels", "1024", "rows and columns of the map as a portal sees it, 16 to 4096"},
       {"share", "0.125",
        "part of the samples by importance for light that comes in elsewhere, 0 to 0.9"}};
   return {

@@ -3,7 +3,7 @@
 // walls hide. Of several portals one is picked by the energy seen through it.
 //
 // Parameters
-//   texels=512     rows and columns of the map as a portal sees it, 16 to 4096: more follow small
+//   texels=1024    rows and columns of the map as a portal sees it, 16 to 4096: more follow small
 //                  suns closer and fall out of caches
 //   share=0.125    part of the samples that is drawn like those of `importance`, 0 to 0.9, which
 //                  finds what comes in elsewhere. With 0 that is left to BSDF sampling, so it needs
