@@ -128,6 +128,7 @@ class Window {
         y_(view, PlaceOf(view, corner.y, corner.z),
            PlaceOf(view, hn::Add(corner.y, portal.size_y), corner.z)),
         table_(view.sums),
+        columns_(view.columns),
         stride_(view.texels + 1),
         sums_(portal.sums) {
     const VU stride = SetU(stride_), one = SetU(1);
@@ -159,10 +160,8 @@ class Window {
     const VF in_column = Between(UpTo(left), UpTo(right));
     x = PlaceIn(x_, column, target, in_column);
     // The same again along the column.
-    const auto up_to = [&](VU row) HWY_ATTR {
-      const VU at = hn::Add(sums_, hn::Mul(row, SetU(stride_)));
-      return hn::Sub(Gather(table_, hn::Add(at, right)), Gather(table_, hn::Add(at, left)));
-    };
+    const VU begin = hn::Add(sums_, hn::Mul(left, SetU(stride_)));
+    const auto up_to = [&](VU row) HWY_ATTR { return Gather(columns_, hn::Add(begin, row)); };
     const VU second = up_to(hn::Add(y_.first, SetU(1)));
     const VF in_first = hn::Mul(y_.in_first, ToFloat(hn::Sub(second, up_to(y_.first))));
     const VF target_y = hn::Mul(v, in_column);
@@ -193,7 +192,7 @@ class Window {
   }
 
   Interval x_, y_;
-  const std::uint32_t* table_;
+  const std::uint32_t *table_, *columns_;
   std::uint32_t stride_;
   VU sums_;
   VU row_[4];  // edges of rows: of the first one, of the last one

@@ -41,11 +41,13 @@ inline constexpr std::uint32_t kNoPortal = 0xFFFFFFFFu;
 // A rectified map is `texels` x `texels` texels of equal size in both angles, constant inside in
 // energy per square of angle, which is at least one unit. Summed-area tables hold whole units, so
 // their differences are exact; a map has less than 2^31 of them. Entry (row, column) of the
-// texels + 1 squared is the sum over [0, column) x [0, row), row-major.
+// texels + 1 squared is the sum over [0, column) x [0, row), row-major. A search along a column
+// would read another page at every step there, so it has a table of its own.
 struct PortalsView {
   const PortalRecord* portals;
   std::uint32_t count;  // at most kMaxPortals
   const std::uint32_t* sums;
+  const std::uint32_t* columns;  // as `sums`, column-major, over the rows [0, row) of one column
   std::uint32_t texels;
 };
 

@@ -164,6 +164,19 @@ double AppendSums(const std::vector<double>& energies, std::uint32_t texels,
   return unit;
 }
 
+// Appends the sums over single columns of the rectified map whose sums begin at `begin`.
+void AppendColumns(const std::vector<std::uint32_t>& sums, std::size_t begin, std::uint32_t texels,
+                   std::vector<std::uint32_t>& columns) {
+  const std::size_t stride = texels + 1;
+  columns.resize(begin + stride * stride);
+  tbb::parallel_for(0u, texels, [&](std::uint32_t column) {
+    for (std::size_t row = 0; row <= texels; ++row) {
+      const std::uint32_t* const sum = &sums[begin + row * stride + column];
+      columns[begin + column * stride + row] = sum[1] - sum[0];
+    }
+  });
+}
+
 bool SameAxes(const glm::dmat3& a, const glm::dmat3& b) {
   double difference = 0;
   for (int i = 0; i < 3; ++i) difference = std::max(difference, glm::length(a[i] - b[i]));
@@ -191,6 +204,7 @@ PortalTables::PortalTables(const Texels& map, std::span<const Portal> portals, s
       const Rectifier rectifier(map, glm::transpose(world_from_map) * axes, texels);
       const auto begin = std::uint32_t(sums_.size());
       const double unit = AppendSums(rectifier.Energies(), texels, sums_);
+      AppendColumns(sums_, begin, texels, columns_);
       known = made.insert(made.end(), {axes, begin, energy > 0 ? unit / energy : 0});
     }
     PortalRecord record = {};
@@ -212,6 +226,7 @@ PortalsView PortalTables::view() const {
   return {.portals = records_.data(),
           .count = std::uint32_t(records_.size()),
           .sums = sums_.data(),
+          .columns = columns_.data(),
           .texels = texels_};
 }
 
