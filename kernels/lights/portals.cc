@@ -67,42 +67,41 @@ HWY_INLINE VU TexelAt(const PortalsView& view, VF place) {
   return hn::Min(ToUnsigned(place), SetU(view.texels - 1));
 }
 
-// An interval on one axis of the rectified map: it begins in texel `first`, of which it has the
-// part `in_first` of the texel's length, and ends in texel `last`. If both are the same, in_last is
-// 0.
-struct Interval {
-  HWY_INLINE Interval(const PortalsView& view, VF begin, VF end)
-      : low(begin), high(hn::Max(begin, end)) {
-    first = TexelAt(view, low), last = TexelAt(view, high);
-    same = hn::Eq(first, last);
-    const MF same_f = hn::RebindMask(F(), same);
-    const VF after_first = ToFloat(hn::Add(first, SetU(1)));
-    in_first = hn::Sub(IfThen(same_f, high, after_first), low);
-    in_last = IfThen(same_f, hn::Zero(F()), hn::Sub(high, ToFloat(last)));
+// The texels of the rectified map that a point sees through a portal, also those of which it sees a
+// part: whole texels take a fraction of the lookups, and directions beside the portal meet the
+// wall.
+struct Range {
+  HWY_INLINE Range(const PortalsView& view, const PortalLanes& portal, const V3& corner)
+      : left(TexelAt(view, PlaceOf(view, corner.x, corner.z))),
+        right(TexelAt(view, PlaceOf(view, hn::Add(corner.x, portal.size_x), corner.z))),
+        top(TexelAt(view, PlaceOf(view, corner.y, corner.z))),
+        bottom(TexelAt(view, PlaceOf(view, hn::Add(corner.y, portal.size_y), corner.z))),
+        open(hn::Gt(corner.z, hn::Zero(F()))) {}
+  // Selects the points that see a texel.
+  HWY_INLINE MF Holds(VU column, VU row) const {
+    const MU beside = hn::Or(hn::Lt(column, left), hn::Lt(right, column));
+    const MU above = hn::Or(hn::Lt(row, top), hn::Lt(bottom, row));
+    return hn::AndNot(hn::RebindMask(F(), hn::Or(beside, above)), open);
   }
-  VF low, high;
-  VU first, last;
-  MU same;
-  VF in_first, in_last;
+  VU left, right, top, bottom;  // the last ones are inside
+  MF open;                      // the point is behind the portal
 };
 
 struct Found {
   VU texel;
-  VF begin;  // the energy of the interval before the texel
+  VF begin;  // the energy before the texel
 };
-// Finds the texel of an interval in which the energy up to it reaches `target`. before(edge) is the
-// energy of whole texels from the second one up to an edge, and `in_first` that of the first one.
+// Finds the last texel in [first, last] before which there is no more energy than `target`, or the
+// first one; before(edge) grows with the edge.
 template <class Before>
-HWY_INLINE Found FindTexel(const Interval& interval, VF in_first, VF target, const Before& before) {
+HWY_INLINE Found FindTexel(VU first, VU last, VF target, const Before& before) {
   const VU one = SetU(1);
-  Found found = {interval.first, hn::Zero(F())};
-  VU last = interval.last;
+  Found found = {first, hn::Zero(F())};
   while (!hn::AllTrue(U(), hn::Eq(found.texel, last))) {
     const VU middle = hn::ShiftRight<1>(hn::Add(hn::Add(found.texel, last), one));
     const MU done = hn::Eq(found.texel, last);
-    const VF begin = hn::Add(in_first, before(middle));
-    const MF behind = hn::Ge(target, begin);
-    const MU moves = hn::AndNot(done, hn::RebindMask(U(), behind));
+    const VF begin = before(middle);
+    const MU moves = hn::AndNot(done, hn::RebindMask(U(), hn::Ge(target, begin)));
     found.texel = IfThen(moves, middle, found.texel);
     found.begin = IfThen(hn::RebindMask(F(), moves), begin, found.begin);
     last = IfThen(hn::Or(done, moves), last, hn::Sub(middle, one));
@@ -110,42 +109,24 @@ HWY_INLINE Found FindTexel(const Interval& interval, VF in_first, VF target, con
   return found;
 }
 // Returns the place in the texel found that has `target` of the energy before it; `energy` is that
-// of the whole texel.
-HWY_INLINE VF PlaceIn(const Interval& interval, const Found& found, VF target, VF energy) {
-  const MF is_first = hn::RebindMask(F(), hn::Eq(found.texel, interval.first));
-  const VF from = IfThen(is_first, interval.low, ToFloat(found.texel));
-  const VF end = hn::Min(ToFloat(hn::Add(found.texel, SetU(1))), interval.high);
-  return hn::Min(hn::Add(from, hn::Div(hn::Sub(target, found.begin), energy)), end);
+// of the texel.
+HWY_INLINE VF PlaceIn(const Found& found, VF target, VF energy) {
+  const VF part = hn::Div(hn::Sub(target, found.begin), energy);
+  return hn::Add(ToFloat(found.texel), hn::Min(part, Set(kBelowOne)));
 }
 
-// What a point sees of the rectified map through a portal.
+// The energy of such a range. Differences of sums are those of whole numbers, so nothing is lost
+// between bright texels.
 class Window {
  public:
-  // `corner` is that of the portal from the point.
-  HWY_INLINE Window(const PortalsView& view, const PortalLanes& portal, const V3& corner)
-      : x_(view, PlaceOf(view, corner.x, corner.z),
-           PlaceOf(view, hn::Add(corner.x, portal.size_x), corner.z)),
-        y_(view, PlaceOf(view, corner.y, corner.z),
-           PlaceOf(view, hn::Add(corner.y, portal.size_y), corner.z)),
-        table_(view.sums),
-        columns_(view.columns),
-        stride_(view.texels + 1),
-        sums_(portal.sums) {
-    const VU stride = SetU(stride_), one = SetU(1);
-    row_[0] = hn::Add(sums_, hn::Mul(y_.first, stride));
-    row_[1] = hn::Add(row_[0], stride);
-    // One row has no others behind it.
-    const VU last = hn::Add(sums_, hn::Mul(y_.last, stride));
-    row_[2] = IfThen(y_.same, row_[1], last);
-    row_[3] = IfThen(y_.same, row_[1], hn::Add(last, stride));
-
-    second_ = UpTo(hn::Add(x_.first, one));
-    in_first_ = hn::Mul(x_.in_first, Between(UpTo(x_.first), second_));
-    const Sums last_edge = UpTo(x_.last);
-    const VF in_last = hn::Mul(x_.in_last, Between(last_edge, UpTo(hn::Add(x_.last, one))));
-    const VF others = hn::Add(Between(second_, last_edge), in_last);
-    const VF energy = IfThen(hn::RebindMask(F(), x_.same), in_first_, hn::Add(in_first_, others));
-    energy_ = hn::IfThenElseZero(hn::Gt(corner.z, hn::Zero(F())), energy);
+  HWY_INLINE Window(const PortalsView& view, const PortalLanes& portal, const Range& range)
+      : view_(view), range_(range), sums_(portal.sums) {
+    const VU stride = SetU(view.texels + 1), one = SetU(1);
+    top_ = hn::Add(sums_, hn::Mul(range.top, stride));
+    bottom_ = hn::Add(sums_, hn::Mul(hn::Add(range.bottom, one), stride));
+    left_ = UpTo(range.left);
+    const VF energy = ToFloat(hn::Sub(UpTo(hn::Add(range.right, one)), left_));
+    energy_ = hn::IfThenElseZero(range.open, energy);
   }
 
   // Returns its energy [units]; 0 where the point is not behind the portal.
@@ -153,51 +134,36 @@ class Window {
 
   // Draws a place in it.
   HWY_INLINE void Draw(VF u, VF v, VF& x, VF& y) const {
-    const VF target = hn::Mul(u, energy_);
-    const Found column = FindTexel(x_, in_first_, target,
-                                   [&](VU edge) HWY_ATTR { return Between(second_, UpTo(edge)); });
-    const VU left = column.texel, right = hn::Add(left, SetU(1));
-    const VF in_column = Between(UpTo(left), UpTo(right));
-    x = PlaceIn(x_, column, target, in_column);
-    // The same again along the column.
-    const VU begin = hn::Add(sums_, hn::Mul(left, SetU(stride_)));
-    const auto up_to = [&](VU row) HWY_ATTR { return Gather(columns_, hn::Add(begin, row)); };
-    const VU second = up_to(hn::Add(y_.first, SetU(1)));
-    const VF in_first = hn::Mul(y_.in_first, ToFloat(hn::Sub(second, up_to(y_.first))));
-    const VF target_y = hn::Mul(v, in_column);
-    const Found row = FindTexel(y_, in_first, target_y, [&](VU edge) HWY_ATTR {
-      return ToFloat(hn::Sub(up_to(edge), second));
+    const VF target_x = hn::Mul(u, energy_);
+    const Found column = FindTexel(range_.left, range_.right, target_x, [&](VU edge) HWY_ATTR {
+      return ToFloat(hn::Sub(UpTo(edge), left_));
     });
-    const VU in_texel = hn::Sub(up_to(hn::Add(row.texel, SetU(1))), up_to(row.texel));
-    y = PlaceIn(y_, row, target_y, ToFloat(in_texel));
+    // The same again along the column.
+    const VU begin = hn::Add(sums_, hn::Mul(column.texel, SetU(view_.texels + 1)));
+    const auto down_to = [&](VU edge)
+                             HWY_ATTR { return Gather(view_.columns, hn::Add(begin, edge)); };
+    const VU one = SetU(1), above = down_to(range_.top);
+    const VF in_column = ToFloat(hn::Sub(down_to(hn::Add(range_.bottom, one)), above));
+    const VF target_y = hn::Mul(v, in_column);
+    const Found row = FindTexel(range_.top, range_.bottom, target_y, [&](VU edge) HWY_ATTR {
+      return ToFloat(hn::Sub(down_to(edge), above));
+    });
+    const VU in_texel = hn::Sub(down_to(hn::Add(row.texel, one)), down_to(row.texel));
+    x = PlaceIn(column, target_x, in_column);
+    y = PlaceIn(row, target_y, ToFloat(in_texel));
   }
 
  private:
-  // Units of the window's first row, whole rows and last row, up to an edge of a column.
-  struct Sums {
-    VU first, whole, last;
-  };
-  HWY_INLINE Sums UpTo(VU edge) const {
-    VU sum[4];
-    for (int k = 0; k < 4; ++k) sum[k] = Gather(table_, hn::Add(row_[k], edge));
-    return {hn::Sub(sum[1], sum[0]), hn::Sub(sum[2], sum[1]), hn::Sub(sum[3], sum[2])};
-  }
-  // Returns the energy of the window's rows between two edges. The differences are those of whole
-  // numbers, so nothing is lost between bright texels.
-  HWY_INLINE VF Between(const Sums& left, const Sums& right) const {
-    const VF first = ToFloat(hn::Sub(right.first, left.first));
-    const VF whole = ToFloat(hn::Sub(right.whole, left.whole));
-    const VF last = ToFloat(hn::Sub(right.last, left.last));
-    return hn::Add(hn::Add(hn::Mul(y_.in_first, first), whole), hn::Mul(y_.in_last, last));
+  // Returns the units of its rows up to an edge of a column.
+  HWY_INLINE VU UpTo(VU edge) const {
+    return hn::Sub(Gather(view_.sums, hn::Add(bottom_, edge)),
+                   Gather(view_.sums, hn::Add(top_, edge)));
   }
 
-  Interval x_, y_;
-  const std::uint32_t *table_, *columns_;
-  std::uint32_t stride_;
-  VU sums_;
-  VU row_[4];  // edges of rows: of the first one, of the last one
-  Sums second_;
-  VF in_first_, energy_;
+  const PortalsView& view_;
+  const Range& range_;
+  VU sums_, top_, bottom_, left_;
+  VF energy_;
 };
 
 void PickPortals(const PortalsView& view, const SurfaceColumns& surfaces, const float* u,
@@ -211,8 +177,8 @@ void PickPortals(const PortalsView& view, const SurfaceColumns& surfaces, const 
     VF total = zero;
     for (std::uint32_t k = 0; k < view.count; ++k) {
       const PortalLanes portal = AllLanes(view.portals[k]);
-      const VF through =
-          hn::Mul(Window(view, portal, CornerFrom(portal, point)).energy(), portal.unit);
+      const Range range(view, portal, CornerFrom(portal, point));
+      const VF through = hn::Mul(Window(view, portal, range).energy(), portal.unit);
       Store(through, seen[k]);
       total = hn::Add(total, through);
     }
@@ -255,7 +221,8 @@ void SamplePortals(const PortalsView& view, const SurfaceColumns& surfaces,
     const V3 none = {zero, zero, zero};
     const V3 point = IfThen(drawn_f, PointOf(surfaces, i), none);
     VF x, y;
-    Window(view, portal, CornerFrom(portal, point))
+    const Range range(view, portal, CornerFrom(portal, point));
+    Window(view, portal, range)
         .Draw(hn::IfThenElseZero(drawn_f, Load(picks.u + i)),
               hn::IfThenElseZero(drawn_f, Load(v + i)), x, y);
     // Angles count from -pi/2 on, so their sines are minus cosines of what follows.
@@ -272,16 +239,10 @@ void SamplePortals(const PortalsView& view, const SurfaceColumns& surfaces,
   }
 }
 
-// Returns the energy [units] of a direction's texel in the rectified map.
-HWY_INLINE VF TexelEnergy(const PortalsView& view, VU sums, const V3& local) {
-  const VU column = TexelAt(view, PlaceOf(view, local.x, local.z));
-  const VU row = TexelAt(view, PlaceOf(view, local.y, local.z));
-  const VU above = hn::Add(hn::Add(sums, hn::Mul(row, SetU(view.texels + 1))), column);
-  const VU below = hn::Add(above, SetU(view.texels + 1));
-  const VU one = SetU(1);
-  const VU of_below = hn::Sub(Gather(view.sums, hn::Add(below, one)), Gather(view.sums, below));
-  const VU of_above = hn::Sub(Gather(view.sums, hn::Add(above, one)), Gather(view.sums, above));
-  return ToFloat(hn::Sub(of_below, of_above));
+// Returns the energy [units] of a texel of the rectified map.
+HWY_INLINE VF TexelEnergy(const PortalsView& view, VU sums, VU column, VU row) {
+  const VU at = hn::Add(hn::Add(sums, hn::Mul(column, SetU(view.texels + 1))), row);
+  return ToFloat(hn::Sub(Gather(view.columns, hn::Add(at, SetU(1))), Gather(view.columns, at)));
 }
 
 void MixPortalDensity(const PortalsView& view, const SurfaceColumns& surfaces, const float* energy,
@@ -311,20 +272,14 @@ void MixPortalDensity(const PortalsView& view, const SurfaceColumns& surfaces, c
       const PortalLanes portal = AllLanes(view.portals[k]);
       const V3 corner = CornerFrom(portal, point);
       const V3 local = {Dot(portal.x, dir), Dot(portal.y, dir), Dot(portal.z, dir)};
-      // The direction meets the plane of the portal where local is corner.z / local.z times itself.
-      const auto meets = [&](VF along, VF from, VF size) HWY_ATTR {
-        const VF reached = hn::Mul(along, corner.z);
-        return hn::And(hn::Ge(reached, hn::Mul(from, local.z)),
-                       hn::Le(reached, hn::Mul(hn::Add(from, size), local.z)));
-      };
-      const MF ahead = hn::And(hn::Gt(corner.z, zero), hn::Gt(local.z, zero));
-      const MF passes =
-          hn::And(hn::And(lit, ahead), hn::And(meets(local.x, corner.x, portal.size_x),
-                                               meets(local.y, corner.y, portal.size_y)));
-      if (hn::AllFalse(F(), passes)) continue;
+      const MF ahead = hn::And(lit, hn::Gt(local.z, zero));
       const V3 forward = {zero, zero, Set(1.0f)};
-      const V3 seen = IfThen(passes, local, forward);
-      const VF in_texel = hn::Mul(TexelEnergy(view, portal.sums, seen), portal.unit);
+      const V3 seen = IfThen(ahead, local, forward);
+      const VU column = TexelAt(view, PlaceOf(view, seen.x, seen.z));
+      const VU row = TexelAt(view, PlaceOf(view, seen.y, seen.z));
+      const MF passes = hn::And(ahead, Range(view, portal, corner).Holds(column, row));
+      if (hn::AllFalse(F(), passes)) continue;
+      const VF in_texel = hn::Mul(TexelEnergy(view, portal.sums, column, row), portal.unit);
       // The solid angle of a square of angles is (1 - x^2) (1 - y^2) / z.
       const VF z2 = hn::Mul(seen.z, seen.z);
       const VF stretch =

@@ -5,7 +5,8 @@
 // (x, y, z) of the portal's frame, whose axes are its sides and its normal, lies at the angles
 // atan2(x, z) and atan2(y, z), each in (-pi/2, pi/2). Lines parallel to a side of the portal are
 // then lines of one angle, so that any point sees through the portal a rectangle of the rectified
-// map. Its energy is read off a summed-area table, and a direction in it is found by two searches.
+// map. The energy of the texels that it meets is read off a summed-area table, and a direction in
+// them is found by two searches.
 #pragma once
 
 #include <cstdint>

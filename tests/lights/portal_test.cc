@@ -67,34 +67,50 @@ struct Fixture {
 
 const Vec kPoints[] = {{0, 0, 0}, {0.7, -0.4, 0.3}, {-3, 1, -2}, {0.1, 0.1, 0.99}, {5, 5, -9}};
 
+// Windows end with texels.
+bool Nearly(const Portal& portal, Vec point, Vec direction) {
+  for (int i = 0; i < 27; ++i) {
+    const Vec aside = {i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+    if (Passes(portal, point, direction + 1.5 * kPi / 512 * aside)) return true;
+  }
+  return false;
+}
+
 TEST(Portals, SamplesPassAPortalAndNothingElseHasADensity) {
-  Fixture f("Noise", PortalsAroundTheOrigin(), 0);
+  Fixture f("Noise", PortalsAroundTheOrigin(), 0, 512);
   for (const Vec point : kPoints) {
     const auto samples = f.Draw(point, 4096);
-    std::uint32_t missed = 0;
+    std::uint32_t missed = 0, beside = 0;
     for (std::uint32_t i = 0; i < 4096; ++i) {
       const Vec dir = Get(i, samples->dir_x, samples->dir_y, samples->dir_z);
       ASSERT_NEAR(Length(dir), 1, 1e-6);
-      bool passes = false;
-      for (const Portal& portal : f.map.portals) passes |= Passes(portal, point, dir);
-      missed += !passes;
+      bool passes = false, nearly = false;
+      for (const Portal& portal : f.map.portals) {
+        passes |= Passes(portal, point, dir), nearly |= Nearly(portal, point, dir);
+      }
+      missed += !nearly, beside += !passes;
     }
-    EXPECT_LE(missed, 2u);  // rounding at the rims
+    EXPECT_EQ(missed, 0u);
+    EXPECT_LT(beside, 4096 / 4u);
     Random random(3);
     std::vector<Vec> directions(4096);
     for (Vec& d : directions) d = random.Direction();
     const std::vector<float> densities = f.Densities(directions);
     for (std::size_t i = 0; i < directions.size(); ++i) {
-      bool passes = false;
-      for (const Portal& portal : f.map.portals) passes |= Passes(portal, point, directions[i]);
-      ASSERT_EQ(densities[i] > 0, passes) << "direction " << i;
+      bool passes = false, nearly = false;
+      for (const Portal& portal : f.map.portals) {
+        passes |= Passes(portal, point, directions[i]);
+        nearly |= Nearly(portal, point, directions[i]);
+      }
+      ASSERT_TRUE(densities[i] > 0 || !passes) << "direction " << i;
+      ASSERT_TRUE(densities[i] == 0 || nearly) << "direction " << i;
     }
   }
 }
 
 // Chi-square over squares of the two angles of the first portal, which belong to no texel's grid.
 TEST(Portals, DirectionsFollowTheDensity) {
-  constexpr std::uint32_t kSamples = 50000, kBins = 24, kFine = 60;
+  constexpr std::uint32_t kSamples = 50000, kBins = 16, kFine = 80;
   for (const char* const name : {"Noise", "Sun", "Constant"}) {
     Fixture f(name, PortalsAroundTheOrigin(), 0);
     // From farther away windows are too small for the midpoint rule.
@@ -178,7 +194,9 @@ TEST(Portals, EstimatesAreTheLightOfTheWindows) {
                                5e-3 * exact))
             << name << " at " << point.x << ", share " << share;
         // The share bounds the weight of what rectified texels lose of the map's.
-        if (share > 0) EXPECT_LT(most, 1.001 * whole / share) << name << " at " << point.x;
+        if (share > 0) {
+          EXPECT_LT(most, 1.001 * whole / share) << name << " at " << point.x;
+        }
       }
     }
   }
