@@ -11,6 +11,7 @@
 #include "job/map_sequence.h"
 #include "job/material_changes.h"
 #include "job/options.h"
+#include "job/portals.h"
 #include "lights/maps/environment_map.h"
 #include "scene/reader.h"
 #include "scene/shapes/ground.h"
@@ -68,12 +69,14 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
                            const JobRequest& request) {
   PreparedScene prepared = {.scene = {loaded, &loaded->scene}};
   const char up_axis = request.environment.up_axis.value_or(loaded->scene.up_axis);
-  const bool changes =
-      !request.materials.empty() || request.ground || up_axis != loaded->scene.up_axis;
-  prepared.bounds = SceneBounds(loaded->scene, request.scene);
+  const bool changes = !request.materials.empty() || !request.portals.empty() || request.ground ||
+                       up_axis != loaded->scene.up_axis;
+  if (!changes) prepared.bounds = SceneBounds(loaded->scene, request.scene);
   prepared.whole_bounds = prepared.bounds;
   if (changes) {
     auto scene = std::make_shared<Scene>(loaded->scene);
+    AddPortals(request.portals, *scene);
+    prepared.bounds = prepared.whole_bounds = SceneBounds(*scene, request.scene);
     ChangeMaterials(request.materials, *scene);
     scene->up_axis = up_axis;
     if (request.ground) {
@@ -132,7 +135,7 @@ JobParts::JobParts(Scene scene)
     : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(std::move(scene))) {}
 
 void JobParts::Prepare(const JobRequest& request) {
-  static constexpr std::string_view kChanges[] = {"material", "ground", "env-up"};
+  static constexpr std::string_view kChanges[] = {"material", "portal", "ground", "env-up"};
   prepared_key_ = scene_key_ + " prepared" + WordsOf(request, kChanges);
   prepared_ = Get<PreparedScene>(prepared_key_, [&] {
     return std::make_shared<PreparedScene>(PrepareScene(loaded_, request));
@@ -199,14 +202,18 @@ glm::mat3 JobParts::WorldFromMap(const JobRequest& request, const LoadedLight& l
 
 std::string JobParts::PlacedKey(const JobRequest& request, const LoadedLight& light) const {
   const std::array<float, 9> rows = Rows(WorldFromMap(request, light));
-  return fmt::format("{} placed {}", MapKey(request), fmt::join(rows, " "));
+  const bool portals = !prepared_->scene->portals.empty();
+  return fmt::format("{} placed {}{}", MapKey(request), fmt::join(rows, " "),
+                     portals ? " portals of " + prepared_key_ : "");
 }
 
 std::shared_ptr<const PlacedMap> JobParts::Place(const JobRequest& request,
                                                  const LoadedLight& light) const {
   return Get<PlacedMap>(PlacedKey(request, light), [&] {
-    return std::make_shared<PlacedMap>(PlacedMap{
-        {.latlong = *light.light.map, .map_from_world = Rows(WorldFromMap(request, light))}});
+    return std::make_shared<PlacedMap>(
+        PlacedMap{{.latlong = *light.light.map,
+                   .map_from_world = Rows(WorldFromMap(request, light)),
+                   .portals = prepared_->scene->portals}});
   });
 }
 

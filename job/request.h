@@ -50,7 +50,8 @@ struct JobRequest {
   std::vector<std::string> materials;  // changes, see job/material_changes.h
   EnvironmentRequest environment;
   CameraRequest camera;
-  std::string strategy = "importance";
+  std::string strategy;               // empty: the scene's, or importance
+  std::vector<std::string> portals;   // see job/portals.h
   std::string continuation_strategy;  // where paths split; empty: the same
   std::string embree_config;
   std::optional<int> width, height;

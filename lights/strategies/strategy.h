@@ -107,6 +107,7 @@ struct StrategyFactory {
   std::string_view name, description;
   std::span<const StrategyParameter> parameters;
   std::unique_ptr<EnvStrategy> (*make)(const EnvironmentMap& map, const StrategyValues& values);
+  bool needs_portals = false;  // `make` throws for a map without them
 };
 
 std::span<const StrategyFactory> Strategies();

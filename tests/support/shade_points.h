@@ -29,14 +29,25 @@ class LambertPoints {
   soa::Table<PathColumns> paths_{1};  // shared by all rows
 };
 
-// Sets a grey surface that faces the eye.
+// Sets a grey surface in the origin that faces the eye.
 inline void PutSurface(Vec normal, std::uint32_t i, const SurfaceColumns& surfaces) {
   Put(normal, i, surfaces.ns_x, surfaces.ns_y, surfaces.ns_z);
   Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);
   Put(normal, i, surfaces.wo_x, surfaces.wo_y, surfaces.wo_z);
   Put({0.5, 0.5, 0.5}, i, surfaces.color_r, surfaces.color_g, surfaces.color_b);
+  Put({0, 0, 0}, i, surfaces.org_x, surfaces.org_y, surfaces.org_z);
+  surfaces.lift[i] = 0;
   surfaces.material[i] = 0;
   surfaces.path[i] = 0;
+}
+
+// Returns portals around the origin: two that overlap, one beside them in another wall, and one
+// that lights only what lies beyond it.
+inline std::vector<Portal> PortalsAroundTheOrigin() {
+  return {{.corner = {-1, -0.5f, 1}, .side_x = {1.5f, 0, 0}, .side_y = {0, 1, 0}},
+          {.corner = {-0.25f, 0, 1.5f}, .side_x = {2, 0, 0}, .side_y = {0, 1, 0}},
+          {.corner = {2, -1, -1}, .side_x = {0, 1.5f, 0}, .side_y = {0, 0, 1}},
+          {.corner = {-1, -1, -1}, .side_x = {1, 0, 0}, .side_y = {0, 1, 0}}};
 }
 
 }  // namespace skywave
