@@ -22,6 +22,7 @@ namespace skywave {
   STRATEGY(Penrose)                  \
   STRATEGY(Presampled)               \
   STRATEGY(Product)                  \
+  STRATEGY(Visibility)               \
   STRATEGY(Ris)                      \
   STRATEGY(Hybrid)
 
