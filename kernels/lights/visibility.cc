@@ -1,11 +1,15 @@
 #include "kernels/lights/visibility.h"
 
+#include <algorithm>
+#include <iterator>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/lights/visibility.cc"
+#include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/lights/environment-inl.h"
 #include "kernels/lights/search_tree-inl.h"
-#include "kernels/lights/texel_samplers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -52,45 +56,102 @@ void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns
   }
 }
 
-void SampleFromPlaces(const EnvironmentView& map, const CellsView& cells,
+void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
                       const PlacePicksView& picks, const float* light_norm,
-                      const UniformColumns& uniforms, std::uint32_t n, float samples,
+                      const UniformColumns& uniforms, std::uint32_t n, float samples, bool mixed,
                       const LightColumns& out) {
+  static_assert(kPlaceRows == kChunk);
   SearchColumns search;
-  alignas(64) std::uint32_t place[kChunk];
-  for (std::uint32_t begin = 0; begin < n; begin += kChunk) {
-    const std::uint32_t rows = std::min(kChunk, n - begin);
-    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
-      const MF used = hn::RebindMask(F(), RowsBelow(i, rows));
-      Store(ToUnsigned(hn::IfThenElseZero(used, Load(light_norm + begin + i))), place + i);
+  alignas(64) std::uint32_t place[kChunk], slot[kChunk], texel[kChunk], packed[kChunk];
+  alignas(64) float position[kChunk], kept[kChunk], rest[kChunk], density[kChunk];
+  const VU last = SetU(picks.learnt - 1);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const MF used = hn::RebindMask(F(), RowsBelow(i, n));
+    const VU found = ToUnsigned(hn::IfThenElseZero(used, Load(light_norm + i)));
+    Store(hn::Min(found, last), place + i);
+  }
+  // Places of neighbours differ, so the nodes and slots of all rows are on their way at a time.
+  for (std::uint32_t i = 0; i < n; ++i) {
+    hwy::Prefetch(picks.trees.level[0] + place[i]);
+    for (std::uint32_t k = 0; picks.trees.levels > 1 && k < picks.trees.nodes[1]; ++k) {
+      hwy::Prefetch(picks.trees.level[1] + place[i] * picks.trees.nodes[1] + k);
     }
-    Search(picks.trees, place, uniforms.u + begin, rows, search,
-           [](std::uint32_t, std::uint32_t) {});
-    for (std::uint32_t i = 0; i < rows; i += hn::Lanes(F())) {
-      const MU inside = RowsBelow(i, rows);
-      const MF used = hn::RebindMask(F(), inside);
-      const VU cell = hn::IfThenElseZero(inside, Load(search.item + i));
-      const VU at = hn::Add(hn::Mul(Load(place + i), SetU(picks.cells)), cell);
-      const VF probability = Gather(picks.probability, at);
-      EmitFromCells(map, cells, cell, hn::IfThenElseZero(used, Load(search.x + i)),
-                    hn::IfThenElseZero(used, Load(uniforms.v + begin + i)),
-                    hn::Mul(probability, Set(samples)), out, begin + i);
+  }
+  Search(picks.trees, place, uniforms.u, n, search, [](std::uint32_t, std::uint32_t) {});
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t cell = search.item[i], begin = texels.begin[cell];
+    const std::uint32_t count = texels.begin[cell + 1] - begin;
+    const float along = search.x[i] * float(count);
+    const std::uint32_t index = std::min(std::uint32_t(along), count - 1);
+    slot[i] = begin + index;
+    position[i] = along - float(index);
+    density[i] = picks.probability[place[i] * picks.cells + cell];
+    hwy::Prefetch(texels.slots + slot[i]);
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const AliasSlot& here = texels.slots[slot[i]];
+    const float y = uniforms.v[i];
+    const bool keeps = y < here.keep;
+    kept[i] = keeps ? y : y - here.keep;
+    rest[i] = keeps ? here.keep : 1.0f - here.keep;
+    slot[i] = keeps ? slot[i] : here.other;
+    hwy::Prefetch(texels.texels + slot[i]);
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const SlotTexel& here = texels.texels[slot[i]];
+    texel[i] = here.texel, packed[i] = here.radiance, density[i] *= here.density;
+  }
+  const VU width = SetU(map.width);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const MU inside = RowsBelow(i, n);
+    const MF used = hn::RebindMask(F(), inside);
+    const VU at = hn::IfThenElseZero(inside, Load(texel + i));
+    // The float quotient may be one off.
+    VU row = ToUnsigned(hn::Mul(ToFloat(at), Set(1.0f / float(map.width))));
+    row = IfThen(hn::Gt(hn::Mul(row, width), at), hn::Sub(row, SetU(1)), row);
+    VU column = hn::Sub(at, hn::Mul(row, width));
+    const MU next = hn::Gt(column, SetU(map.width - 1));
+    row = IfThen(next, hn::Add(row, SetU(1)), row);
+    column = IfThen(next, hn::Sub(column, width), column);
+    const VF below_one = Set(0x1.fffffep-1f);
+    const VF fx = Clamp(hn::IfThenElseZero(used, Load(position + i)), 0.0f, 0x1.fffffep-1f);
+    const VF fy = hn::Min(hn::Div(hn::IfThenElseZero(used, Load(kept + i)),
+                                  hn::Max(Load(rest + i), Set(1e-20f))),
+                          below_one);
+    const V3 radiance =
+        UnpackRadiance(hn::IfThenElseZero(inside, Load(packed + i)), map.radiance_unit);
+    const VF pdf = hn::Mul(Load(density + i), Set(samples));
+    if (!mixed) {
+      EmitTexels(map, column, row, FetchAreas(map, row), fx, fy, radiance, pdf, out, i);
+      continue;
+    }
+    alignas(64) float block[7][kPadRows];
+    LightColumns drawn = {block[0], block[1], block[2], block[3], block[4], block[5], block[6]};
+    EmitTexels(map, column, row, FetchAreas(map, row), fx, fy, radiance, pdf, drawn, 0);
+    const MF learnt =
+        hn::And(used, hn::Lt(Load(light_norm + i), Set(float(picks.learnt))));
+    float* const columns[] = {out.dir_x, out.dir_y, out.dir_z, out.r, out.g, out.b, out.pdf};
+    for (std::size_t c = 0; c < std::size(columns); ++c) {
+      Store(IfThen(learnt, Load(block[c]), Load(columns[c] + i)), columns[c] + i);
     }
   }
 }
 
 void ScaleByPlace(const PlacePicksView& picks, const float* light_norm, const std::uint32_t* cell,
-                  std::uint32_t n, const EscapeColumns& rows) {
+                  const float* other, std::uint32_t n, const EscapeColumns& rows) {
   const VF zero = hn::Zero(F());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const MU used = hn::And(RowsBelow(i, n),
-                            hn::RebindMask(U(), hn::Gt(Load(rows.pdf + i), zero)));
+    const MU used =
+        hn::And(RowsBelow(i, n), hn::RebindMask(U(), hn::Gt(Load(rows.pdf + i), zero)));
     const VU from = hn::IfThenElseZero(used, Load(rows.from + i));
     const VF norm = hn::IfThenElseZero(hn::RebindMask(F(), used), Gather(light_norm, from));
-    const VU at = hn::Add(hn::Mul(ToUnsigned(norm), SetU(picks.cells)),
-                          hn::IfThenElseZero(used, Load(cell + i)));
-    const VF pdf = hn::Mul(Load(rows.light_pdf + i), Gather(picks.probability, at));
-    StoreBelow(pdf, rows.light_pdf + i, i, n);
+    const MF learnt = hn::Lt(norm, Set(float(picks.learnt)));
+    const VU at = hn::IfThenElseZero(
+        hn::And(used, hn::RebindMask(U(), learnt)),
+        hn::Add(hn::Mul(ToUnsigned(norm), SetU(picks.cells)), Load(cell + i)));
+    VF pdf = hn::Mul(Load(rows.light_pdf + i), Gather(picks.probability, at));
+    if (other != nullptr) pdf = IfThen(learnt, pdf, Load(other + i));
+    StoreBelow(pdf, rows.light_pdf, i, n);
   }
 }
 
@@ -108,16 +169,16 @@ HWY_EXPORT(ScaleByPlace);
 void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(FindPlaces)(tree, n, surfaces);
 }
-void SampleFromPlaces(const EnvironmentView& map, const CellsView& cells,
+void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
                       const PlacePicksView& picks, const float* light_norm,
-                      const UniformColumns& uniforms, std::uint32_t n, float samples,
+                      const UniformColumns& uniforms, std::uint32_t n, float samples, bool mixed,
                       const LightColumns& out) {
   HWY_DYNAMIC_DISPATCH(SampleFromPlaces)
-  (map, cells, picks, light_norm, uniforms, n, samples, out);
+  (map, texels, picks, light_norm, uniforms, n, samples, mixed, out);
 }
 void ScaleByPlace(const PlacePicksView& picks, const float* light_norm, const std::uint32_t* cell,
-                  std::uint32_t n, const EscapeColumns& rows) {
-  HWY_DYNAMIC_DISPATCH(ScaleByPlace)(picks, light_norm, cell, n, rows);
+                  const float* other, std::uint32_t n, const EscapeColumns& rows) {
+  HWY_DYNAMIC_DISPATCH(ScaleByPlace)(picks, light_norm, cell, other, n, rows);
 }
 
 }  // namespace skywave

@@ -23,27 +23,47 @@ struct PlaceTreeView {
   float steps;                 // 2^kPlaceLevels / side of the box [1/length]
 };
 
-// The distributions of places over `cells` cells: one tree of `trees` a place, and what it draws:
-// probability[place * cells + cell].
+// The distributions of the learnt places over `cells` cells: one tree of `trees` a place, and what
+// it draws: probability[place * cells + cell]. Places from `learnt` on have none: there light is
+// drawn by another technique.
 struct PlacePicksView {
   SearchTreeView trees;
   const float* probability;
-  std::uint32_t cells;
+  std::uint32_t cells, learnt;
 };
+
+// All that a sample needs of its texel lies together, because each access to a large table is a
+// line that no cache holds. A slot of an alias table (CellsView) has the record of its number.
+struct SlotTexel {
+  std::uint32_t texel;  // row * width + column
+  PackedRadiance radiance;
+  float density;  // of the texel inside its cell [1/sr]
+  std::uint32_t unused;
+};
+struct SlotTexelsView {
+  const std::uint32_t* begin;  // first slot of a cell; cells + 1 entries
+  const AliasSlot* slots;
+  const SlotTexel* texels;
+};
+
+// Surfaces and rays are drawn and weighed in chunks of at most so many.
+inline constexpr std::uint32_t kPlaceRows = 128;
 
 // Writes the place of each of surfaces [0, n) to light_norm. A place is below 2^24.
 void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Picks a cell for each of surfaces [0, n) by its place, which is in `light_norm`, and draws a
-// texel of it. `cells.density` is that of each texel inside its cell [1/sr].
-void SampleFromPlaces(const EnvironmentView& map, const CellsView& cells,
+// Picks a cell for each of surfaces [0, n), n <= kPlaceRows, by its place, which is in
+// `light_norm`, and draws a texel of it. With `mixed`, rows of places that are not learnt stay as
+// they are; without, there are none.
+void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
                       const PlacePicksView& picks, const float* light_norm,
-                      const UniformColumns& uniforms, std::uint32_t n, float samples,
+                      const UniformColumns& uniforms, std::uint32_t n, float samples, bool mixed,
                       const LightColumns& out);
 
 // Multiplies light_pdf of rows [0, n) by the probability of cell[i] at the place of surface
-// from[i], which is in `light_norm`; rows without a density, whose pdf is 0, get anything.
+// from[i], which is in `light_norm`. Where the place is not learnt, light_pdf becomes other[i]; if
+// `other` is null there are no such rows. Rows without a density, whose pdf is 0, get anything.
 void ScaleByPlace(const PlacePicksView& picks, const float* light_norm, const std::uint32_t* cell,
-                  std::uint32_t n, const EscapeColumns& rows);
+                  const float* other, std::uint32_t n, const EscapeColumns& rows);
 
 }  // namespace skywave

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <queue>
+#include <optional>
 
 #include "lights/strategies/importance.h"
 #include "lights/strategies/product.h"
+#include "lights/tables/inversion_table.h"
 
 namespace skywave {
 namespace {
@@ -21,9 +22,12 @@ static_assert(kRootShift + 3 == 64);
 constexpr double kNormalSteps = 127;
 
 // A node is split where so many rays have begun.
-constexpr std::size_t kSplitRays = 512;
+constexpr std::size_t kSplitRays = 2048;
 // The estimate of the node above counts as so many rays.
 constexpr double kPriorRays = 3;
+// A place is drawn from as it was learnt if that has so many times less variance than light alone,
+// whose samples are better stratified.
+constexpr double kWorthwhile = 1.5;
 
 std::uint32_t CellOf(VisibilityRay ray) {
   return std::uint32_t(ray >> kCellShift) & ((1u << kCellBits) - 1);
@@ -105,82 +109,122 @@ VisibilityRay PackVisibilityRay(const PlaceBox& box, const std::array<float, 3>&
 }
 
 struct VisibilityStrategy::MapTables {
-  MapTables(const EnvironmentMap& map, int count) : texels(map) {
+  MapTables(const EnvironmentMap& map, const VisibilityOptions& options)
+      : texels(map), compensated(options.compensate), base(BaseLuminance(texels, compensated)),
+        plain(texels, base) {
     const Image held = texels.Held();
     const SphereMap sphere = MakeSphereMap(held);
-    const LightSet set = CutCells(sphere, count);
+    const LightSet set = CutCells(sphere, options.cells);
     cells = MakeLightCells(sphere, set, map.map_from_world);
     for (const DirectionalLight& light : set.lights) solid_angle.push_back(light.solid_angle);
-    sampler.emplace(held.width, held.height, TexelImportance(texels), set.cell_of_texel,
-                    std::uint32_t(cells.size()));
+    const auto count = std::uint32_t(cells.size());
+    const std::vector<double> importance = TexelImportance(texels);
+    sampler.emplace(held.width, held.height, importance, set.cell_of_texel, count);
     density = sampler->DensityInCells(set.cell_of_texel);
     // Texels without light have density 0 whatever their cell is.
     cell_of_texel = set.cell_of_texel;
     std::replace(cell_of_texel.begin(), cell_of_texel.end(), kNoCell, 0u);
+    const EnvironmentView view = texels.view();
+    const CellsView in_cells = sampler->view();
+    slot_texels.resize(in_cells.begin[count]);
+    for (std::size_t slot = 0; slot < slot_texels.size(); ++slot) {
+      const std::uint32_t texel = in_cells.texel[slot];
+      const std::uint32_t row = texel / view.width, column = texel % view.width;
+      const TexelLine& line =
+          view.texels[std::size_t(row) * view.lines + column / kLineTexels];
+      slot_texels[slot] = {texel, line.texel[column % kLineTexels], density[texel], 0};
+    }
+    above.resize(count);
+    double all = 0;
+    for (std::size_t i = 0; i < importance.size(); ++i) {
+      const auto x = std::uint32_t(i) % view.width, y = std::uint32_t(i) / view.width;
+      if (importance[i] <= 0) continue;
+      const double share = base < 0 ? 1 : 1 - double(base) / double(texels.Luminance(x, y));
+      above[cell_of_texel[i]] += importance[i] * std::max(0.0, share);
+      all += importance[i] * std::max(0.0, share);
+    }
+    for (double& share : above) share /= all;
   }
   std::size_t bytes() const {
-    return texels.bytes() + sampler->bytes() + density.size() * sizeof(float) +
-           cell_of_texel.size() * sizeof(std::uint32_t) + cells.size() * sizeof(LightCell);
+    return texels.bytes() + plain.bytes() + sampler->bytes() + density.size() * sizeof(float) +
+           slot_texels.size() * sizeof(SlotTexel) + cell_of_texel.size() * sizeof(std::uint32_t) +
+           cells.size() * sizeof(LightCell);
   }
-  CellsView InCells() const {
-    CellsView view = sampler->view();
-    view.density = density.data();
-    return view;
+  SlotTexelsView slots() const {
+    const CellsView view = sampler->view();
+    return {.begin = view.begin, .slots = view.slots, .texels = slot_texels.data()};
   }
 
   Texels texels;
+  double compensated;
+  float base;
+  InversionTable plain;   // as `importance` has it
   CellMap cell_of_texel;  // no kNoCell: texels without light belong to cell 0
   std::vector<LightCell> cells;
   std::vector<double> solid_angle;  // of each cell [sr]
+  std::vector<double> above;        // how often `plain` draws each cell
   std::optional<CellSampler> sampler;
+  std::vector<SlotTexel> slot_texels;
   std::vector<float> density;  // of each texel inside its cell [1/sr]
 };
 
 VisibilityStrategy::VisibilityStrategy(const EnvironmentMap& map, const VisibilityOptions& options)
-    : VisibilityStrategy(std::make_shared<MapTables>(map, options.cells), options, 1) {
+    : VisibilityStrategy(std::make_shared<MapTables>(map, options), options, 0) {
   nodes_.assign(kPlaceRoots, kPlaceLeaf);
-  SetPlace(0, Visibility(map_->cells.size(), 1.0f), {});
 }
 
 VisibilityStrategy::VisibilityStrategy(std::shared_ptr<const MapTables> tables,
-                                       const VisibilityOptions& options, std::size_t places)
+                                       const VisibilityOptions& options, std::size_t learnt)
     : map_(std::move(tables)),
       options_(options),
-      places_(places),
-      trees_(std::uint32_t(map_->cells.size()), std::uint32_t(places)),
-      probability_(places * map_->cells.size()) {}
+      learnt_(learnt),
+      trees_(std::uint32_t(map_->cells.size()), std::uint32_t(learnt)),
+      probability_(learnt * map_->cells.size()) {}
 
-void VisibilityStrategy::SetPlace(std::size_t place, std::span<const float> visibility,
-                                  const std::array<double, 3>& normal) {
+bool VisibilityStrategy::complete() const { return map_->compensated == 0; }
+
+std::vector<double> VisibilityStrategy::PlaceWeights(std::span<const float> visibility,
+                                                     const std::array<double, 3>& normal) const {
   const std::size_t count = map_->cells.size();
-  std::vector<double> cosine(count), weight(count);
+  std::vector<double> cosine(count), wanted(count), weight(count);
   double all = 0, unseen = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const LightCell& cell = map_->cells[i];
     cosine[i] = MeanCosine(normal, cell);
-    weight[i] = double(cell.energy) * cosine[i] * std::sqrt(double(visibility[i]));
-    all += weight[i];
-    unseen += double(cell.energy) * (cosine[i] + 0.1);
+    wanted[i] = double(cell.energy) * cosine[i] * std::sqrt(double(visibility[i]));
+    all += wanted[i];
+    weight[i] = double(cell.energy) * (cosine[i] + 0.1);
+    unseen += weight[i];
   }
+  if (all <= 0) return {};
   // One light sample and one BSDF sample are to have a density in proportion to light together;
   // that of the light sample is twice the wanted one less the BSDF sample's.
   double rest = 0;
-  std::vector<double> wanted(count);
+  std::vector<double> left(count), by_bsdf(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double by_bsdf = cosine[i] * map_->solid_angle[i] / std::numbers::pi;
-    const double share = all > 0 ? weight[i] / all : 0;
-    wanted[i] = std::max(0.0, (1 + options_.compensate) * share - options_.compensate * by_bsdf);
-    rest += wanted[i];
+    by_bsdf[i] = cosine[i] * map_->solid_angle[i] / std::numbers::pi;
+    left[i] = std::max(0.0, (1 + options_.compensate) * wanted[i] / all -
+                                options_.compensate * by_bsdf[i]);
+    rest += left[i];
   }
-  const double learnt = rest > 1e-3 ? (1 - options_.defensive) / rest : 0;
-  const double defensive = (learnt > 0 ? options_.defensive : 1) / unseen;
+  double by_plain = 0, by_learnt = 0;  // variances, but for what both have in common
   for (std::size_t i = 0; i < count; ++i) {
-    const LightCell& cell = map_->cells[i];
-    weight[i] = learnt * wanted[i] + defensive * double(cell.energy) * (cosine[i] + 0.1);
+    weight[i] *= options_.defensive / unseen;
+    weight[i] += (1 - options_.defensive) * (rest > 0 ? left[i] / rest : wanted[i] / all);
+    const double square = wanted[i] * wanted[i];
+    if (square <= 0) continue;
+    by_plain += square / (map_->above[i] + by_bsdf[i]);
+    by_learnt += square / (weight[i] + by_bsdf[i]);
   }
+  if (by_plain < kWorthwhile * by_learnt) return {};
+  return weight;
+}
+
+void VisibilityStrategy::SetPlace(std::size_t place, const std::vector<double>& weights) {
+  const std::size_t count = map_->cells.size();
   std::vector<std::uint16_t> mass(count);
   std::vector<double> leaf(trees_.leaves());
-  trees_.Set(std::uint32_t(place), weight.data(), mass.data(), leaf.data());
+  trees_.Set(std::uint32_t(place), weights.data(), mass.data(), leaf.data());
   for (std::size_t i = 0; i < count; ++i) {
     probability_[place * count + i] = float(leaf[i / kNodeFan] * mass[i]);
   }
@@ -272,13 +316,26 @@ std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<Visib
             Learn(rays_of(begin, end), node.visibility)});
     }
   }
-  std::unique_ptr<VisibilityStrategy> taught(
-      new VisibilityStrategy(map_, options_, leaves.size()));
+  std::vector<std::vector<double>> weights(leaves.size());
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+    const Leaf& leaf = leaves[i];
+    weights[i] = PlaceWeights(leaf.visibility, MeanNormal(rays_of(leaf.begin, leaf.end)));
+  });
+  // Places where learning does not pay have no tables, and all of them one number.
+  std::vector<std::uint32_t> place(leaves.size());
+  std::uint32_t learnt = 0;
+  for (std::size_t i = 0; i < leaves.size(); ++i) place[i] = weights[i].empty() ? 0 : learnt++;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (weights[i].empty()) place[i] = learnt;
+  }
+  for (std::uint32_t& node : nodes) {
+    if (node >= kPlaceLeaf) node = kPlaceLeaf | place[node - kPlaceLeaf];
+  }
+  std::unique_ptr<VisibilityStrategy> taught(new VisibilityStrategy(map_, options_, learnt));
   taught->box_ = box;
   taught->nodes_ = std::move(nodes);
   tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
-    const Leaf& leaf = leaves[i];
-    taught->SetPlace(i, leaf.visibility, MeanNormal(rays_of(leaf.begin, leaf.end)));
+    if (!weights[i].empty()) taught->SetPlace(place[i], weights[i]);
   });
   return taught;
 }
@@ -291,34 +348,56 @@ std::size_t VisibilityStrategy::table_bytes() const {
 PlacePicksView VisibilityStrategy::Picks() const {
   return {.trees = trees_.view(),
           .probability = probability_.data(),
-          .cells = std::uint32_t(map_->cells.size())};
+          .cells = std::uint32_t(map_->cells.size()),
+          .learnt = std::uint32_t(learnt_)};
 }
 
 void VisibilityStrategy::Sample(const ShadePoints& points, const UniformColumns& uniforms,
                                 std::uint32_t n, LightCall call, const LightColumns& out) const {
   // The first sample of a surface finds its place for all others: until then no BSDF has moved the
   // surface to the side of its light.
+  float* const places = points.surfaces.light_norm;
   if (call.index == 0) {
     const PlaceTreeView tree = {.nodes = nodes_.data(),
                                 .low = {box_.low[0], box_.low[1], box_.low[2]},
                                 .steps = float(1 << kPlaceLevels) / box_.side};
     FindPlaces(tree, n, points.surfaces);
   }
-  SampleFromPlaces(map_->texels.view(), map_->InCells(), Picks(), points.surfaces.light_norm,
-                   uniforms, n, call.samples(), out);
+  const EnvironmentView map = map_->texels.view();
+  for (std::uint32_t begin = 0; begin < n; begin += kPlaceRows) {
+    const std::uint32_t count = std::min(kPlaceRows, n - begin);
+    const UniformColumns some = Slice(uniforms, begin);
+    const LightColumns lights = Slice(out, begin);
+    const auto learnt = std::uint32_t(std::count_if(
+        places + begin, places + begin + count, [&](float p) { return p < float(learnt_); }));
+    if (learnt < count) SampleTexels(map, map_->plain.view(), some, count, call.samples(), lights);
+    if (learnt == 0) continue;
+    SampleFromPlaces(map, map_->slots(), Picks(), places + begin, some, count, call.samples(),
+                     learnt < count, lights);
+  }
 }
 
 void VisibilityStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
                                          const EscapeColumns& rows) const {
-  constexpr std::uint32_t kRows = 128;
-  alignas(kColumnAlignment) std::uint32_t cell[PaddedRows(kRows)];
+  alignas(kColumnAlignment) std::uint32_t cell[PaddedRows(kPlaceRows)];
+  alignas(kColumnAlignment) float plain[PaddedRows(kPlaceRows)];
   const EnvironmentView map = map_->texels.view();
-  skywave::EvaluateEscaped(map, {.table = map_->density.data()}, n, samples, rows);
-  for (std::uint32_t begin = 0; begin < n; begin += kRows) {
-    const std::uint32_t count = std::min(kRows, n - begin);
+  const InversionView inversion = map_->plain.view();
+  const float* const places = points.surfaces.light_norm;
+  for (std::uint32_t begin = 0; begin < n; begin += kPlaceRows) {
+    const std::uint32_t count = std::min(kPlaceRows, n - begin);
     const EscapeColumns some = Slice(rows, begin);
+    std::uint32_t learnt = 0, all = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (!(some.pdf[i] > 0)) continue;
+      ++all, learnt += places[some.from[i]] < float(learnt_);
+    }
+    skywave::EvaluateEscaped(map, {.inversion = &inversion}, count, samples, some);
+    if (learnt == 0) continue;
+    std::copy_n(some.light_pdf, count, plain);
+    skywave::EvaluateEscaped(map, {.table = map_->density.data()}, count, samples, some);
     FindCells(map, map_->cell_of_texel.data(), count, some, cell);
-    ScaleByPlace(Picks(), points.surfaces.light_norm, cell, count, some);
+    ScaleByPlace(Picks(), places, cell, learnt < all ? plain : nullptr, count, some);
   }
 }
 

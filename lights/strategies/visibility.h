@@ -73,7 +73,8 @@ class VisibilityStrategy final : public EnvStrategy {
   std::string_view name() const override { return "visibility"; }
   bool depends_on_surface() const override { return true; }
   std::size_t table_bytes() const override;
-  std::size_t places() const { return places_; }
+  std::size_t learnt() const { return learnt_; }
+  bool complete() const override;
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
@@ -86,15 +87,17 @@ class VisibilityStrategy final : public EnvStrategy {
  private:
   struct MapTables;
   VisibilityStrategy(std::shared_ptr<const MapTables> tables, const VisibilityOptions& options,
-                     std::size_t places);
+                     std::size_t learnt);
   PlacePicksView Picks() const;
-  // Sets the distribution of a place from the visibility of every cell and the mean of its normals.
-  void SetPlace(std::size_t place, std::span<const float> visibility,
-                const std::array<double, 3>& normal);
+  // Returns the weights of the cells at a place from the visibility of every cell and the mean of
+  // its normals, or nothing if they do not pay.
+  std::vector<double> PlaceWeights(std::span<const float> visibility,
+                                   const std::array<double, 3>& normal) const;
+  void SetPlace(std::size_t place, const std::vector<double>& weights);
 
   std::shared_ptr<const MapTables> map_;
   VisibilityOptions options_;
-  std::size_t places_;
+  std::size_t learnt_;  // places with tables; others are numbered from there
   PlaceBox box_ = {{0, 0, 0}, 1};
   std::vector<std::uint32_t> nodes_;
   SearchTrees trees_;

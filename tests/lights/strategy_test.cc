@@ -58,6 +58,8 @@ const std::vector<Subject>& Subjects() {
        .stratified = false,
        .for_reflection = true,
        .precision = 1e-3f},
+      // Cells are drawn by 16-bit masses.
+      {.specification = "visibility:cells=40", .stratified = false},
       {.specification = "ris", .has_density = false, .whole_sphere = false},
       {.specification = "bsdf", .has_density = false, .complete = false},
       {.specification = "median-cut:lights=20", .has_density = false, .unbiased = false},
