@@ -22,12 +22,12 @@ static_assert(kRootShift + 3 == 64);
 constexpr double kNormalSteps = 127;
 
 // A node is split where so many rays have begun.
-constexpr std::size_t kSplitRays = 2048;
+constexpr std::size_t kSplitRays = 1024;
 // The estimate of the node above counts as so many rays.
 constexpr double kPriorRays = 3;
 // A place is drawn from as it was learnt if that has so many times less variance than light alone,
 // whose samples are better stratified.
-constexpr double kWorthwhile = 1.5;
+constexpr double kWorthwhile = 1.2;
 
 std::uint32_t CellOf(VisibilityRay ray) {
   return std::uint32_t(ray >> kCellShift) & ((1u << kCellBits) - 1);
