@@ -63,20 +63,16 @@ void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
   static_assert(kPlaceRows == kChunk);
   SearchColumns search;
   alignas(64) std::uint32_t place[kChunk], slot[kChunk], texel[kChunk], packed[kChunk];
-  alignas(64) float position[kChunk], kept[kChunk], rest[kChunk], density[kChunk];
+  alignas(64) float position[kChunk], keep[kChunk], density[kChunk];
   const VU last = SetU(picks.learnt - 1);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const MF used = hn::RebindMask(F(), RowsBelow(i, n));
     const VU found = ToUnsigned(hn::IfThenElseZero(used, Load(light_norm + i)));
     Store(hn::Min(found, last), place + i);
   }
-  // Places of neighbours differ, so the nodes and slots of all rows are on their way at a time.
-  for (std::uint32_t i = 0; i < n; ++i) {
-    hwy::Prefetch(picks.trees.level[0] + place[i]);
-    for (std::uint32_t k = 0; picks.trees.levels > 1 && k < picks.trees.nodes[1]; ++k) {
-      hwy::Prefetch(picks.trees.level[1] + place[i] * picks.trees.nodes[1] + k);
-    }
-  }
+  // Places of neighbours differ, so the roots of all rows are on their way at a time, and so is
+  // everything behind them.
+  for (std::uint32_t i = 0; i < n; ++i) hwy::Prefetch(picks.trees.level[0] + place[i]);
   Search(picks.trees, place, uniforms.u, n, search, [](std::uint32_t, std::uint32_t) {});
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t cell = search.item[i], begin = texels.begin[cell];
@@ -90,11 +86,9 @@ void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
   }
   for (std::uint32_t i = 0; i < n; ++i) {
     const AliasSlot& here = texels.slots[slot[i]];
-    const float y = uniforms.v[i];
-    const bool keeps = y < here.keep;
-    kept[i] = keeps ? y : y - here.keep;
-    rest[i] = keeps ? here.keep : 1.0f - here.keep;
-    slot[i] = keeps ? slot[i] : here.other;
+    const std::uint32_t slots[2] = {here.other, slot[i]};
+    keep[i] = here.keep;
+    slot[i] = slots[uniforms.v[i] < here.keep];
     hwy::Prefetch(texels.texels + slot[i]);
   }
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -115,9 +109,11 @@ void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
     column = IfThen(next, hn::Sub(column, width), column);
     const VF below_one = Set(0x1.fffffep-1f);
     const VF fx = Clamp(hn::IfThenElseZero(used, Load(position + i)), 0.0f, 0x1.fffffep-1f);
-    const VF fy = hn::Min(hn::Div(hn::IfThenElseZero(used, Load(kept + i)),
-                                  hn::Max(Load(rest + i), Set(1e-20f))),
-                          below_one);
+    const VF y = hn::IfThenElseZero(used, Load(uniforms.v + i)), share = Load(keep + i);
+    const MF keeps = hn::Lt(y, share);
+    const VF below = IfThen(keeps, y, hn::Sub(y, share));
+    const VF length = IfThen(keeps, share, hn::Sub(Set(1.0f), share));
+    const VF fy = hn::Min(hn::Div(below, hn::Max(length, Set(1e-20f))), below_one);
     const V3 radiance =
         UnpackRadiance(hn::IfThenElseZero(inside, Load(packed + i)), map.radiance_unit);
     const VF pdf = hn::Mul(Load(density + i), Set(samples));
@@ -128,8 +124,7 @@ void SampleFromPlaces(const EnvironmentView& map, const SlotTexelsView& texels,
     alignas(64) float block[7][kPadRows];
     LightColumns drawn = {block[0], block[1], block[2], block[3], block[4], block[5], block[6]};
     EmitTexels(map, column, row, FetchAreas(map, row), fx, fy, radiance, pdf, drawn, 0);
-    const MF learnt =
-        hn::And(used, hn::Lt(Load(light_norm + i), Set(float(picks.learnt))));
+    const MF learnt = hn::And(used, hn::Lt(Load(light_norm + i), Set(float(picks.learnt))));
     float* const columns[] = {out.dir_x, out.dir_y, out.dir_z, out.r, out.g, out.b, out.pdf};
     for (std::size_t c = 0; c < std::size(columns); ++c) {
       Store(IfThen(learnt, Load(block[c]), Load(columns[c] + i)), columns[c] + i);
@@ -141,14 +136,13 @@ void ScaleByPlace(const PlacePicksView& picks, const float* light_norm, const st
                   const float* other, std::uint32_t n, const EscapeColumns& rows) {
   const VF zero = hn::Zero(F());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
-    const MU used =
-        hn::And(RowsBelow(i, n), hn::RebindMask(U(), hn::Gt(Load(rows.pdf + i), zero)));
+    const MU used = hn::And(RowsBelow(i, n), hn::RebindMask(U(), hn::Gt(Load(rows.pdf + i), zero)));
     const VU from = hn::IfThenElseZero(used, Load(rows.from + i));
     const VF norm = hn::IfThenElseZero(hn::RebindMask(F(), used), Gather(light_norm, from));
     const MF learnt = hn::Lt(norm, Set(float(picks.learnt)));
-    const VU at = hn::IfThenElseZero(
-        hn::And(used, hn::RebindMask(U(), learnt)),
-        hn::Add(hn::Mul(ToUnsigned(norm), SetU(picks.cells)), Load(cell + i)));
+    const VU at =
+        hn::IfThenElseZero(hn::And(used, hn::RebindMask(U(), learnt)),
+                           hn::Add(hn::Mul(ToUnsigned(norm), SetU(picks.cells)), Load(cell + i)));
     VF pdf = hn::Mul(Load(rows.light_pdf + i), Gather(picks.probability, at));
     if (other != nullptr) pdf = IfThen(learnt, pdf, Load(other + i));
     StoreBelow(pdf, rows.light_pdf, i, n);

@@ -15,7 +15,7 @@ namespace skywave {
 // A node is a word: a leaf has the number of its place, all others have the index of the first of
 // their eight children, which is the one with the least coordinates; x counts 1, y 2 and z 4.
 inline constexpr std::uint32_t kPlaceLeaf = 1u << 31;
-inline constexpr std::uint32_t kPlaceRoots = 6;   // +x, -x, +y, -y, +z, -z
+inline constexpr std::uint32_t kPlaceRoots = 6;    // +x, -x, +y, -y, +z, -z
 inline constexpr std::uint32_t kPlaceLevels = 12;  // below a root, at most
 struct PlaceTreeView {
   const std::uint32_t* nodes;  // the roots first

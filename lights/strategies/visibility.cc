@@ -28,6 +28,9 @@ constexpr double kPriorRays = 3;
 // A place is drawn from as it was learnt if that has so many times less variance than light alone,
 // whose samples are better stratified.
 constexpr double kWorthwhile = 1.2;
+// Chunks of rows with both kinds of places pay for both. So where learning pays for more than the
+// first share of the rays it is used everywhere, and below the second one nowhere.
+constexpr double kMostly = 0.25, kHardly = 0.02;
 
 std::uint32_t CellOf(VisibilityRay ray) {
   return std::uint32_t(ray >> kCellShift) & ((1u << kCellBits) - 1);
@@ -80,8 +83,7 @@ Visibility Learn(std::span<const VisibilityRay> rays, const Visibility& above) {
   }
   Visibility learnt(above.size());
   for (std::size_t i = 0; i < above.size(); ++i) {
-    learnt[i] =
-        float((double(arrived[i]) + kPriorRays * double(above[i])) / (all[i] + kPriorRays));
+    learnt[i] = float((double(arrived[i]) + kPriorRays * double(above[i])) / (all[i] + kPriorRays));
   }
   return learnt;
 }
@@ -110,7 +112,9 @@ VisibilityRay PackVisibilityRay(const PlaceBox& box, const std::array<float, 3>&
 
 struct VisibilityStrategy::MapTables {
   MapTables(const EnvironmentMap& map, const VisibilityOptions& options)
-      : texels(map), compensated(options.compensate), base(BaseLuminance(texels, compensated)),
+      : texels(map),
+        compensated(options.compensate),
+        base(BaseLuminance(texels, compensated)),
         plain(texels, base) {
     const Image held = texels.Held();
     const SphereMap sphere = MakeSphereMap(held);
@@ -130,8 +134,7 @@ struct VisibilityStrategy::MapTables {
     for (std::size_t slot = 0; slot < slot_texels.size(); ++slot) {
       const std::uint32_t texel = in_cells.texel[slot];
       const std::uint32_t row = texel / view.width, column = texel % view.width;
-      const TexelLine& line =
-          view.texels[std::size_t(row) * view.lines + column / kLineTexels];
+      const TexelLine& line = view.texels[std::size_t(row) * view.lines + column / kLineTexels];
       slot_texels[slot] = {texel, line.texel[column % kLineTexels], density[texel], 0};
     }
     above.resize(count);
@@ -183,8 +186,8 @@ VisibilityStrategy::VisibilityStrategy(std::shared_ptr<const MapTables> tables,
 
 bool VisibilityStrategy::complete() const { return map_->compensated == 0; }
 
-std::vector<double> VisibilityStrategy::PlaceWeights(std::span<const float> visibility,
-                                                     const std::array<double, 3>& normal) const {
+VisibilityStrategy::PlaceWeights VisibilityStrategy::Weigh(
+    std::span<const float> visibility, const std::array<double, 3>& normal) const {
   const std::size_t count = map_->cells.size();
   std::vector<double> cosine(count), wanted(count), weight(count);
   double all = 0, unseen = 0;
@@ -203,8 +206,8 @@ std::vector<double> VisibilityStrategy::PlaceWeights(std::span<const float> visi
   std::vector<double> left(count), by_bsdf(count);
   for (std::size_t i = 0; i < count; ++i) {
     by_bsdf[i] = cosine[i] * map_->solid_angle[i] / std::numbers::pi;
-    left[i] = std::max(0.0, (1 + options_.compensate) * wanted[i] / all -
-                                options_.compensate * by_bsdf[i]);
+    left[i] = std::max(
+        0.0, (1 + options_.compensate) * wanted[i] / all - options_.compensate * by_bsdf[i]);
     rest += left[i];
   }
   double by_plain = 0, by_learnt = 0;  // variances, but for what both have in common
@@ -216,8 +219,7 @@ std::vector<double> VisibilityStrategy::PlaceWeights(std::span<const float> visi
     by_plain += square / (map_->above[i] + by_bsdf[i]);
     by_learnt += square / (weight[i] + by_bsdf[i]);
   }
-  if (by_plain < kWorthwhile * by_learnt) return {};
-  return weight;
+  return {std::move(weight), by_plain >= kWorthwhile * by_learnt};
 }
 
 void VisibilityStrategy::SetPlace(std::size_t place, const std::vector<double>& weights) {
@@ -275,10 +277,9 @@ std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<Visib
   for (std::uint32_t root = 0; root < kPlaceRoots; ++root) {
     const std::uint64_t key = std::uint64_t(root) << kRootShift;
     const std::size_t begin = find(0, rays.size(), key);
-    const std::size_t end =
-        root + 1 < kPlaceRoots
-            ? find(begin, rays.size(), std::uint64_t(root + 1) << kRootShift)
-            : rays.size();
+    const std::size_t end = root + 1 < kPlaceRoots
+                                ? find(begin, rays.size(), std::uint64_t(root + 1) << kRootShift)
+                                : rays.size();
     push({begin, end, root, 0, key, Learn(rays_of(begin, end), all)});
   }
   const auto make_leaf = [&](Node&& node) {
@@ -316,17 +317,27 @@ std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<Visib
             Learn(rays_of(begin, end), node.visibility)});
     }
   }
-  std::vector<std::vector<double>> weights(leaves.size());
+  std::vector<PlaceWeights> weights(leaves.size());
   tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
     const Leaf& leaf = leaves[i];
-    weights[i] = PlaceWeights(leaf.visibility, MeanNormal(rays_of(leaf.begin, leaf.end)));
+    weights[i] = Weigh(leaf.visibility, MeanNormal(rays_of(leaf.begin, leaf.end)));
   });
-  // Places where learning does not pay have no tables, and all of them one number.
+  std::size_t paying = 0, rays_of_all = 0;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const std::size_t count = leaves[i].end - leaves[i].begin;
+    paying += weights[i].pays ? count : 0, rays_of_all += count;
+  }
+  const bool pays_mostly = double(paying) > kMostly * double(rays_of_all);
+  const bool pays_hardly = double(paying) < kHardly * double(rays_of_all);
+  const auto keeps = [&](std::size_t i) {
+    return !weights[i].of_cells.empty() && !pays_hardly && (pays_mostly || weights[i].pays);
+  };
+  // Places without tables have all the same number.
   std::vector<std::uint32_t> place(leaves.size());
   std::uint32_t learnt = 0;
-  for (std::size_t i = 0; i < leaves.size(); ++i) place[i] = weights[i].empty() ? 0 : learnt++;
+  for (std::size_t i = 0; i < leaves.size(); ++i) place[i] = keeps(i) ? learnt++ : 0;
   for (std::size_t i = 0; i < leaves.size(); ++i) {
-    if (weights[i].empty()) place[i] = learnt;
+    if (!keeps(i)) place[i] = learnt;
   }
   for (std::uint32_t& node : nodes) {
     if (node >= kPlaceLeaf) node = kPlaceLeaf | place[node - kPlaceLeaf];
@@ -335,7 +346,7 @@ std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<Visib
   taught->box_ = box;
   taught->nodes_ = std::move(nodes);
   tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
-    if (!weights[i].empty()) taught->SetPlace(place[i], weights[i]);
+    if (keeps(i)) taught->SetPlace(place[i], weights[i].of_cells);
   });
   return taught;
 }
@@ -368,8 +379,8 @@ void VisibilityStrategy::Sample(const ShadePoints& points, const UniformColumns&
     const std::uint32_t count = std::min(kPlaceRows, n - begin);
     const UniformColumns some = Slice(uniforms, begin);
     const LightColumns lights = Slice(out, begin);
-    const auto learnt = std::uint32_t(std::count_if(
-        places + begin, places + begin + count, [&](float p) { return p < float(learnt_); }));
+    const auto learnt = std::uint32_t(std::count_if(places + begin, places + begin + count,
+                                                    [&](float p) { return p < float(learnt_); }));
     if (learnt < count) SampleTexels(map, map_->plain.view(), some, count, call.samples(), lights);
     if (learnt == 0) continue;
     SampleFromPlaces(map, map_->slots(), Picks(), places + begin, some, count, call.samples(),
@@ -417,16 +428,15 @@ StrategyFactory VisibilityFactory() {
       {"compensate", "1",
        "share of what BSDF samples find that is left to them, 0 to 1: 1 / light samples"},
       {"defensive", "0.1", "share of samples that do not trust what was learnt, from 0.001 to 1"}};
-  return {"visibility", "cells of the map picked by the light that a pilot saw arrive", kParameters,
-          [](const EnvironmentMap& map, const StrategyValues& values)
-              -> std::unique_ptr<EnvStrategy> {
-            return std::make_unique<VisibilityStrategy>(
-                map, VisibilityOptions{
-                         .cells = IntValue(values, "cells", 1, int(kMaxVisibilityCells)),
-                         .places = IntValue(values, "places", 16, 1 << 20),
-                         .compensate = NumberValue(values, "compensate", 0, 1),
-                         .defensive = NumberValue(values, "defensive", 0.001, 1)});
-          }};
+  return {
+      "visibility", "cells of the map picked by the light that a pilot saw arrive", kParameters,
+      [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
+        return std::make_unique<VisibilityStrategy>(
+            map, VisibilityOptions{.cells = IntValue(values, "cells", 1, int(kMaxVisibilityCells)),
+                                   .places = IntValue(values, "places", 16, 1 << 20),
+                                   .compensate = NumberValue(values, "compensate", 0, 1),
+                                   .defensive = NumberValue(values, "defensive", 0.001, 1)});
+      }};
 }
 
 }  // namespace skywave

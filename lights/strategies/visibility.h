@@ -12,15 +12,20 @@
 // al. 2020). The share of the density that diffuse BSDF samples contribute is taken out of it
 // ("MIS Compensation", Karlik et al. 2019).
 //
+// Where light and normal alone do about as well, as in the open, nothing is kept, and samples are
+// those of `importance`, which are cheaper and better stratified.
+//
 // Parameters
 //   cells=128      number of cells of the map, up to 256, from variance cuts: a sun is one of its
 //                  own
 //   places=4096    number of places, at most: bounds the memory
-//   compensate=1   share of what BSDF samples find that is taken out, 0 to 1: 1 / light samples
-//   defensive=0.1  share of samples that go by light and normal alone, above 0: bounds the weights
+//   compensate=1   share of what BSDF samples find that is left to them, 0 to 1: 1 / light samples.
+//                  Above 0 it needs BSDF sampling beside it and is refused with --no-mis.
+//   defensive=0.1  share of samples of a learnt place that go by light and normal alone, above 0:
+//                  bounds the weights
 //
-// Unbiased, with a density that is positive wherever there is light. Until it is taught there is
-// one place, and cells are picked by energy.
+// Unbiased, with a density that is positive wherever a learnt place can receive light. Until it is
+// taught, the strategy is `importance`.
 #pragma once
 
 #include <array>
@@ -89,10 +94,13 @@ class VisibilityStrategy final : public EnvStrategy {
   VisibilityStrategy(std::shared_ptr<const MapTables> tables, const VisibilityOptions& options,
                      std::size_t learnt);
   PlacePicksView Picks() const;
+  struct PlaceWeights {
+    std::vector<double> of_cells;  // empty if nothing arrives
+    bool pays = false;
+  };
   // Returns the weights of the cells at a place from the visibility of every cell and the mean of
-  // its normals, or nothing if they do not pay.
-  std::vector<double> PlaceWeights(std::span<const float> visibility,
-                                   const std::array<double, 3>& normal) const;
+  // its normals.
+  PlaceWeights Weigh(std::span<const float> visibility, const std::array<double, 3>& normal) const;
   void SetPlace(std::size_t place, const std::vector<double>& weights);
 
   std::shared_ptr<const MapTables> map_;

@@ -62,7 +62,10 @@ const std::vector<Subject>& Subjects() {
        .for_reflection = true,
        .precision = 1e-3f},
       {.specification = "visibility:cells=40", .complete = false},
-      {.specification = "visibility:cells=40", .complete = false, .stratified = false, .taught = true},
+      {.specification = "visibility:cells=40",
+       .complete = false,
+       .stratified = false,
+       .taught = true},
       {.specification = "visibility:cells=40,compensate=0", .stratified = false, .taught = true},
       {.specification = "ris", .has_density = false, .whole_sphere = false},
       {.specification = "bsdf", .has_density = false, .complete = false},
@@ -374,7 +377,8 @@ TEST_P(StrategyOnMap, DensityIsPositiveWhereThereIsLight) {
 }
 
 std::string CaseName(const testing::TestParamInfo<Case>& info) {
-  return NameOf(Subjects()[std::get<0>(info.param)]) + "_" + AdversarialMaps()[std::get<1>(info.param)].name + "_" +
+  return NameOf(Subjects()[std::get<0>(info.param)]) + "_" +
+         AdversarialMaps()[std::get<1>(info.param)].name + "_" +
          Orientations()[std::get<2>(info.param)].name;
 }
 

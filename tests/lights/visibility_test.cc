@@ -42,9 +42,8 @@ double ShareOfPositiveX(const EnvStrategy& strategy, Vec point, Vec normal) {
 
 TEST(Visibility, SamplesGoWhereLightArrives) {
   const VisibilityStrategy strategy(NoiseMap(), {.compensate = 0});
-  auto rays = RaysFromSphere(strategy, 200000, [](Vec point, Vec to) {
-    return (to.x > 0) == (point.z > 0);
-  });
+  auto rays = RaysFromSphere(strategy, 200000,
+                             [](Vec point, Vec to) { return (to.x > 0) == (point.z > 0); });
   const auto taught = strategy.Taught(rays, kTaughtBox);
   // The normal is the same on both sides, so the place makes the difference.
   const Vec up = {0, 1, 0};

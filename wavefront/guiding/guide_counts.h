@@ -9,9 +9,10 @@
 namespace skywave {
 
 struct GuideCounts {
-  std::uint64_t paths = 0, samples = 0;  // paths of the pilot; what they found: guide samples or rays
-  std::size_t bytes = 0;                 // size of the tables
-  double seconds = 0;                    // wall clock
+  std::uint64_t paths = 0,
+                samples = 0;  // paths of the pilot; what they found: guide samples or rays
+  std::size_t bytes = 0;      // size of the tables
+  double seconds = 0;         // wall clock
 };
 
 }  // namespace skywave

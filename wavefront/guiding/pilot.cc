@@ -55,8 +55,7 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
 Tile PilotTile(const FrameView& pilot) { return {0, 0, pilot.camera.width, pilot.camera.height}; }
 
 std::uint64_t PilotPaths(const FrameView& pilot) {
-  return std::uint64_t(pilot.camera.width) * pilot.camera.height *
-         pilot.options.samples_per_pixel;
+  return std::uint64_t(pilot.camera.width) * pilot.camera.height * pilot.options.samples_per_pixel;
 }
 
 }  // namespace skywave
