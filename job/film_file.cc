@@ -63,6 +63,7 @@ Json Manifest(const FilmFile& file, const Film& film) {
                  {"extent_bits", Bits(layout.world_extent)},
                  {"light_groups", layout.light_groups},
                  {"splats", layout.shared},
+                 {"signs", layout.has_signs},
                  {"bytes", film.packed_bytes()}}},
                {"holds", Json::array()}};
   for (const PicturePart& part : file.holds) {
@@ -185,7 +186,8 @@ FilmLayout LayoutFrom(const Json& sums, const CropWindow& window) {
       .aovs = LayersFrom(sums.at("layers")),
       .world_extent = std::bit_cast<float>(Whole<std::uint32_t>(sums.at("extent_bits"))),
       .shared = sums.at("splats"),
-      .light_groups = sums.at("light_groups").get<std::vector<std::string>>()};
+      .light_groups = sums.at("light_groups").get<std::vector<std::string>>(),
+      .has_signs = sums.at("signs")};
 }
 
 // Returns the packed size of a film without making it: a file that is not what it says does not

@@ -53,6 +53,15 @@ void CheckStrategy(const EnvStrategy& strategy, const std::string& specification
     throw OptionError("strategy", specification,
                       "leaves light to BSDF sampling, so it cannot go with `no-mis`");
   }
+  if (options.control != ControlVariate::kNone &&
+      (!strategy.unbiased() || !strategy.shines_on_bsdf_samples() ||
+       strategy.Plan(1).total() == 0)) {
+    throw OptionError("strategy", specification,
+                      fmt::format("has no samples whose density is known wherever the map shines, "
+                                  "which `control {}` needs: use importance, product, presampled, "
+                                  "alias or warp",
+                                  ToString(options.control)));
+  }
   if (Describe(options.integrator).light_paths == LightPaths::kStrategy && environment &&
       !CanEmit(strategy)) {
     throw OptionError("strategy", specification,
@@ -156,6 +165,9 @@ void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light)
   if (!request_.continuation_strategy.empty()) {
     continuation_strategy_ = make(request_.continuation_strategy);
   }
+  if (options().control != ControlVariate::kNone && has_environment()) {
+    irradiance_ = parts.Irradiance(request_, light, *map_);
+  }
   const IntegratorDescriptor& integrator = Describe(options().integrator);
   if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(strategy())) {
     emitter_ = make("importance");
@@ -209,7 +221,8 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
           .filter = {.density = filter_densities_.data(), .radius = options().filter_radius},
           .emitter = emitter,
           .map = &map_->map,
-          .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_};
+          .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_,
+          .irradiance = irradiance_ ? irradiance_->table.view() : IrradianceView{}};
 }
 
 bool RenderJob::has_environment() const {
@@ -242,7 +255,8 @@ Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {
                .aovs = options().aovs | layers,
                .world_extent = world_extent_,
                .shared = Describe(integrator).has_splats,
-               .light_groups = light_groups_.names});
+               .light_groups = light_groups_.names,
+               .has_signs = options().control != ControlVariate::kNone});
 }
 
 }  // namespace skywave

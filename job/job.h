@@ -69,7 +69,8 @@ class RenderJob {
   LocalLights local_lights_;
   LightGroups light_groups_;  // where they are asked for
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
-  std::shared_ptr<const StrategyTables> emitter_;  // of light paths; null: `strategy_` can emit
+  std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
+  std::shared_ptr<const StrategyTables> emitter_;    // of light paths; null: `strategy_` can emit
   std::vector<float> filter_offsets_, filter_densities_;
   Camera scene_camera_;
   CameraView camera_;

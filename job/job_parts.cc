@@ -175,4 +175,12 @@ std::shared_ptr<const StrategyTables> JobParts::Tables(
       });
 }
 
+std::shared_ptr<const MapIrradiance> JobParts::Irradiance(const JobRequest& request,
+                                                          const LoadedLight& light,
+                                                          const PlacedMap& map) const {
+  return Get<MapIrradiance>(PlacedKey(request, light) + " irradiance", [&] {
+    return std::make_shared<MapIrradiance>(MapIrradiance{IrradianceTable(map.map)});
+  });
+}
+
 }  // namespace skywave

@@ -11,6 +11,7 @@
 #include "job/job_cache.h"
 #include "job/request.h"
 #include "lights/strategies/strategy.h"
+#include "lights/tables/irradiance_table.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
 #include "scene/scene_hash.h"
@@ -62,6 +63,12 @@ struct StrategyTables {
   std::size_t bytes() const { return strategy->table_bytes(); }
 };
 
+// The irradiance of a map on surfaces from which nothing hides it.
+struct MapIrradiance {
+  IrradianceTable table;
+  std::size_t bytes() const { return table.bytes(); }
+};
+
 // Makes the parts of one job, or gets them from a cache that has them already.
 class JobParts {
  public:
@@ -82,6 +89,10 @@ class JobParts {
                                                const std::string& specification,
                                                const LoadedLight& light,
                                                const std::shared_ptr<const PlacedMap>& map) const;
+
+  std::shared_ptr<const MapIrradiance> Irradiance(const JobRequest& request,
+                                                  const LoadedLight& light,
+                                                  const PlacedMap& map) const;
 
   // Returns the columns of the orientation of the light in the world.
   glm::mat3 WorldFromMap(const JobRequest& request, const LoadedLight& light) const;

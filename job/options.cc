@@ -146,6 +146,7 @@ JobOption Resolved(OptionOf<JobRequest> option,
 // Integrators that take an option.
 bool SelectsPaths(Integrator integrator) { return Describe(integrator).selects_paths; }
 bool Splits(Integrator integrator) { return Describe(integrator).splits; }
+bool Controls(Integrator integrator) { return Describe(integrator).controls; }
 bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
 bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
 bool LooksPhotonsUp(Integrator integrator) {
@@ -192,6 +193,8 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(environment.up_axis), Axes()),
     Plain({.name = "mis", .group = kLight, .help = "combine light and BSDF samples by multiple importance sampling; without: light samples alone", .scope = kPixels, .example = "--no-mis"},
           FIELD(options.mis), Switches()),
+    Plain({.name = "control", .group = kLight, .help = "control variate: sample only what is hidden of the map's known irradiance on diffuse surfaces", .scope = kPixels, .example = "--control irradiance", .applies = Controls},
+          FIELD(options.control), NamesOfEnum<ControlVariate>()),
     Plain({.name = "light-samples", .group = kLight, .help = "light samples per hit (path: per first hit, with --split)", .scope = kPixels, .example = "--integrator direct --light-samples 3", .applies = TakesLightSamples},
           FIELD(options.light_samples), Numbers(1u, 1u << 16)),
 

@@ -60,18 +60,31 @@ void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path
   }
 }
 
+void SubtractControl(const ControlColumns& control, const std::uint32_t* path, std::uint32_t n,
+                     const PathColumns& paths) {
+  const VF zero = hn::Zero(F());
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+  for (std::uint32_t i = 0; i < n; i += lanes) {
+    const V3 known = Load3(control.r + i, control.g + i, control.b + i);
+    AddToPaths(Sub(V3{zero, zero, zero}, known), path + i, std::min(lanes, n - i), paths);
+  }
+}
+
 // Converts radiance to integer units: adding 2^52 leaves the rounded value in the mantissa of a
 // double.
+template <bool kHasSigns>
 HWY_INLINE void ToUnits(VF value, double units, std::uint64_t* out) {
   const hn::CappedTag<double, kPadRows / 2> d;
   const hn::RebindToUnsigned<decltype(d)> bits;
   const hn::Rebind<float, decltype(d)> half;
   alignas(kColumnAlignment) float lanes[kPadRows];
   Store(value, lanes);
-  const auto magic = hn::Set(d, 0x1p52);
+  // Half of it more leaves room below for negative values.
+  const auto magic = hn::Set(d, kHasSigns ? 0x1.8p52 : 0x1p52);
   for (std::size_t i = 0; i < hn::Lanes(F()); i += hn::Lanes(d)) {
     const auto scaled = hn::Mul(hn::PromoteTo(d, hn::LoadU(half, lanes + i)), hn::Set(d, units));
-    const auto rounded = hn::BitCast(bits, hn::Add(hn::Min(scaled, magic), magic));
+    const auto kept = kHasSigns ? scaled : hn::Min(scaled, magic);
+    const auto rounded = hn::BitCast(bits, hn::Add(kept, magic));
     hn::StoreU(hn::Sub(rounded, hn::BitCast(bits, magic)), bits, out + i);
   }
 }
@@ -82,21 +95,28 @@ struct RowUnits {
   alignas(kColumnAlignment) std::uint64_t rgb[3][kUnitRows];
 };
 // Writes the units of one vector to rows `at` and on.
+template <bool kHasSigns = false>
 HWY_INLINE void ToUnits(const V3& rgb, const FilmScale& scale, RowUnits& units,
                         std::uint32_t at = 0) {
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
   const auto keep = [&](VF value) HWY_ATTR {
+    if constexpr (kHasSigns) {
+      const VF number = hn::IfThenElseZero(hn::Eq(value, value), value);
+      return hn::Max(hn::Min(number, limit), hn::Neg(limit));
+    }
     // A comparison with NaN fails, so NaN becomes 0 like negative values.
     return hn::Min(hn::IfThenElseZero(hn::Gt(value, zero), value), limit);
   };
-  ToUnits(keep(rgb.x), scale.units, units.rgb[0] + at);
-  ToUnits(keep(rgb.y), scale.units, units.rgb[1] + at);
-  ToUnits(keep(rgb.z), scale.units, units.rgb[2] + at);
+  ToUnits<kHasSigns>(keep(rgb.x), scale.units, units.rgb[0] + at);
+  ToUnits<kHasSigns>(keep(rgb.y), scale.units, units.rgb[1] + at);
+  ToUnits<kHasSigns>(keep(rgb.z), scale.units, units.rgb[2] + at);
 }
 
 // Counts those of the rows `inside` that a film cannot hold unchanged.
-HWY_INLINE void CountMisfits(const V3& rgb, MF inside, const FilmScale& scale, FilmCounts& counts) {
+template <bool kHasSigns = false>
+HWY_INLINE void CountMisfits(V3 rgb, MF inside, const FilmScale& scale, FilmCounts& counts) {
   const VF zero = hn::Zero(F()), limit = Set(scale.limit);
+  if constexpr (kHasSigns) rgb = {hn::Abs(rgb.x), hn::Abs(rgb.y), hn::Abs(rgb.z)};
   const MF valid = hn::And(hn::And(hn::Ge(rgb.x, zero), hn::Ge(rgb.y, zero)), hn::Ge(rgb.z, zero));
   counts.invalid += hn::CountTrue(F(), hn::AndNot(valid, inside));
   // Channels are compared one by one, because the maximum of a NaN and a number depends on the
@@ -106,7 +126,7 @@ HWY_INLINE void CountMisfits(const V3& rgb, MF inside, const FilmScale& scale, F
   counts.clamped += hn::CountTrue(F(), hn::And(inside, bright));
 }
 
-template <bool kShared>
+template <bool kShared, bool kHasSigns = false>
 FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums) {
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
@@ -117,8 +137,8 @@ FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale&
     for (std::uint32_t at = 0; at < rows; at += lanes) {
       const std::uint32_t i = begin + at;
       const V3 rgb = Load3(paths.r + i, paths.g + i, paths.b + i);
-      CountMisfits(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
-      ToUnits(rgb, scale, units, at);
+      CountMisfits<kHasSigns>(rgb, hn::RebindMask(F(), RowsBelow(i, n)), scale, counts);
+      ToUnits<kHasSigns>(rgb, scale, units, at);
     }
     // The beams of a block follow each other, so the samples of a pixel are summed before the
     // memory is touched.
@@ -133,6 +153,8 @@ FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale&
         std::uint64_t* sum = sums + std::size_t(pixel) * 3;
         if constexpr (kShared) {
           AddSaturating(sum[0], r), AddSaturating(sum[1], g), AddSaturating(sum[2], b);
+        } else if constexpr (kHasSigns) {
+          sum[0] += r, sum[1] += g, sum[2] += b;
         } else {
           sum[0] = SaturatingSum(sum[0], r);
           sum[1] = SaturatingSum(sum[1], g);
@@ -145,6 +167,7 @@ FilmCounts AddToSums(const PathColumns& paths, std::uint32_t n, const FilmScale&
 }
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums, bool shared) {
+  if (scale.has_signs) return AddToSums<false, true>(paths, n, scale, sums);
   return shared ? AddToSums<true>(paths, n, scale, sums) : AddToSums<false>(paths, n, scale, sums);
 }
 
@@ -169,19 +192,26 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
   return counts;
 }
 
-void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
-                      Uint128* sums) {
+template <bool kHasSigns>
+void AddSquares(const PathColumns& paths, std::uint32_t n, const FilmScale& scale, Uint128* sums) {
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   RowUnits units;
   for (std::uint32_t i = 0; i < n; i += lanes) {
-    ToUnits(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
+    ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
     for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {
       for (std::size_t c = 0; c < 3; ++c) {
         Uint128& sum = sums[std::size_t(paths.pixel[i + lane]) * 3 + c];
-        sum = SaturatingSum(sum, Uint128{units.rgb[c][lane]} * units.rgb[c][lane]);
+        std::uint64_t value = units.rgb[c][lane];
+        if (kHasSigns && std::int64_t(value) < 0) value = -value;
+        sum = SaturatingSum(sum, Uint128{value} * value);
       }
     }
   }
+}
+void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                      Uint128* sums) {
+  if (scale.has_signs) return AddSquares<true>(paths, n, scale, sums);
+  AddSquares<false>(paths, n, scale, sums);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -193,6 +223,7 @@ namespace skywave {
 
 HWY_EXPORT(AddEscapedRadiance);
 HWY_EXPORT(AddUnoccludedRadiance);
+HWY_EXPORT(SubtractControl);
 HWY_EXPORT(AddToFilm);
 HWY_EXPORT(AddSplatsToFilm);
 HWY_EXPORT(AddSquaresToFilm);
@@ -204,6 +235,10 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
 void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path, std::uint32_t n,
                            const PathColumns& paths) {
   HWY_DYNAMIC_DISPATCH(AddUnoccludedRadiance)(lights, path, n, paths);
+}
+void SubtractControl(const ControlColumns& control, const std::uint32_t* path, std::uint32_t n,
+                     const PathColumns& paths) {
+  HWY_DYNAMIC_DISPATCH(SubtractControl)(control, path, n, paths);
 }
 
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,

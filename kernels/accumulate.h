@@ -7,6 +7,7 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/columns.h"
+#include "kernels/lights/irradiance.h"
 
 namespace skywave {
 
@@ -20,18 +21,25 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
 void AddUnoccludedRadiance(const LightColumns& lights, const std::uint32_t* path, std::uint32_t n,
                            const PathColumns& paths);
 
+// Subtracts rows [0, n) from path[row].
+void SubtractControl(const ControlColumns& control, const std::uint32_t* path, std::uint32_t n,
+                     const PathColumns& paths);
+
 // A film stores radiance in these units and up to this limit (wavefront/film/film.h).
 struct FilmScale {
   double units;  // units per radiance of 1
-  float limit;   // brightest sample [scene radiance]; limit * units <= 2^52
+  float limit;   // brightest sample [scene radiance]; limit * units <= 2^52, or 2^42 if has_signs
+  // Samples may be negative: sums are those of signed numbers in two's complement, modulo 2^64.
+  bool has_signs = false;
 };
 struct FilmCounts {
   std::uint64_t clamped, invalid;
 };
 
 // Adds rows [0, n) of `paths` to their pixels: three saturating sums per pixel at sums[3 * pixel].
-// Returns how many samples were brighter than the limit, and how many had a NaN or negative
-// channel. If `shared`, other threads may add to the same pixels meanwhile.
+// Returns how many samples were brighter than the limit, and how many had a NaN or, without signs,
+// negative channel. If `shared`, other threads may add to the same pixels meanwhile; such sums have
+// no signs.
 FilmCounts AddToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                      std::uint64_t* sums, bool shared = false);
 

@@ -139,6 +139,34 @@ void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32
   }
 }
 
+std::uint32_t MoveControlled(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
+                             const ControlColumns& control, const EscapeColumns& escaped) {
+  std::uint32_t to = 0;
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
+    const MF out = hn::RebindMask(F(), hn::Eq(Load(queue + i), SetU(kMissQueue)));
+    const V3 throughput =
+        Load3(rays.throughput_r + i, rays.throughput_g + i, rays.throughput_b + i);
+    const V3 known = Load3(control.r + i, control.g + i, control.b + i);
+    const V3 left = {hn::Sub(hn::IfThenElseZero(out, throughput.x), known.x),
+                     hn::Sub(hn::IfThenElseZero(out, throughput.y), known.y),
+                     hn::Sub(hn::IfThenElseZero(out, throughput.z), known.z)};
+    const VF zero = hn::Zero(F());
+    const MF any = hn::Or(hn::Or(hn::Ne(left.x, zero), hn::Ne(left.y, zero)), hn::Ne(left.z, zero));
+    const RowCompressor rows(hn::And(hn::RebindMask(U(), any), RowsBelow(i, n)));
+    rows.Move(rays.dir_x + i, escaped.dir_x + to);
+    rows.Move(rays.dir_y + i, escaped.dir_y + to);
+    rows.Move(rays.dir_z + i, escaped.dir_z + to);
+    rows.Append(left.x, escaped.throughput_r + to);
+    rows.Append(left.y, escaped.throughput_g + to);
+    rows.Append(left.z, escaped.throughput_b + to);
+    rows.Move(rays.pdf + i, escaped.pdf + to);
+    rows.Move(rays.path + i, escaped.path + to);
+    rows.Move(rays.from + i, escaped.from + to);
+    to += rows.count();
+  }
+  return to;
+}
+
 void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
               std::uint32_t kind, std::uint32_t n, const SurfaceColumns& surfaces) {
   std::uint32_t to = 0;
@@ -178,6 +206,7 @@ HWY_EXPORT(ClassifyHits);
 HWY_EXPORT(ClassifyEscapes);
 HWY_EXPORT(ChooseMaterials);
 HWY_EXPORT(MoveEscaped);
+HWY_EXPORT(MoveControlled);
 HWY_EXPORT(MoveHits);
 
 void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfSet present,
@@ -195,6 +224,10 @@ std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                  const EscapeColumns& escaped) {
   HWY_DYNAMIC_DISPATCH(MoveEscaped)(rays, queue, n, escaped);
+}
+std::uint32_t MoveControlled(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
+                             const ControlColumns& control, const EscapeColumns& escaped) {
+  return HWY_DYNAMIC_DISPATCH(MoveControlled)(rays, queue, n, control, escaped);
 }
 void MoveHits(const RayColumns& rays, const HitColumns& hits, const std::uint32_t* queue,
               std::uint32_t kind, std::uint32_t n, const SurfaceColumns& surfaces) {

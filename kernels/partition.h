@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "kernels/lights/irradiance.h"
 
 namespace skywave {
 
@@ -36,6 +37,11 @@ std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint
 // Copies the rows whose queue is kMissQueue to `escaped`, in order, from its row 0 on.
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                  const EscapeColumns& escaped);
+
+// Copies to `escaped` the rows of which something is left: those that escaped have their throughput
+// less their control, and those that met something have minus their control. Returns their number.
+std::uint32_t MoveControlled(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
+                             const ControlColumns& control, const EscapeColumns& escaped);
 
 // Copies the rows of queue `kind` to `surfaces`, in order, from its row 0 on: the columns of a hit
 // and its ray that shading needs.

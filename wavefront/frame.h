@@ -38,6 +38,12 @@ struct SampleRange {
   friend bool operator==(const SampleRange&, const SampleRange&) = default;
 };
 
+// What is known of the light of a surface in the mean, so that only the rest is sampled.
+enum class ControlVariate {
+  kNone,
+  kIrradiance  // that of the map on diffuse surfaces from which nothing hides it
+};
+
 // Options of photon mapping and of vertex connection and merging, whose light vertices count as
 // indirect photons. As in pbrt, the counts are those of stored photons.
 struct PhotonOptions {
@@ -68,6 +74,7 @@ struct RenderOptions {
   std::uint32_t light_samples = 1;  // per hit (LightSamples); paths that split: per first hit
   std::uint32_t split = 0;          // continuations of a path; 0: paths do not split
   bool mis = true;
+  ControlVariate control = ControlVariate::kNone;
   std::optional<SubpathLengths> subpath_lengths;  // only these; unset: all
   std::uint32_t seed = 0;
   PixelFilter filter = PixelFilter::kBlackmanHarris;
@@ -113,12 +120,14 @@ struct FrameView {
   const PhotonMaps* photons = nullptr;        // those of the pass at hand
   float eta_vcm = 0;                          // that of the pass at hand, see MisTechniques
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
+  IrradianceView irradiance = {};             // that of the map; without nodes: no control variate
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
   }
   MisTechniques mis_techniques() const { return {.mis = mis(), .eta_vcm = eta_vcm}; }
   bool splits() const { return options.split > 0; }
+  bool controls() const { return irradiance.nodes != nullptr; }
   // True if light comes from beyond the scene; if it does not, the strategy is not asked.
   bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/granted.h"
+#include "wavefront/option_names.h"
 #include "wavefront/photons/photon_map.h"
 #include "wavefront/photons/photon_pass.h"
 
@@ -29,6 +30,12 @@ void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integr
   if (options.split > 0 && !integrator.splits) {
     throw OptionError("split", fmt::format("{}", options.split),
                       fmt::format("splits paths: `integrator {}` has none", name));
+  }
+  if (options.control != ControlVariate::kNone && !integrator.controls) {
+    throw OptionError("control", std::string(ToString(options.control)),
+                      fmt::format("is for light samples of paths from the camera alone: use "
+                                  "`integrator {}`",
+                                  NamesWith(&IntegratorDescriptor::controls)));
   }
   if (options.subpath_lengths && !integrator.selects_paths) {
     throw OptionError("paths", "",

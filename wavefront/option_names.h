@@ -5,6 +5,7 @@
 #include "kernels/camera.h"
 #include "kernels/light_paths/photons.h"
 #include "scene/scene.h"
+#include "wavefront/frame.h"
 
 namespace skywave {
 
@@ -15,6 +16,10 @@ inline constexpr auto kEnumNames<CameraKind> =
                                       {CameraKind::kLatLong, "latlong"},
                                       {CameraKind::kEqualArea, "equal-area"},
                                       {CameraKind::kFisheye, "fisheye"}});
+
+template <>
+inline constexpr auto kEnumNames<ControlVariate> = std::to_array<Named<ControlVariate>>(
+    {{ControlVariate::kNone, "none"}, {ControlVariate::kIrradiance, "irradiance"}});
 
 template <>
 inline constexpr auto kEnumNames<PhotonKernel> =

@@ -97,6 +97,8 @@ struct Worker {
   std::optional<PhotonTables> photon;
   std::optional<MergeTables> merging;
   std::optional<GroupTables> groups;
+  // What is subtracted from the light samples at hand, then from the rays that scatter.
+  std::optional<soa::Table<ControlColumns>> control;
   std::unique_ptr<Continuations> continuations;
 };
 

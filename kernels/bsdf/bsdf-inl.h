@@ -3,6 +3,10 @@
 //   BsdfValue  Evaluate(wo, wi)              local frame, +z is the shading normal
 //   BsdfSample Draw(wo, direction_u, direction_v, lobe_u)
 //   VF         Blurred(wo, wi, radius)       luminance of value, blurred over an angle; optional
+//   V3         Diffuse(wo)                   value over the cosine of the part that does not depend
+//                                            on wi, or the mean of one that hardly does; optional
+//   V3         DiffuseThrough(wo)            the same for light from the other side; optional
+//   kOnlyDiffuse                             true where these two are the whole value; optional
 //   kTransmits                               true where light passes through; optional
 //   kRefracts, VF ratio                      true where it also enters another medium, IndexRatio;
 //                                            optional
@@ -17,6 +21,7 @@
 #include <limits>
 
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/lights/irradiance-inl.h"
 #include "kernels/simd/rows-inl.h"
 #include "kernels/simd/sphere-inl.h"
 
@@ -145,8 +150,69 @@ void EvaluateRows(const SurfaceColumns& s, const MaterialView& materials,
 }
 
 template <class Bsdf>
+inline constexpr bool kOnlyDiffuse = requires {
+  Bsdf::kOnlyDiffuse;
+};
+template <class Bsdf>
+inline constexpr bool kDiffuse = requires(const Bsdf& bsdf, const V3& wo) {
+  bsdf.Diffuse(wo);
+};
+template <class Bsdf>
+inline constexpr bool kDiffuseThrough = requires(const Bsdf& bsdf, const V3& wo) {
+  bsdf.DiffuseThrough(wo);
+};
+
+// The part of the light of one vector of surfaces that is known in the mean.
+template <class Bsdf>
+class DiffuseControl {
+ public:
+  HWY_INLINE DiffuseControl(const IrradianceView& irradiance, const Bsdf& bsdf,
+                            const ShadingLanes& lanes, MU rows)
+      : diffuse_(bsdf.Diffuse(lanes.wo)),
+        front_(irradiance, lanes.frame.n, rows),
+        through_(diffuse_),
+        back_(front_) {
+    if constexpr (kDiffuseThrough<Bsdf>) {
+      const VF zero = hn::Zero(F());
+      through_ = bsdf.DiffuseThrough(lanes.wo);
+      back_ = IrradianceLanes(irradiance, Sub(V3{zero, zero, zero}, lanes.frame.n), rows);
+    }
+  }
+
+  // Returns the value of the control in a direction, whose whole value is `value`.
+  HWY_INLINE V3 Value(const V3& world, const V3& wi, const V3& value) const {
+    MF counts = front_.Counts(world);
+    V3 known = Scale(diffuse_, wi.z);
+    if constexpr (kDiffuseThrough<Bsdf>) {
+      const MF through = back_.Counts(world);
+      known = IfThen(through, Scale(through_, hn::Neg(wi.z)), known);
+      counts = hn::Or(counts, through);
+    }
+    if constexpr (kOnlyDiffuse<Bsdf>) known = value;
+    return {hn::IfThenElseZero(counts, known.x), hn::IfThenElseZero(counts, known.y),
+            hn::IfThenElseZero(counts, known.z)};
+  }
+
+  // Returns the integral of radiance times the control.
+  HWY_INLINE V3 Integral() const {
+    V3 integral = Mul(diffuse_, front_.Integral());
+    if constexpr (kDiffuseThrough<Bsdf>) {
+      integral = Add(integral, Mul(through_, back_.Integral()));
+    }
+    return integral;
+  }
+
+ private:
+  V3 diffuse_;
+  IrradianceLanes front_;
+  V3 through_;  // this and the next one only for light from the other side
+  IrradianceLanes back_;
+};
+
+template <class Bsdf, bool kControlled = false>
 void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
-                       const MisPolicy& mis, const LightColumns& lights) {
+                       const MisPolicy& mis, const LightColumns& lights,
+                       const LightControl* control = nullptr) {
   const VF zero = hn::Zero(F());
   const VF one = Set(1.0f);
   const VF open = Set(std::numeric_limits<float>::infinity()), closed = Set(-1.0f);
@@ -174,7 +240,40 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     StoreBelow(IfThen(counts, gain.y, zero), lights.g, i, n);
     StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
     StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
+    if constexpr (kControlled) {
+      const DiffuseControl<Bsdf> diffuse(control->irradiance, bsdf, lanes, RowsBelow(i, n));
+      MF sampled = hn::And(hn::Gt(pdf, zero), hn::Lt(pdf, open));
+      if (control->reach != nullptr) {
+        sampled = hn::And(sampled, hn::Eq(Load(control->reach + i), open));
+      }
+      const V3 known = Mul(Mul(throughput, diffuse.Value(world, wi, result.value)), radiance);
+      V3 subtracted = IfThen(sampled, Scale(known, factor), V3{zero, zero, zero});
+      if (control->with_integral) {
+        subtracted = Sub(subtracted, Mul(throughput, diffuse.Integral()));
+      }
+      Store3(subtracted, control->out.r + i, control->out.g + i, control->out.b + i);
+    }
     if constexpr (kTransmits<Bsdf>) MoveOrigins(s, lanes, world, i, n);
+  }
+}
+
+HWY_INLINE void ClearControls(const ControlColumns& control, std::uint32_t begin,
+                              std::uint32_t end) {
+  const VF zero = hn::Zero(F());
+  for (std::uint32_t i = begin; i < end; i += hn::Lanes(F())) {
+    Store3(V3{zero, zero, zero}, control.r + i, control.g + i, control.b + i);
+  }
+}
+
+template <class Bsdf>
+void EvaluateControlledRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
+                            const MisPolicy& mis, const LightControl& control,
+                            const LightColumns& lights) {
+  if constexpr (kDiffuse<Bsdf>) {
+    EvaluateLightRows<Bsdf, true>(s, materials, n, mis, lights, &control);
+  } else {
+    EvaluateLightRows<Bsdf>(s, materials, n, mis, lights);
+    ClearControls(control.out, 0, n);
   }
 }
 
@@ -251,16 +350,22 @@ void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::
 }
 
 // Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
-// With `kMoved`, origins may lie behind the surface (MoveOrigins).
+// With `kMoved`, origins may lie behind the surface (MoveOrigins). `control`, where it is not null,
+// is the weight of what is known in the mean.
 template <bool kMoved = false>
 HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingLanes& lanes,
                                          std::uint32_t i, std::uint32_t n, const V3& world,
                                          const V3& weight, VF pdf, MF alive, VF roulette,
                                          const ScatterPolicy& policy, const RayColumns& rays,
-                                         std::uint32_t to) {
+                                         std::uint32_t to, const V3* control = nullptr) {
   const VF zero = hn::Zero(F());
   V3 throughput = Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), weight);
   VF largest = MaxComponent(throughput);
+  V3 known = throughput;
+  if (control != nullptr) {
+    known = Mul(Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i), *control);
+    largest = hn::Max(largest, MaxComponent(known));
+  }
   alive = hn::And(alive, hn::Gt(largest, zero));
   if (policy.roulette) {
     if (policy.transport == Transport::kFlux) {
@@ -270,6 +375,7 @@ HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingL
     const VF survival = hn::Min(largest, Set(1.0f));
     alive = hn::And(alive, hn::Lt(roulette, survival));
     throughput = Scale(throughput, hn::Div(Set(1.0f), survival));
+    if (control != nullptr) known = Scale(known, hn::Div(Set(1.0f), survival));
   }
   const MU rows = hn::And(hn::RebindMask(U(), alive), RowsBelow(i, n));
   const RowCompressor append(rows);
@@ -291,16 +397,21 @@ HWY_INLINE std::uint32_t AppendScattered(const SurfaceColumns& s, const ShadingL
   append.Append(throughput.z, rays.throughput_b + to);
   append.Append(pdf, rays.pdf + to);
   append.Move(s.path + i, rays.path + to);
+  if (control != nullptr) {
+    append.Append(known.x, policy.control->out.r + to);
+    append.Append(known.y, policy.control->out.g + to);
+    append.Append(known.z, policy.control->out.b + to);
+  }
   append.Append(hn::Iota(U(), policy.first_row + i), rays.from + to);
   Store(Set(std::numeric_limits<float>::infinity()), rays.t_far + to);
   return to + append.count();
 }
 
-template <class Bsdf>
-std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials,
-                          const ScatterUniforms& uniforms, std::uint32_t n,
-                          const ScatterPolicy& policy, const RayColumns& rays,
-                          std::uint32_t appended) {
+template <class Bsdf, bool kControlled>
+std::uint32_t ScatterControlledRows(const SurfaceColumns& s, const MaterialView& materials,
+                                    const ScatterUniforms& uniforms, std::uint32_t n,
+                                    const ScatterPolicy& policy, const RayColumns& rays,
+                                    std::uint32_t appended) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const ShadingLanes lanes(s, i);
     const Bsdf bsdf(s, materials, i, n);
@@ -317,12 +428,43 @@ std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials
       }
       weight = Scale(weight, factor);
     }
-    const MF alive =
-        hn::And(Connects<Bsdf>(lanes, world, sample.wi), hn::Gt(sample.pdf, hn::Zero(F())));
-    appended = AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, weight, sample.pdf, alive,
-                                                 Load(uniforms.lobe.v + i), policy, rays, appended);
+    const MF connects = Connects<Bsdf>(lanes, world, sample.wi);
+    const VF zero = hn::Zero(F()), roulette = Load(uniforms.lobe.v + i);
+    MF alive = hn::Gt(sample.pdf, zero);
+    if constexpr (kControlled) {
+      // What is known does not ask which side of the triangle the direction is on.
+      const DiffuseControl<Bsdf> diffuse(policy.control->irradiance, bsdf, lanes, RowsBelow(i, n));
+      V3 control = weight;
+      if constexpr (!kOnlyDiffuse<Bsdf>) {
+        control = Scale(sample.wi, hn::Div(Set(1.0f), hn::Max(sample.pdf, Set(1e-30f))));
+      }
+      control = diffuse.Value(world, control, weight);
+      weight = IfThen(connects, weight, V3{zero, zero, zero});
+      appended = AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, weight, sample.pdf, alive,
+                                                   roulette, policy, rays, appended, &control);
+    } else {
+      alive = hn::And(connects, alive);
+      appended = AppendScattered<kTransmits<Bsdf>>(s, lanes, i, n, world, weight, sample.pdf, alive,
+                                                   roulette, policy, rays, appended);
+    }
   }
   return appended;
+}
+
+template <class Bsdf>
+std::uint32_t ScatterRows(const SurfaceColumns& s, const MaterialView& materials,
+                          const ScatterUniforms& uniforms, std::uint32_t n,
+                          const ScatterPolicy& policy, const RayColumns& rays,
+                          std::uint32_t appended) {
+  if constexpr (kDiffuse<Bsdf>) {
+    if (policy.control != nullptr) {
+      return ScatterControlledRows<Bsdf, true>(s, materials, uniforms, n, policy, rays, appended);
+    }
+  }
+  const std::uint32_t end =
+      ScatterControlledRows<Bsdf, false>(s, materials, uniforms, n, policy, rays, appended);
+  if (policy.control != nullptr) ClearControls(policy.control->out, appended, end);
+  return end;
 }
 
 // Returns the unpolarised Fresnel reflectance of a conductor of index eta + i k at cosine c of the
@@ -385,34 +527,40 @@ HWY_AFTER_NAMESPACE();
 // The entry points of a BSDF: SKYWAVE_BSDF_KERNELS(Name) inside HWY_NAMESPACE compiles them for
 // every target, and SKYWAVE_BSDF_TABLE(Name) under HWY_ONCE defines NameKernels(), which dispatches
 // and carries NameTraits. They are macros because dispatch works on names of functions.
-#define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                \
-  void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights, \
-                      std::uint32_t n, const BsdfValueColumns& out) {                             \
-    EvaluateRows<Bsdf>(s, m, lights, n, out);                                                     \
-  }                                                                                               \
-  void Evaluate##Bsdf##Lights(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,    \
-                              const MisPolicy& mis, const LightColumns& lights) {                 \
-    EvaluateLightRows<Bsdf>(s, m, n, mis, lights);                                                \
-  }                                                                                               \
-  void WeighCells##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,          \
-                        const LightCell* cells, std::uint32_t count, float* sums,                 \
-                        std::uint32_t stride) {                                                   \
-    WeighCellsRows<Bsdf>(s, m, n, cells, count, sums, stride);                                    \
-  }                                                                                               \
-  void WeighCell##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,           \
-                       const LightCell* cells, const std::uint32_t* cell, float* weight) {        \
-    WeighCellRows<Bsdf>(s, m, n, cells, cell, weight);                                            \
-  }                                                                                               \
-  std::uint32_t Scatter##Bsdf(const SurfaceColumns& s, const MaterialView& m,                     \
-                              const ScatterUniforms& uniforms, std::uint32_t n,                   \
-                              const ScatterPolicy& policy, const RayColumns& rays,                \
-                              std::uint32_t appended) {                                           \
-    return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                          \
+#define SKYWAVE_BSDF_KERNELS(Bsdf)                                                                 \
+  void Evaluate##Bsdf(const SurfaceColumns& s, const MaterialView& m, const LightColumns& lights,  \
+                      std::uint32_t n, const BsdfValueColumns& out) {                              \
+    EvaluateRows<Bsdf>(s, m, lights, n, out);                                                      \
+  }                                                                                                \
+  void Evaluate##Bsdf##Lights(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,     \
+                              const MisPolicy& mis, const LightColumns& lights) {                  \
+    EvaluateLightRows<Bsdf>(s, m, n, mis, lights);                                                 \
+  }                                                                                                \
+  void EvaluateControlled##Bsdf##Lights(const SurfaceColumns& s, const MaterialView& m,            \
+                                        std::uint32_t n, const MisPolicy& mis,                     \
+                                        const LightControl& control, const LightColumns& lights) { \
+    EvaluateControlledRows<Bsdf>(s, m, n, mis, control, lights);                                   \
+  }                                                                                                \
+  void WeighCells##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,           \
+                        const LightCell* cells, std::uint32_t count, float* sums,                  \
+                        std::uint32_t stride) {                                                    \
+    WeighCellsRows<Bsdf>(s, m, n, cells, count, sums, stride);                                     \
+  }                                                                                                \
+  void WeighCell##Bsdf(const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,            \
+                       const LightCell* cells, const std::uint32_t* cell, float* weight) {         \
+    WeighCellRows<Bsdf>(s, m, n, cells, cell, weight);                                             \
+  }                                                                                                \
+  std::uint32_t Scatter##Bsdf(const SurfaceColumns& s, const MaterialView& m,                      \
+                              const ScatterUniforms& uniforms, std::uint32_t n,                    \
+                              const ScatterPolicy& policy, const RayColumns& rays,                 \
+                              std::uint32_t appended) {                                            \
+    return ScatterRows<Bsdf>(s, m, uniforms, n, policy, rays, appended);                           \
   }
 
 #define SKYWAVE_BSDF_TABLE(Bsdf)                                                                  \
   HWY_EXPORT(Evaluate##Bsdf);                                                                     \
   HWY_EXPORT(Evaluate##Bsdf##Lights);                                                             \
+  HWY_EXPORT(EvaluateControlled##Bsdf##Lights);                                                   \
   HWY_EXPORT(WeighCells##Bsdf);                                                                   \
   HWY_EXPORT(WeighCell##Bsdf);                                                                    \
   HWY_EXPORT(Scatter##Bsdf);                                                                      \
@@ -423,6 +571,11 @@ HWY_AFTER_NAMESPACE();
                                  const MisPolicy& mis, const LightColumns& lights) {              \
       HWY_DYNAMIC_DISPATCH(Evaluate##Bsdf##Lights)(s, m, n, mis, lights);                         \
     };                                                                                            \
+    kernels.evaluate_controlled_lights =                                                          \
+        [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n, const MisPolicy& mis, \
+           const LightControl& control, const LightColumns& lights) {                             \
+          HWY_DYNAMIC_DISPATCH(EvaluateControlled##Bsdf##Lights)(s, m, n, mis, control, lights);  \
+        };                                                                                        \
     kernels.weigh_cells = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,     \
                              const LightCell* cells, std::uint32_t count, float* sums,            \
                              std::uint32_t stride) {                                              \

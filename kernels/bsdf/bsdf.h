@@ -16,6 +16,7 @@
 #include <string_view>
 
 #include "kernels/columns.h"
+#include "kernels/lights/irradiance.h"
 
 namespace skywave {
 
@@ -50,6 +51,18 @@ enum class Transport {
   kFlux       // paths from lights
 };
 
+// The control variate of diffuse light (kernels/lights/irradiance.h). Of the value of a BSDF, the
+// part that is a constant times the cosine is known in the mean if nothing hides the map; what is
+// subtracted for it goes to `out`, one row for each light sample, or for each ray that scatters.
+struct LightControl {
+  IrradianceView irradiance;
+  // True for one of the light samples of a surface: its row takes the integral of the control.
+  bool with_integral = false;
+  // Light samples reach so far; those of the map infinitely far. Null: all are of the map.
+  const float* reach = nullptr;
+  ControlColumns out;
+};
+
 // With Russian roulette after scattering, a path goes on with probability min(1, largest
 // throughput). Flux has a unit: it goes on with min(1, the share of its largest throughput that the
 // surface leaves).
@@ -57,6 +70,9 @@ struct ScatterPolicy {
   bool roulette = false;
   std::uint32_t first_row = 0;  // row of the slice's row 0 in the whole surface table
   Transport transport = Transport::kRadiance;
+  // Rays whose light is known in the mean are controlled, and rays that carry nothing but a control
+  // go on too. Null: there is no control.
+  const LightControl* control = nullptr;
 };
 
 // The uniforms of a scattering event: `direction` draws the direction, `lobe.u` chooses a lobe and
@@ -138,6 +154,13 @@ struct BsdfKernels : BsdfTraits {
                           std::uint32_t n, const MisPolicy& mis,
                           const LightColumns& lights) = nullptr;
 
+  // Does so and writes rows [0, n) of control.out, which are 0 where no part of the BSDF is known
+  // in the mean. Null for delta BSDFs.
+  void (*evaluate_controlled_lights)(const SurfaceColumns& surfaces, const MaterialView& materials,
+                                     std::uint32_t n, const MisPolicy& mis,
+                                     const LightControl& control,
+                                     const LightColumns& lights) = nullptr;
+
   // The weight of a cell is its energy times the luminance of value in its centre, for a BSDF that
   // is blurred to the size of the cell and never below a small share of the mean over all
   // directions. It falls for cells below the horizon and is 0 where no texel of them rises above
@@ -154,7 +177,8 @@ struct BsdfKernels : BsdfTraits {
                      const LightCell* cells, const std::uint32_t* cell, float* weight) = nullptr;
 
   // Draws a direction for rows [0, n) and appends the rays that go on to `rays` from its row
-  // `appended`; returns the new number of rows. At most one ray a row.
+  // `appended`, and rows of policy.control->out if there is one; returns the new number of rows. At
+  // most one ray a row.
   std::uint32_t (*scatter)(const SurfaceColumns& surfaces, const MaterialView& materials,
                            const ScatterUniforms& uniforms, std::uint32_t n,
                            const ScatterPolicy& policy, const RayColumns& rays,

@@ -9,6 +9,8 @@
 #define SKYWAVE_KERNELS_COAT_INL_H_
 #endif
 
+#include <utility>
+
 #include "kernels/bsdf/ggx-inl.h"
 #include "kernels/simd/exp-inl.h"
 
@@ -86,6 +88,11 @@ struct Coated {
     const V3 wi = Direction(wo, u, v, lobe);
     return SampleOf(wi, Evaluate(wo, wi));
   }
+  template <class Below = Base>
+  HWY_INLINE auto Diffuse(const V3& wo) const
+      -> decltype(std::declval<const Below&>().Diffuse(wo)) {
+    return Scale(base.Diffuse(wo), hn::Sub(Set(1.0f), Albedo(wo.z)));
+  }
 
   Base base;
   Parameters parameters;
@@ -131,6 +138,9 @@ struct Sheened {
     const VF share = LayerShare(Albedo(wo.z));
     return IfThen(hn::Lt(lobe, share), CosineHemisphere(u, v),
                   base.Direction(wo, u, v, BelowLayer(lobe, share)));
+  }
+  HWY_INLINE V3 Diffuse(const V3& wo) const {
+    return Scale(base.Diffuse(wo), hn::Sub(Set(1.0f), Albedo(wo.z)));
   }
 
   Base base;

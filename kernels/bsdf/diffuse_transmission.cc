@@ -15,7 +15,7 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct DiffuseTransmission {
-  static constexpr bool kTransmits = true;
+  static constexpr bool kTransmits = true, kOnlyDiffuse = true;
   static constexpr MaterialField kTransmitted = kEta;
 
   HWY_INLINE DiffuseTransmission(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
@@ -39,6 +39,8 @@ struct DiffuseTransmission {
             Scale(IfThen(above, reflected, transmitted), hn::Div(Set(1.0f), share)),
             hn::Mul(share, hn::Mul(up.z, Set(kInvPi)))};
   }
+  HWY_INLINE V3 Diffuse(const V3&) const { return Scale(reflected, Set(kInvPi)); }
+  HWY_INLINE V3 DiffuseThrough(const V3&) const { return Scale(transmitted, Set(kInvPi)); }
 
   V3 reflected, transmitted;
   VF reflects;  // probability of wo's side

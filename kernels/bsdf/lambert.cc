@@ -12,6 +12,8 @@ namespace skywave {
 namespace HWY_NAMESPACE {
 
 struct Lambert {
+  static constexpr bool kOnlyDiffuse = true;
+
   HWY_INLINE Lambert(const SurfaceColumns& s, const MaterialView&, std::uint32_t i, std::uint32_t)
       : color(ColorOf(s, i)) {}
 
@@ -23,6 +25,7 @@ struct Lambert {
     const V3 wi = CosineHemisphere(u, v);
     return {wi, color, hn::Mul(wi.z, Set(kInvPi))};
   }
+  HWY_INLINE V3 Diffuse(const V3&) const { return Scale(color, Set(kInvPi)); }
 
   V3 color;
 };

@@ -129,6 +129,11 @@ struct MetallicRoughness {
     const V3 wi = Direction(wo, u, v, lobe, o);
     return SampleOf(wi, Evaluate(wo, wi, o));
   }
+  // The mean over wi of what the coat lets through cancels the factor of `diffuse`.
+  HWY_INLINE V3 Diffuse(const V3& wo) const {
+    const VF body = hn::Mul(hn::Sub(Set(1.0f), metallic), SideOf(wo.z).through);
+    return Scale(color, hn::Mul(body, Set(kInvPi)));
+  }
 
   Ggx ggx;
   V3 color;

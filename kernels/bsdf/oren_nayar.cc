@@ -64,6 +64,10 @@ struct OrenNayar {
     const V3 wi = CosineHemisphere(u, v);
     return SampleOf(wi, Evaluate(wo, wi));
   }
+  // The mean of Lost(wi) over the cosine is lost_mean.
+  HWY_INLINE V3 Diffuse(const V3& wo) const {
+    return Scale(Add(Scale(color, a), Scale(multiple, Lost(wo.z))), Set(kInvPi));
+  }
 
   V3 color;
   VF roughness, a, lost_mean;

@@ -45,6 +45,7 @@ struct Phong {
     const V3 wi = IfThen(hn::Lt(lobe, share), glossy, CosineHemisphere(u, v));
     return SampleOf(wi, Evaluate(wo, wi));
   }
+  HWY_INLINE V3 Diffuse(const V3&) const { return Scale(diffuse, Set(kInvPi)); }
 
   VU fields;
   V3 diffuse, gloss;

@@ -42,7 +42,7 @@ std::uint64_t NearnessKey(const FirstHits& hits, std::uint32_t path) {
 
 // Returns the variance of samples x with these sums: (sum of x^2 - (sum of x)^2 / n) / (n - 1),
 // exact but for the last division.
-double Variance(Uint128 squares, std::uint64_t sum, std::uint64_t samples) {
+double Variance(Uint128 squares, std::uint64_t sum, std::uint64_t samples) {  // |sum|
   if (samples < 2) return 0;
   const Uint128 of_mean = Uint128{sum} * sum / samples;
   return squares > of_mean ? double(squares - of_mean) / double(samples - 1) : 0;
@@ -55,8 +55,8 @@ float ToFloat(double value) {
 }  // namespace
 
 AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
-                 std::vector<std::string> light_groups)
-    : pixels_(pixels), light_groups_(std::move(light_groups)) {
+                 std::vector<std::string> light_groups, bool has_signs)
+    : pixels_(pixels), has_signs_(has_signs), light_groups_(std::move(light_groups)) {
   for (std::size_t i = 0; i < Aovs().size(); ++i) {
     const Aov& aov = Aovs()[i];
     if ((aovs >> i & 1) == 0 || aov.read == nullptr) continue;
@@ -137,9 +137,10 @@ void AovFilm::AddDirect(const PathColumns& paths, std::uint32_t n, const FilmSca
 void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                           const FilmScale& scale, const GroupColumns& given) {
   // This rounds as AddToFilm does.
+  const float lowest = has_signs_ ? -scale.limit : 0;
   const auto units = [&](float value) {
-    const double kept = value > 0 ? double(std::min(value, scale.limit)) : 0.0;
-    return std::uint64_t(std::llrint(kept * scale.units));
+    const double kept = value > lowest ? double(std::min(value, scale.limit)) : double(lowest);
+    return std::uint64_t(std::llrint(std::isnan(value) ? 0 : kept * scale.units));
   };
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t path = rows[i];
@@ -148,13 +149,18 @@ void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, s
     float* const before[3] = {&given.r[path], &given.g[path], &given.b[path]};
     for (std::size_t c = 0; c < 3; ++c) {
       const std::uint64_t all = units(now[c]), old = units(*before[c]);
-      if (all > old) lit_[at + c] = SaturatingSum(lit_[at + c], all - old);
+      if (has_signs_) {
+        lit_[at + c] += all - old;
+      } else if (all > old) {
+        lit_[at + c] = SaturatingSum(lit_[at + c], all - old);
+      }
       *before[c] = now[c];
     }
   }
 }
 
 double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const {
+  if (has_signs_ && std::int64_t(sum) < 0) sum = -sum;
   return Variance(squares_[i], sum, samples);
 }
 
@@ -187,11 +193,12 @@ std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted,
       case AovSum::kVariance:
         return VarianceOf(i, radiance[i], samples[pixel]) * unit * unit;
       case AovSum::kDirect:
-        return double(direct_[i]) * unit_of_mean;
+        return SumValue(direct_[i], has_signs_) * unit_of_mean;
       case AovSum::kIndirect:
+        if (has_signs_) return SumValue(radiance[i] - direct_[i], true) * unit_of_mean;
         return double(radiance[i] - std::min(radiance[i], direct_[i])) * unit_of_mean;
       case AovSum::kLightGroups:
-        return double(lit_[group * pixels_ * 3 + i]) * unit_of_mean;
+        return SumValue(lit_[group * pixels_ * 3 + i], has_signs_) * unit_of_mean;
     }
     return 0;
   };

@@ -29,8 +29,9 @@ struct FirstHits {
 class AovFilm {
  public:
   // No position or depth is larger than `world_extent`. `light_groups` are the names of the groups.
+  // `has_signs` is that of the film.
   AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
-          std::vector<std::string> light_groups);
+          std::vector<std::string> light_groups, bool has_signs = false);
 
   void AddFirstHits(const FirstHits& hits);
   // These add the radiance of paths [0, n) when all of it is there, and when all direct light is.
@@ -91,6 +92,7 @@ class AovFilm {
   void AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t end);
 
   std::size_t pixels_;
+  bool has_signs_;
   std::vector<HitLayer> layers_;
   std::vector<std::uint32_t> hits_;     // samples that hit something, by pixel
   std::vector<std::uint64_t> nearest_;  // key of the sample nearest to the centre, by pixel

@@ -12,8 +12,9 @@
 namespace skywave {
 namespace {
 
-constexpr double kSampleUnits = 0x1p52;  // doubles count units exactly up to here
-constexpr double kHeadroom = 64;         // range of a sample over the brightest texel
+// Doubles count units exactly up to the first.
+constexpr double kSampleUnits = 0x1p52, kSignedSampleUnits = 0x1p42;
+constexpr double kHeadroom = 64;  // range of a sample over the brightest texel
 
 // Cuts the values of the picture out of those of all pixels.
 template <class T>
@@ -38,9 +39,10 @@ Film::Film(FilmLayout layout)
   const float brightest = layout_.brightest_radiance;
   int exponent = 0;
   if (brightest > 0) std::frexp(brightest * kHeadroom, &exponent);
-  unit_ = std::ldexp(1 / kSampleUnits, std::max(exponent, 20));
+  unit_ = std::ldexp(1 / sample_units(), std::max(exponent, 20));
   if (layout_.aovs != 0) {
-    aovs_.emplace(layout_.aovs, sums_.size() / 3, layout_.world_extent, layout_.light_groups);
+    aovs_.emplace(layout_.aovs, sums_.size() / 3, layout_.world_extent, layout_.light_groups,
+                  layout_.has_signs);
   }
 }
 
@@ -56,7 +58,12 @@ void Film::ForEachColumn(F f) const {
   });
 }
 
-FilmScale Film::scale() const { return {.units = 1 / unit_, .limit = float(unit_ * kSampleUnits)}; }
+double Film::sample_units() const { return layout_.has_signs ? kSignedSampleUnits : kSampleUnits; }
+
+FilmScale Film::scale() const {
+  return {
+      .units = 1 / unit_, .limit = float(unit_ * sample_units()), .has_signs = layout_.has_signs};
+}
 
 void Film::Count(const FilmCounts& counts, RenderStats& stats) {
   stats.clamped_samples += counts.clamped;
@@ -70,7 +77,7 @@ void Film::Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats) {
 
 void Film::AddSplats(const LightColumns& splats, const std::uint32_t* pixel, std::uint32_t n,
                      float factor, RenderStats& stats) {
-  assert(layout_.shared);
+  assert(layout_.shared && !layout_.has_signs);
   Count(AddSplatsToFilm(splats, pixel, n, factor, scale(), sums_.data()), stats);
 }
 
@@ -88,8 +95,8 @@ void Film::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std:
 }
 
 bool Film::SumsLike(const Film& other) const {
-  return unit_ == other.unit_ && layout_.aovs == other.layout_.aovs &&
-         layout_.world_extent == other.layout_.world_extent &&
+  return unit_ == other.unit_ && layout_.has_signs == other.layout_.has_signs &&
+         layout_.aovs == other.layout_.aovs && layout_.world_extent == other.layout_.world_extent &&
          layout_.light_groups == other.layout_.light_groups;
 }
 
@@ -120,7 +127,8 @@ void Film::AddWindow(const Film& other, const CropWindow& window, int x, int y) 
         for (std::size_t i = 0; i < n * column.per_pixel; ++i) {
           if (!column.of_nearest) {
             if constexpr (!std::is_same_v<decltype(more), const float* const>) {
-              sums[i] = Combined(sums[i], more[i]);
+              sums[i] =
+                  layout_.has_signs ? CombinedSigned(sums[i], more[i]) : Combined(sums[i], more[i]);
             }
           } else if (const std::size_t pixel = i / column.per_pixel;
                      other.aovs_->nearest()[from_pixel + pixel] <
@@ -205,7 +213,7 @@ double Film::Noise(std::uint64_t samples) const {
              [&](std::size_t, std::size_t pixel, std::size_t n) {
                for (std::size_t i = 3 * pixel; i < 3 * (pixel + n); ++i) {
                  variance += aovs_->VarianceOf(i, sums_[i], samples) / double(samples);
-                 mean += double(sums_[i]) / double(samples);
+                 mean += value(i) / double(samples);
                }
              });
   const double values = 3.0 * picture.width * picture.height;
@@ -221,8 +229,7 @@ Image Film::Resolve(const SampleCounts& samples) const {
                  const double count = double(std::max<std::uint64_t>(samples[from + i], 1));
                  const double scale = unit_ / count;
                  for (std::size_t c = 0; c < 3; ++c) {
-                   const std::uint64_t sum = sums_[(from + i) * 3 + c];
-                   image.rgb[(to + i) * 3 + c] = float(double(sum) * scale);
+                   image.rgb[(to + i) * 3 + c] = float(value((from + i) * 3 + c) * scale);
                  }
                }
              });

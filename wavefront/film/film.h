@@ -6,6 +6,10 @@
 // brightest texel or more; brighter samples are clamped and counted. A sum saturates at 2^64 units,
 // which stays order-free because nothing is ever subtracted.
 //
+// With a control variate (kernels/lights/irradiance.h) samples may be negative. Then sums are
+// signed numbers in two's complement, a sample holds 2^42 units, and they do not saturate: that
+// would take 2^27 samples as bright as the brightest texel.
+//
 // Splats, the contributions of light paths to pixels of their choice, go to the same sums in the
 // same unit: a splat is divided by the number of light paths per sample of every pixel, so that a
 // pixel gets some splats per sample, each about as bright as what is seen there. Films that get
@@ -37,6 +41,7 @@ struct FilmLayout {
   float world_extent = 0;                      // see AovFilm
   bool shared = false;                         // gets splats
   std::vector<std::string> light_groups = {};  // see AovFilm
+  bool has_signs = false;                      // samples may be negative
 };
 
 class Film {
@@ -54,8 +59,8 @@ class Film {
   const FilmLayout& layout() const { return layout_; }
 
   // Adds the radiance of paths [0, n) to their pixels. Two threads must not add to the same pixel,
-  // unless the film is shared. Samples brighter than the range are clamped, NaN and negative
-  // channels count as 0; both are counted in `stats`, once per sample.
+  // unless the film is shared. Samples brighter than the range are clamped; NaN and, without signs,
+  // negative channels count as 0; both are counted in `stats`, once per sample.
   void Add(const PathColumns& paths, std::uint32_t n, RenderStats& stats);
 
   // Adds the contributions of rows [0, n) to pixel[row], `factor` times r, g, b, if their ray
@@ -111,6 +116,8 @@ class Film {
 
  private:
   FilmScale scale() const;
+  double sample_units() const;
+  double value(std::size_t i) const { return SumValue(sums_[i], layout_.has_signs); }  // [units]
   static void Count(const FilmCounts& counts, RenderStats& stats);
   // Calls f(values_of, column) for each FilmColumn that has values; values_of(film) are those of a
   // film of the same layout.

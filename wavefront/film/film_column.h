@@ -33,11 +33,23 @@ struct FilmColumn {
   bool of_nearest = false;
 };
 
+// Returns the value of a sum, which may be a signed number in two's complement.
+inline double SumValue(std::uint64_t sum, bool has_signs) {
+  return has_signs ? double(std::int64_t(sum)) : double(sum);
+}
+
 // Adds what another film holds; order does not matter.
 inline std::uint64_t Combined(std::uint64_t a, std::uint64_t b) { return SaturatingSum(a, b); }
 inline Uint128 Combined(Uint128 a, Uint128 b) { return SaturatingSum(a, b); }
 inline std::int64_t Combined(std::int64_t a, std::int64_t b) { return a + b; }
 inline std::uint32_t Combined(std::uint32_t a, std::uint32_t b) { return a + b; }
+
+// Does so for a film whose sums have signs; squares and counts have none.
+inline std::uint64_t CombinedSigned(std::uint64_t a, std::uint64_t b) { return a + b; }
+template <class T>
+T CombinedSigned(T a, T b) {
+  return Combined(a, b);
+}
 
 // Calls f(to, from, n) for each row of n pixels of the window `from` of a film, which begins at
 // pixel `from` there and at pixel `to` of another film.

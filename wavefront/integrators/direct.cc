@@ -40,6 +40,7 @@ IntegratorDescriptor DirectIntegrator() {
   return {.help = "light over mirrors and glass at most",
           .direct_light_only = true,
           .light_samples = LightSamples::kRequested,
+          .controls = true,
           .has_light_groups = true,
           .render_wave = RenderDirectWave};
 }

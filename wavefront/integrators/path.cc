@@ -61,6 +61,7 @@ void RenderWholeOrSplitPaths(const FrameView& frame, const WaveRange& range, Wor
 IntegratorDescriptor PathIntegrator() {
   return {.help = "paths from the camera; caustics of small lights stay noisy or are missed",
           .splits = true,
+          .controls = true,
           .has_light_groups = true,
           .add_tables = AddTables,
           .render_wave = RenderWholeOrSplitPaths};

@@ -63,7 +63,8 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
     NumberContinuations(w.paths, paths, frame.options.split, index, c.wave.paths);
     const std::uint32_t n =
         Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind, bounce,
-                DirectionUniforms(c.wave.scratch), LobeUniforms(c.wave.scratch), c.wave.rays[0]);
+                DirectionUniforms(c.wave.scratch), LobeUniforms(c.wave.scratch), c.wave.rays[0],
+                frame.controls() ? c.wave.control->columns() : ControlColumns{});
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
     FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);

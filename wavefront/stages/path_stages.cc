@@ -73,6 +73,23 @@ void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t
   w.groups->film->AddToGroups(w.paths, rows, n, w.groups->given);
 }
 
+// Returns the worker's columns for a control variate; null where there is none.
+ControlColumns ControlsOf(const Worker& w) {
+  return w.control ? w.control->columns() : ControlColumns{};
+}
+
+// Moves those of rays [0, n) that count with what they see of the environment to w.escaped: those
+// that escaped, and with a control variate those from which something is subtracted whatever they
+// met. Returns their number. Rays from the camera have no control yet.
+std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
+                         std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, Worker& w) {
+  if (frame.controls() && bounce > 0) {
+    return MoveControlled(rays, queues->queue, n, ControlsOf(w), w.escaped);
+  }
+  MoveEscaped(rays, queues->queue, n, w.escaped);
+  return escaped;
+}
+
 // Adds what rays [0, n) that have been traced see of the environment, `escaped` of them, and of
 // emitters.
 void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
@@ -129,10 +146,10 @@ void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint
                        std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                        StageClock& clock) {
   SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
-  MoveEscaped(rays, sorted.queues->queue, n, w.escaped);
+  const std::uint32_t seeing = MoveSeeing(frame, rays, sorted.queues, n, sorted.escaped, bounce, w);
   clock.Lap(Stage::kPartition);
   // This comes before the surfaces that the rays left are overwritten: strategies may ask for them.
-  SeeLights(frame, rays, n, sorted.escaped, from, w);
+  SeeLights(frame, rays, n, seeing, from, w);
   clock.Lap(Stage::kEscape);
   PrepareHits(frame, kCameraEnd, rays, n, std::move(sorted), w, clock);
 }
@@ -156,10 +173,10 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
   clock.Lap(Stage::kIntersect, KindOf(bounce));
   const RayQueues queues(w.scratch);
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, queues->queue);
-  MoveEscaped(rays, queues->queue, n, w.escaped);
+  const std::uint32_t seeing = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
   CountMeeting(n, escaped, {}, w.stats.lanes);
   clock.Lap(Stage::kPartition);
-  SeeLights(frame, rays, n, escaped, from, w);
+  SeeLights(frame, rays, n, seeing, from, w);
   clock.Lap(Stage::kEscape);
 }
 
@@ -186,7 +203,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
         SampleLights(frame, points, shares, bounce, index, uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
-    EvaluateLights(frame, w.surfaces, w.ranges, reach, w.lights);
+    EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(w));
     // The first light sample has one of the bounce's numbers, later ones are numbered behind.
     const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
@@ -194,6 +211,11 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       CloseTransparentSamples(frame, places, keys, n, w.lights->t_far);
     }
     TraceLights(frame, keys, w, clock);
+    if (frame.controls()) {
+      SubtractControl(ControlsOf(w), w.surfaces->path, n, w.paths);
+      KeepGroups(frame, w.surfaces->path, n, w,
+                 [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
+    }
     AddUnoccludedRadiance(w.lights, w.surfaces->path, n, w.paths);
     KeepGroups(frame, w.surfaces->path, n, w, [&](std::uint32_t* group) {
       GroupsOfLightSamples(frame, shares, index, uniforms->u, n, group);
@@ -205,8 +227,9 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
 std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,
                               std::uint32_t bounce, const RayColumns& rays, Worker& w,
                               StageClock& clock) {
-  const std::uint32_t n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-                                  DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays);
+  const std::uint32_t n =
+      Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
+              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays, ControlsOf(w));
   CountScattering(w.ranges, first_kind, w.stats.lanes);
   clock.Lap(Stage::kScatter);
   return n;

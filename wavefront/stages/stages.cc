@@ -205,12 +205,21 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
 }
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
-                    const SurfaceRanges& ranges, const LightReach& reach,
-                    const LightColumns& lights) {
+                    const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
+                    const LightColumns& lights, const ControlColumns& control) {
   const MaterialView materials = frame.geometry->materials();
   ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
-    bsdf.evaluate_lights(Slice(surfaces, rows.begin), materials, rows.n, frame.mis(),
-                         Slice(lights, rows.begin));
+    const SurfaceColumns at = Slice(surfaces, rows.begin);
+    const LightColumns lights_at = Slice(lights, rows.begin);
+    if (!frame.controls()) {
+      bsdf.evaluate_lights(at, materials, rows.n, frame.mis(), lights_at);
+      return;
+    }
+    const LightControl known = {.irradiance = frame.irradiance,
+                                .with_integral = index == 0,
+                                .reach = reach.limited() ? reach->distance + rows.begin : nullptr,
+                                .out = Slice(control, rows.begin)};
+    bsdf.evaluate_controlled_lights(at, materials, rows.n, frame.mis(), known, lights_at);
   });
   if (reach.limited()) LimitShadows(reach->distance, ranges.light_sampled(), lights);
 }
@@ -231,9 +240,11 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays) {
+                      const RayColumns& rays, const ControlColumns& control) {
   const MaterialView materials = frame.geometry->materials();
   const bool roulette = bounce >= kFirstRouletteBounce;
+  assert(!frame.controls() || control.r != nullptr);
+  const LightControl known = {.irradiance = frame.irradiance, .out = control};
   std::uint32_t appended = 0;
   const BsdfSpan bsdfs = {.first = first_kind, .end = kBsdfKinds};
   ForEachBsdf(ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
@@ -244,10 +255,18 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
       DrawUniforms(paths, rows.path, at.n, end.pairs + SamplePair(bounce, SampleUse::kLobe),
                    end.split, lobe);
     }
-    const ScatterPolicy policy = {
-        .roulette = roulette, .first_row = at.begin, .transport = end.transport};
+    const ScatterPolicy policy = {.roulette = roulette,
+                                  .first_row = at.begin,
+                                  .transport = end.transport,
+                                  .control = frame.controls() ? &known : nullptr};
+    const std::uint32_t first = appended;
     appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, at.n, policy,
                             rays, appended);
+    if (frame.controls() && bsdf.delta) {
+      for (float* column : {control.r, control.g, control.b}) {
+        std::fill(column + first, column + appended, 0.0f);
+      }
+    }
   });
   return appended;
 }
