@@ -23,6 +23,7 @@ namespace skywave {
   STRATEGY(Presampled)               \
   STRATEGY(Product)                  \
   STRATEGY(Portal)                   \
+  STRATEGY(Visibility)               \
   STRATEGY(Ris)                      \
   STRATEGY(Hybrid)
 
