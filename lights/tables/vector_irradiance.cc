@@ -11,8 +11,6 @@
 namespace skywave {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 using Vector = std::array<double, 3>;     // right, forward, up
 using RgbVector = std::array<Vector, 3>;  // of each channel
 
@@ -50,7 +48,7 @@ class RowSums {
 
   void Fill(const float* rgb, std::uint32_t width, const std::vector<Border>& borders) {
     rgb_ = rgb, width_ = width, borders_ = borders.data();
-    step_ = 2 * kPi / width;
+    step_ = 2 * std::numbers::pi / width;
     sums_.resize(width + 1);
     sums_[0] = {};
     for (std::uint32_t i = 0; i < width; ++i) {
@@ -126,7 +124,7 @@ void AddCut(const RowSums& row, const NodeNormal& node, double theta, double wei
   const double range = std::acos(half), half_sine = std::sqrt(1 - half * half);
   // The place of an azimuth among the texels, from 0 to the width.
   const auto border = [&](double side) -> RowSums::Border {
-    double turn = (node.azimuth + side * range) / (2 * kPi) + 0.5;
+    double turn = (node.azimuth + side * range) / (2 * std::numbers::pi) + 0.5;
     turn -= std::floor(turn);
     return {.sine = node.sine * half + side * node.cosine * half_sine,
             .cosine = node.cosine * half - side * node.sine * half_sine,
@@ -170,14 +168,14 @@ VectorIrradiance::VectorIrradiance(const EnvironmentMap& map)
   const auto width = std::uint32_t(held.width), height = std::uint32_t(held.height);
   std::vector<RowSums::Border> borders(width + 1);
   for (std::uint32_t i = 0; i <= width; ++i) {
-    const double azimuth = 2 * kPi * i / width - kPi;
+    const double azimuth = 2 * std::numbers::pi * i / width - std::numbers::pi;
     borders[i] = {.sine = std::sin(azimuth), .cosine = std::cos(azimuth), .column = double(i)};
   }
   std::vector<RgbVector> totals(kEntries);
   // The horizon is nearly straight over the height of a band.
   constexpr std::uint32_t kMostBands = 256;
   const std::uint32_t bands = std::max(1u, kMostBands / height);
-  const double step = kPi / (double(height) * bands);
+  const double step = std::numbers::pi / (double(height) * bands);
   // An entry adds up the rows in their order, whatever the number of threads.
   constexpr std::uint32_t kRows = 16;
   std::vector<RowSums> rows(kRows);
