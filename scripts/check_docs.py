@@ -231,7 +231,7 @@ def make_stand_ins(program, folder):
         pbrt_mesh())
     (folder / "skies").mkdir()
     shutil.copy(folder / "sky.hdr", folder / "skies/noon.hdr")
-    for name in ("grace.exr", "skies/clouds_0036.exr"):
+    for name in ("grace.exr", *(f"skies/clouds_{frame:04}.exr" for frame in range(36, 41))):
         shutil.copy(folder / "sky.exr", folder / name)
     (folder / "examples").mkdir()
     for job in (ROOT / "examples").glob("*.toml"):
