@@ -169,7 +169,7 @@ std::vector<JobOption> MakeJobOptions() {
   return {
     Plain({.name = "scene", .help = SceneHelp(), .scope = kInput, .example = "scene.pbrt", .positional = true, .required = true},
           FIELD(scene), Texts("SCENE")),
-    Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM)", .scope = kInput, .example = "--env map.exr"},
+    Plain({.name = "env", .help = "illumination map (EXR, Radiance HDR, PFM); #### in its name stands for the number of --frame", .scope = kInput, .example = "--env map.exr"},
           FIELD(environment.path), Texts("MAP")),
     Resolved(SizeOption({.name = "size", .help = "size of the film [pixels]", .scope = kPixels, .example = "--size 9x7"}), ResolveSize),
     FromScene({.name = "spp", .help = "samples per pixel", .scope = kPixels, .example = "--spp 3"},
@@ -230,6 +230,8 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.filter_radius), Floats(0, 100)), nullptr),
     Plain({.name = "seed", .group = kFilm, .help = "seed of the random numbers", .scope = kPixels, .example = "--seed 77", .in_suite = true},
           FIELD(options.seed), Numbers(0u, 0xFFFFFFFFu)),
+    Plain({.name = "coherent-noise", .group = kFilm, .help = "the same noise in all frames; without: --frame decides it together with --seed", .scope = kPixels, .example = "--frame 3 --coherent-noise"},
+          FIELD(coherent_noise), Switches()),
 
     FromScene({.name = "max-depth", .group = kPaths, .help = "surfaces at which a path scatters, at most", .scope = kPixels, .example = "--max-depth 2"},
           FIELD(max_depth), Numbers(0u, kMaxDepth)),
@@ -263,7 +265,7 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(read.strict), Switches()),
     Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
           FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
-    Plain({.name = "frame", .group = kReading, .help = "number of the frame at which an animated scene is read, which may be a fraction", .scope = kPixels, .example = "moving.gltf --frame 12.5", .default_text = "without animation", .metavar = "N", .of_reading = true},
+    Plain({.name = "frame", .group = kReading, .help = "number of the frame: the moment at which an animated scene is read, which may be a fraction, the map of a sequence, and noise of its own", .scope = kPixels, .example = "moving.gltf --frame 12.5", .default_text = "without animation", .metavar = "N", .of_reading = true},
           FIELD(read.frame), Doubles(-1e9, 1e9)),
     Plain({.name = "fps", .group = kReading, .help = "frames in a second of animation", .scope = kPixels, .example = "moving.gltf --frame 15 --fps 30", .default_text = "24", .metavar = "R", .of_reading = true},
           FIELD(read.fps), Doubles(1e-3, 1e6)),

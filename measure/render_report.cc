@@ -55,6 +55,10 @@ std::string Table(const RenderReport& report) {
     line("  guide: {} lines of light needed by {} paths, in {:.3f} s, {:.1f} MiB", guide.samples,
          guide.paths, guide.seconds, double(guide.bytes) / (1 << 20));
   }
+  if (const GuideCounts& learnt = report.frame.visibility; learnt.paths > 0) {
+    line("  visibility: {} rays of {} paths, in {:.3f} s, {:.1f} MiB", learnt.samples, learnt.paths,
+         learnt.seconds, double(learnt.bytes) / (1 << 20));
+  }
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
     line(
         "  photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, "
@@ -124,12 +128,15 @@ nlohmann::ordered_json Json(const RenderReport& report) {
         {"thread_seconds", stats.stage_seconds[i]},
         {"share", stats.stage_seconds[i] / std::max(stats.busy_seconds(), 1e-12)}};
   }
-  if (const GuideCounts& guide = report.frame.guide; guide.paths > 0) {
-    json["guide"] = {{"paths", guide.paths},
-                     {"samples", guide.samples},
-                     {"table_bytes", guide.bytes},
-                     {"seconds", guide.seconds}};
-  }
+  const auto add_pilot = [&](const char* name, const GuideCounts& pilot) {
+    if (pilot.paths == 0) return;
+    json[name] = {{"paths", pilot.paths},
+                  {"samples", pilot.samples},
+                  {"table_bytes", pilot.bytes},
+                  {"seconds", pilot.seconds}};
+  };
+  add_pilot("guide", report.frame.guide);
+  add_pilot("visibility", report.frame.visibility);
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
     json["photons"] = {
         {"indirect", photons.indirect},       {"caustic", photons.caustic},

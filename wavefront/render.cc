@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <new>
 #include <numeric>
 
 #include "base/clock.h"
 #include "wavefront/guiding/emission_guide.h"
+#include "wavefront/guiding/visibility_pilot.h"
 #include "wavefront/integrators/integrators.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/worker_pool.h"
@@ -216,6 +218,12 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
   const double processor_start = ProcessorSeconds();
   const auto start = Clock::now();
   pool.Run([&] {
+    std::unique_ptr<EnvStrategy> learnt[2];
+    const auto learn = [&](const EnvStrategy*& strategy, std::unique_ptr<EnvStrategy>& taught) {
+      if (strategy != nullptr) taught = LearnVisibility(frame, *strategy, pool, result.visibility);
+      if (taught) strategy = taught.get();
+    };
+    learn(frame.strategy, learnt[0]), learn(frame.continuation_strategy, learnt[1]);
     EmissionGuide guide;
     if (options.guide && Describe(options.integrator).has_light_paths() &&
         frame.has_environment()) {

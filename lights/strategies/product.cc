@@ -9,10 +9,7 @@
 #include "lights/strategies/importance.h"
 
 namespace skywave {
-namespace {
 
-// Cuts the light that samples will find into cells, so that every texel with light has one. A black
-// map is one cell with something in it.
 LightSet CutCells(const SphereMap& map, int cells) {
   if (map.energy <= 0)
     return {{DirectionalLight{.direction = {0, 0, 1}, .energy = 1}}, CellMap(map.texels())};
@@ -50,6 +47,8 @@ std::vector<LightCell> MakeLightCells(const SphereMap& map, const LightSet& set,
   }
   return cells;
 }
+
+namespace {
 
 // Calls run(kind, begin, count) for every run of at most kProductRows rows with a density that left
 // surfaces of the same BSDF.

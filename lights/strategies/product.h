@@ -10,14 +10,23 @@
 // variance cuts, which end where the light is: a sun is a cell of its own.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "kernels/bsdf/product.h"
 #include "lights/strategies/strategy.h"
 #include "lights/tables/cell_sampler.h"
+#include "lights/tables/cells.h"
 #include "lights/tables/texels.h"
 
 namespace skywave {
+
+// Cuts the light that samples will find into cells, so that every texel with light has one. A black
+// map is one cell with something in it.
+LightSet CutCells(const SphereMap& map, int cells);
+std::vector<LightCell> MakeLightCells(const SphereMap& map, const LightSet& set,
+                                      const std::array<float, 9>& map_from_world);
 
 class ProductStrategy final : public EnvStrategy {
  public:

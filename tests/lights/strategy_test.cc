@@ -18,6 +18,7 @@
 #include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
+#include "tests/support/taught_visibility.h"
 
 namespace skywave {
 namespace {
@@ -39,6 +40,8 @@ struct Subject {
   bool for_reflection = false;
   // Densities have borders of their own, beside those of the map's texels.
   bool own_borders = false;
+  // A strategy that learns has been taught.
+  bool taught = false;
   // Relative difference between densities from two formulae.
   float precision = 2e-6f;
 };
@@ -61,6 +64,12 @@ const std::vector<Subject>& Subjects() {
        .for_reflection = true,
        .precision = 1e-3f},
       {.specification = "portal:texels=64", .own_borders = true},
+      {.specification = "visibility:cells=40", .complete = false},
+      {.specification = "visibility:cells=40",
+       .complete = false,
+       .stratified = false,
+       .taught = true},
+      {.specification = "visibility:cells=40,compensate=0", .stratified = false, .taught = true},
       {.specification = "ris", .has_density = false, .whole_sphere = false},
       {.specification = "bsdf", .has_density = false, .complete = false},
       {.specification = "median-cut:lights=20", .has_density = false, .unbiased = false},
@@ -83,6 +92,18 @@ const std::vector<Subject>& Subjects() {
        .unbiased = false},
   };
   return subjects;
+}
+
+std::unique_ptr<EnvStrategy> Make(const Subject& subject, const EnvironmentMap& map) {
+  auto strategy = MakeStrategy(subject.specification, map);
+  if (!subject.taught) return strategy;
+  return Teach(dynamic_cast<const VisibilityStrategy&>(*strategy));
+}
+
+std::string NameOf(const Subject& subject) {
+  std::string name = subject.specification + (subject.taught ? " taught" : "");
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return name;
 }
 
 const Vec kNormal = Unit({0.3, 0.8, 0.5});
@@ -125,7 +146,7 @@ class StrategyOnMap : public testing::TestWithParam<Case> {
       : subject_(Subjects()[std::get<0>(GetParam())]),
         map_{AdversarialMaps()[std::get<1>(GetParam())].latlong,
              Orientations()[std::get<2>(GetParam())].map_from_world, PortalsAroundTheOrigin()},
-        strategy_(MakeStrategy(subject_.specification, map_)) {}
+        strategy_(Make(subject_, map_)) {}
 
   static double Level() {
     return SidakLevel(Subjects().size() * AdversarialMaps().size() * Orientations().size() * 2);
@@ -368,9 +389,8 @@ TEST_P(StrategyOnMap, DensityIsPositiveWhereThereIsLight) {
 }
 
 std::string CaseName(const testing::TestParamInfo<Case>& info) {
-  std::string name = Subjects()[std::get<0>(info.param)].specification;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-  return name + "_" + AdversarialMaps()[std::get<1>(info.param)].name + "_" +
+  return NameOf(Subjects()[std::get<0>(info.param)]) + "_" +
+         AdversarialMaps()[std::get<1>(info.param)].name + "_" +
          Orientations()[std::get<2>(info.param)].name;
 }
 
@@ -389,7 +409,7 @@ TEST_P(StrategyAlone, BitsDoNotDependOnTarget) {
   for (const NamedMap& named : AdversarialMaps()) {
     const EnvironmentMap map = {named.latlong, Orientations()[1].map_from_world,
                                 PortalsAroundTheOrigin()};
-    const auto strategy = MakeStrategy(subject_.specification, map);
+    const auto strategy = Make(subject_, map);
     if (strategy->Plan(1).total() == 0) continue;
     const auto surfaces = SurfacesWith(kNormal, kFullWave);
     const auto uniforms = RandomUniforms(kFullWave, 21);
@@ -412,7 +432,7 @@ TEST_P(StrategyAlone, BitsDoNotDependOnTarget) {
 TEST_P(StrategyAlone, RowsDoNotDependOnTheirNumber) {
   const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[1].map_from_world,
                               PortalsAroundTheOrigin()};
-  const auto strategy = MakeStrategy(subject_.specification, map);
+  const auto strategy = Make(subject_, map);
   if (strategy->Plan(1).total() == 0) GTEST_SKIP();
   const auto surfaces = SurfacesWith(kNormal, kFullWave);
   const auto uniforms = RandomUniforms(kFullWave, 22);
@@ -494,7 +514,7 @@ TEST_P(StrategyAlone, KeepsStratification) {
     }
   }
   const EnvironmentMap map = {image, Orientations()[1].map_from_world, PortalsAroundTheOrigin()};
-  const auto strategy = MakeStrategy(subject_.specification, map);
+  const auto strategy = Make(subject_, map);
   const auto surfaces = SurfacesWith(kNormal, 4096);
   const MapCells cells(map, subject_.own_borders ? 2048 : 1024);
   const auto seen = Evaluate(*strategy, surfaces, cells.directions(), false);
@@ -512,11 +532,7 @@ TEST_P(StrategyAlone, KeepsStratification) {
 
 INSTANTIATE_TEST_SUITE_P(All, StrategyAlone, testing::Range(std::size_t{0}, Subjects().size()),
                          [](const testing::TestParamInfo<std::size_t>& alone) {
-                           std::string name = Subjects()[alone.param].specification;
-                           for (char& c : name) {
-                             c = std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
-                           }
-                           return name;
+                           return NameOf(Subjects()[alone.param]);
                          });
 
 TEST(Strategies, EveryStrategyIsTested) {

@@ -29,13 +29,13 @@ class LambertPoints {
   soa::Table<PathColumns> paths_{1};  // shared by all rows
 };
 
-// Sets a grey surface in the origin that faces the eye.
+// Sets a grey surface of the unit sphere about the origin, which faces the eye.
 inline void PutSurface(Vec normal, std::uint32_t i, const SurfaceColumns& surfaces) {
+  Put(normal, i, surfaces.org_x, surfaces.org_y, surfaces.org_z);
   Put(normal, i, surfaces.ns_x, surfaces.ns_y, surfaces.ns_z);
   Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);
   Put(normal, i, surfaces.wo_x, surfaces.wo_y, surfaces.wo_z);
   Put({0.5, 0.5, 0.5}, i, surfaces.color_r, surfaces.color_g, surfaces.color_b);
-  Put({0, 0, 0}, i, surfaces.org_x, surfaces.org_y, surfaces.org_z);
   surfaces.lift[i] = 0;
   surfaces.material[i] = 0;
   surfaces.path[i] = 0;

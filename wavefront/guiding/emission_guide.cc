@@ -12,6 +12,7 @@
 #include "lights/maps/sphere_map.h"
 #include "lights/strategies/importance.h"
 #include "wavefront/guiding/emission_pilot.h"
+#include "wavefront/guiding/pilot.h"
 
 namespace skywave {
 namespace {
@@ -318,31 +319,18 @@ EmissionGuide LearnEmission(const FrameView& frame, WorkerPool& pool, GuideCount
   MapTexels texels = LocateTexels(map, strategy);
   const std::vector<double> radiance = CellRadiance(map.latlong, texels.cell);
 
-  const FrameView pilot = PilotView(frame);
+  const FrameView pilot = PilotView(frame, strategy);
   const Tile tile = PilotTile(pilot);
-  const std::uint64_t total =
-      std::uint64_t(tile.width) * tile.height * pilot.options.samples_per_pixel;
-  const std::uint64_t wave = pilot.options.wave;
   // Light samples find light that reaches a surface directly and goes to the eye from there.
   const LightSamples taken = Describe(frame.options.integrator).light_samples;
   const PilotQuestion question = {.radiance = radiance,
                                   .least_surfaces = taken == LightSamples::kNone ? 1u : 2u};
-  std::vector<std::vector<GuideSample>> waves((total + wave - 1) / wave);
-  pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
-    const RenderStats stats = worker.stats;
-    const WaveRange range = {
-        .tile = tile,
-        .first = i * wave,
-        .count = std::uint32_t(std::min<std::uint64_t>(wave, total - i * wave))};
-    TracePilotWave(pilot, range, question, worker, waves[i]);
-    worker.stats = stats;
-  });
-  std::vector<GuideSample> samples;
-  for (const std::vector<GuideSample>& some : waves) {
-    samples.insert(samples.end(), some.begin(), some.end());
-  }
+  std::vector<GuideSample> samples = TracePilot<GuideSample>(
+      pilot, pool, [&](const WaveRange& range, Worker& worker, std::vector<GuideSample>& found) {
+        TracePilotWave(pilot, range, question, worker, found);
+      });
   MakeRelative(samples, std::size_t(tile.width) * tile.height);
-  counts.paths = total, counts.samples = samples.size();
+  counts.paths = PilotPaths(pilot), counts.samples = samples.size();
 
   // Lights that stand for parts of the map are drawn by their strategy only.
   std::vector<double> shares;

@@ -4,31 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include "kernels/light_paths/emission_guide.h"
-#include "kernels/partition.h"
+#include "wavefront/guiding/pilot.h"
 #include "wavefront/stages/path_stages.h"
 
 namespace skywave {
 namespace {
-
-constexpr std::uint32_t kPilotSeed = 0x5EED9135u;  // turns a frame's seed into the pilot's
-
-// Returns the same film in other pixels.
-CameraView WithPixels(CameraView camera, std::uint32_t width, std::uint32_t height) {
-  const float wider = float(camera.whole_width) / float(width);
-  const float higher = float(camera.whole_height) / float(height);
-  if (HasPlaneFilm(camera.kind)) {
-    for (float& x : camera.right) x *= wider;
-    for (float& x : camera.down) x *= higher;
-  }
-  camera.turns_per_pixel *= std::max(wider, higher);
-  camera.width = camera.whole_width = width;
-  camera.height = camera.whole_height = height;
-  camera.first_column = camera.first_row = 0;
-  return camera;
-}
 
 double Luminance(float r, float g, float b) {
   return double(kLuminance[0]) * r + double(kLuminance[1]) * g + double(kLuminance[2]) * b;
@@ -39,7 +21,8 @@ class GuideSampleList {
  public:
   GuideSampleList(const FrameView& pilot, const PilotQuestion& question,
                   std::vector<GuideSample>& samples)
-      : sphere_(pilot.sphere),
+      : pilot_(pilot),
+        sphere_(pilot.sphere),
         question_(question),
         surfaces_met_(pilot.options.wave),
         places_(pilot.options.wave),
@@ -47,14 +30,13 @@ class GuideSampleList {
               double(question.radiance.size()) / kGuideSampleUnits),
         needs_(samples) {}
 
-  // Counts surfaces [0, n) of w.surfaces, which have a density, for their paths.
-  void Meet(const Worker& w, std::uint32_t n) {
-    for (std::uint32_t i = 0; i < n; ++i) ++surfaces_met_[w.surfaces->path[i]];
-  }
+  void SeeRays(const Worker&, const RayColumns&, std::uint32_t) {}
 
   // Adds what rays [0, n) that left the current surfaces see of the environment, as the strategy
   // has it.
-  void AddEscapes(const Worker& w, std::uint32_t n) {
+  void SeeEscapes(const Worker& w, std::uint32_t n) {
+    pilot_.strategy->EvaluateEscaped(Points(pilot_, w), n,
+                                     pilot_.light_shares().strategy_samples(1), w.escaped);
     const EscapeColumns& rays = w.escaped;
     LocateOnDisk(sphere_, {rays.dir_x, rays.dir_y, rays.dir_z, w.surfaces, rays.from}, n, places_);
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -71,9 +53,10 @@ class GuideSampleList {
     }
   }
 
-  // Adds those light samples [0, n) of the current surfaces that have arrived from infinitely far
-  // away.
-  void AddLightSamples(const Worker& w, std::uint32_t n) {
+  // Counts surfaces [0, n), which have a density, for their paths, and adds those of their light
+  // samples that have arrived from infinitely far away.
+  void SeeLightSamples(const Worker& w, std::uint32_t n) {
+    for (std::uint32_t i = 0; i < n; ++i) ++surfaces_met_[w.surfaces->path[i]];
     const LightColumns& lights = w.lights;
     LocateOnDisk(sphere_, {lights.dir_x, lights.dir_y, lights.dir_z, w.surfaces}, n, places_);
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -101,6 +84,7 @@ class GuideSampleList {
          .weight = std::uint64_t(std::min(weight, kMost))});
   }
 
+  const FrameView& pilot_;
   SceneSphere sphere_;
   PilotQuestion question_;
   std::vector<std::uint32_t> surfaces_met_;
@@ -111,57 +95,10 @@ class GuideSampleList {
 
 }  // namespace
 
-FrameView PilotView(const FrameView& frame) {
-  // Pixels get a few samples, those of small films more.
-  constexpr double kSamples = 4;
-  const double pixels = double(frame.camera.whole_width) * frame.camera.whole_height;
-  const double scale = std::min(1.0, std::sqrt(kMostPilotPaths / kSamples / pixels));
-  const double samples = std::max(kSamples, std::ceil(kLeastPilotPaths / pixels));
-  const auto scaled = [&](std::uint32_t side) { return int(std::lround(side * scale)); };
-  const CropWindow film = WholeBlocks({0, 0, std::max(1, scaled(frame.camera.whole_width)),
-                                       std::max(1, scaled(frame.camera.whole_height))});
-  FrameView pilot = frame;
-  pilot.strategy = frame.emitter;
-  pilot.camera = WithPixels(frame.camera, std::uint32_t(film.width), std::uint32_t(film.height));
-  RenderOptions& options = pilot.options;
-  options = {};
-  options.width = int(pilot.camera.width), options.height = int(pilot.camera.height);
-  options.samples_per_pixel = std::uint32_t(samples);
-  options.max_depth = frame.options.max_depth;
-  options.seed = frame.options.seed ^ kPilotSeed;
-  options.wave = WholeBeams(frame.options.wave);
-  pilot.tracer.recorder = nullptr;
-  pilot.light_groups = nullptr;
-  return pilot;
-}
-
-Tile PilotTile(const FrameView& pilot) { return {0, 0, pilot.camera.width, pilot.camera.height}; }
-
 void TracePilotWave(const FrameView& pilot, const WaveRange& range, const PilotQuestion& question,
                     Worker& w, std::vector<GuideSample>& samples) {
-  StageClock clock(w.stats);
   GuideSampleList list(pilot, question, samples);
-  const float light_samples = pilot.light_shares().strategy_samples(1);
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(pilot, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
-  std::uint32_t n = range.count;
-  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
-    SortedHits sorted =
-        TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock);
-    MoveEscaped(*rays, sorted.queues->queue, n, w.escaped);
-    if (const std::uint32_t escaped = sorted.escaped; bounce > 0 && escaped > 0) {
-      pilot.strategy->EvaluateEscaped(Points(pilot, w), escaped, light_samples, w.escaped);
-      list.AddEscapes(w, escaped);
-    }
-    if (bounce == pilot.options.max_depth) break;
-    PrepareHits(pilot, kCameraEnd, *rays, n, std::move(sorted), w, clock);
-    LightSurfaces(pilot, bounce, w, clock);
-    list.Meet(w, w.ranges.light_sampled());
-    list.AddLightSamples(w, w.ranges.light_sampled());
-    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce,
-                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
-    std::swap(rays, next);
-  }
+  FollowPilotPaths(pilot, range, w, list);
 }
 
 }  // namespace skywave

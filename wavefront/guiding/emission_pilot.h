@@ -1,4 +1,4 @@
-// Camera paths of the pilot find out where light paths are needed
+// Camera paths of a pilot (wavefront/guiding/pilot.h) find out where light paths are needed
 // (wavefront/guiding/emission_guide.h).
 #pragma once
 
@@ -12,15 +12,6 @@
 #include "wavefront/worker.h"
 
 namespace skywave {
-
-// The pilot has about this many camera paths: few against a usual render, enough for a small one.
-inline constexpr double kLeastPilotPaths = 1 << 14, kMostPilotPaths = 1 << 17;
-
-// Returns the frame of the pilot: the whole film, coarse, by path tracing, with random numbers of
-// its own.
-FrameView PilotView(const FrameView& frame);
-// Returns all its samples as one tile.
-Tile PilotTile(const FrameView& pilot);
 
 // These rules decide what light counts as needed.
 struct PilotQuestion {

@@ -1,5 +1,6 @@
-// A frame reports this about the pilot that guided its light paths
-// (wavefront/guiding/emission_guide.h).
+// A frame reports this about a pilot: that which guided its light paths
+// (wavefront/guiding/emission_guide.h), or that which taught its strategy visibility
+// (wavefront/guiding/visibility_pilot.h).
 #pragma once
 
 #include <cstddef>
@@ -8,9 +9,10 @@
 namespace skywave {
 
 struct GuideCounts {
-  std::uint64_t paths = 0, samples = 0;  // paths of the pilot; guide samples that they found
-  std::size_t bytes = 0;                 // size of the tables
-  double seconds = 0;                    // wall clock
+  std::uint64_t paths = 0,
+                samples = 0;  // paths of the pilot; what they found: guide samples or rays
+  std::size_t bytes = 0;      // size of the tables
+  double seconds = 0;         // wall clock
 };
 
 }  // namespace skywave

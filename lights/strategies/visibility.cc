@@ -1,0 +1,442 @@
+#include "lights/strategies/visibility.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "lights/strategies/importance.h"
+#include "lights/strategies/product.h"
+#include "lights/tables/inversion_table.h"
+
+namespace skywave {
+namespace {
+
+constexpr std::uint32_t kNormalBits = 16, kCellBits = 8;
+constexpr std::uint32_t kCellShift = kNormalBits + 1, kPositionShift = kCellShift + kCellBits;
+constexpr std::uint32_t kRootShift = kPositionShift + 3 * kPlaceLevels;
+static_assert(kRootShift + 3 == 64);
+constexpr double kNormalSteps = 127;
+
+// A node is split where so many rays have begun.
+constexpr std::size_t kSplitRays = 1024;
+// The estimate of the node above counts as so many rays.
+constexpr double kPriorRays = 3;
+// A place is drawn from as it was learnt if that has so many times less variance than light alone,
+// whose samples are better stratified.
+constexpr double kWorthwhile = 1.2;
+// Chunks of rows with both kinds of places pay for both. So where learning pays for more than the
+// first share of the rays it is used everywhere, and below the second one nowhere.
+constexpr double kMostly = 0.25, kHardly = 0.02;
+
+std::uint32_t CellOf(VisibilityRay ray) {
+  return std::uint32_t(ray >> kCellShift) & ((1u << kCellBits) - 1);
+}
+bool Arrived(VisibilityRay ray) { return (ray >> kNormalBits & 1) != 0; }
+
+// Returns the bits of a coordinate, two zeros before each.
+std::uint64_t Spread(std::uint32_t steps) {
+  std::uint64_t spread = 0;
+  for (std::uint32_t bit = 0; bit < kPlaceLevels; ++bit) {
+    spread |= std::uint64_t(steps >> bit & 1) << (3 * bit);
+  }
+  return spread;
+}
+
+// Returns the mean normal of rays that belong to one root, 0 for none.
+std::array<double, 3> MeanNormal(std::span<const VisibilityRay> rays) {
+  std::int64_t sums[3] = {};
+  for (const VisibilityRay ray : rays) {
+    const auto root = std::uint32_t(ray >> kRootShift), axis = root / 2;
+    const auto a = std::int8_t(ray & 0xFF), b = std::int8_t(ray >> 8 & 0xFF);
+    const double square = kNormalSteps * kNormalSteps - double(a) * a - double(b) * b;
+    const std::int64_t along = std::llrint(std::sqrt(std::max(square, 0.0)));
+    sums[axis] += root % 2 == 0 ? along : -along;
+    sums[(axis + 1) % 3] += a, sums[(axis + 2) % 3] += b;
+  }
+  const double scale = 1 / (kNormalSteps * double(std::max<std::size_t>(rays.size(), 1)));
+  return {double(sums[0]) * scale, double(sums[1]) * scale, double(sums[2]) * scale};
+}
+
+// Returns about the mean of max(cos, 0) over normals with this mean.
+double MeanCosine(const std::array<double, 3>& normal, const LightCell& cell) {
+  double along = 0, square = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    along += normal[i] * double(cell.dir[i]), square += normal[i] * normal[i];
+  }
+  const double spread =
+      std::max(0.0, 1 - square) / 3 + 0.5 * std::pow(std::min(double(cell.radius), 1.0), 2);
+  return 0.5 * (along + std::sqrt(along * along + 0.64 * spread));
+}
+
+using Visibility = std::vector<float>;  // of each cell: share of the rays that get out
+
+// Returns what `rays` tell of every cell, where `above` is expected.
+Visibility Learn(std::span<const VisibilityRay> rays, const Visibility& above) {
+  std::vector<std::uint32_t> all(above.size()), arrived(above.size());
+  for (const VisibilityRay ray : rays) {
+    const std::uint32_t cell = CellOf(ray);
+    ++all[cell], arrived[cell] += Arrived(ray);
+  }
+  Visibility learnt(above.size());
+  for (std::size_t i = 0; i < above.size(); ++i) {
+    learnt[i] = float((double(arrived[i]) + kPriorRays * double(above[i])) / (all[i] + kPriorRays));
+  }
+  return learnt;
+}
+
+}  // namespace
+
+VisibilityRay PackVisibilityRay(const PlaceBox& box, const std::array<float, 3>& org,
+                                const std::array<float, 3>& normal, std::uint32_t cell,
+                                bool arrived) {
+  constexpr float kSteps = 1 << kPlaceLevels;
+  std::uint64_t position = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float steps = (org[i] - box.low[i]) * (kSteps / box.side);
+    position |= Spread(std::uint32_t(std::clamp(steps, 0.0f, kSteps - 1))) << i;
+  }
+  const float x = std::fabs(normal[0]), y = std::fabs(normal[1]), z = std::fabs(normal[2]);
+  const std::size_t axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+  const std::uint64_t root = 2 * axis + (normal[axis] < 0);
+  const auto across = [&](std::size_t i) {
+    const double steps = kNormalSteps * double(normal[(axis + i) % 3]);
+    return std::uint64_t(std::uint8_t(std::int8_t(std::clamp(std::round(steps), -127.0, 127.0))));
+  };
+  return root << kRootShift | position << kPositionShift | std::uint64_t(cell) << kCellShift |
+         std::uint64_t(arrived) << kNormalBits | across(2) << 8 | across(1);
+}
+
+struct VisibilityStrategy::MapTables {
+  MapTables(const EnvironmentMap& map, const VisibilityOptions& options)
+      : texels(map),
+        compensated(options.compensate),
+        base(BaseLuminance(texels, compensated)),
+        plain(texels, base) {
+    const Image held = texels.Held();
+    const SphereMap sphere = MakeSphereMap(held);
+    const LightSet set = CutCells(sphere, options.cells);
+    cells = MakeLightCells(sphere, set, map.map_from_world);
+    for (const DirectionalLight& light : set.lights) solid_angle.push_back(light.solid_angle);
+    const auto count = std::uint32_t(cells.size());
+    const std::vector<double> importance = TexelImportance(texels);
+    sampler.emplace(held.width, held.height, importance, set.cell_of_texel, count);
+    density = sampler->DensityInCells(set.cell_of_texel);
+    // Texels without light have density 0 whatever their cell is.
+    cell_of_texel = set.cell_of_texel;
+    std::replace(cell_of_texel.begin(), cell_of_texel.end(), kNoCell, 0u);
+    const EnvironmentView view = texels.view();
+    const CellsView in_cells = sampler->view();
+    slot_texels.resize(in_cells.begin[count]);
+    for (std::size_t slot = 0; slot < slot_texels.size(); ++slot) {
+      const std::uint32_t texel = in_cells.texel[slot];
+      const std::uint32_t row = texel / view.width, column = texel % view.width;
+      const TexelLine& line = view.texels[std::size_t(row) * view.lines + column / kLineTexels];
+      slot_texels[slot] = {texel, line.texel[column % kLineTexels], density[texel], 0};
+    }
+    above.resize(count);
+    double all = 0;
+    for (std::size_t i = 0; i < importance.size(); ++i) {
+      const auto x = std::uint32_t(i) % view.width, y = std::uint32_t(i) / view.width;
+      if (importance[i] <= 0) continue;
+      const double share = base < 0 ? 1 : 1 - double(base) / double(texels.Luminance(x, y));
+      above[cell_of_texel[i]] += importance[i] * std::max(0.0, share);
+      all += importance[i] * std::max(0.0, share);
+    }
+    for (double& share : above) share /= all;
+  }
+  std::size_t bytes() const {
+    return texels.bytes() + plain.bytes() + sampler->bytes() + density.size() * sizeof(float) +
+           slot_texels.size() * sizeof(SlotTexel) + cell_of_texel.size() * sizeof(std::uint32_t) +
+           cells.size() * sizeof(LightCell);
+  }
+  SlotTexelsView slots() const {
+    const CellsView view = sampler->view();
+    return {.begin = view.begin, .slots = view.slots, .texels = slot_texels.data()};
+  }
+
+  Texels texels;
+  double compensated;
+  float base;
+  InversionTable plain;   // as `importance` has it
+  CellMap cell_of_texel;  // no kNoCell: texels without light belong to cell 0
+  std::vector<LightCell> cells;
+  std::vector<double> solid_angle;  // of each cell [sr]
+  std::vector<double> above;        // how often `plain` draws each cell
+  std::optional<CellSampler> sampler;
+  std::vector<SlotTexel> slot_texels;
+  std::vector<float> density;  // of each texel inside its cell [1/sr]
+};
+
+VisibilityStrategy::VisibilityStrategy(const EnvironmentMap& map, const VisibilityOptions& options)
+    : VisibilityStrategy(std::make_shared<MapTables>(map, options), options, 0) {
+  nodes_.assign(kPlaceRoots, kPlaceLeaf);
+}
+
+VisibilityStrategy::VisibilityStrategy(std::shared_ptr<const MapTables> tables,
+                                       const VisibilityOptions& options, std::size_t learnt)
+    : map_(std::move(tables)),
+      options_(options),
+      learnt_(learnt),
+      trees_(std::uint32_t(map_->cells.size()), std::uint32_t(learnt)),
+      probability_(learnt * map_->cells.size()) {}
+
+bool VisibilityStrategy::complete() const { return map_->compensated == 0; }
+
+VisibilityStrategy::PlaceWeights VisibilityStrategy::Weigh(
+    std::span<const float> visibility, const std::array<double, 3>& normal) const {
+  const std::size_t count = map_->cells.size();
+  std::vector<double> cosine(count), wanted(count), weight(count);
+  double all = 0, unseen = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const LightCell& cell = map_->cells[i];
+    cosine[i] = MeanCosine(normal, cell);
+    wanted[i] = double(cell.energy) * cosine[i] * std::sqrt(double(visibility[i]));
+    all += wanted[i];
+    weight[i] = double(cell.energy) * (cosine[i] + 0.1);
+    unseen += weight[i];
+  }
+  if (all <= 0) return {};
+  // One light sample and one BSDF sample are to have a density in proportion to light together;
+  // that of the light sample is twice the wanted one less the BSDF sample's.
+  double rest = 0;
+  std::vector<double> left(count), by_bsdf(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    by_bsdf[i] = cosine[i] * map_->solid_angle[i] / std::numbers::pi;
+    left[i] = std::max(
+        0.0, (1 + options_.compensate) * wanted[i] / all - options_.compensate * by_bsdf[i]);
+    rest += left[i];
+  }
+  double by_plain = 0, by_learnt = 0;  // variances, but for what both have in common
+  for (std::size_t i = 0; i < count; ++i) {
+    weight[i] *= options_.defensive / unseen;
+    weight[i] += (1 - options_.defensive) * (rest > 0 ? left[i] / rest : wanted[i] / all);
+    const double square = wanted[i] * wanted[i];
+    if (square <= 0) continue;
+    by_plain += square / (map_->above[i] + by_bsdf[i]);
+    by_learnt += square / (weight[i] + by_bsdf[i]);
+  }
+  return {std::move(weight), by_plain >= kWorthwhile * by_learnt};
+}
+
+void VisibilityStrategy::SetPlace(std::size_t place, const std::vector<double>& weights) {
+  const std::size_t count = map_->cells.size();
+  std::vector<std::uint16_t> mass(count);
+  std::vector<double> leaf(trees_.leaves());
+  trees_.Set(std::uint32_t(place), weights.data(), mass.data(), leaf.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    probability_[place * count + i] = float(leaf[i / kNodeFan] * mass[i]);
+  }
+}
+
+std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<VisibilityRay>& rays,
+                                                               const PlaceBox& box) const {
+  tbb::parallel_sort(rays.begin(), rays.end());
+  // A node has rays [begin, end), and is split into eight, largest first, while places are left.
+  struct Node {
+    std::size_t begin, end;
+    std::uint32_t index;  // in `nodes`
+    std::uint32_t level;  // below a root
+    std::uint64_t key;    // root and position, the levels below as zeros
+    Visibility visibility;
+  };
+  struct Leaf {
+    std::size_t begin, end;
+    Visibility visibility;
+  };
+  const std::size_t cells = map_->cells.size();
+  const auto rays_of = [&](std::size_t begin, std::size_t end) {
+    return std::span<const VisibilityRay>(rays).subspan(begin, end - begin);
+  };
+  const auto find = [&](std::size_t begin, std::size_t end, VisibilityRay first) {
+    return std::size_t(std::lower_bound(rays.begin() + std::ptrdiff_t(begin),
+                                        rays.begin() + std::ptrdiff_t(end), first) -
+                       rays.begin());
+  };
+  const auto smaller = [](const Node& a, const Node& b) {
+    const std::size_t of_a = a.end - a.begin, of_b = b.end - b.begin;
+    return of_a != of_b ? of_a < of_b : a.begin > b.begin;
+  };
+  std::vector<std::uint32_t> nodes(kPlaceRoots);
+  std::vector<Leaf> leaves;
+  std::vector<Node> open;  // a heap
+  const auto push = [&](Node node) {
+    open.push_back(std::move(node));
+    std::push_heap(open.begin(), open.end(), smaller);
+  };
+  const auto pop = [&] {
+    std::pop_heap(open.begin(), open.end(), smaller);
+    Node node = std::move(open.back());
+    open.pop_back();
+    return node;
+  };
+  const Visibility all = Learn(rays, Visibility(cells, 0.5f));
+  for (std::uint32_t root = 0; root < kPlaceRoots; ++root) {
+    const std::uint64_t key = std::uint64_t(root) << kRootShift;
+    const std::size_t begin = find(0, rays.size(), key);
+    const std::size_t end = root + 1 < kPlaceRoots
+                                ? find(begin, rays.size(), std::uint64_t(root + 1) << kRootShift)
+                                : rays.size();
+    push({begin, end, root, 0, key, Learn(rays_of(begin, end), all)});
+  }
+  const auto make_leaf = [&](Node&& node) {
+    nodes[node.index] = kPlaceLeaf | std::uint32_t(leaves.size());
+    leaves.push_back({node.begin, node.end, std::move(node.visibility)});
+  };
+  while (!open.empty()) {
+    Node node = pop();
+    // The node itself turns into a place for its children without rays, beside up to eight others.
+    const std::size_t places = leaves.size() + open.size() + 9;
+    if (node.end - node.begin < kSplitRays || node.level == kPlaceLevels ||
+        places > std::size_t(options_.places)) {
+      make_leaf(std::move(node));
+      continue;
+    }
+    const auto children = std::uint32_t(nodes.size());
+    nodes.resize(nodes.size() + 8);
+    nodes[node.index] = children;
+    const std::uint32_t shift = kPositionShift + 3 * (kPlaceLevels - 1 - node.level);
+    std::uint32_t shared = 0;  // the node as a place
+    for (std::uint32_t child = 0; child < 8; ++child) {
+      const std::uint64_t key = node.key + (std::uint64_t(child) << shift);
+      const std::size_t begin = find(node.begin, node.end, key);
+      // The last child of the last root ends with the last ray.
+      const std::size_t end = child < 7 ? find(begin, node.end, key + (1ull << shift)) : node.end;
+      if (begin == end) {
+        if (shared == 0) {
+          shared = kPlaceLeaf | std::uint32_t(leaves.size());
+          leaves.push_back({node.begin, node.end, node.visibility});
+        }
+        nodes[children + child] = shared;
+        continue;
+      }
+      push({begin, end, children + child, node.level + 1, key,
+            Learn(rays_of(begin, end), node.visibility)});
+    }
+  }
+  std::vector<PlaceWeights> weights(leaves.size());
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+    const Leaf& leaf = leaves[i];
+    weights[i] = Weigh(leaf.visibility, MeanNormal(rays_of(leaf.begin, leaf.end)));
+  });
+  std::size_t paying = 0, rays_of_all = 0;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    const std::size_t count = leaves[i].end - leaves[i].begin;
+    paying += weights[i].pays ? count : 0, rays_of_all += count;
+  }
+  const bool pays_mostly = double(paying) > kMostly * double(rays_of_all);
+  const bool pays_hardly = double(paying) < kHardly * double(rays_of_all);
+  const auto keeps = [&](std::size_t i) {
+    return !weights[i].of_cells.empty() && !pays_hardly && (pays_mostly || weights[i].pays);
+  };
+  // Places without tables have all the same number.
+  std::vector<std::uint32_t> place(leaves.size());
+  std::uint32_t learnt = 0;
+  for (std::size_t i = 0; i < leaves.size(); ++i) place[i] = keeps(i) ? learnt++ : 0;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (!keeps(i)) place[i] = learnt;
+  }
+  for (std::uint32_t& node : nodes) {
+    if (node >= kPlaceLeaf) node = kPlaceLeaf | place[node - kPlaceLeaf];
+  }
+  std::unique_ptr<VisibilityStrategy> taught(new VisibilityStrategy(map_, options_, learnt));
+  taught->box_ = box;
+  taught->nodes_ = std::move(nodes);
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+    if (keeps(i)) taught->SetPlace(place[i], weights[i].of_cells);
+  });
+  return taught;
+}
+
+std::size_t VisibilityStrategy::table_bytes() const {
+  return map_->bytes() + trees_.bytes() + nodes_.size() * sizeof(std::uint32_t) +
+         probability_.size() * sizeof(float);
+}
+
+PlacePicksView VisibilityStrategy::Picks() const {
+  return {.trees = trees_.view(),
+          .probability = probability_.data(),
+          .cells = std::uint32_t(map_->cells.size()),
+          .learnt = std::uint32_t(learnt_)};
+}
+
+void VisibilityStrategy::Sample(const ShadePoints& points, const UniformColumns& uniforms,
+                                std::uint32_t n, LightCall call, const LightColumns& out) const {
+  // The first sample of a surface finds its place for all others: until then no BSDF has moved the
+  // surface to the side of its light.
+  float* const places = points.surfaces.light_norm;
+  if (call.index == 0) {
+    const PlaceTreeView tree = {.nodes = nodes_.data(),
+                                .low = {box_.low[0], box_.low[1], box_.low[2]},
+                                .steps = float(1 << kPlaceLevels) / box_.side};
+    FindPlaces(tree, n, points.surfaces);
+  }
+  const EnvironmentView map = map_->texels.view();
+  for (std::uint32_t begin = 0; begin < n; begin += kPlaceRows) {
+    const std::uint32_t count = std::min(kPlaceRows, n - begin);
+    const UniformColumns some = Slice(uniforms, begin);
+    const LightColumns lights = Slice(out, begin);
+    const auto learnt = std::uint32_t(std::count_if(places + begin, places + begin + count,
+                                                    [&](float p) { return p < float(learnt_); }));
+    if (learnt < count) SampleTexels(map, map_->plain.view(), some, count, call.samples(), lights);
+    if (learnt == 0) continue;
+    SampleFromPlaces(map, map_->slots(), Picks(), places + begin, some, count, call.samples(),
+                     learnt < count, lights);
+  }
+}
+
+void VisibilityStrategy::EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
+                                         const EscapeColumns& rows) const {
+  alignas(kColumnAlignment) std::uint32_t cell[PaddedRows(kPlaceRows)];
+  alignas(kColumnAlignment) float plain[PaddedRows(kPlaceRows)];
+  const EnvironmentView map = map_->texels.view();
+  const InversionView inversion = map_->plain.view();
+  const float* const places = points.surfaces.light_norm;
+  for (std::uint32_t begin = 0; begin < n; begin += kPlaceRows) {
+    const std::uint32_t count = std::min(kPlaceRows, n - begin);
+    const EscapeColumns some = Slice(rows, begin);
+    std::uint32_t learnt = 0, all = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (!(some.pdf[i] > 0)) continue;
+      ++all, learnt += places[some.from[i]] < float(learnt_);
+    }
+    skywave::EvaluateEscaped(map, {.inversion = &inversion}, count, samples, some);
+    if (learnt == 0) continue;
+    std::copy_n(some.light_pdf, count, plain);
+    skywave::EvaluateEscaped(map, {.table = map_->density.data()}, count, samples, some);
+    FindCells(map, map_->cell_of_texel.data(), count, some, cell);
+    ScaleByPlace(Picks(), places, cell, learnt < all ? plain : nullptr, count, some);
+  }
+}
+
+void VisibilityStrategy::CellsOf(const float* dir_x, const float* dir_y, const float* dir_z,
+                                 std::uint32_t n, std::uint32_t* cell) const {
+  EscapeColumns rows = {};
+  rows.dir_x = const_cast<float*>(dir_x);
+  rows.dir_y = const_cast<float*>(dir_y);
+  rows.dir_z = const_cast<float*>(dir_z);
+  FindCells(map_->texels.view(), map_->cell_of_texel.data(), n, rows, cell);
+}
+
+StrategyFactory VisibilityFactory() {
+  static constexpr StrategyParameter kParameters[] = {
+      {"cells", "128", "number of cells that the map is cut into, up to 256"},
+      {"places", "4096", "number of places of the scene, at most: bounds the memory"},
+      {"compensate", "1",
+       "share of what BSDF samples find that is left to them, 0 to 1: 1 / light samples"},
+      {"defensive", "0.1", "share of samples that do not trust what was learnt, from 0.001 to 1"}};
+  return {
+      "visibility", "cells of the map picked by the light that a pilot saw arrive", kParameters,
+      [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {
+        return std::make_unique<VisibilityStrategy>(
+            map, VisibilityOptions{.cells = IntValue(values, "cells", 1, int(kMaxVisibilityCells)),
+                                   .places = IntValue(values, "places", 16, 1 << 20),
+                                   .compensate = NumberValue(values, "compensate", 0, 1),
+                                   .defensive = NumberValue(values, "defensive", 0.001, 1)});
+      }};
+}
+
+}  // namespace skywave

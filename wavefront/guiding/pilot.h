@@ -1,0 +1,76 @@
+// A pilot is a coarse render before a frame: its camera paths find out what the frame should know.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "kernels/partition.h"
+#include "wavefront/frame.h"
+#include "wavefront/stages/path_stages.h"
+#include "wavefront/stages/stages.h"
+#include "wavefront/worker.h"
+#include "wavefront/worker_pool.h"
+
+namespace skywave {
+
+// Returns the frame of the pilot: the whole film, coarse, by path tracing with light samples of
+// `strategy`, with random numbers of its own. It depends on neither threads nor wave, nor on which
+// part of the film or which samples the frame has.
+FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy);
+// Returns all its pixels as one tile, and the number of its paths.
+Tile PilotTile(const FrameView& pilot);
+std::uint64_t PilotPaths(const FrameView& pilot);
+
+// Follows paths `range` of the pilot, and shows an observer
+//   SeeRays(w, rays, n)        rays that left the surfaces at hand, with their hits in w.hits
+//   SeeEscapes(w, n)           those of them that hit nothing, in w.escaped
+//   SeeLightSamples(w, n)      the surfaces at hand that have a density, and their light samples in
+//                              w.lights, traced: occluded ones have a negative reach
+template <class Observer>
+void FollowPilotPaths(const FrameView& pilot, const WaveRange& range, Worker& w,
+                      Observer& observer) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(pilot, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
+  std::uint32_t n = range.count;
+  for (std::uint32_t bounce = 0; n > 0; ++bounce) {
+    SortedHits sorted =
+        TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    if (bounce > 0) observer.SeeRays(w, *rays, n);
+    MoveEscaped(*rays, sorted.queues->queue, n, w.escaped);
+    if (bounce > 0 && sorted.escaped > 0) observer.SeeEscapes(w, sorted.escaped);
+    if (bounce == pilot.options.max_depth) break;
+    PrepareHits(pilot, kCameraEnd, *rays, n, std::move(sorted), w, clock);
+    LightSurfaces(pilot, bounce, w, clock);
+    observer.SeeLightSamples(w, w.ranges.light_sampled());
+    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce,
+                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
+    std::swap(rays, next);
+  }
+}
+
+// Calls trace(range, worker, found) for all paths of the pilot, wave by wave, and returns all that
+// it has appended to `found`. Statistics of the workers stay as they are.
+template <class Found, class Trace>
+std::vector<Found> TracePilot(const FrameView& pilot, WorkerPool& pool, const Trace& trace) {
+  const Tile tile = PilotTile(pilot);
+  const std::uint64_t total = PilotPaths(pilot);
+  const std::uint64_t wave = pilot.options.wave;
+  std::vector<std::vector<Found>> waves((total + wave - 1) / wave);
+  pool.ForEach(waves.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
+    const RenderStats stats = worker.stats;
+    const WaveRange range = {
+        .tile = tile,
+        .first = i * wave,
+        .count = std::uint32_t(std::min<std::uint64_t>(wave, total - i * wave))};
+    trace(range, worker, waves[i]);
+    worker.stats = stats;
+  });
+  std::vector<Found> all;
+  for (const std::vector<Found>& found : waves) all.insert(all.end(), found.begin(), found.end());
+  return all;
+}
+
+}  // namespace skywave
