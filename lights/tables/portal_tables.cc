@@ -12,7 +12,7 @@
 namespace skywave {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;  // [rad]
 
 // The axes of a portal in the world.
 glm::dmat3 WorldFromPortal(const Portal& portal) {
@@ -25,9 +25,9 @@ glm::dmat3 WorldFromPortal(const Portal& portal) {
 class Rectifier {
  public:
   Rectifier(const Texels& map, const glm::dmat3& map_from_portal, std::uint32_t texels)
-      : map_(map), map_from_portal_(map_from_portal), texels_(texels), step_(kPi / texels) {
+      : map_(map), map_from_portal_(map_from_portal), texels_(texels), step_(kHalfTurn / texels) {
     // Points are no farther apart than half a texel of the map near its equator.
-    const double finest = kPi / map.height();
+    const double finest = kHalfTurn / map.height();
     points_ = std::clamp(int(std::ceil(2 * step_ / finest)), 2, 4);
   }
 
@@ -53,7 +53,8 @@ class Rectifier {
     const double step = step_ / points_;
     std::vector<double> tangent(across), luminance(across * std::size_t(points_ + 1));
     const auto tangent_at = [&](double place) {
-      return std::tan(std::clamp(place * step - kPi / 2, -kPi / 2 + 1e-9, kPi / 2 - 1e-9));
+      return std::tan(
+          std::clamp(place * step - kHalfTurn / 2, -kHalfTurn / 2 + 1e-9, kHalfTurn / 2 - 1e-9));
     };
     for (std::size_t i = 0; i < across; ++i) tangent[i] = tangent_at(double(i));
     for (int j = 0; j <= points_; ++j) {
@@ -83,8 +84,8 @@ class Rectifier {
   }
 
   double LuminanceAt(const glm::dvec3& m) const {
-    const double u = 0.5 + std::atan2(m.x, m.y) / (2 * kPi);
-    const double v = std::acos(std::clamp(m.z, -1.0, 1.0)) / kPi;
+    const double u = 0.5 + std::atan2(m.x, m.y) / (2 * kHalfTurn);
+    const double v = std::acos(std::clamp(m.z, -1.0, 1.0)) / kHalfTurn;
     return map_.Luminance(std::min(std::uint32_t(u * map_.width()), map_.width() - 1),
                           std::min(std::uint32_t(v * map_.height()), map_.height() - 1));
   }
@@ -98,18 +99,18 @@ class Rectifier {
     const double spacing = step_ / points_;
     const std::uint32_t width = map_.width(), height = map_.height();
     tbb::parallel_for(0u, height, [&](std::uint32_t row) {
-      const double theta = kPi * (row + 0.5) / height, sine = std::sin(theta);
-      if (std::min(2 * kPi / width * sine, kPi / height) > 1.4 * spacing) return;
+      const double theta = kHalfTurn * (row + 0.5) / height, sine = std::sin(theta);
+      if (std::min(2 * kHalfTurn / width * sine, kHalfTurn / height) > 1.4 * spacing) return;
       const double solid_angle = RowSolidAngle(int(width), int(height), int(row));
       for (std::uint32_t column = 0; column < width; ++column) {
         const double luminance = map_.Luminance(column, row);
         if (luminance <= 0) continue;
-        const double turn = 2 * kPi * ((column + 0.5) / width - 0.5);
+        const double turn = 2 * kHalfTurn * ((column + 0.5) / width - 0.5);
         const glm::dvec3 m(sine * std::sin(turn), sine * std::cos(turn), std::cos(theta));
         const glm::dvec3 local = glm::transpose(map_from_portal_) * m;
         if (local.z <= 0) continue;
         const auto place = [&](double across) {
-          const double texel = (std::atan2(across, local.z) + kPi / 2) / step_;
+          const double texel = (std::atan2(across, local.z) + kHalfTurn / 2) / step_;
           return std::min(std::size_t(std::max(texel, 0.0)), std::size_t(texels_ - 1));
         };
         sums[place(local.y) * texels_ + place(local.x)].fetch_add(
