@@ -166,6 +166,7 @@ void Renderer::Render(const RenderControl& control) {
       const std::string problem = display->End(state.picture);
       if (!problem.empty()) state.notes.push_back(problem);
     }
+    state.notes.insert(state.notes.end(), rendered.notes.begin(), rendered.notes.end());
     state.rendered = std::move(rendered);
   });
 }

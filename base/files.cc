@@ -146,16 +146,24 @@ void WriteFileAtomically(const std::string& path,
   }
 }
 
-void WriteFileAtomically(const std::string& path, std::string_view bytes) {
+void WriteFileInPieces(const std::string& path,
+                       const std::function<void(const PieceWriter& out)>& write) {
   WriteFileAtomically(path, [&](const std::string& temporary) {
-    std::FILE* file = std::fopen(temporary.c_str(), "wb");
-    if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
-    const bool complete = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-    const int error = errno;
-    if (std::fclose(file) != 0 || !complete) {
-      ThrowIo(path, std::string("cannot be written: ") + std::strerror(complete ? errno : error));
-    }
+    const auto fail = [&] {
+      ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
+    };
+    const auto close = [](std::FILE* file) { std::fclose(file); };
+    std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(temporary.c_str(), "wb"), close);
+    if (!file) fail();
+    write([&](std::string_view piece) {
+      if (std::fwrite(piece.data(), 1, piece.size(), file.get()) != piece.size()) fail();
+    });
+    if (std::fclose(file.release()) != 0) fail();
   });
+}
+
+void WriteFileAtomically(const std::string& path, std::string_view bytes) {
+  WriteFileInPieces(path, [&](const PieceWriter& out) { out(bytes); });
 }
 
 void SyncFolderOf(const std::string& path) {

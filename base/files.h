@@ -23,6 +23,11 @@ void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string& temporary_path)>& write);
 void WriteFileAtomically(const std::string& path, std::string_view bytes);
 
+// Does so with the bytes that `write` hands on piece by piece.
+using PieceWriter = std::function<void(std::string_view piece)>;
+void WriteFileInPieces(const std::string& path,
+                       const std::function<void(const PieceWriter& out)>& write);
+
 // Flushes the folder of `path` to disk, so that the name of a file that has just been written
 // survives a loss of power. A folder that cannot be flushed is left as it is.
 void SyncFolderOf(const std::string& path);

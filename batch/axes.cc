@@ -11,7 +11,9 @@
 
 #include "base/error.h"
 #include "batch/number_list.h"
+#include "job/map_sequence.h"
 #include "scene/builtin/builtin.h"
+#include "scene/reader.h"
 
 namespace skywave {
 namespace {
@@ -59,7 +61,13 @@ std::vector<std::string> GlobFiles(const std::string& pattern) {
 }  // namespace
 
 std::string LabelOf(const std::string& option, const std::string& text) {
-  return NamesFile(option) ? std::filesystem::path(text).stem().string() : text;
+  if (!NamesFile(option)) return text;
+  std::string label = std::filesystem::path(text).stem().string();
+  if (option == "env" && IsMapSequence(text)) {
+    std::erase(label, '#');
+    label.erase(label.find_last_not_of("_.-") + 1);
+  }
+  return label;
 }
 
 AxisReader::AxisReader(const std::string& path)
@@ -101,6 +109,8 @@ std::string AxisReader::FileNamed(const PictureOption& option) const {
     return file;
   }
   if (option.name == "scene" && IsBuiltinScene(option.text)) return option.text;
+  // Its files are looked for when it is known which frames there are.
+  if (option.name == "env" && IsMapSequence(file)) return file;
   Refuse(option.line,
          fmt::format("{}: there is no file {}{}", option.name, file,
                      option.name == "scene" ? ", and no built-in scene of that name" : ""));
@@ -217,7 +227,7 @@ void AxisReader::AppendChoices(const JobValue& value, Axis& axis) const {
   AppendText({axis.name, value.text, value.line}, axis);
 }
 
-Axis AxisReader::ReadAxis(const JobEntry& entry) const {
+Axis AxisReader::ReadAxis(const JobEntry& entry, const std::vector<PictureOption>& base) const {
   Axis axis = {.name = entry.name, .line = entry.line, .choices = {}};
   if (entry.value.kind == JobValue::Kind::kList) {
     for (const JobValue& value : entry.value.list) AppendChoices(value, axis);
@@ -225,14 +235,15 @@ Axis AxisReader::ReadAxis(const JobEntry& entry) const {
     AppendChoices(entry.value, axis);
   }
   if (axis.choices.empty()) Refuse(entry.line, fmt::format("'{}' has no value", entry.name));
+  ExpandCameras(base, axis);
   return axis;
 }
 
 // Reads a table of [[zip]]: axes in step.
-AxisGroup AxisReader::ReadZip(const JobValue& zip) const {
+AxisGroup AxisReader::ReadZip(const JobValue& zip, const std::vector<PictureOption>& base) const {
   AxisGroup group = {.axes = {}, .line = zip.line};
   for (const JobEntry& entry : zip.table) {
-    group.axes.push_back(ReadAxis(entry));
+    group.axes.push_back(ReadAxis(entry, base));
     const Axis &axis = group.axes.back(), &first = group.axes.front();
     if (axis.choices.size() != first.choices.size()) {
       Refuse(axis.line,
@@ -246,13 +257,31 @@ AxisGroup AxisReader::ReadZip(const JobValue& zip) const {
   return group;
 }
 
+// Puts the names of all cameras of the scene of `base` in place of "*".
+void AxisReader::ExpandCameras(const std::vector<PictureOption>& base, Axis& axis) const {
+  const auto is_all = [](const AxisChoice& choice) { return choice.label == "*"; };
+  const auto all = std::find_if(axis.choices.begin(), axis.choices.end(), is_all);
+  if (axis.name != "scene-camera" || all == axis.choices.end()) return;
+  const JobRequest job = RequestOf(path_, base).job;
+  if (job.scene.empty()) {
+    Refuse(axis.line, "all cameras: [base] has no scene, whose cameras these would be");
+  }
+  const std::size_t line = all->options.front().line;
+  std::vector<AxisChoice> cameras;
+  for (const NamedCamera& camera : ReadScene(job.scene, job.read).cameras) {
+    cameras.push_back({camera.name, {{axis.name, camera.name, line}}});
+  }
+  if (cameras.empty()) Refuse(line, fmt::format("{} has no camera with a name", job.scene));
+  axis.choices.insert(axis.choices.erase(all), cameras.begin(), cameras.end());
+}
+
 std::vector<AxisGroup> AxisReader::ReadGroups(const JobEntry* axes, const JobEntry* zip,
                                               const std::vector<PictureOption>& base) const {
   std::vector<AxisGroup> groups;
   if (axes != nullptr) {
     if (axes->value.kind != JobValue::Kind::kTable) Refuse(axes->line, "[axes] is a table");
     for (const JobEntry& entry : axes->value.table) {
-      groups.push_back({.axes = {ReadAxis(entry)}, .line = entry.line});
+      groups.push_back({.axes = {ReadAxis(entry, base)}, .line = entry.line});
     }
   }
   if (zip != nullptr) {
@@ -261,7 +290,7 @@ std::vector<AxisGroup> AxisReader::ReadGroups(const JobEntry* axes, const JobEnt
     }
     for (const JobValue& table : zip->value.list) {
       if (table.kind != JobValue::Kind::kTable) Refuse(table.line, "a zip is a table of axes");
-      groups.push_back(ReadZip(table));
+      groups.push_back(ReadZip(table, base));
     }
   }
   std::stable_sort(groups.begin(), groups.end(),

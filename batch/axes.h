@@ -56,8 +56,9 @@ class AxisReader {
   void AppendRange(const JobValue& range, Axis& axis) const;
   void AppendTable(const JobValue& table, Axis& axis) const;
   void AppendChoices(const JobValue& value, Axis& axis) const;
-  Axis ReadAxis(const JobEntry& entry) const;
-  AxisGroup ReadZip(const JobValue& zip) const;
+  void ExpandCameras(const std::vector<PictureOption>& base, Axis& axis) const;
+  Axis ReadAxis(const JobEntry& entry, const std::vector<PictureOption>& base) const;
+  AxisGroup ReadZip(const JobValue& zip, const std::vector<PictureOption>& base) const;
 
   std::string path_, folder_;
   std::vector<BoundOption> options_;

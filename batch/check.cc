@@ -11,6 +11,9 @@
 #include "base/files.h"
 #include "batch/render_picture.h"
 #include "image/image.h"
+#include "job/choose_camera.h"
+#include "job/job_parts.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/picture.h"
 #include "scene/reader.h"
@@ -48,13 +51,40 @@ void CheckFolder(const std::string& folder) {
       kExitIo);
 }
 
-// Resolves the options of a picture with the settings of its scene, and returns its samples.
-std::uint64_t CountSamples(const BatchPlan& plan, const BatchPicture& picture,
-                           const RenderSettings& settings) {
+// A scene that has been read at one frame, and the requests with the least and the greatest one.
+struct CheckedScene {
+  Scene scene;  // without its meshes and pictures
+  std::optional<double> frame;
+  JobRequest first, last;
+};
+
+Scene ReadWithoutMeshes(const JobRequest& job) {
+  Scene scene = ReadScene(job.scene, job.read);
+  scene.meshes = {}, scene.images = {}, scene.environments = {};
+  return scene;
+}
+
+void AddFrame(const JobRequest& job, CheckedScene& checked) {
+  if (job.read.frame < checked.first.read.frame) checked.first = job;
+  if (job.read.frame > checked.last.read.frame) checked.last = job;
+}
+
+// Reads a scene that moves at both ends of its frames too: animations are checked as they are read,
+// and what they do wrong they do at an end more than in the middle.
+void CheckEndsOfFrames(const CheckedScene& checked) {
+  if (checked.scene.animations.empty()) return;
+  for (const JobRequest* const end : {&checked.first, &checked.last}) {
+    if (end->read.frame != checked.frame) ReadScene(end->scene, end->read);
+  }
+}
+
+// Resolves the options of a picture with its scene, and returns its samples.
+std::uint64_t CountSamples(const BatchPlan& plan, const BatchPicture& picture, const Scene& scene) {
   std::vector<std::string> notes;
   try {
     const PictureRequest request = RequestOf(plan.path, picture.options);
-    const RenderOptions options = ResolveRequest(request.job, settings, notes).options;
+    const RenderOptions options = ResolveRequest(request.job, scene.settings, notes).options;
+    SceneCamera(scene, request.job.camera.name);
     LayersForLimits(request.limits, options.integrator);
     const SampleRange samples = ChooseSamples(request.limits, options.samples_per_pixel);
     return std::uint64_t(options.width) * std::uint64_t(options.height) * samples.count();
@@ -72,11 +102,12 @@ std::set<std::string> InputFiles(const BatchPlan& plan) {
   std::set<std::string> files;
   for (const BatchPicture& picture : plan.pictures) {
     for (const PictureOption& option : picture.options) {
+      if (option.name != "scene" && option.name != "env") continue;
+      const bool moves = option.name == "env" && IsMapSequence(option.text);
+      const std::string file =
+          moves ? MapFile(RequestOf(plan.path, picture.options).job) : option.text;
       std::error_code ignored;
-      if ((option.name == "scene" || option.name == "env") &&
-          std::filesystem::is_regular_file(option.text, ignored)) {
-        files.insert(option.text);
-      }
+      if (std::filesystem::is_regular_file(file, ignored)) files.insert(file);
     }
   }
   return files;
@@ -121,19 +152,21 @@ void PrepareOutputs(const BatchPlan& plan, const BatchShare& share) {
 DryRun CheckWithoutRendering(const BatchPlan& plan) {
   CheckOutputs(plan);
   DryRun result;
-  std::map<std::string, RenderSettings> settings;
+  std::map<std::string, CheckedScene> scenes;
   std::set<std::string> maps;
   for (const BatchPicture& picture : plan.pictures) {
     const JobRequest job = RequestOf(plan.path, picture.options).job;
-    if (!settings.contains(job.scene)) {
-      settings[job.scene] = ReadScene(job.scene, job.read).settings;
-    }
-    if (const std::string& map = job.environment.path; !map.empty() && maps.insert(map).second) {
+    const auto [found, is_new] = scenes.try_emplace(SceneKey(job));
+    CheckedScene& checked = found->second;
+    if (is_new) checked = {ReadWithoutMeshes(job), job.read.frame, job, job};
+    AddFrame(job, checked);
+    if (const std::string map = MapFile(job); !map.empty() && maps.insert(map).second) {
       ReadImage(map, job.environment.limits);
     }
-    result.samples += CountSamples(plan, picture, settings[job.scene]);
+    result.samples += CountSamples(plan, picture, checked.scene);
   }
-  result.scenes = settings.size();
+  for (const auto& [key, checked] : scenes) CheckEndsOfFrames(checked);
+  result.scenes = scenes.size();
   result.maps = maps.size();
   return result;
 }

@@ -214,51 +214,51 @@ struct SheetInput {
   std::span<const Thumbnail> thumbnails;
 };
 
-std::string GridOf(const SheetInput& in, const std::vector<std::size_t>& pictures, std::size_t rows,
-                   std::size_t columns) {
+void WriteGrid(const SheetInput& in, const std::vector<std::size_t>& pictures, std::size_t rows,
+               std::size_t columns, const PieceWriter& out) {
   const BatchDimension &row = in.plan.dimensions[rows], &column = in.plan.dimensions[columns];
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> at;
   for (const std::size_t i : pictures) {
     const BatchPicture& picture = in.plan.pictures[i];
     at[{picture.place[rows], picture.place[columns]}] = i;
   }
-  std::string html = fmt::format("<div class=\"wide\"><table class=\"grid\">\n<tr><th>{} / {}</th>",
-                                 EscapeXml(row.name), EscapeXml(column.name));
+  out(fmt::format("<div class=\"wide\"><table class=\"grid\">\n<tr><th>{} / {}</th>",
+                  EscapeXml(row.name), EscapeXml(column.name)));
   for (const std::string& label : column.labels) {
-    html += fmt::format("<th scope=\"col\">{}</th>", EscapeXml(label));
+    out(fmt::format("<th scope=\"col\">{}</th>", EscapeXml(label)));
   }
-  html += "</tr>\n";
+  out("</tr>\n");
   for (std::size_t r = 0; r < row.labels.size(); ++r) {
-    html += fmt::format("<tr><th scope=\"row\">{}</th>", EscapeXml(row.labels[r]));
+    out(fmt::format("<tr><th scope=\"row\">{}</th>", EscapeXml(row.labels[r])));
     for (std::size_t c = 0; c < column.labels.size(); ++c) {
       const auto found = at.find({r, c});
-      html += "<td>";
+      out("<td>");
       if (found != at.end()) {
         const std::size_t i = found->second;
-        html += FigureOf(in.plan, in.plan.pictures[i], in.summary.results[i], in.thumbnails[i], "");
+        out(FigureOf(in.plan, in.plan.pictures[i], in.summary.results[i], in.thumbnails[i], ""));
       }
-      html += "</td>";
+      out("</td>");
     }
-    html += "</tr>\n";
+    out("</tr>\n");
   }
-  return html + "</table></div>\n";
+  out("</table></div>\n");
 }
 
-std::string FlowOf(const SheetInput& in, const std::vector<std::size_t>& pictures,
-                   std::optional<std::size_t> dimension) {
-  std::string html = "<div class=\"flow\">\n";
+void WriteFlow(const SheetInput& in, const std::vector<std::size_t>& pictures,
+               std::optional<std::size_t> dimension, const PieceWriter& out) {
+  out("<div class=\"flow\">\n");
   for (const std::size_t i : pictures) {
     const BatchPicture& picture = in.plan.pictures[i];
     const std::string caption =
         dimension ? fmt::format("{} <b>{}</b>", EscapeXml(in.plan.dimensions[*dimension].name),
                                 LabelAt(in.plan, picture, *dimension))
                   : EscapeXml(RelativeName(in.plan.folder, picture.output));
-    html += FigureOf(in.plan, picture, in.summary.results[i], in.thumbnails[i], caption) + "\n";
+    out(FigureOf(in.plan, picture, in.summary.results[i], in.thumbnails[i], caption) + "\n");
   }
-  return html + "</div>\n";
+  out("</div>\n");
 }
 
-std::string ContactSheetOf(const SheetInput& in) {
+void WriteContactSheet(const SheetInput& in, const PieceWriter& out) {
   const SheetLayout layout = LayoutOf(in.plan);
   std::map<std::vector<std::size_t>, std::vector<std::size_t>> sections;
   for (std::size_t i = 0; i < in.plan.pictures.size(); ++i) {
@@ -266,7 +266,7 @@ std::string ContactSheetOf(const SheetInput& in) {
     for (const std::size_t d : layout.sections) key.push_back(in.plan.pictures[i].place[d]);
     sections[key].push_back(i);
   }
-  std::string html = "<h2>Pictures</h2>\n";
+  out("<h2>Pictures</h2>\n");
   for (const auto& [key, pictures] : sections) {
     std::string heading;
     for (const std::size_t d : layout.sections) {
@@ -274,59 +274,60 @@ std::string ContactSheetOf(const SheetInput& in) {
           fmt::format("{}{} {}", heading.empty() ? "" : ", ", EscapeXml(in.plan.dimensions[d].name),
                       LabelAt(in.plan, in.plan.pictures[pictures.front()], d));
     }
-    if (!heading.empty()) html += fmt::format("<h3>{}</h3>\n", heading);
-    html += layout.rows ? GridOf(in, pictures, *layout.rows, *layout.columns)
-                        : FlowOf(in, pictures, layout.flow);
+    if (!heading.empty()) out(fmt::format("<h3>{}</h3>\n", heading));
+    if (layout.rows) {
+      WriteGrid(in, pictures, *layout.rows, *layout.columns, out);
+    } else {
+      WriteFlow(in, pictures, layout.flow, out);
+    }
   }
-  return html;
 }
 
-std::string PictureList(const BatchPlan& plan, const BatchSummary& summary) {
+void WritePictureList(const BatchPlan& plan, const BatchSummary& summary, const PieceWriter& out) {
   std::vector<std::string> heads = {"picture", "file"};
   for (const AxisValue& value : plan.pictures.front().axes) heads.push_back(value.axis);
   heads.insert(heads.end(),
                {"status", "load [s]", "render [s]", "write [s]", "Msamples/s", "noise", "error"});
-  std::string html = "<h2>Table</h2>\n<div class=\"wide\"><table class=\"list\">\n<thead><tr>";
+  out("<h2>Table</h2>\n<div class=\"wide\"><table class=\"list\">\n<thead><tr>");
   for (const std::string& head : heads) {
-    html +=
-        fmt::format("<th scope=\"col\"><button type=\"button\">{}</button></th>", EscapeXml(head));
+    out(fmt::format("<th scope=\"col\"><button type=\"button\">{}</button></th>", EscapeXml(head)));
   }
-  html += "</tr></thead>\n<tbody>\n";
+  out("</tr></thead>\n<tbody>\n");
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
     const BatchPicture& picture = plan.pictures[i];
     const PictureResult& result = summary.results[i];
     const auto number = [&](const std::string& text) {
-      html += fmt::format("<td class=\"number\">{}</td>", text);
+      out(fmt::format("<td class=\"number\">{}</td>", text));
     };
     const auto seconds = [&](double value) {
       number(value > 0 ? fmt::format("{:.3f}", value) : std::string());
     };
-    html += fmt::format("<tr class=\"{}\">", ToString(result.status));
+    out(fmt::format("<tr class=\"{}\">", ToString(result.status)));
     number(fmt::format("{}", picture.index));
     const std::string name = EscapeXml(RelativeName(plan.folder, picture.output));
-    html += fmt::format("<td>{}</td>", IsThere(result) ? Link(plan, picture.output, name) : name);
+    out(fmt::format("<td>{}</td>", IsThere(result) ? Link(plan, picture.output, name) : name));
     for (const AxisValue& value : picture.axes) {
-      html += fmt::format("<td>{}</td>", EscapeXml(value.label));
+      out(fmt::format("<td>{}</td>", EscapeXml(value.label)));
     }
-    html += fmt::format("<td>{}</td>", ToString(result.status));
+    out(fmt::format("<td>{}</td>", ToString(result.status)));
     seconds(result.load_seconds), seconds(result.render_seconds), seconds(result.write_seconds);
     number(RateText(result.samples, result.render_seconds));
     number(result.noise ? fmt::format("{:.4g}", *result.noise) : std::string());
-    html += fmt::format("<td class=\"text\">{}</td></tr>\n", EscapeXml(result.error));
+    out(fmt::format("<td class=\"text\">{}</td></tr>\n", EscapeXml(result.error)));
   }
-  return html + "</tbody></table></div>\n";
+  out("</tbody></table></div>\n");
 }
 
 }  // namespace
 
-std::string BatchPage(const BatchPlan& plan, const BatchSummary& summary,
-                      std::span<const Thumbnail> thumbnails) {
+void WriteBatchPage(const BatchPlan& plan, const BatchSummary& summary,
+                    std::span<const Thumbnail> thumbnails, const PieceWriter& out) {
   const std::string title = std::filesystem::path(plan.path).stem().string() + ": batch";
-  return HtmlStart(title, kPageStyle) + Heading(plan, summary) + Failures(plan, summary) +
-         ContactSheetOf({plan, summary, thumbnails}) + PictureList(plan, summary) +
-         fmt::format("<footer>skywave {}</footer>\n<script>\n{}</script>\n", Version(),
-                     kSortScript) +
-         HtmlEnd();
+  out(HtmlStart(title, kPageStyle) + Heading(plan, summary) + Failures(plan, summary));
+  WriteContactSheet({plan, summary, thumbnails}, out);
+  WritePictureList(plan, summary, out);
+  out(fmt::format("<footer>skywave {}</footer>\n<script>\n{}</script>\n", Version(), kSortScript) +
+      HtmlEnd());
 }
 
 }  // namespace skywave

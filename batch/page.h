@@ -4,16 +4,17 @@
 #include <span>
 #include <string>
 
+#include "base/files.h"
 #include "batch/plan.h"
 #include "batch/run.h"
 #include "batch/thumbnail.h"
 
 namespace skywave {
 
-// Returns a page that lies in the folder of the plan. It has the thumbnails inside, links the
+// Gives `out` a page that lies in the folder of the plan. It has the thumbnails inside, links the
 // pictures by relative names, and needs no network. There is a result and a thumbnail for each
 // picture of the plan.
-std::string BatchPage(const BatchPlan& plan, const BatchSummary& summary,
-                      std::span<const Thumbnail> thumbnails);
+void WriteBatchPage(const BatchPlan& plan, const BatchSummary& summary,
+                    std::span<const Thumbnail> thumbnails, const PieceWriter& out);
 
 }  // namespace skywave

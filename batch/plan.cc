@@ -15,6 +15,7 @@
 #include "batch/axes.h"
 #include "batch/job_file.h"
 #include "batch/output_name.h"
+#include "job/map_sequence.h"
 
 namespace skywave {
 namespace {
@@ -231,6 +232,26 @@ void CheckCombinations(const BatchPlan& plan) {
   }
 }
 
+// Throws where a frame of a map that moves is not there.
+void CheckMapsOfFrames(const BatchPlan& plan) {
+  for (const BatchPicture& picture : plan.pictures) {
+    const auto is_sequence = [](const PictureOption& option) {
+      return option.name == "env" && IsMapSequence(option.text);
+    };
+    if (std::none_of(picture.options.begin(), picture.options.end(), is_sequence)) continue;
+    try {
+      const JobRequest job = RequestOf(plan.path, picture.options).job;
+      const std::string file = MapFile(job);
+      std::error_code ignored;
+      if (std::filesystem::is_regular_file(file, ignored)) continue;
+      throw OptionError("frame", fmt::format("{}", *job.read.frame),
+                        fmt::format("its map is missing: there is no file {}", file));
+    } catch (const OptionError& error) {
+      throw AtOption(plan.path, picture.options, error);
+    }
+  }
+}
+
 void CheckScenes(const BatchPlan& plan) {
   for (const BatchPicture& picture : plan.pictures) {
     if (ValueIn(picture, "scene")) continue;
@@ -275,6 +296,7 @@ BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,
   }
   CheckNamesDiffer(plan, pattern);
   CheckCombinations(plan);
+  CheckMapsOfFrames(plan);
   plan.folder = CommonFolder(plan.pictures);
   return plan;
 }

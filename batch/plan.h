@@ -45,7 +45,8 @@ struct BatchShare {
 
 // Returns the plan of the job file at `path`. Outputs are relative to `output_folder`, or to the
 // folder of the job file if that is empty. Reads the job file and looks which files there are; it
-// opens and makes no other. Throws InputError with the line.
+// makes none and opens no other, but for the scene whose cameras are all asked for. Throws
+// InputError with the line.
 BatchPlan ReadBatchPlan(const std::string& path, const std::string& output_folder = "");
 // The same of a job file whose bytes are known.
 BatchPlan ParseBatchPlan(const std::string& path, std::string bytes,

@@ -68,6 +68,9 @@ std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
   return HashText(bytes);
 }
 
+// One film, however large, may always be written while the next picture is rendered.
+constexpr std::uint64_t kMostWritingBytes = std::uint64_t{1} << 28;
+
 std::uint64_t HalfOfMemory() { return GrantedHere().memory_bytes / 2; }
 
 }  // namespace
@@ -86,6 +89,18 @@ PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   return ready;
 } catch (const OptionError& error) {
   throw AtOption(plan_.path, picture.options, error);
+}
+
+std::shared_ptr<void> PictureRenderer::TakeRoom(std::uint64_t bytes) {
+  std::unique_lock lock(room_mutex_);
+  room_made_.wait(
+      lock, [&] { return writing_bytes_ == 0 || writing_bytes_ + bytes <= kMostWritingBytes; });
+  writing_bytes_ += bytes;
+  return {this, [bytes](PictureRenderer* renderer) {
+            const std::lock_guard guard(renderer->room_mutex_);
+            renderer->writing_bytes_ -= bytes;
+            renderer->room_made_.notify_all();
+          }};
 }
 
 std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
@@ -121,12 +136,17 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
   result.noise = NoiseOf(rendered);
-  auto write = [result = std::move(result), rendered = std::move(rendered),
-                identity = ready.identity, aovs = options.aovs, tone = Tone(ready.request.exposure),
-                limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {
+  result.notes.insert(result.notes.end(), rendered.notes.begin(), rendered.notes.end());
+  auto write = [room = TakeRoom(rendered.film.packed_bytes()), result = std::move(result),
+                rendered = std::move(rendered), identity = ready.identity, aovs = options.aovs,
+                tone = Tone(ready.request.exposure), limit_words = LimitWords(limits),
+                exr = picture.output, checkpoint]() mutable {
+    // The future would keep both until somebody asks for its result.
+    const std::shared_ptr<void> held = std::move(room);
+    const RenderedFilm source = std::move(rendered);
     const Clock::time_point start = Clock::now();
-    Picture resolved = ResolvePicture(rendered.film, rendered.part.samples.count(), aovs, identity,
-                                      rendered.part, tone);
+    Picture resolved =
+        ResolvePicture(source.film, source.part.samples.count(), aovs, identity, source.part, tone);
     if (!limit_words.empty()) resolved.metadata.emplace_back("limits", limit_words);
     result.hash = WriteAndReadBack(exr, resolved);
     std::filesystem::remove(checkpoint);

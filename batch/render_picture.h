@@ -2,10 +2,12 @@
 // rendered the next one is read and the last one written.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
+#include <mutex>
 
 #include "batch/run.h"
 #include "job/job.h"
@@ -49,8 +51,15 @@ class PictureRenderer {
   };
   Ready Read(const BatchPicture& picture);
 
+  // Waits until films of so many bytes more may be kept while they are written, and returns what
+  // makes room again once it is destroyed.
+  std::shared_ptr<void> TakeRoom(std::uint64_t bytes);
+
   const BatchPlan& plan_;
   const PictureSettings settings_;
+  std::mutex room_mutex_;
+  std::condition_variable room_made_;
+  std::uint64_t writing_bytes_ = 0;  // of films that are being written
   JobCache cache_;
   const BatchPicture* next_ = nullptr;
   std::future<Ready> next_ready_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <new>
 #include <utility>
 
@@ -11,6 +12,14 @@
 
 namespace skywave {
 namespace {
+
+// Pictures that are being written while others are rendered. Disks take their time to sync: with
+// one, a render now and then waits for the file of the picture before.
+constexpr std::size_t kMostWrites = 3;
+
+bool IsReady(const std::future<PictureResult>& result) {
+  return result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
 
 PictureResult Failure(const std::string& error, int exit_code) {
   return {.status = PictureStatus::kFailed, .error = error, .exit_code = exit_code};
@@ -125,34 +134,36 @@ BatchSummary RunBatch(const BatchPlan& plan, const RenderPicture& render,
   summary.results.resize(plan.pictures.size());
   Saver saver(reporter);
   saver.Save(summary);
-  std::future<PictureResult> written;  // of the picture before number `rendered`
-  std::size_t rendered = 0;
-  const auto take_last = [&] {
-    if (!written.valid()) return;
-    PictureResult& result = summary.results[rendered - 1];
-    result = ResultOf([&] { return written.get(); });
+  std::deque<std::future<PictureResult>> writing;  // of the pictures from number `told` on
+  std::size_t told = 0;
+  const auto tell_oldest = [&] {
+    PictureResult& result = summary.results[told];
+    result = ResultOf([&] { return writing.front().get(); });
+    writing.pop_front();
     if (summary.exit_code == 0) summary.exit_code = result.exit_code;
-    if (reporter.end) reporter.end(plan.pictures[rendered - 1], result);
+    if (reporter.end) reporter.end(plan.pictures[told], result);
+    ++told;
   };
-  for (; rendered < plan.pictures.size(); ++rendered) {
-    if (rendered > 0 && !GoesOn(plan, summary)) break;
-    const BatchPicture& picture = plan.pictures[rendered];
-    if (reporter.begin) reporter.begin(picture, rendered, plan.pictures.size());
-    const bool is_last = rendered + 1 == plan.pictures.size();
-    std::future<PictureResult> writing;
+  const auto tell_all_but = [&](std::size_t most) {
+    while (!writing.empty() && (writing.size() > most || IsReady(writing.front()))) tell_oldest();
+  };
+  for (std::size_t number = 0; number < plan.pictures.size(); ++number) {
+    if (number > 0 && !GoesOn(plan, summary)) break;
+    const BatchPicture& picture = plan.pictures[number];
+    if (reporter.begin) reporter.begin(picture, number, plan.pictures.size());
+    const bool is_last = number + 1 == plan.pictures.size();
     try {
-      writing = RenderOrFail(render, picture, is_last ? nullptr : &picture + 1);
+      writing.push_back(RenderOrFail(render, picture, is_last ? nullptr : &picture + 1));
     } catch (const RenderCanceled&) {
-      take_last();
+      tell_all_but(0);
       summary.stopped = "it was canceled";
       saver.Save(summary);
       throw;
     }
-    take_last();
-    written = std::move(writing);
+    tell_all_but(kMostWrites);
     saver.SaveSometimes(summary);
   }
-  take_last();
+  tell_all_but(0);
   saver.Save(summary);
   return summary;
 }

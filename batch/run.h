@@ -40,9 +40,9 @@ struct PictureResult {
   int exit_code = 0;  // what the program would end with because of the error
 };
 
-// Renders a picture; the future has the result once it is written, which may be later. `next` comes
-// after it, so that it can be read meanwhile; null: none does. Function and future may throw, which
-// makes the picture a failed one, except for RenderCanceled.
+// Renders a picture; the future has the result once it is written, which may be some pictures
+// later. `next` comes after it, so that it can be read meanwhile; null: none does. Function and
+// future may throw, which makes the picture a failed one, except for RenderCanceled.
 using RenderPicture = std::function<std::future<PictureResult>(const BatchPicture& picture,
                                                                const BatchPicture* next)>;
 

@@ -45,7 +45,10 @@ void BatchFiles::Save(const BatchSummary& run) {
   }
   WriteFileAtomically(ReportName(plan_, share_, ".json"),
                       SummaryJson(plan_, share_, summary).dump(1) + "\n");
-  WriteFileAtomically(ReportName(plan_, share_, ".html"), BatchPage(plan_, summary, thumbnails_));
+  // A page of many pictures is long, so it is never whole in memory.
+  WriteFileInPieces(ReportName(plan_, share_, ".html"), [&](const PieceWriter& out) {
+    WriteBatchPage(plan_, summary, thumbnails_, out);
+  });
 }
 
 }  // namespace skywave

@@ -78,6 +78,7 @@ struct WaveFixture {
     request.scene = Variable("SKYWAVE_BENCH_SCENE", "gallery");
     request.environment.path = Variable("SKYWAVE_BENCH_ENV", "");
     request.strategy = strategy;
+    if (strategy == "portal") request.portals = {"2,0,-2,2,0,2,2,3,2,2,3,-2"};
     request.options.threads = 1;
     request.options.wave = std::uint32_t(std::stoi(Variable("SKYWAVE_BENCH_WAVE", "2048")));
     request.samples_per_pixel = 4;
@@ -92,7 +93,7 @@ struct WaveFixture {
     LightReach reach =
         SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),
                      worker.scratch, worker.lights, LightPlaces(worker.hits));
-    EvaluateLights(frame, worker.surfaces, ranges, reach, worker.lights);
+    EvaluateLights(frame, worker.surfaces, ranges, reach, index, worker.lights, {});
     return reach;
   }
 

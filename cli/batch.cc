@@ -60,9 +60,7 @@ Codec<BatchShare> Shares() {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<BatchFlags>> BatchOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<BatchFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<BatchFlags> option = {};
   // clang-format off
   return {
     option({.name = "job", .help = "TOML file of options and axes (docs/batch.md)", .positional = true, .required = true}, FIELD(job_file), Texts("JOB")),
@@ -207,21 +205,18 @@ int BatchMain(const BatchFlags& flags) {
 }  // namespace
 
 Command BatchCommand() {
-  const auto flags = std::make_shared<BatchFlags>();
-  Command command = {.name = "batch",
-                     .summary = "Render the pictures of a job file: axes crossed, one process",
-                     .footer =
-                         "Examples:\n"
-                         "  skywave batch turntable.toml --list\n"
-                         "  skywave batch turntable.toml --dry-run\n"
-                         "  skywave batch turntable.toml -o renders\n"
-                         "  skywave batch turntable.toml --only 1/4\n"
-                         "  skywave batch turntable.toml --slurm farm --shards 8",
-                     .run = [flags](const GivenOptions&) {
-                       return TellFailures(flags->progress, [&] { return BatchMain(*flags); });
-                     }};
-  AddOptions(command, BatchOptions(), flags);
-  return command;
+  return CommandOf<BatchFlags>(
+      {.name = "batch",
+       .summary = "Render the pictures of a job file: axes crossed, one process",
+       .footer = "Examples:\n"
+                 "  skywave batch turntable.toml --list\n"
+                 "  skywave batch turntable.toml --dry-run\n"
+                 "  skywave batch turntable.toml -o renders\n"
+                 "  skywave batch turntable.toml --only 1/4\n"
+                 "  skywave batch turntable.toml --slurm farm --shards 8"},
+      BatchOptions(), [](const BatchFlags& flags) {
+        return TellFailures(flags.progress, [&] { return BatchMain(flags); });
+      });
 }
 
 }  // namespace skywave

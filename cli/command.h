@@ -33,6 +33,16 @@ void AddOptions(Command& command, const Options& options, const std::shared_ptr<
   }
 }
 
+// Returns `command` with `options`, which set the fields that `main` gets.
+template <class Flags>
+Command CommandOf(Command command, const std::vector<OptionOf<Flags>>& options,
+                  int (*main)(const Flags& flags)) {
+  const auto flags = std::make_shared<Flags>();
+  command.run = [flags, main](const GivenOptions&) { return main(*flags); };
+  AddOptions(command, options, flags);
+  return command;
+}
+
 // Returns the option `name`, which the command must have, so that its help text can be changed.
 OptionInfo& OptionCalled(Command& command, std::string_view name);
 

@@ -39,9 +39,7 @@ int CompareMain(const CompareFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<CompareFlags>> Options() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<CompareFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<CompareFlags> option = {};
   // clang-format off
   return {
     option({.name = "image", .help = "EXR, HDR or PFM", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
@@ -57,14 +55,11 @@ std::vector<OptionOf<CompareFlags>> Options() {
 }  // namespace
 
 Command CompareCommand() {
-  const auto flags = std::make_shared<CompareFlags>();
-  Command command = {.name = "compare",
-                     .summary = "Error measures between two pictures",
-                     .footer = "Example:\n  skywave compare a.exr reference.exr --map error.png",
-                     .run = [flags](const GivenOptions&) { return CompareMain(*flags); }};
-  const auto options = Options();
-  AddOptions(command, options, flags);
-  return command;
+  return CommandOf<CompareFlags>(
+      {.name = "compare",
+       .summary = "Error measures between two pictures",
+       .footer = "Example:\n  skywave compare a.exr reference.exr --map error.png"},
+      Options(), CompareMain);
 }
 
 }  // namespace skywave

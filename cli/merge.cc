@@ -47,9 +47,7 @@ int MergeMain(const MergeFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<MergeFlags>> MergeOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<MergeFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<MergeFlags> option = {};
   // clang-format off
   return {
     option({.name = "films", .help = "films of parts of one picture, in any order (skywave render --film)", .scope = OptionScope::kInput, .metavar = "FILM ...", .positional = true, .required = true, .most_values = 1 << 20}, FIELD(request.films), Texts("films")),
@@ -65,18 +63,15 @@ std::vector<OptionOf<MergeFlags>> MergeOptions() {
 }  // namespace
 
 Command MergeCommand() {
-  const auto flags = std::make_shared<MergeFlags>();
-  Command command = {.name = "merge",
-                     .summary = "Add films of parts of a picture: the bytes of one render",
-                     .footer =
-                         "Examples:\n"
-                         "  skywave render gallery --spp 64 --sample-range 0:32 --film a.film\n"
-                         "  skywave render gallery --spp 64 --sample-range 32:64 --film "
-                         "b.film\n"
-                         "  skywave merge a.film b.film -o gallery.exr\n",
-                     .run = [flags](const GivenOptions&) { return MergeMain(*flags); }};
-  AddOptions(command, MergeOptions(), flags);
-  return command;
+  return CommandOf<MergeFlags>(
+      {.name = "merge",
+       .summary = "Add films of parts of a picture: the bytes of one render",
+       .footer = "Examples:\n"
+                 "  skywave render gallery --spp 64 --sample-range 0:32 --film a.film\n"
+                 "  skywave render gallery --spp 64 --sample-range 32:64 --film "
+                 "b.film\n"
+                 "  skywave merge a.film b.film -o gallery.exr\n"},
+      MergeOptions(), MergeMain);
 }
 
 }  // namespace skywave

@@ -15,6 +15,7 @@
 #include "cli/contact_sheet.h"
 #include "cli/progress.h"
 #include "job/job.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "wavefront/render.h"
 
@@ -104,7 +105,7 @@ int PathsMain(PathsFlags& flags) {
   const std::string png = std::filesystem::path(flags.output).replace_extension(".png").string();
   for (const std::string& path : {flags.output, png}) {
     CheckNotInput(path, flags.request.scene);
-    CheckNotInput(path, flags.request.environment.path);
+    CheckNotInput(path, MapFile(flags.request));
     CheckWritable(path);
   }
   const JobRequest& request = flags.request;

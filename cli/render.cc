@@ -16,6 +16,7 @@
 #include "display/tev.h"
 #include "job/exposure.h"
 #include "job/limits.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/picture.h"
 #include "skywave/skywave.h"
@@ -51,9 +52,7 @@ Codec<std::string> Viewers() {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<RenderFlags>> OutputOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<RenderFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<RenderFlags> option = {};
   constexpr std::string_view kStopping = "Stopping and going on";
   // clang-format off
   return {
@@ -103,7 +102,7 @@ void CheckOutputs(const RenderFlags& flags) {
                        kExitUsage);
     }
     CheckNotInput(path, flags.request.scene);
-    CheckNotInput(path, flags.request.environment.path);
+    CheckNotInput(path, MapFile(flags.request));
     CheckWritable(path);
   }
 }

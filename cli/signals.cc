@@ -21,10 +21,12 @@ void Catch(int signal, void (*handler)(int), int flags) {
 }  // namespace
 
 void CatchStopSignals() {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    Catch(
-        signal, [](int) { stop_asked = true; }, SA_RESETHAND);
-  }
+  const auto ask = [](int number) {
+    if (!stop_asked.exchange(true)) return;
+    ::signal(number, SIG_DFL);
+    ::raise(number);
+  };
+  for (const int number : {SIGINT, SIGTERM}) Catch(number, ask, 0);
 }
 
 void TakeFileLimitsAsErrors() { Catch(SIGXFSZ, SIG_IGN, 0); }

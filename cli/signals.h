@@ -4,7 +4,8 @@
 
 namespace skywave {
 
-// SIGINT and SIGTERM ask once for an end; a second one ends the process as usual.
+// The first SIGINT or SIGTERM asks for an end; a second signal, either of them, ends the process as
+// usual.
 void CatchStopSignals();
 // True once an end has been asked for.
 bool StopAsked();

@@ -1,5 +1,6 @@
 // Reads and writes OpenEXR pictures. Only this file uses the OpenEXR library: exr_header.h first
-// checks a header, then the library decodes the very same bytes from memory.
+// checks a header, then exr_scan_lines.h or, for rarer files, the library decodes the very same
+// bytes from memory.
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
@@ -18,6 +19,7 @@
 #include "base/files.h"
 #include "image/byte_cursor.h"
 #include "image/exr_header.h"
+#include "image/exr_scan_lines.h"
 #include "image/formats.h"
 
 namespace skywave {
@@ -95,6 +97,10 @@ std::vector<std::string> ChooseChannels(const std::string& path, const ExrHeader
 Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   const ExrHeader header = ParseExrHeader(path, bytes, limits);
   const std::vector<std::string> names = ChooseChannels(path, header);
+  if (ExrScanLines lines(header, names); lines.can_decode()) {
+    CheckExrChunks(path, bytes, header, [&](auto... chunk) { return lines.Take(chunk...); });
+    return lines.Picture();
+  }
   if (!header.deep && !header.multi_part) CheckExrChunks(path, bytes, header);
 
   const ExrBox& box = header.data_window;

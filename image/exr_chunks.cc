@@ -50,8 +50,9 @@ std::vector<std::int64_t> LevelSizes(std::int64_t size, std::int64_t longest, bo
 // Walks through the table after the header, with one call of CheckNext per chunk in table order.
 class ChunkChecker {
  public:
-  ChunkChecker(const std::string& path, std::string_view bytes, const ExrHeader& header)
-      : path_(path), bytes_(bytes), header_(header), table_(path, bytes, header.end) {}
+  ChunkChecker(const std::string& path, std::string_view bytes, const ExrHeader& header,
+               const ExrChunkTaker& take)
+      : path_(path), bytes_(bytes), header_(header), take_(take), table_(path, bytes, header.end) {}
 
   // Throws unless the table has room for `count` chunks; called before walking through them.
   void CheckTable(std::int64_t count) {
@@ -79,8 +80,11 @@ class ChunkChecker {
     }
     const std::string_view pixels = chunk.Take(std::size_t(stored), "a chunk");
     // Chunks that compression would not shrink are stored uncompressed.
-    if (stored < decoded_bytes &&
-        DecodedSize(header_.compression, pixels, decoded_bytes) != decoded_bytes) {
+    const auto decodes = [&] {
+      return stored == decoded_bytes ||
+             DecodedSize(header_.compression, pixels, decoded_bytes) == decoded_bytes;
+    };
+    if (!(take_ ? take_(*place.begin(), pixels, decoded_bytes) : decodes())) {
       chunk.Fail("the chunk that ends here does not decode to " + std::to_string(decoded_bytes) +
                  " bytes of pixels");
     }
@@ -90,6 +94,7 @@ class ChunkChecker {
   const std::string& path_;
   std::string_view bytes_;
   const ExrHeader& header_;
+  const ExrChunkTaker& take_;
   ByteCursor table_;
   std::uint64_t table_end_ = 0;
 };
@@ -148,7 +153,8 @@ void CheckTiles(ChunkChecker& checker, const ExrHeader& header) {
 
 }  // namespace
 
-void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header) {
+void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header,
+                    const ExrChunkTaker& take) {
   const ByteCursor table(path, bytes, header.end);
   const std::int64_t width = header.data_window.width(), height = header.data_window.height();
   const std::int64_t chunk_pixels = header.tiled ? header.tiles.width * header.tiles.height
@@ -162,7 +168,7 @@ void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHe
     table.Fail("the file is too short for " + std::to_string(width) + " x " +
                std::to_string(height) + " pixels");
   }
-  ChunkChecker checker(path, bytes, header);
+  ChunkChecker checker(path, bytes, header, take);
   if (header.tiled) {
     CheckTiles(checker, header);
   } else {

@@ -194,6 +194,7 @@ class HeaderParser {
       const std::uint32_t type = value.U32("a channel");
       if (type != kUint && type != kHalf && type != kFloat) value.Fail("an unknown channel type");
       channel.bytes = type == kHalf ? 2 : 4;
+      channel.is_whole = type == kUint;
       value.Take(4, "a channel");  // a hint on linearity, and three unused bytes
       const std::int32_t x_sampling = value.I32("a channel"), y_sampling = value.I32("a channel");
       if (x_sampling < 1 || y_sampling < 1) value.Fail("a channel with no sampling rate");

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,7 @@ struct ExrChannel {
   std::string name;
   int bytes = 0;  // per pixel: 2 (half) or 4 (float, unsigned)
   bool sub_sampled = false;
+  bool is_whole = false;  // unsigned numbers
 };
 
 // Inclusive bounds [pixels], y down.
@@ -66,8 +68,14 @@ struct ExrHeader {
 // compression checked against `limits`. Throws InputError with the byte offset.
 ExrHeader ParseExrHeader(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 
+// Decodes a chunk: its first row or column as the chunk gives it, the stored bytes, and how many
+// they decode to. Returns whether they do.
+using ExrChunkTaker =
+    std::function<bool(std::int64_t first, std::string_view stored, std::int64_t decoded_bytes)>;
+
 // Throws InputError unless a flat, single-part file contains all chunks, each at its proper
-// position and with its proper size.
-void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header);
+// position and with its proper size. Each is given to `take`, if there is one, in its order.
+void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header,
+                    const ExrChunkTaker& take = {});
 
 }  // namespace skywave

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "image/srgb.h"
 
@@ -19,6 +20,12 @@ double FilmicCurve(double x) {
 
 BadPixels RepairRadiance(Image& image) {
   BadPixels bad;
+  // Most pictures are good, which is found without a branch for each number.
+  unsigned any = 0;
+  for (const float value : image.rgb) {
+    any |= unsigned(!(value >= 0)) | unsigned(!(value <= std::numeric_limits<float>::max()));
+  }
+  if (any == 0) return bad;
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     bool nan = false, infinite = false, negative = false;
     for (std::size_t c = i; c < i + 3; ++c) {

@@ -10,9 +10,7 @@
 #include "wavefront/option_names.h"
 
 namespace skywave {
-namespace {
 
-// Returns the camera that is asked for, or nothing if the scene has none.
 const Camera* SceneCamera(const Scene& scene, const std::string& name) {
   if (name.empty()) return scene.camera ? &*scene.camera : nullptr;
   std::vector<std::string_view> names;
@@ -25,6 +23,8 @@ const Camera* SceneCamera(const Scene& scene, const std::string& name) {
                         ? "the scene has no camera with a name"
                         : "there is no such camera; there are " + NearestFirst(name, names));
 }
+
+namespace {
 
 // Returns the camera turned about the up axis through `middle`.
 Camera Orbited(Camera camera, const glm::vec3& middle, float degrees, const Scene& scene) {

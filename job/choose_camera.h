@@ -1,10 +1,16 @@
 // The camera that a request and its scene give.
 #pragma once
 
+#include <string>
+
 #include "job/request.h"
 #include "scene/scene.h"
 
 namespace skywave {
+
+// Returns the camera of that name, or the first one if the name is empty; null if the scene has
+// none. Throws OptionError, listing the cameras, if it has none of the name.
+const Camera* SceneCamera(const Scene& scene, const std::string& name);
 
 // The camera of the scene, or else one that sees all of `bounds`, with the changes of the request.
 // `aspect`: width / height of the whole film. Throws InputError for a view without a direction, for

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "job/map_sequence.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
 #include "lights/maps/sum_maps.h"
@@ -17,7 +18,7 @@ std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest&
   const EnvironmentRequest& environment = request.environment;
   if (!environment.path.empty() || environment.image) {
     EnvironmentLight light;
-    light.map_path = environment.path;
+    light.map_path = MapFile(request);
     light.world_from_map =
         EnvironmentFrame(scene.up_axis, scene.left_handed, environment.rotation_degrees);
     return {light};
@@ -58,8 +59,9 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
     }
     light.map = ToLatLong(std::move(image), projection);
   }
-  for (std::size_t i = 0; i < light.map->rgb.size(); ++i) {
-    light.map->rgb[i] *= light.scale[int(i % 3)] * request.intensity;
+  const glm::vec3 factor = light.scale * request.intensity;
+  for (std::size_t i = 0; i < light.map->rgb.size(); i += 3) {
+    for (int c = 0; c < 3; ++c) light.map->rgb[i + std::size_t(c)] *= factor[c];
   }
   light.scale = glm::vec3(1);
   if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {

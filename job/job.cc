@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
@@ -12,6 +13,7 @@
 #include "base/error.h"
 #include "base/granted.h"
 #include "job/choose_camera.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
@@ -44,6 +46,13 @@ void RunOnThreads(int threads, const Work& work) {
 // limit, because Embree holds the whole process to any other number as long as the device lives.
 int EmbreeThreads(int threads) {
   return threads == 0 && GrantedHere().limits_threads() ? GrantedHere().threads : threads;
+}
+
+// Returns what the strategy of an integrator's camera paths is for.
+StrategyUse UseOf(const RenderOptions& options, std::uint32_t light_samples) {
+  return {.mis = options.mis,
+          .light_samples = light_samples,
+          .starts_light_paths = Describe(options.integrator).has_light_paths()};
 }
 
 // Throws unless a strategy can be used. `environment`: whether there is light in the map.
@@ -83,6 +92,16 @@ SceneSphere BoundingSphere(const Bounds& bounds) {
           .high = {high.x, high.y, high.z}};
 }
 
+// Returns the seed of the random numbers of a frame of an animation, by the finalizer of SplitMix64
+// (Steele, Lea and Flood 2014).
+std::uint32_t SeedOfFrame(std::uint32_t seed, double frame) {
+  std::uint64_t bits = std::bit_cast<std::uint64_t>(frame + 0.0);  // -0 is 0
+  bits += (std::uint64_t{seed} + 1) * 0x9E3779B97F4A7C15u;
+  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9u;
+  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EBu;
+  return std::uint32_t((bits ^ (bits >> 31)) >> 32);
+}
+
 float WorldExtent(const Bounds& bounds, const Camera& camera) {
   const glm::vec3 farthest = glm::max(glm::abs(bounds.low), glm::abs(bounds.high));
   return glm::length(farthest) + glm::length(glm::vec3(camera.world_from_camera[3]));
@@ -105,6 +124,11 @@ RenderJob::RenderJob(Scene scene, const JobRequest& request, double load_seconds
 
 void RenderJob::Build(JobParts parts, const JobRequest& request) {
   notes_ = parts.loaded().warnings;
+  if (request.read.frame && parts.loaded().animations.empty() &&
+      !IsMapSequence(request.environment.path)) {
+    notes_.push_back(fmt::format("{}: has no animation, so all of its frames are the same{}",
+                                 request.scene, request.coherent_noise ? "" : " but for noise"));
+  }
   request_ = ResolveRequest(request, parts.loaded().settings, notes_);
   if (options().threads == 0) {
     notes_.insert(notes_.end(), GrantedHere().notes.begin(), GrantedHere().notes.end());
@@ -156,21 +180,22 @@ void RenderJob::PlaceLights(const PreparedScene& prepared, const LoadedLight& li
 
 void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light) {
   map_ = parts.Place(request_, light);
-  const auto make = [&](const std::string& specification) {
-    auto tables = parts.Tables(request_, specification, light, map_);
+  const auto make = [&](const std::string& specification, std::uint32_t light_samples) {
+    auto tables =
+        parts.Tables(request_, specification, UseOf(options(), light_samples), light, map_);
     CheckStrategy(*tables->strategy, specification, has_environment(), options());
     return tables;
   };
-  strategy_ = make(request_.strategy);
+  strategy_ = make(request_.strategy, LightSamplesOf(options()));
   if (!request_.continuation_strategy.empty()) {
-    continuation_strategy_ = make(request_.continuation_strategy);
+    continuation_strategy_ = make(request_.continuation_strategy, 1);
   }
   if (options().control != ControlVariate::kNone && has_environment()) {
     irradiance_ = parts.Irradiance(request_, light, *map_);
   }
   const IntegratorDescriptor& integrator = Describe(options().integrator);
   if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(strategy())) {
-    emitter_ = make("importance");
+    emitter_ = make("importance", 1);
   }
   if (options().guide && integrator.has_light_paths() && !has_environment()) {
     notes_.emplace_back(
@@ -199,6 +224,9 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
 FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
   RenderOptions changed = options();
   changed.integrator = integrator;
+  if (request_.read.frame && !request_.coherent_noise) {
+    changed.seed = SeedOfFrame(changed.seed, *request_.read.frame);
+  }
   const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
                                      : emitter_        ? emitter_->strategy.get()
                                                        : strategy_->strategy.get();
@@ -238,7 +266,7 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   CheckLightPaths(integrator);
   std::unique_ptr<EnvStrategy> strategy;
   RunOnThreads(options().threads, [&] {
-    strategy = MakeStrategy(specification, map_->map);
+    strategy = MakeStrategy(specification, map_->map, UseOf(changed, LightSamplesOf(changed)));
     CheckStrategy(*strategy, specification, has_environment(), changed);
   });
   return strategy;

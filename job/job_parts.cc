@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "job/environment.h"
+#include "job/map_sequence.h"
 #include "job/material_changes.h"
 #include "job/options.h"
+#include "job/portals.h"
 #include "lights/maps/environment_map.h"
 #include "scene/reader.h"
 #include "scene/shapes/ground.h"
@@ -52,16 +54,29 @@ std::string WordsOf(const JobRequest& request, std::span<const std::string_view>
   });
 }
 
+// Returns the largest of finite numbers that are not negative, in lanes that do not wait for each
+// other.
+float Brightest(const std::vector<float>& values) {
+  std::array<float, 12> lanes = {};
+  for (std::size_t i = 0; i < values.size(); i += lanes.size()) {
+    const std::size_t count = std::min(lanes.size(), values.size() - i);
+    for (std::size_t k = 0; k < count; ++k) lanes[k] = std::max(lanes[k], values[i + k]);
+  }
+  return *std::max_element(lanes.begin(), lanes.end());
+}
+
 PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
                            const JobRequest& request) {
   PreparedScene prepared = {.scene = {loaded, &loaded->scene}};
   const char up_axis = request.environment.up_axis.value_or(loaded->scene.up_axis);
-  const bool changes =
-      !request.materials.empty() || request.ground || up_axis != loaded->scene.up_axis;
-  prepared.bounds = SceneBounds(loaded->scene, request.scene);
+  const bool changes = !request.materials.empty() || !request.portals.empty() || request.ground ||
+                       up_axis != loaded->scene.up_axis;
+  if (!changes) prepared.bounds = SceneBounds(loaded->scene, request.scene);
   prepared.whole_bounds = prepared.bounds;
   if (changes) {
     auto scene = std::make_shared<Scene>(loaded->scene);
+    AddPortals(request.portals, *scene);
+    prepared.bounds = prepared.whole_bounds = SceneBounds(*scene, request.scene);
     ChangeMaterials(request.materials, *scene);
     scene->up_axis = up_axis;
     if (request.ground) {
@@ -83,6 +98,12 @@ std::array<float, 9> Rows(const glm::mat3& columns) {
 
 }  // namespace
 
+std::string SceneKey(const JobRequest& request) {
+  return "scene " + Quoted(request.scene) + Words(request, [](const OptionInfo& option) {
+           return option.of_reading && option.name != "frame";
+         });
+}
+
 std::size_t LoadedScene::bytes() const { return BytesOf(scene); }
 std::size_t LoadedLight::bytes() const { return BytesOf(light.map->rgb); }
 std::size_t PlacedMap::bytes() const { return BytesOf(map.latlong.rgb); }
@@ -94,18 +115,27 @@ std::shared_ptr<const T> JobParts::Get(const std::string& key, const Make& make)
 }
 
 JobParts::JobParts(const JobRequest& request, JobCache* cache) : cache_(cache) {
-  scene_key_ = "scene " + Quoted(request.scene) +
-               Words(request, [](const OptionInfo& option) { return option.of_reading; });
-  loaded_ = Get<LoadedScene>(scene_key_, [&] {
-    return std::make_shared<LoadedScene>(LoadedScene{ReadScene(request.scene, request.read)});
-  });
+  std::shared_ptr<const LoadedScene> made;
+  const auto read = [&] {
+    if (!made) made = std::make_shared<LoadedScene>(ReadScene(request.scene, request.read));
+    return made;
+  };
+  scene_key_ = SceneKey(request);
+  // All frames of a scene that has no animation are one.
+  if (cache != nullptr && request.read.frame) {
+    const auto motion = Get<SceneMotion>(scene_key_ + " motion", [&] {
+      return std::make_shared<SceneMotion>(!read()->scene.animations.empty());
+    });
+    if (motion->moves) scene_key_ += fmt::format(" at {}", *request.read.frame);
+  }
+  loaded_ = Get<LoadedScene>(scene_key_, read);
 }
 
 JobParts::JobParts(Scene scene)
-    : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(LoadedScene{std::move(scene)})) {}
+    : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(std::move(scene))) {}
 
 void JobParts::Prepare(const JobRequest& request) {
-  static constexpr std::string_view kChanges[] = {"material", "ground", "env-up"};
+  static constexpr std::string_view kChanges[] = {"material", "portal", "ground", "env-up"};
   prepared_key_ = scene_key_ + " prepared" + WordsOf(request, kChanges);
   prepared_ = Get<PreparedScene>(prepared_key_, [&] {
     return std::make_shared<PreparedScene>(PrepareScene(loaded_, request));
@@ -115,11 +145,12 @@ void JobParts::Prepare(const JobRequest& request) {
 // A map in a file is the same however it is turned; the lights of a scene are turned before they
 // are summed.
 std::string JobParts::MapKey(const JobRequest& request) const {
-  static constexpr std::string_view kOfMap[] = {"env", "env-projection", "env-intensity",
-                                                "trust-input"};
+  static constexpr std::string_view kOfMap[] = {"env-projection", "env-intensity", "trust-input"};
   static constexpr std::string_view kOfLights[] = {"env-rotate", "env-projection", "env-intensity",
                                                    "trust-input"};
-  if (!request.environment.path.empty()) return "map" + WordsOf(request, kOfMap);
+  if (!request.environment.path.empty()) {
+    return "map " + Quoted(MapFile(request)) + WordsOf(request, kOfMap);
+  }
   return prepared_key_ + " lights" + WordsOf(request, kOfLights);
 }
 
@@ -129,7 +160,7 @@ std::shared_ptr<const LoadedLight> JobParts::Light(const JobRequest& request) co
     loaded->light = LoadEnvironment(*prepared_->scene, request, loaded->notes);
     const Image& map = *loaded->light.map;
     loaded->hash = MapHash(map);
-    loaded->brightest = *std::max_element(map.rgb.begin(), map.rgb.end());
+    loaded->brightest = Brightest(map.rgb);
     const std::array<double, 3> mean = SphereMean(map);
     for (std::size_t c = 0; c < 3; ++c) loaded->mean_luminance += double(kLuminance[c]) * mean[c];
     return loaded;
@@ -140,9 +171,26 @@ std::shared_ptr<const BuiltGeometry> JobParts::Build(const JobRequest& request, 
   const bool uvs = NeedsUvs(request.options.aovs);
   const std::string key = fmt::format("{} geometry {} {} {}", prepared_key_,
                                       Quoted(request.embree_config), threads, uvs);
+  static constexpr std::string_view kOfTriangles[] = {"ground", "env-up"};
+  const auto last =
+      Get<LastBuilt>(fmt::format("{} triangles{} {} {}", scene_key_, WordsOf(request, kOfTriangles),
+                                 Quoted(request.embree_config), threads),
+                     [] { return std::make_shared<LastBuilt>(); });
   return Get<BuiltGeometry>(key, [&] {
-    return std::shared_ptr<BuiltGeometry>(new BuiltGeometry{
-        Geometry(*prepared_->scene, request.scene, threads, request.embree_config, uvs)});
+    std::shared_ptr<const BuiltGeometry> twin;
+    {
+      const std::lock_guard lock(last->mutex);
+      twin = last->geometry.lock();
+    }
+    const std::shared_ptr<const BuiltGeometry> built(new BuiltGeometry{
+        Geometry(*prepared_->scene, request.scene, threads, request.embree_config, uvs,
+                 twin ? std::shared_ptr<const Geometry>(twin, &twin->geometry) : nullptr)});
+    // One that shares would keep the whole row of those before it.
+    if (built->geometry.bvh_bytes() > 0) {
+      const std::lock_guard lock(last->mutex);
+      last->geometry = built;
+    }
+    return built;
   });
 }
 
@@ -154,32 +202,38 @@ glm::mat3 JobParts::WorldFromMap(const JobRequest& request, const LoadedLight& l
 
 std::string JobParts::PlacedKey(const JobRequest& request, const LoadedLight& light) const {
   const std::array<float, 9> rows = Rows(WorldFromMap(request, light));
-  return fmt::format("{} placed {}", MapKey(request), fmt::join(rows, " "));
+  const bool portals = !prepared_->scene->portals.empty();
+  return fmt::format("{} placed {}{}", MapKey(request), fmt::join(rows, " "),
+                     portals ? " portals of " + prepared_key_ : "");
 }
 
 std::shared_ptr<const PlacedMap> JobParts::Place(const JobRequest& request,
                                                  const LoadedLight& light) const {
   return Get<PlacedMap>(PlacedKey(request, light), [&] {
-    return std::make_shared<PlacedMap>(PlacedMap{
-        {.latlong = *light.light.map, .map_from_world = Rows(WorldFromMap(request, light))}});
+    return std::make_shared<PlacedMap>(
+        PlacedMap{{.latlong = *light.light.map,
+                   .map_from_world = Rows(WorldFromMap(request, light)),
+                   .portals = prepared_->scene->portals}});
   });
 }
 
 std::shared_ptr<const StrategyTables> JobParts::Tables(
-    const JobRequest& request, const std::string& specification, const LoadedLight& light,
-    const std::shared_ptr<const PlacedMap>& map) const {
-  return Get<StrategyTables>(
-      fmt::format("{} strategy {}", PlacedKey(request, light), specification), [&] {
-        return std::make_shared<StrategyTables>(
-            StrategyTables{map, MakeStrategy(specification, map->map)});
-      });
+    const JobRequest& request, const std::string& specification, const StrategyUse& use,
+    const LoadedLight& light, const std::shared_ptr<const PlacedMap>& map) const {
+  const std::string key =
+      fmt::format("{} strategy {} {} {} {}", PlacedKey(request, light), specification, use.mis,
+                  use.light_samples, use.starts_light_paths);
+  return Get<StrategyTables>(key, [&] {
+    return std::make_shared<StrategyTables>(
+        StrategyTables{map, MakeStrategy(specification, map->map, use)});
+  });
 }
 
 std::shared_ptr<const MapIrradiance> JobParts::Irradiance(const JobRequest& request,
                                                           const LoadedLight& light,
                                                           const PlacedMap& map) const {
   return Get<MapIrradiance>(PlacedKey(request, light) + " irradiance", [&] {
-    return std::make_shared<MapIrradiance>(MapIrradiance{IrradianceTable(map.map)});
+    return std::make_shared<MapIrradiance>(MapIrradiance{VectorIrradiance(map.map)});
   });
 }
 

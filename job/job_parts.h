@@ -5,21 +5,34 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "job/job_cache.h"
 #include "job/request.h"
 #include "lights/strategies/strategy.h"
-#include "lights/tables/irradiance_table.h"
+#include "lights/tables/vector_irradiance.h"
 #include "scene/geometry.h"
 #include "scene/scene.h"
 #include "scene/scene_hash.h"
 
 namespace skywave {
 
+// Returns a text that names the scene of a request and how it is read, whatever the frame.
+std::string SceneKey(const JobRequest& request);
+
+// Whether a scene has animations.
+struct SceneMotion {
+  explicit SceneMotion(bool does) : moves(does) {}
+  bool moves;
+  std::size_t bytes() const { return sizeof(*this); }
+};
+
 // A scene as it was read.
 struct LoadedScene {
+  explicit LoadedScene(Scene read) : scene(std::move(read)) {}
   Scene scene;
   std::size_t bytes() const;
 };
@@ -38,6 +51,14 @@ struct PreparedScene {
 struct BuiltGeometry {
   Geometry geometry;
   std::size_t bytes() const { return geometry.bytes() + geometry.bvh_bytes(); }
+};
+
+// The geometry that was built last of some triangles, as long as somebody has it: others that
+// differ in materials may share its BVH.
+struct LastBuilt {
+  mutable std::mutex mutex;
+  mutable std::weak_ptr<const BuiltGeometry> geometry;
+  std::size_t bytes() const { return sizeof(*this); }
 };
 
 // The light from infinitely far away, as a map in memory.
@@ -65,7 +86,7 @@ struct StrategyTables {
 
 // The irradiance of a map on surfaces from which nothing hides it.
 struct MapIrradiance {
-  IrradianceTable table;
+  VectorIrradiance table;
   std::size_t bytes() const { return table.bytes(); }
 };
 
@@ -87,7 +108,7 @@ class JobParts {
   std::shared_ptr<const PlacedMap> Place(const JobRequest& request, const LoadedLight& light) const;
   std::shared_ptr<const StrategyTables> Tables(const JobRequest& request,
                                                const std::string& specification,
-                                               const LoadedLight& light,
+                                               const StrategyUse& use, const LoadedLight& light,
                                                const std::shared_ptr<const PlacedMap>& map) const;
 
   std::shared_ptr<const MapIrradiance> Irradiance(const JobRequest& request,

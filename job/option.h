@@ -235,6 +235,16 @@ OptionOf<Request> MakeOption(const OptionInfo& info, Field field, const Codec<Va
   return OptionOfField<Request, Target, Value>(info, field, codec);
 }
 
+// Does so for the options of one request, whose type is named once.
+template <class Request>
+struct OptionMaker {
+  template <class Field, class Value>
+  OptionOf<Request> operator()(const OptionInfo& info, Field field,
+                               const Codec<Value>& codec) const {
+    return MakeOption<Request>(info, field, codec);
+  }
+};
+
 // The field `path` of a request, for MakeOption.
 #define SKYWAVE_FIELD(path) \
   [](auto& fields) -> auto& { return fields.path; }

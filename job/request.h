@@ -18,7 +18,8 @@ namespace skywave {
 
 // An illumination map in a file or in memory, and how it lies in the world.
 struct EnvironmentRequest {
-  std::string path;                      // empty, and no image: the scene's own lights
+  std::string path;                      // a file or a sequence (MapFile); empty, and no image:
+                                         // the scene's own lights
   std::shared_ptr<const Image> image;    // in place of a file; notes and errors call it "map"
   std::optional<Projection> projection;  // unset: by the picture's shape, see DetectProjection
   float rotation_degrees = 0;            // counter-clockwise about the up axis, seen from above
@@ -49,7 +50,8 @@ struct JobRequest {
   std::vector<std::string> materials;  // changes, see job/material_changes.h
   EnvironmentRequest environment;
   CameraRequest camera;
-  std::string strategy = "importance";
+  std::string strategy;               // empty: the scene's, or importance
+  std::vector<std::string> portals;   // see job/portals.h
   std::string continuation_strategy;  // where paths split; empty: the same
   std::string embree_config;
   std::optional<int> width, height;
@@ -57,7 +59,8 @@ struct JobRequest {
   std::optional<Integrator> integrator;
   std::optional<std::uint32_t> samples_per_pixel, max_depth;
   std::optional<PixelFilter> filter;
-  RenderOptions options;  // everything that a scene file cannot set
+  bool coherent_noise = false;  // the frame does not change the seed
+  RenderOptions options;        // everything that a scene file cannot set
 };
 
 // Deepest path: the pairs of dimensions of its random numbers fit in a block (kernels/sampler.h).

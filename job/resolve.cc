@@ -60,6 +60,12 @@ void ResolveIntegrator(JobRequest& request, const SceneDefaults& scene) {
   request.integrator = integrator;
 }
 
+void ResolveStrategy(JobRequest& request, const SceneDefaults& scene) {
+  if (!request.strategy.empty()) return;
+  request.strategy = request.portals.empty() ? scene.settings.strategy.value_or("importance")
+                                             : std::string("portal");
+}
+
 void ResolveCrop(JobRequest& request, const SceneDefaults& scene) {
   RenderOptions& options = request.options;
   if (!request.crop && scene.settings.crop) {

@@ -18,6 +18,7 @@ std::uint32_t MostPointsOfASample(const RenderOptions& options);
 // no film.
 void ResolveSize(JobRequest& request, const SceneDefaults& scene);
 void ResolveIntegrator(JobRequest& request, const SceneDefaults& scene);
+void ResolveStrategy(JobRequest& request, const SceneDefaults& scene);
 // options.width and height become those of the part. Fractions of a scene file are rounded up to
 // pixels, as pbrt does.
 void ResolveCrop(JobRequest& request, const SceneDefaults& scene);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -24,6 +25,7 @@ struct Session {
   Clock::time_point start = Clock::now();
   Clock::time_point last_checkpoint = start;
   bool checkpoint_due = false, snapshot_due = false;  // for the next pause
+  std::vector<std::string> notes = {};
 
   double seconds() const { return seconds_before + SecondsSince(start); }
 };
@@ -38,6 +40,7 @@ FrameView FrameOf(const Session& session) {
 }
 
 void SaveCheckpoint(Session& session) {
+  session.last_checkpoint = Clock::now();  // also of one that fails
   WriteFilm(session.request.checkpoint.path,
             {.identity = session.identity,
              .window = session.part.window,
@@ -48,7 +51,26 @@ void SaveCheckpoint(Session& session) {
              .samples = session.part.samples,
              .state = session.state},
             session.film);
-  session.last_checkpoint = Clock::now();
+}
+
+// The checkpoint before stays where this one cannot be written.
+void SaveCheckpointOnTheWay(Session& session) {
+  try {
+    SaveCheckpoint(session);
+  } catch (const InputError& error) {
+    const std::string note = error.what();
+    std::vector<std::string>& notes = session.notes;
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  }
+}
+
+// Saves what an error has left, without an error of its own, if there is anything.
+void SaveCheckpointAfterError(Session& session) {
+  const RenderState& state = session.state;
+  const bool is_empty = state.step.first == session.part.samples.first &&
+                        std::all_of(state.rows.begin(), state.rows.end(),
+                                    [](std::uint64_t rows) { return rows == 0; });
+  if (!is_empty) SaveCheckpointOnTheWay(session);
 }
 
 // Returns whether the rows of a state are those of the tiles of its step.
@@ -100,7 +122,7 @@ void Pause(Session& session) {
   if (std::exchange(session.snapshot_due, false)) {
     session.request.show(session.film, SamplesByPixel(FrameOf(session), session.state));
   }
-  if (std::exchange(session.checkpoint_due, false)) SaveCheckpoint(session);
+  if (std::exchange(session.checkpoint_due, false)) SaveCheckpointOnTheWay(session);
 }
 
 // Called by the watching thread: asks for a pause where there is something to do.
@@ -161,16 +183,20 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
   FrameResult frame;
   try {
     frame = Render(session);
+  } catch (const RenderCanceled&) {
+    if (!request.checkpoint.path.empty()) SaveCheckpoint(session);
+    throw;
   } catch (...) {
     // Whatever ended the render, the state tells what the film holds.
-    if (!request.checkpoint.path.empty()) SaveCheckpoint(session);
+    if (!request.checkpoint.path.empty()) SaveCheckpointAfterError(session);
     throw;
   }
   session.part.samples.end = session.part.samples.first + frame.samples_per_pixel;
   return {.film = std::move(session.film),
           .part = session.part,
           .frame = frame,
-          .seconds = session.seconds()};
+          .seconds = session.seconds(),
+          .notes = std::move(session.notes)};
 }
 
 std::optional<double> NoiseOf(const RenderedFilm& rendered) {

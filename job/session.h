@@ -40,12 +40,14 @@ struct RenderedFilm {
   Film film;
   PicturePart part;
   FrameResult frame;
-  double seconds = 0;  // of rendering, sessions before this one included
+  double seconds = 0;              // of rendering, sessions before this one included
+  std::vector<std::string> notes;  // what went wrong without ending the render, for the user
 };
 
 // Renders. `identity` is that of the job's picture. A checkpoint that is there at the end stays
 // until the caller has written what was rendered. Throws InputError for a checkpoint of something
-// else, and RenderCanceled.
+// else, and RenderCanceled. A checkpoint on the way that cannot be written is a note; one at a stop
+// is the error, but one after an error does not hide that.
 RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
                         const SessionRequest& request);
 

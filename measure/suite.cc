@@ -91,6 +91,7 @@ double TimeWrite(const Film& film, std::uint64_t samples) {
 std::vector<StrategyTable> MeasureTables(const RenderJob& job) {
   std::vector<StrategyTable> tables;
   for (const StrategyFactory& factory : Strategies()) {
+    if (factory.needs_portals && job.frame().map->portals.empty()) continue;
     const auto start = Clock::now();
     const auto strategy = job.MakeOtherStrategy(std::string(factory.name), Integrator::kPath);
     tables.push_back({.name = std::string(factory.name),

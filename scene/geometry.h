@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,14 @@ class Geometry {
   // Checks every index and coordinate (InputError names `path` and the mesh), turns triangles whose
   // vertex normals point the other way, packs the tables and builds the BVH on `threads` threads
   // (0: all). Embree gets `embree_config`; empty stands for DefaultEmbreeConfig(). With `keep_uvs`
-  // the coordinates of the corners are kept even if no material has a texture.
+  // the coordinates of the corners are kept even if no material has a texture. The BVH is that of
+  // `twin`, made with the same threads and configuration, if both have the same triangles and no
+  // ray passes through any: then they differ in materials only.
   Geometry(const Scene& scene, const std::string& path, int threads = 0,
-           const std::string& embree_config = "", bool keep_uvs = false);
+           const std::string& embree_config = "", bool keep_uvs = false,
+           const std::shared_ptr<const Geometry>& twin = nullptr);
 
-  RTCScene scene() const { return embree_.scene(); }
+  RTCScene scene() const { return embree_->scene(); }
   const TriangleRecord* triangles() const { return tables_.triangles.data(); }
   MaterialView materials() const;
   TextureView textures() const { return tables_.textures.view(); }  // empty: no material has one
@@ -66,14 +70,15 @@ class Geometry {
   // Returns the position of corner 0, 1 or 2 of a triangle, in the order that decides its geometric
   // normal.
   glm::vec3 Corner(std::size_t triangle, int corner) const;
-  std::size_t bytes() const { return tables_.bytes(); }  // without the BVH
-  std::size_t bvh_bytes() const { return embree_.bytes(); }
-  double build_seconds() const { return embree_.build_seconds(); }
+  std::size_t bytes() const { return tables_.bytes(); }                         // without the BVH
+  std::size_t bvh_bytes() const { return shares_bvh_ ? 0 : embree_->bytes(); }  // of its own
+  double build_seconds() const { return shares_bvh_ ? 0 : embree_->build_seconds(); }
 
  private:
   const GeometryTables tables_;
   const OpacityView opacity_;
-  const EmbreeScene embree_;
+  const bool shares_bvh_;
+  const std::shared_ptr<const EmbreeScene> embree_;  // keeps the twin that it is shared with
 };
 
 }  // namespace skywave

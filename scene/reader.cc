@@ -57,7 +57,7 @@ Scene ReadByEnding(const std::string& path, const ReadOptions& options) {
 }
 
 // Checks what `options` ask of the animations of a scene, whatever its format.
-void CheckAnimation(const std::string& path, const ReadOptions& options, Scene& scene) {
+void CheckAnimation(const std::string& path, const ReadOptions& options, const Scene& scene) {
   std::vector<std::string_view> names;
   for (const AnimationInfo& animation : scene.animations) names.push_back(animation.name);
   const bool found = std::find(names.begin(), names.end(), options.animation) != names.end();
@@ -66,9 +66,6 @@ void CheckAnimation(const std::string& path, const ReadOptions& options, Scene& 
                       names.empty() ? path + " has no animation"
                                     : "there is no such animation; there are " +
                                           NearestFirst(options.animation, names));
-  }
-  if (options.frame && names.empty()) {
-    scene.warnings.push_back(path + ": has no animation, so all of its frames are the same");
   }
 }
 

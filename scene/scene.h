@@ -13,6 +13,7 @@
 #include "kernels/camera.h"
 #include "kernels/columns.h"
 #include "kernels/lights/local_lights.h"
+#include "kernels/lights/portals.h"
 
 namespace skywave {
 
@@ -113,7 +114,7 @@ struct CropFractions {
 // The file's settings of the rendering; flags of the command line override them.
 struct RenderSettings {
   std::optional<int> width, height, samples_per_pixel, max_depth;
-  std::optional<std::string> integrator;  // as the command line names it
+  std::optional<std::string> integrator, strategy;  // as the command line names them
   // Photons: whether each sample of a pixel is a pass with its own; radius of the first pass.
   bool photons_each_sample = false;
   std::optional<float> photon_distance;
@@ -133,6 +134,9 @@ struct Scene {
   std::vector<AnimationInfo> animations;
   std::vector<EnvironmentLight> environments;
   std::vector<PunctualLight> lights;
+  // Openings through which light from infinitely far away comes in. They decide where samples are
+  // taken, not what is seen.
+  std::vector<Portal> portals;
   RenderSettings settings;
   // True if the world's axes are left-handed (pbrt's are). A map given on the command line is laid
   // the other way round then, so that it is never seen mirrored.

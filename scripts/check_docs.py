@@ -231,7 +231,8 @@ def make_stand_ins(program, folder):
         pbrt_mesh())
     (folder / "skies").mkdir()
     shutil.copy(folder / "sky.hdr", folder / "skies/noon.hdr")
-    shutil.copy(folder / "sky.exr", folder / "grace.exr")
+    for name in ("grace.exr", "skies/clouds_0036.exr"):
+        shutil.copy(folder / "sky.exr", folder / name)
     (folder / "examples").mkdir()
     for job in (ROOT / "examples").glob("*.toml"):
         (folder / "examples" / job.name).write_text(quick_job(job.read_text()))

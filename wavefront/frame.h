@@ -92,6 +92,12 @@ struct RenderOptions {
 SampleRange SamplesOf(const RenderOptions& options);
 SampleRange PictureSamples(const RenderOptions& options);
 
+// Returns how many light samples a hit takes, or the first hit of a path that splits.
+inline std::uint32_t LightSamplesOf(const RenderOptions& options) {
+  const LightSamples taken = Describe(options.integrator).light_samples;
+  return taken == LightSamples::kRequested || options.split > 0 ? options.light_samples : 1;
+}
+
 // The light samples of a surface are those that the strategy plans. Each drawn sample goes to a
 // local light or to the strategy, as `local` decides. If the strategy draws none, there are drawn
 // samples for local lights alone.
@@ -139,10 +145,7 @@ struct FrameView {
     return (options.mis || options.subpath_lengths) && shines ? 0 : kFirstDeltaBsdf;
   }
   // Returns how many light samples a hit takes.
-  std::uint32_t light_samples() const {
-    const LightSamples taken = Describe(options.integrator).light_samples;
-    return taken == LightSamples::kRequested || splits() ? options.light_samples : 1;
-  }
+  std::uint32_t light_samples() const { return LightSamplesOf(options); }
   // Returns the frame in which continuations go on as paths that do not split again.
   FrameView of_continuations() const;
   LightShares light_shares() const;

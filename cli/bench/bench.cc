@@ -171,9 +171,7 @@ int BenchSuite(const BenchFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<BenchFlags>> Options() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<BenchFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<BenchFlags> option = {};
   // clang-format off
   return {
     option({.name = "repetitions", .help = "renders and replays, in turn", .default_text = "5; suite: 3, --full 9"}, FIELD(repetitions), Numbers(1, 1000)),

@@ -8,6 +8,7 @@
 #include "cli/commands.h"
 #include "cli/converge/report.h"
 #include "cli/progress.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "measure/converge/run.h"
 
@@ -26,7 +27,7 @@ void CheckOutputs(const ConvergeFlags& flags) {
   for (const std::string& path : {flags.json, flags.plot, flags.html}) {
     if (path.empty()) continue;
     CheckNotInput(path, flags.request.job.scene);
-    CheckNotInput(path, flags.request.job.environment.path);
+    CheckNotInput(path, MapFile(flags.request.job));
     CheckNotInput(path, flags.request.reference);
     CheckWritable(path);
   }

@@ -26,9 +26,7 @@ int CalibrateMain(const CalibrateFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<CalibrateFlags>> CalibrateOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<CalibrateFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<CalibrateFlags> option = {};
   // clang-format off
   return {
     option({.name = "output", .help = "EXR, HDR or PFM (lat-long)", .letter = 'o', .required = true}, FIELD(output), Texts("FILE")),
@@ -41,16 +39,12 @@ std::vector<OptionOf<CalibrateFlags>> CalibrateOptions() {
 }  // namespace
 
 Command ProbeCalibrateCommand() {
-  const auto flags = std::make_shared<CalibrateFlags>();
-  Command command = {.name = "calibrate",
-                     .summary = "A map with its six axes coloured and labelled",
-                     .footer =
-                         "R right, F forward (middle of the map), U up.\n\n"
-                         "Example:\n  skywave probe calibrate -o calibration.exr",
-                     .run = [flags](const GivenOptions&) { return CalibrateMain(*flags); }};
-  const auto options = CalibrateOptions();
-  AddOptions(command, options, flags);
-  return command;
+  return CommandOf<CalibrateFlags>(
+      {.name = "calibrate",
+       .summary = "A map with its six axes coloured and labelled",
+       .footer = "R right, F forward (middle of the map), U up.\n\n"
+                 "Example:\n  skywave probe calibrate -o calibration.exr"},
+      CalibrateOptions(), CalibrateMain);
 }
 
 }  // namespace skywave

@@ -79,9 +79,7 @@ int ConvertMain(ConvertFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<ConvertFlags>> ConvertOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<ConvertFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<ConvertFlags> option = {};
   OptionOf<ConvertFlags> to = {
       {.name = "to",
        .help = "projection that is written; cube-faces: six files, OUTPUT-right.exr, -left, -up, "

@@ -75,9 +75,7 @@ int InfoMain(const InfoFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<InfoFlags>> InfoOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<InfoFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<InfoFlags> option = {};
   // clang-format off
   return {
     option({.name = "spots", .help = "brightest spots to list"}, FIELD(spots), Numbers(0, 1000)),

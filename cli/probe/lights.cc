@@ -60,9 +60,7 @@ int LightsMain(LightsFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<LightsFlags>> LightsOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<LightsFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<LightsFlags> option = {};
   const auto up_axis = Codec<char>{.values = "x|y|z",
                                    .metavar = "x|y|z",
                                    .parse = [](const std::string& text) -> std::optional<char> {

@@ -49,9 +49,7 @@ int PlotMain(PlotFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<PlotFlags>> PlotOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<PlotFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<PlotFlags> option = {};
   const auto log_color =
       Codec<bool>{.values = "log|tone",
                   .metavar = "log|tone",

@@ -60,9 +60,7 @@ int PresampleMain(PresampleFlags& flags) {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<PresampleFlags>> PresampleOptions() {
-  const auto option = [](OptionInfo info, auto field, auto codec) {
-    return MakeOption<PresampleFlags>(info, field, codec);
-  };
+  constexpr OptionMaker<PresampleFlags> option = {};
   // clang-format off
   return {
     option({.name = "output", .help = "JSON file", .letter = 'o', .required = true}, FIELD(output), Texts("JSON")),

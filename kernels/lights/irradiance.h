@@ -7,7 +7,7 @@
 // directions are above the surface that n belongs to. What lies below it, and what is hidden, is
 // left to samples. Normals along an axis of the map, such as that of a level ground, have an entry
 // of their own whose horizon is the surface itself, so nothing is left where nothing hides the map.
-// (Rousselle, Jarosz and Novak 2016, "Image-Space Control Variates for Rendering")
+// (Szecsi et al. 2004; Rousselle, Jarosz and Novak 2016)
 #pragma once
 
 #include <cstdint>

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "image/image.h"
+#include "kernels/lights/portals.h"
 
 namespace skywave {
 
@@ -23,6 +25,7 @@ enum class Projection {
 struct EnvironmentMap {
   Image latlong;                        // conventions: kernels/lights/environment.h
   std::array<float, 9> map_from_world;  // rows: right, forward, up; orthonormal, may mirror
+  std::vector<Portal> portals = {};     // openings through which its light comes in
 };
 
 // Maps a direction in map space (right, forward, up) to a point of the angular map in [-1, 1]^2, x

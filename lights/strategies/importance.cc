@@ -1,5 +1,6 @@
 #include "lights/strategies/importance.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -62,10 +63,21 @@ void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, fl
   skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, samples, rows);
 }
 
+namespace {
+
+std::string DefaultCompensation(const StrategyUse& use) {
+  if (!use.mis || use.starts_light_paths) return "0";
+  return fmt::format("{}", 1.0 / use.light_samples);
+}
+
+}  // namespace
+
 StrategyFactory ImportanceFactory() {
   static constexpr StrategyParameter kParameters[] = {
-      {"compensate", "0",
-       "share of the mean that the density leaves to BSDF sampling, 0 to 1: 1 / light samples"}};
+      {"compensate", "1/n",
+       "share of the mean that the density leaves to BSDF sampling, 0 to 1; 1 / light samples with "
+       "multiple importance sampling, 0 without it and where light paths start",
+       DefaultCompensation}};
   return {
       "importance", "2D inversion: density proportional to the map's luminance", kParameters,
       [](const EnvironmentMap& map, const StrategyValues& values) -> std::unique_ptr<EnvStrategy> {

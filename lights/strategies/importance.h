@@ -4,12 +4,13 @@
 // points stay so.
 //
 // Parameters
-//   compensate=0    share of the mean luminance that is subtracted from the density, 0 to 1 (Karlik
+//   compensate=1/n  share of the mean luminance that is subtracted from the density, 0 to 1 (Karlik
 //                   et al. 2019, "MIS Compensation"): light samples go where BSDF samples would not
 //                   find the light. 1 suits one light sample a hit, 1 / n suits n of them; more
-//                   makes noise, for the one BSDF sample is alone with the rest. Dark directions
-//                   are then never drawn, so it needs BSDF sampling beside it and is refused with
-//                   --no-mis.
+//                   makes noise, for the one BSDF sample is alone with the rest. That is the
+//                   default with multiple importance sampling. Dark directions are then never
+//                   drawn, so it needs BSDF sampling beside it: the default is 0 with --no-mis, and
+//                   where light paths start with its samples.
 //
 // Densities are exact: whatever rounding the tables have, the density that is reported is the one
 // that is drawn (but for texels 2^-24 as bright as a neighbour: PickTexels). A black map is sampled

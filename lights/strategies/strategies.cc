@@ -22,6 +22,7 @@ namespace skywave {
   STRATEGY(Penrose)                  \
   STRATEGY(Presampled)               \
   STRATEGY(Product)                  \
+  STRATEGY(Portal)                   \
   STRATEGY(Visibility)               \
   STRATEGY(Ris)                      \
   STRATEGY(Hybrid)
@@ -37,10 +38,13 @@ namespace {
 }
 
 // Splits "key=value,key=value" and adds the defaults of all other keys.
-StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text) {
+StrategyValues ParseValues(const StrategyFactory& factory, std::string_view text,
+                           const StrategyUse& use) {
   StrategyValues values;
   for (const StrategyParameter& parameter : factory.parameters) {
-    values.emplace_back(parameter.key, parameter.default_value);
+    values.emplace_back(parameter.key, parameter.default_for != nullptr
+                                           ? parameter.default_for(use)
+                                           : std::string(parameter.default_value));
   }
   while (!text.empty()) {
     const std::size_t comma = text.find(',');
@@ -77,7 +81,7 @@ bool CanEmit(const EnvStrategy& strategy) {
 }
 
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
-                                          const EnvironmentMap& map) {
+                                          const EnvironmentMap& map, const StrategyUse& use) {
   const std::size_t colon = specification.find(':');
   const std::string name = specification.substr(0, colon);
   for (const StrategyFactory& factory : Strategies()) {
@@ -85,7 +89,7 @@ std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
     const std::string_view values = colon == std::string::npos
                                         ? std::string_view()
                                         : std::string_view(specification).substr(colon + 1);
-    return factory.make(map, ParseValues(factory, values));
+    return factory.make(map, ParseValues(factory, values, use));
   }
   std::string names;
   for (const StrategyFactory& factory : Strategies()) {

@@ -88,9 +88,18 @@ class EnvStrategy {
   virtual bool unbiased() const { return true; }
 };
 
+// What a strategy is used for, where defaults depend on it.
+struct StrategyUse {
+  bool mis = false;  // BSDF samples share the work
+  std::uint32_t light_samples = 1;
+  bool starts_light_paths = false;
+};
+
 // A parameter of a strategy as the user gives it: --strategy name:key=value,key=value.
 struct StrategyParameter {
   std::string_view key, default_value, meaning;
+  // Returns the default for a use; null: it is default_value whatever the use.
+  std::string (*default_for)(const StrategyUse& use) = nullptr;
 };
 using StrategyValues = std::vector<std::pair<std::string, std::string>>;
 
@@ -98,6 +107,7 @@ struct StrategyFactory {
   std::string_view name, description;
   std::span<const StrategyParameter> parameters;
   std::unique_ptr<EnvStrategy> (*make)(const EnvironmentMap& map, const StrategyValues& values);
+  bool needs_portals = false;  // `make` throws for a map without them
 };
 
 std::span<const StrategyFactory> Strategies();
@@ -109,7 +119,7 @@ bool CanEmit(const EnvStrategy& strategy);
 // Makes the strategy of a specification "name" or "name:key=value,..."; the map must outlive it.
 // Throws InputError with the names or keys that there are, where one is unknown.
 std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
-                                          const EnvironmentMap& map);
+                                          const EnvironmentMap& map, const StrategyUse& use = {});
 
 // Returns the value of `key`, which the factory declares: given or default. Throws InputError for a
 // text that is no such value or out of range.

@@ -41,6 +41,18 @@ void Unpack(PackedRadiance packed, float unit, float* rgb) {
   }
 }
 
+// Returns the least exponent field of texels that `lost` changes nothing of: its channels are less
+// than the last bit of a mantissa, by more than their sum can be rounded.
+std::uint32_t KeepingExponent(const float* lost, float inverse_unit) {
+  constexpr std::uint32_t kNone = 1u << (32 - 3 * kMantissaBits);
+  if (!(std::min({lost[0], lost[1], lost[2]}) >= 0)) return kNone;
+  const float most = std::max({lost[0], lost[1], lost[2]}) * inverse_unit * (1 + 0x1p-10f);
+  if (!(most < 1)) return kNone;
+  // most < 2^e, and the last bit of an exponent field x is 2^(x - kMaxExponent).
+  const int e = int(std::bit_cast<std::uint32_t>(most) >> 23) - 126;
+  return std::uint32_t(std::max(e + int(kMaxExponent), 0));
+}
+
 RowArea AreaOfRow(std::uint32_t row, std::uint32_t height) {
   const auto square = [](double x) { return x * x; };
   const double top = std::numbers::pi / 2 * row / height;
@@ -96,11 +108,16 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
                          RowSolidAngle(int(width_), int(height_), int(row));
     std::array<float, 3> lost = handed_on[row - 1];
     for (float& channel : lost) channel *= float(ratio);
+    std::uint32_t keeping = KeepingExponent(lost.data(), inverse_unit);
     for (std::uint32_t i = 0; i < width_; ++i) {
       if (std::max({lost[0], lost[1], lost[2]}) <= nothing) break;
+      // Most texels are too bright to take anything.
+      while (i < width_ && packed(i, row) >> 3 * kMantissaBits >= keeping) ++i;
+      if (i == width_) break;
       float held[3];
       Unpack(packed(i, row), unit_, held);
       pack(packed(i, row), held, lost.data());
+      keeping = KeepingExponent(lost.data(), inverse_unit);
     }
     for (int c = 0; c < 3; ++c) handed_on[row][c] += lost[c];
   }

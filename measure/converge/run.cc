@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/version.h"
+#include "job/map_sequence.h"
 #include "job/options.h"
 #include "job/resolve.h"
 #include "measure/reference_file.h"
@@ -163,7 +164,7 @@ void CheckSavedReference(const ConvergeRequest& request) {
                       "the reference is an EXR file, so its name has to end in .exr");
   }
   CheckNotInput(path, request.job.scene);
-  CheckNotInput(path, request.job.environment.path);
+  CheckNotInput(path, MapFile(request.job));
   CheckWritable(path);
 }
 

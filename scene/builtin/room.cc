@@ -21,9 +21,11 @@ void PlacePanel(Scene& scene, std::uint32_t material, const glm::dvec3& centre,
   Place(scene, std::move(panel), material, glm::vec3(0));
 }
 
+// The edges of the window in y and z.
+constexpr double kSill = 0.9, kLintel = 2.1, kBack = -0.5, kFront = 0.9;
+
 // Builds a wall in the plane x = -2 around its window: below, above, behind and in front of it.
 void PlaceWindowWall(Scene& scene, std::uint32_t material) {
-  constexpr double kSill = 0.9, kLintel = 2.1, kBack = -0.5, kFront = 0.9;
   const auto part = [&](double y0, double y1, double z0, double z1) {
     PlacePanel(scene, material, {-2, 0.5 * (y0 + y1), 0.5 * (z0 + z1)}, {0, 0.5 * (y1 - y0), 0},
                {0, 0, 0.5 * (z1 - z0)});
@@ -32,6 +34,13 @@ void PlaceWindowWall(Scene& scene, std::uint32_t material) {
   part(kLintel, 2.6, -2.5, 2.5);
   part(kSill, kLintel, -2.5, kBack);
   part(kSill, kLintel, kFront, 2.5);
+}
+
+// Returns the window; light comes in along +x.
+Portal Window() {
+  return {.corner = {-2, kSill, kBack},
+          .side_x = {0, 0, float(kFront - kBack)},
+          .side_y = {0, float(kLintel - kSill), 0}};
 }
 
 }  // namespace
@@ -58,6 +67,7 @@ Scene RoomScene() {
   Place(scene, Sphere(0.2f), AddGlass(scene, 1.5f), {-0.25f, 0.95f, -1.0f});
   Place(scene, Sphere(0.16f), AddMetal(scene, "Cu", 0.15f), {0.3f, 0.91f, -1.2f});
   Place(scene, RoundedBox({0.3f, 0.45f, 0.3f}, 0.03f, 4), white, {1.35f, 0.45f, -1.9f}, 30);
+  scene.portals = {Window()};
   AddProceduralSky(scene);
   scene.environments.back().scale = glm::vec3(3);  // the exposure of a camera indoors
   scene.camera = LookAtCamera({0.9f, 1.45f, 2.3f}, {-0.25f, 1.0f, -1.6f}, {0, 1, 0}, 58, false);

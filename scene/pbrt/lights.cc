@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "scene/local_lights.h"
 #include "scene/pbrt/state.h"
+#include "scene/portals.h"
 
 namespace skywave {
 namespace {
@@ -136,6 +137,36 @@ glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
   return frame;
 }
 
+// Reads the corners of rectangles. As in pbrt-v4 they are points of the world: the transform of the
+// light does not move them.
+void Portals(PbrtReader& reader, PbrtParameters& parameters) {
+  const PbrtParameter* found = Find(parameters, {"point", "point3"}, "portal");
+  if (!found) return;
+  if (found->floats.size() % 12 != 0 || found->floats.empty()) {
+    throw InputError(found->position,
+                     fmt::format("{}: \"portal\" takes four points, and has {} numbers",
+                                 parameters.directive, found->floats.size()));
+  }
+  for (std::size_t i = 0; i < found->floats.size(); i += 12) {
+    std::array<glm::vec3, 4> corners;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const float* p = &found->floats[i + 3 * k];
+      corners[k] = {p[0], p[1], p[2]};
+    }
+    try {
+      reader.scene.portals.push_back(PortalOfCorners(corners));
+    } catch (const InputError& error) {
+      throw InputError(found->position, parameters.directive + ": " + error.reason());
+    }
+  }
+  if (reader.scene.portals.size() > kMaxPortals) {
+    throw InputError(found->position,
+                     fmt::format("{}: there are {} portals; at most {} can be used",
+                                 parameters.directive, reader.scene.portals.size(), kMaxPortals));
+  }
+  reader.scene.settings.strategy = "portal";
+}
+
 void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
   EnvironmentLight light;
   light.scale = Emission(reader, parameters, "L");
@@ -146,6 +177,7 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
     light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3: lat-long
   }
   light.world_from_map = MapFrame(reader, parameters);
+  Portals(reader, parameters);
   reader.scene.environments.push_back(std::move(light));
 }
 

@@ -12,6 +12,7 @@
 #include "batch/check.h"
 #include "batch/number_list.h"
 #include "batch/output_name.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {
@@ -190,6 +191,32 @@ TEST_F(Plan, PatternsOfFilesAreSortedAndRelativeToTheJobFile) {
   EXPECT_EQ(InputFiles(plan),
             (std::set<std::string>{folder_.Path("grace.exr"), folder_.Path("skies/a.hdr"),
                                    folder_.Path("skies/b.hdr")}));
+}
+
+TEST_F(Plan, MapsThatMoveHaveAFileForEveryFrame) {
+  for (const char* const map : {"sky_08.exr", "sky_09.exr", "sky_10.exr"}) folder_.Write(map, "");
+  const std::string job =
+      std::string(kBase) + "env = \"sky_##.exr\"\n[output]\npath = \"{env}_{frame:03}.exr\"\n";
+  EXPECT_EQ(Outputs(job + "[axes]\nframe = \"8-10\"\n"),
+            (std::vector<std::string>{"sky_008.exr", "sky_009.exr", "sky_010.exr"}));
+  const BatchPlan plan = Read(job + "[axes]\nframe = [9]\n");
+  EXPECT_EQ(InputFiles(plan), std::set<std::string>{folder_.Path("sky_09.exr")});
+  ExpectRefused(job + "[axes]\nframe = [\n8,\n11\n]\n", 9, {"frame 11", "no file", "sky_11.exr"});
+  ExpectRefused(job + "[axes]\nframe = [8.5]\n", 7, {"frame 8.5", "whole"});
+  ExpectRefused(std::string(kBase) + "env = \"sky_##.exr\"\n" + kOutput, 3,
+                {"sky_##.exr", "`frame N`"});
+}
+
+TEST_F(Plan, AStarIsEveryCameraOfTheScene) {
+  folder_.Write("a.gltf", TriangleDocument().text());
+  const std::string output = "[output]\npath = \"{scene-camera}.exr\"\n[axes]\n";
+  const std::string base = "[base]\nscene = \"a.gltf\"\n" + output;
+  EXPECT_EQ(Outputs(base + "scene-camera = \"*\"\n"),
+            (std::vector<std::string>{"front.exr", "side.exr"}));
+  EXPECT_EQ(Outputs(base + "look = [{ label = \"*\", seed = 3 }]\nscene-camera = \"side\"\n"),
+            std::vector<std::string>{"side.exr"});
+  ExpectRefused(kBase + output + "scene-camera = \"*\"\n", 6, {"spheres has no camera"});
+  ExpectRefused(output + "scene = [\"spheres\"]\nscene-camera = \"*\"\n", 5, {"[base]", "scene"});
 }
 
 TEST_F(Plan, ProductsSetSeveralOptionsUnderALabel) {

@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -58,6 +63,30 @@ TEST_F(Run, GoesOnAfterAFailureAndEndsWithTheFirstOnesCode) {
   EXPECT_EQ(json["pictures"][1]["status"], "failed");
   EXPECT_EQ(json["pictures"][4]["output"], "5.exr");
   EXPECT_EQ(json["pictures"][4]["axes"]["seed"], "5");
+}
+
+// A picture of this run is written when the second one after it has been rendered.
+TEST_F(Run, RendersOnWhilePicturesAreWrittenAndTellsOfThemInOrder) {
+  std::atomic<std::size_t> begun = 0;
+  const RenderPicture render = [&](const BatchPicture& picture, const BatchPicture*) {
+    ++begun;
+    return std::async(std::launch::async, [&begun, &picture] {
+      const std::size_t wanted = std::min<std::size_t>(picture.index + 3, 5);
+      for (int i = 0; i < 500 && begun < wanted; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      if (begun < wanted) throw std::runtime_error("nobody went on");
+      return PictureResult{.status = PictureStatus::kRendered, .samples = picture.index};
+    });
+  };
+  std::vector<std::size_t> told;
+  BatchReporter reporter;
+  reporter.end = [&](const BatchPicture& picture, const PictureResult& result) {
+    EXPECT_EQ(result.samples, picture.index) << result.error;
+    told.push_back(picture.index);
+  };
+  EXPECT_EQ(RunBatch(plan_, render, reporter).exit_code, 0);
+  EXPECT_EQ(told, (std::vector<std::size_t>{0, 1, 2, 3, 4}));
 }
 
 TEST_F(Run, EndsBeforeTheNextPictureWhenTheJobFileChanges) {

@@ -6,7 +6,9 @@
 #include <string>
 
 #include "base/error.h"
+#include "image/formats.h"
 #include "image/image.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/program.h"
 
 namespace skywave {
@@ -107,6 +109,53 @@ TEST_F(Batch, APictureThatFailsIsToldAndTheOthersAreMade) {
   EXPECT_TRUE(Contains(result.err, "skywave: bad.exr: bad.hdr")) << result.err;
   EXPECT_EQ(Files(), (Names{"bad.hdr", "good.pfm", "good.exr", "good.png", "job.toml",
                             "job.batch.html", "job.batch.json"}));
+}
+
+TEST_F(Batch, FramesOfAMapThatMovesAreThoseOfTheirCommands) {
+  for (const int frame : {1, 2}) {
+    Image map(8, 4);
+    std::fill(map.rgb.begin(), map.rgb.end(), float(frame));
+    WritePfm(Path("sky_0" + std::to_string(frame) + ".pfm"), map);
+  }
+  Put("job.toml",
+      "[base]\nscene = \"spheres\"\nsize = \"8x6\"\nspp = 1\nenv = \"sky_##.pfm\"\n"
+      "[axes]\nframe = \"1-2\"\n[output]\npath = \"{env}_{frame}.exr\"\n");
+  const Result result = Run("batch job.toml");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  for (const std::string name : {"sky_1.exr", "sky_2.exr"}) {
+    std::string command;
+    for (const auto& [key, text] : ReadExrMetadata(Path(name))) {
+      if (key == "command") command = text.substr(std::string("skywave ").size());
+    }
+    EXPECT_EQ(Run(command + " -q -o alone.exr").exit_code, 0) << command;
+    EXPECT_TRUE(Bytes("alone.exr") == Bytes(name)) << command;
+  }
+  Put("job.toml", Bytes("job.toml") + "# changed\n");
+  std::filesystem::remove(Path("sky_02.pfm"));
+  const Result missing = Run("batch job.toml");
+  EXPECT_EQ(missing.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(missing.err, "job.toml:7: ")) << missing.err;
+  EXPECT_TRUE(Contains(missing.err, "sky_02.pfm")) << missing.err;
+}
+
+TEST_F(Batch, ADryRunLooksAtTheEndsOfFramesAndAtCameras) {
+  GltfDocument document = TriangleDocument();
+  document.Animate(0, 2, "scale", document.Add<float>({0, 1}, "SCALAR"),
+                   document.Add<float>({1, 1, 1, 0, 0, 0}, "VEC3"));
+  Put("moving.gltf", document.text());
+  const std::string job =
+      "[base]\nscene = \"moving.gltf\"\nsize = \"8x6\"\n[output]\npath = \"{index}.exr\"\n[axes]\n";
+  Put("job.toml", job + "frame = \"0-23\"\n");
+  const Result good = Run("batch job.toml --dry-run -q");
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  Put("job.toml", job + "frame = \"10,24,11\"\n");
+  const Result bad = Run("batch job.toml --dry-run -q");
+  EXPECT_EQ(bad.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(bad.err, "moving.gltf") && Contains(bad.err, "camera")) << bad.err;
+  Put("job.toml", job + "scene-camera = [\"front\", \"sid\"]\n");
+  const Result camera = Run("batch job.toml --dry-run -q");
+  EXPECT_EQ(camera.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(camera.err, "job.toml:7: ") && Contains(camera.err, "sid")) << camera.err;
 }
 
 // A shell's limit of 1 KiB for files stands for a full disk.

@@ -175,7 +175,13 @@ class SharedParts : public testing::Test {
     const Option lights = {"scene",
                            folder_.Write("lights.pbrt", std::string(kCamera) + kLights + kShapes)};
     const Option sky = {"env", folder_.Path("sky.pfm")}, ramp = {"env", folder_.Path("ramp.pfm")};
-    const std::vector<Options> scenes = {{one}, {one, sky}, {one, ramp}, {lights}, {lights, sky}};
+    // The first two frames of a map that moves.
+    std::filesystem::copy_file(folder_.Path("sky.pfm"), folder_.Path("moving_1.pfm"));
+    std::filesystem::copy_file(folder_.Path("ramp.pfm"), folder_.Path("moving_2.pfm"));
+    const Option moving = {"env", folder_.Path("moving_#.pfm")}, second = {"frame", "2"};
+    const std::vector<Options> scenes = {
+        {one},    {one, sky},    {one, ramp},           {one, moving, {"frame", "1"}},
+        {lights}, {lights, sky}, {one, moving, second}, {lights, moving, second}};
     const std::vector<Options> changes = {{},
                                           {{"env-rotate", "30"}},
                                           {{"env-rotate", "75"}},
@@ -217,6 +223,25 @@ class SharedParts : public testing::Test {
   TemporaryFolder folder_;
   std::vector<Options> jobs_;
 };
+
+TEST_F(SharedParts, MaterialsOfTheSameTrianglesShareTheirBvh) {
+  JobCache cache(std::uint64_t{1} << 40);
+  const auto job = [&](const std::string& change, bool ground) {
+    JobRequest request;
+    request.scene = folder_.Path("one.pbrt");
+    request.width = 8, request.height = 6;
+    request.ground = ground;
+    if (!change.empty()) request.materials = {change};
+    return RenderJob(request, &cache);
+  };
+  const RenderJob plain = job("", false), mirror = job("red=mirror", false),
+                  blue = job("red=:reflectance=0.1/0.2/0.9", false), ground = job("", true);
+  EXPECT_NE(&mirror.geometry(), &plain.geometry());
+  EXPECT_EQ(mirror.geometry().scene(), plain.geometry().scene());
+  EXPECT_EQ(blue.geometry().scene(), plain.geometry().scene());
+  EXPECT_EQ(blue.geometry().bvh_bytes(), 0u);
+  EXPECT_NE(ground.geometry().scene(), plain.geometry().scene());
+}
 
 TEST_F(SharedParts, MakeThePicturesOfPartsThatAreMadeAnew) {
   std::vector<Outcome> expected;

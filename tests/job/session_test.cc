@@ -199,6 +199,38 @@ TEST_F(Session, KeepsCheckpointsAndShowsSnapshotsMeanwhile) {
   EXPECT_TRUE(rendered.film.PackPicture() == Rendered(Request(), {}).film.PackPicture());
 }
 
+TEST_F(Session, GoesOnWhenACheckpointOnTheWayCannotBeWritten) {
+  SessionRequest session = {
+      .checkpoint = {.path = folder_.Path("missing/a.checkpoint"), .seconds = 0.001}};
+  session.tell = [](double) { return true; };
+  session.on_tile = [](const Film&, const Tile&, std::uint32_t) { Rest(); };
+  const RenderedFilm rendered = Rendered(Request(), session);
+  ASSERT_EQ(rendered.notes.size(), 1u) << "many of them say the same";
+  EXPECT_NE(rendered.notes[0].find("missing/a.checkpoint"), std::string::npos);
+  EXPECT_TRUE(rendered.film.PackPicture() == Rendered(Request(), {}).film.PackPicture());
+  // Whoever stops it has to know.
+  session.tell = [](double) { return false; };
+  EXPECT_THROW(Rendered(Request(), session), InputError);
+}
+
+TEST_F(Session, AnErrorIsToldWhetherOrNotACheckpointCanBeWritten) {
+  SessionRequest session = {.checkpoint = {.path = folder_.Path("missing/a.checkpoint")}};
+  session.on_tile = [](const Film&, const Tile&, std::uint32_t) {
+    throw std::logic_error("enough");
+  };
+  EXPECT_THROW(Rendered(Request(), session), std::logic_error);
+}
+
+TEST_F(Session, AnErrorBeforeTheFirstWaveLeavesNoCheckpoint) {
+  JobRequest request = Request();
+  request.integrator = Integrator::kPhoton;
+  request.options.photons.indirect = 20'000'000;  // traced for seconds before anything is seen
+  SessionRequest session = {.checkpoint = {.path = path()}};
+  session.tell = [](double) -> bool { throw std::logic_error("enough"); };
+  EXPECT_THROW(Rendered(request, session), std::logic_error);
+  EXPECT_FALSE(std::filesystem::exists(path()));
+}
+
 TEST_F(Session, EndsByTimeWithSamplesThatACommandRepeats) {
   JobRequest request = Request();
   request.samples_per_pixel = 1000000;

@@ -6,7 +6,7 @@
 
 #include "kernels/accumulate.h"
 #include "lights/strategies/strategy.h"
-#include "lights/tables/irradiance_table.h"
+#include "lights/tables/vector_irradiance.h"
 #include "tests/support/adversarial_maps.h"
 #include "tests/support/bsdf_cases.h"
 #include "tests/support/map_cells.h"
@@ -21,7 +21,7 @@ const Vec kShading = Unit({0.36, 0.8, 0.48});
 const Vec kGeometric = Unit({0.2, 0.9, 0.35});
 
 // Returns control.out for light samples of which there are none: minus the integral.
-Vec Integral(const MaterialCase& material, const IrradianceTable& table, Vec normal) {
+Vec Integral(const MaterialCase& material, const VectorIrradiance& table, Vec normal) {
   ShadingRows rows(material, 1, normal, AtAngle(normal, 0.7));
   soa::Table<LightColumns> lights(1);
   soa::Table<ControlColumns> out(1);
@@ -40,7 +40,7 @@ TEST(ControlVariate, IntegralIsTheIrradianceButForTheHorizon) {
     for (const NamedOrientation& orientation : Orientations()) {
       SCOPED_TRACE(named.name + " " + orientation.name);
       const EnvironmentMap map = {named.latlong, orientation.map_from_world};
-      const IrradianceTable table(map);
+      const VectorIrradiance table(map);
       const Image held = HeldMap(map);
       const MapCells cells(map, 512);
       const int finer = int(
@@ -68,7 +68,7 @@ TEST(ControlVariate, IntegralIsTheIrradianceButForTheHorizon) {
 TEST(ControlVariate, BlackMapsAddNothing) {
   const EnvironmentMap map = {Image(8, 4), Orientations()[0].map_from_world};
   const MaterialCase white = {"white", BsdfKind::kLambert, {.color = {1, 1, 1}}};
-  EXPECT_EQ(Integral(white, IrradianceTable(map), kShading).x, 0);
+  EXPECT_EQ(Integral(white, VectorIrradiance(map), kShading).x, 0);
 }
 
 class ControlOfBsdf : public testing::TestWithParam<std::uint32_t> {};
@@ -82,7 +82,7 @@ TEST_P(ControlOfBsdf, IsSubtractedAsOftenAsItIsAdded) {
   const double level = SidakLevel(kFirstDeltaBsdf * 6);
   for (const char* name : {"Noise", "Sun"}) {
     const EnvironmentMap map = {AdversarialMap(name), Orientations()[1].map_from_world};
-    const IrradianceTable table(map);
+    const VectorIrradiance table(map);
     const auto strategy = MakeStrategy("importance:compensate=1", map);
     ShadingRows rows(material, kSamples, kShading, AtAngle(kShading, 0.8));
     for (std::uint32_t i = 0; i < kSamples; ++i) {
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Dense, ControlOfBsdf, testing::Range(0u, kFirstDeltaBsd
 
 TEST(ControlVariate, EveryDiffusePartIsControlled) {
   const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[1].map_from_world};
-  const IrradianceTable table(map);
+  const VectorIrradiance table(map);
   for (std::uint32_t kind = 0; kind < kFirstDeltaBsdf; ++kind) {
     const MaterialCase& material = ExampleOf(BsdfKind(kind));
     const bool diffuse =

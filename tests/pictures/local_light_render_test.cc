@@ -12,6 +12,7 @@
 #include "scene/shapes/mesh.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
 
@@ -322,7 +323,8 @@ TEST(LocalLightEstimators, EveryStrategyLeavesLocalLightsAlone) {
               all = MattRoom(kEnvironment | kLamp | kPoint);
   JobRequest request = Request(Integrator::kPath, 2);
   request.width = 12, request.height = 9;
-  const auto estimate = [&](const Scene& scene, std::uint32_t seed) {
+  const auto estimate = [&](Scene scene, std::uint32_t seed) {
+    scene.portals = PortalsAroundTheOrigin();
     return MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, seed), 3);
   };
   const PictureEstimate added = estimate(lamps, 1);

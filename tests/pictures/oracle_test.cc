@@ -16,6 +16,7 @@
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
+#include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
 #include "wavefront/option_names.h"
 
@@ -176,10 +177,13 @@ std::vector<StrategyCase> StrategyCases() {
                                      {"importance", false},
                                      {"uniform", false},
                                      {"cosine", false},
+                                     {"portal", false},
+                                     {"portal:share=0", true},
                                      {"hybrid:lights=8,inside=1", true},
                                      {"hybrid:lights=8,inside=1", false}};
   const EnvironmentMap map = {.latlong = AdversarialMap("Ramp"),
-                              .map_from_world = Orientations()[0].map_from_world};
+                              .map_from_world = Orientations()[0].map_from_world,
+                              .portals = PortalsAroundTheOrigin()};
   for (const StrategyFactory& factory : Strategies()) {
     const std::string name(factory.name);
     if (MakeStrategy(name, map)->unbiased()) cases.push_back({name, true});
@@ -188,8 +192,9 @@ std::vector<StrategyCase> StrategyCases() {
 }
 
 // Renders `scene` with every strategy and compares each picture with one picture of the oracle.
-void ExpectAllStrategiesSame(const Scene& scene, const JobRequest& request, int block,
+void ExpectAllStrategiesSame(Scene scene, const JobRequest& request, int block,
                              const std::function<bool(const StrategyCase&)>& wanted) {
+  scene.portals = PortalsAroundTheOrigin();  // light comes in elsewhere too
   const PictureEstimate oracle =
       MeanOfBlocks(EstimateFromOracle(scene, RenderJob(scene, request), kRuns), block);
   for (const StrategyCase& strategy : StrategyCases()) {

@@ -36,8 +36,18 @@ inline void PutSurface(Vec normal, std::uint32_t i, const SurfaceColumns& surfac
   Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);
   Put(normal, i, surfaces.wo_x, surfaces.wo_y, surfaces.wo_z);
   Put({0.5, 0.5, 0.5}, i, surfaces.color_r, surfaces.color_g, surfaces.color_b);
+  surfaces.lift[i] = 0;
   surfaces.material[i] = 0;
   surfaces.path[i] = 0;
+}
+
+// Returns portals around the origin: two that overlap, one beside them in another wall, and one
+// that lights only what lies beyond it.
+inline std::vector<Portal> PortalsAroundTheOrigin() {
+  return {{.corner = {-1, -0.5f, 1}, .side_x = {1.5f, 0, 0}, .side_y = {0, 1, 0}},
+          {.corner = {-0.25f, 0, 1.5f}, .side_x = {2, 0, 0}, .side_y = {0, 1, 0}},
+          {.corner = {2, -1, -1}, .side_x = {0, 1.5f, 0}, .side_y = {0, 0, 1}},
+          {.corner = {-1, -1, -1}, .side_x = {1, 0, 0}, .side_y = {0, 1, 0}}};
 }
 
 }  // namespace skywave

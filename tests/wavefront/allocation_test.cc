@@ -13,6 +13,7 @@
 #include "tests/support/painted_scene.h"
 #include "tests/support/photon_maps.h"
 #include "tests/support/screens_scene.h"
+#include "tests/support/shade_points.h"
 #include "wavefront/render.h"
 
 namespace {
@@ -112,6 +113,7 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
 
 void ExpectNoAllocations(Scene scene, Backend backend) {
   SetLight(scene, SkyWithSun(64, 32, 100, 0.2));  // the tables are temporary
+  scene.portals = PortalsAroundTheOrigin();
   for (const StrategyFactory& factory : Strategies()) {
     const std::string strategy(factory.name);
     SCOPED_TRACE(strategy);

@@ -16,6 +16,7 @@
 #include "tests/support/program.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/screens_scene.h"
+#include "tests/support/shade_points.h"
 #include "tests/support/targets.h"
 #include "wavefront/flush_denormals.h"
 #include "wavefront/render.h"
@@ -165,6 +166,7 @@ TEST_P(Determinism, EveryInstructionSetGivesTheSameBits) {
 TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
   Scene scene = BuiltinScene("spheres");
   SetLight(scene, SkyWithSun(64, 32, 100, 0.2));
+  scene.portals = PortalsAroundTheOrigin();
   for (const StrategyFactory& factory : Strategies()) {
     SCOPED_TRACE(factory.name);
     JobRequest request = SmallRequest(19, 13, 3);

@@ -10,6 +10,7 @@
 #include "lights/strategies/strategy.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
 
 namespace skywave {
@@ -22,6 +23,7 @@ Scene LitFloor(bool map, bool lamps) {
   Place(scene, Quad(2), AddLambert(scene, "floor", glm::vec3(0.5f)), glm::vec3(0));
   scene.camera = LookAtCamera({0, 3, 3}, {0, 0, 0}, {0, 1, 0}, 40, false);
   if (map) SetLight(scene, SkyWithSun(32, 16, 50, 0.3));
+  scene.portals = PortalsAroundTheOrigin();
   if (!lamps) return scene;
   const std::uint32_t lamp = AddLambert(scene, "lamp", glm::vec3(0));
   scene.materials[lamp].emission = {6, 5, 4};

@@ -49,6 +49,7 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
   options.wave = WholeBeams(frame.options.wave);
   pilot.tracer.recorder = nullptr;
   pilot.light_groups = nullptr;
+  pilot.irradiance = {};
   return pilot;
 }
 

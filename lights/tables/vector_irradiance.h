@@ -11,11 +11,11 @@
 
 namespace skywave {
 
-class IrradianceTable {
+class VectorIrradiance {
  public:
   // Sums over the very texels that light samples see (Texels). Along a row of the map sums are
   // exact; across rows they are Gaussian quadratures of the texels that the horizon cuts.
-  explicit IrradianceTable(const EnvironmentMap& map);
+  explicit VectorIrradiance(const EnvironmentMap& map);
 
   IrradianceView view() const;
   std::size_t bytes() const { return nodes_.size() * sizeof(float); }

@@ -1,4 +1,4 @@
-#include "lights/tables/irradiance_table.h"
+#include "lights/tables/vector_irradiance.h"
 
 #include <tbb/parallel_for.h>
 
@@ -164,7 +164,8 @@ void AddBand(const RowSums& row, const NodeNormal& node, double top, double bott
 
 }  // namespace
 
-IrradianceTable::IrradianceTable(const EnvironmentMap& map) : map_from_world_(map.map_from_world) {
+VectorIrradiance::VectorIrradiance(const EnvironmentMap& map)
+    : map_from_world_(map.map_from_world) {
   const Image held = Texels(map).Held();
   const auto width = std::uint32_t(held.width), height = std::uint32_t(held.height);
   std::vector<RowSums::Border> borders(width + 1);
@@ -201,7 +202,7 @@ IrradianceTable::IrradianceTable(const EnvironmentMap& map) : map_from_world_(ma
   }
 }
 
-IrradianceView IrradianceTable::view() const {
+IrradianceView VectorIrradiance::view() const {
   IrradianceView view = {.nodes = nodes_.data(), .map_from_world = {}};
   std::copy(map_from_world_.begin(), map_from_world_.end(), view.map_from_world);
   return view;

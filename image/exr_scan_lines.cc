@@ -1,0 +1,116 @@
+#include "image/exr_scan_lines.h"
+
+#include <half.h>
+
+#include <bit>
+#define ZLIB_CONST
+#include <zlib.h>
+
+#include <algorithm>
+#include <new>
+
+namespace skywave {
+
+struct ExrScanLines::Inflater {
+  z_stream stream = {};
+  Inflater() {
+    if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+  ~Inflater() { inflateEnd(&stream); }
+};
+
+ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::string>& names)
+    : header_(header),
+      is_grey_(names.size() == 1),
+      width_(std::size_t(header.data_window.width())) {
+  const ExrCompression compression = header.compression;
+  can_decode_ = std::endian::native == std::endian::little && !header.tiled && !header.deep &&
+                !header.multi_part &&
+                (compression == ExrCompression::kNone || compression == ExrCompression::kZips ||
+                 compression == ExrCompression::kZip);
+  for (const ExrChannel& channel : header.channels) {
+    const auto name = std::find(names.begin(), names.end(), channel.name);
+    targets_.push_back(name == names.end() ? -1 : int(name - names.begin()));
+    if (name != names.end() && channel.is_whole) can_decode_ = false;
+  }
+}
+
+ExrScanLines::~ExrScanLines() = default;
+
+// Inflates, and undoes the differences between neighbours that were taken before
+// ("Predictor" in the library's ImfZip.cpp).
+bool ExrScanLines::Inflate(std::string_view stored, std::size_t decoded_bytes) {
+  if (!inflater_) inflater_ = std::make_unique<Inflater>();
+  inflated_.resize(decoded_bytes);
+  z_stream& stream = inflater_->stream;
+  inflateReset(&stream);
+  stream.next_in = reinterpret_cast<const Bytef*>(stored.data());
+  stream.avail_in = uInt(stored.size());
+  stream.next_out = inflated_.data();
+  stream.avail_out = uInt(decoded_bytes);
+  if (inflate(&stream, Z_FINISH) != Z_STREAM_END || stream.avail_out != 0) return false;
+  std::uint8_t sum = inflated_[0];
+  for (std::size_t i = 1; i < decoded_bytes; ++i) {
+    sum = std::uint8_t(sum + std::uint8_t(inflated_[i] - 128));
+    inflated_[i] = sum;
+  }
+  return true;
+}
+
+void ExrScanLines::Convert(const Bytes& bytes, bool is_half, float* pixels) const {
+  const auto [low, high, step] = bytes;
+  const auto pair = [low = low, high = high, step = step](std::size_t i) {
+    return std::uint32_t(low[i * step]) | std::uint32_t(high[i * step]) << 8;
+  };
+  if (is_half) {
+    for (std::size_t x = 0; x < width_; ++x) {
+      half value;
+      value.setBits(std::uint16_t(pair(x)));
+      pixels[3 * x] = float(value);
+    }
+  } else {
+    for (std::size_t x = 0; x < width_; ++x) {
+      pixels[3 * x] = std::bit_cast<float>(pair(2 * x) | pair(2 * x + 1) << 16);
+    }
+  }
+}
+
+bool ExrScanLines::Take(std::int64_t y, std::string_view stored, std::int64_t decoded_bytes) {
+  const auto size = std::size_t(decoded_bytes);
+  Bytes bytes;
+  if (stored.size() == size) {  // compression would not have made it smaller
+    const auto* const plain = reinterpret_cast<const std::uint8_t*>(stored.data());
+    bytes = {.low = plain, .high = plain + 1, .step = 2};
+  } else {
+    if (!Inflate(stored, size)) return false;
+    const std::uint8_t* const inflated = inflated_.data();
+    bytes = {.low = inflated, .high = inflated + (size + 1) / 2, .step = 1};
+  }
+  if (image_.rgb.empty()) image_ = Image(int(width_), int(header_.data_window.height()));
+  const std::size_t row_bytes = width_ * std::size_t(header_.pixel_bytes());
+  const auto first = std::size_t(y - header_.data_window.y_min);
+  for (std::size_t row = 0; row < size / row_bytes; ++row) {
+    for (std::size_t c = 0; c < targets_.size(); ++c) {
+      const bool is_half = header_.channels[c].bytes == 2;
+      if (targets_[c] >= 0) {
+        Convert(bytes, is_half, image_.Pixel(0, int(first + row)) + targets_[c]);
+      }
+      const std::size_t pairs = width_ * (is_half ? 1 : 2) * bytes.step;
+      bytes.low += pairs, bytes.high += pairs;
+    }
+  }
+  return true;
+}
+
+Image ExrScanLines::Picture() {
+  if (is_grey_) {
+    for (std::size_t i = 0; i < image_.rgb.size(); i += 3) {
+      image_.rgb[i + 1] = image_.rgb[i + 2] = image_.rgb[i];
+    }
+  }
+  return std::move(image_);
+}
+
+}  // namespace skywave

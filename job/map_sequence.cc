@@ -1,0 +1,39 @@
+#include "job/map_sequence.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+
+#include "base/error.h"
+
+namespace skywave {
+
+bool IsMapSequence(const std::string& path) {
+  std::error_code ignored;
+  return std::filesystem::path(path).filename().string().find('#') != std::string::npos &&
+         !std::filesystem::exists(path, ignored);
+}
+
+std::string MapFile(const JobRequest& request) {
+  const std::string& path = request.environment.path;
+  if (!IsMapSequence(path)) return path;
+  if (!request.read.frame) {
+    throw OptionError("env", path,
+                      "there is no such file; if its #s stand for the number of a frame, give "
+                      "`frame N` as well");
+  }
+  const double frame = *request.read.frame;
+  if (frame != std::floor(frame)) {
+    throw OptionError({{"frame", fmt::format("{}", frame)}, {"env", path}},
+                      "only whole frames have a map");
+  }
+  const std::size_t last = path.rfind('#');
+  const std::size_t before = path.find_last_not_of('#', last);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  return fmt::format("{}{:0{}}{}", path.substr(0, first), std::int64_t(frame), last - first + 1,
+                     path.substr(last + 1));
+}
+
+}  // namespace skywave

@@ -1,0 +1,96 @@
+// Tests what the number of a frame decides: the file of a map that moves, the noise, and which
+// parts frames have in common.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "job/job.h"
+#include "job/map_sequence.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/temporary_folder.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+class Frames : public testing::Test {
+ protected:
+  JobRequest MapAt(const std::string& name, double frame) const {
+    JobRequest request;
+    request.environment.path = folder_.Path(name);
+    request.read.frame = frame;
+    return request;
+  }
+  // Expects the options and `part` in the message.
+  static void ExpectRefused(const JobRequest& request, const std::string& part) {
+    try {
+      MapFile(request);
+      ADD_FAILURE() << "not refused: " << part;
+    } catch (const OptionError& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Frames, NumberTheFilesOfAMapThatMoves) {
+  EXPECT_EQ(MapFile(MapAt("sky_####.exr", 7)), folder_.Path("sky_0007.exr"));
+  EXPECT_EQ(MapFile(MapAt("sky_#.exr", 1234)), folder_.Path("sky_1234.exr"));
+  EXPECT_EQ(MapFile(MapAt("##", 0)), folder_.Path("00"));
+  EXPECT_EQ(MapFile(MapAt("take#2_###.hdr", 5)), folder_.Path("take#2_005.hdr"));
+  EXPECT_EQ(MapFile(MapAt("take#2/a.hdr", 5)), folder_.Path("take#2/a.hdr"));
+  EXPECT_EQ(MapFile(MapAt("sky_####.exr", -3)), folder_.Path("sky_-003.exr"));
+  folder_.Write("sky_##.exr", "a file of that very name");
+  EXPECT_EQ(MapFile(MapAt("sky_##.exr", 7)), folder_.Path("sky_##.exr"));
+
+  ExpectRefused(MapAt("sky_####.exr", 0.5), "frame 0.5");
+  JobRequest without = MapAt("sky_####.exr", 0);
+  without.read.frame.reset();
+  ExpectRefused(without, "`frame N`");
+}
+
+std::vector<std::uint64_t> Sums(const JobRequest& request) {
+  const RenderJob job(request);
+  Film film = job.MakeFilm();
+  RenderFrame(job.frame(), film);
+  return {film.sums().begin(), film.sums().end()};
+}
+
+TEST_F(Frames, HaveNoiseOfTheirOwnUnlessItIsToBeCoherent) {
+  JobRequest request = SmallRequest(16, 12, 2);
+  request.scene = "spheres";
+  const auto at = [&](double frame, bool coherent, std::uint32_t seed = 0) {
+    JobRequest changed = request;
+    changed.read.frame = frame;
+    changed.coherent_noise = coherent;
+    changed.options.seed = seed;
+    return Sums(changed);
+  };
+  const std::vector<std::uint64_t> without = Sums(request), first = at(1, false);
+  EXPECT_FALSE(first == without);
+  EXPECT_FALSE(first == at(2, false));
+  EXPECT_FALSE(first == at(1.5, false));
+  EXPECT_FALSE(first == at(1, false, 5)) << "the seed still counts";
+  EXPECT_TRUE(first == at(1, false));
+  EXPECT_TRUE(at(0.0, false) == at(-0.0, false));
+  EXPECT_TRUE(at(1, true) == without);
+  EXPECT_TRUE(at(2, true) == without);
+}
+
+TEST_F(Frames, OfAStillSceneHaveOneSceneAndOneTree) {
+  JobRequest request = SmallRequest(16, 12, 1);
+  request.scene = "spheres";
+  request.read.frame = 1;
+  JobCache cache(std::uint64_t{1} << 40);
+  const RenderJob first(request, &cache);
+  request.read.frame = 2;
+  const RenderJob second(request, &cache);
+  EXPECT_EQ(&first.geometry(), &second.geometry());
+  ASSERT_FALSE(second.notes().empty());
+  EXPECT_NE(second.notes().front().find("no animation"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace skywave
