@@ -80,8 +80,8 @@ std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvSt
   const auto start = Clock::now();
   std::unique_ptr<VisibilityStrategy> taught;
   std::vector<VisibilityRay> rays;
-  // The first quarter of the pilot finds out where light comes in, so that the rest learns more of
-  // that.
+  // The first quarter of the pilot finds out whether and where light is kept out, so that the rest
+  // learns more of what comes in.
   const std::uint32_t samples = PilotView(frame, strategy).options.samples_per_pixel;
   for (const auto& [first, end] : {std::pair{0u, samples / 4}, std::pair{samples / 4, samples}}) {
     const VisibilityStrategy& used = taught ? *taught : *untaught;
@@ -96,6 +96,7 @@ std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvSt
     rays.insert(rays.end(), found.begin(), found.end());
     taught = untaught->Taught(rays, box);
     counts.paths += PilotPaths(pilot);
+    if (taught->learnt() == 0) break;  // in the open there is nothing more to find out
   }
   counts.samples += rays.size(), counts.bytes += taught->table_bytes();
   counts.seconds += SecondsSince(start);
