@@ -151,7 +151,8 @@ BENCHMARK(BM_Clustering)
 
 // Builds all tables of a strategy with its defaults, including the packed map.
 void BM_Strategy(benchmark::State& state, const std::string& name) {
-  const EnvironmentMap map = {TestMap(int(state.range(0))), {1, 0, 0, 0, 1, 0, 0, 0, 1},
+  const EnvironmentMap map = {TestMap(int(state.range(0))),
+                              {1, 0, 0, 0, 1, 0, 0, 0, 1},
                               {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}}};
   for (auto _ : state) benchmark::DoNotOptimize(MakeStrategy(name, map));
 }

@@ -62,8 +62,14 @@ void ResolveIntegrator(JobRequest& request, const SceneDefaults& scene) {
 
 void ResolveStrategy(JobRequest& request, const SceneDefaults& scene) {
   if (!request.strategy.empty()) return;
-  request.strategy = request.portals.empty() ? scene.settings.strategy.value_or("importance")
-                                             : std::string("portal");
+  request.strategy = "importance";
+  // The portals of a scene or a user ask for a strategy with which no light path can start.
+  if (Describe(request.options.integrator).light_paths == LightPaths::kStrategy) return;
+  if (!request.portals.empty()) {
+    request.strategy = "portal";
+  } else if (scene.settings.strategy) {
+    request.strategy = *scene.settings.strategy;
+  }
 }
 
 void ResolveCrop(JobRequest& request, const SceneDefaults& scene) {

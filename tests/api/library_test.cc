@@ -388,16 +388,20 @@ TEST_F(Library, FramesAreThePicturesOfTheirPoses) {
     return Render(scene, With(kSmall, options));
   };
   const Options half = {{"frame", "15"}, {"fps", "30"}, {"animation", "slide"}};
-  const std::vector<float> picture = render("moving.gltf", half, {});
+  // Frames have noise of their own unless it is coherent.
+  const Options coherent = {{"coherent-noise", "true"}};
+  const std::vector<float> picture = render("moving.gltf", half, coherent);
   EXPECT_TRUE(SameBits(picture, render("still.gltf", {}, {})));
   EXPECT_FALSE(SameBits(picture, render("moving.gltf", {}, {})));
   // Another camera and other materials, in the same way.
   posed.json["scenes"][0]["nodes"] = {0, 3};
   posed.json["materials"][0] = {{"name", "paint"}};
   Put("other.gltf", posed.text());
-  EXPECT_TRUE(SameBits(
-      render("moving.gltf", half, {{"scene-camera", "side"}, {"material", "paint=:reflectance=1"}}),
-      render("other.gltf", {}, {})));
+  EXPECT_TRUE(SameBits(render("moving.gltf", half,
+                              {{"scene-camera", "side"},
+                               {"material", "paint=:reflectance=1"},
+                               {"coherent-noise", "true"}}),
+                       render("other.gltf", {}, {})));
 }
 
 TEST_F(Library, ListsTheOptionsOfReading) {

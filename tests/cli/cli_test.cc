@@ -115,7 +115,7 @@ TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
 TEST_F(Cli, StrategiesAreListedWithTheirParameters) {
   const Result result = Run("strategies");
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* const part : {"importance", "compensate=0", "uniform", "cosine"}) {
+  for (const char* const part : {"importance", "compensate=1/n", "uniform", "cosine"}) {
     EXPECT_TRUE(Contains(result.out, part)) << part;
   }
 }

@@ -159,7 +159,7 @@ class StrategyOnMap : public testing::TestWithParam<Case> {
   }
 
   // Cells of the map for the midpoint rule.
-  MapCells Cells() const { return MapCells(map_, subject_.own_borders ? 1024 : 256); }
+  MapCells Cells() const { return MapCells(map_, subject_.own_borders ? 2048 : 256); }
   // Densities that are constant within a texel of the map are summed exactly.
   double QuadratureError() const {
     return subject_.own_borders ? 1e-2 : subject_.whole_sphere ? 1e-5 : 2e-4;

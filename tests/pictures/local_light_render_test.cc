@@ -271,6 +271,7 @@ TEST(LocalLightEstimators, LightAndBsdfSamplesAgree) {
   AddLamp(scene, 4, 4, {0, 4, 0}, {1, 2, 1});
   for (const Integrator integrator : {Integrator::kDirect, Integrator::kPath}) {
     JobRequest request = Request(integrator, 3);
+    request.strategy = "importance:compensate=0";
     const RenderJob job(scene, request);
     const PictureEstimate both = MeanOfBlocks(EstimateFromEngine(job, kRuns, 1), 3);
 

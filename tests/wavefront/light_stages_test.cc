@@ -97,16 +97,16 @@ TEST(EmitRays, CarriesThePowerOfAllLights) {
 
 TEST(EmitRays, CarriesThePowerOfTheMapByEveryStrategyThatCan) {
   const Scene scene = LitFloor(true, true);
+  const RenderJob of_map(scene, Request());
   std::size_t able = 0;
   for (const StrategyFactory& factory : Strategies()) {
     for (const char* const values : {"", ":pick=power"}) {
       JobRequest request = Request();
-      request.integrator = Integrator::kPath;
       request.strategy = std::string(factory.name) + values;
       const bool picks = std::any_of(factory.parameters.begin(), factory.parameters.end(),
                                      [](const auto& p) { return p.key == "pick"; });
       if (*values != 0 && !picks) continue;
-      if (!CanEmit(RenderJob(scene, request).strategy())) continue;
+      if (!CanEmit(*MakeStrategy(request.strategy, *of_map.frame().map))) continue;
       SCOPED_TRACE(request.strategy);
       request.integrator = Integrator::kLight;
       const RenderJob job(scene, request);

@@ -48,6 +48,7 @@ JobRequest Request(std::uint32_t split, std::uint32_t light_samples, std::uint32
   request.max_depth = max_depth;
   request.options.split = split;
   request.options.light_samples = light_samples;
+  request.strategy = "importance:compensate=0";  // by default it depends on the light samples
   return request;
 }
 
