@@ -130,6 +130,22 @@ TEST(Control, GroupsOfLightsAddUpToThePicture) {
   }
 }
 
+TEST(Control, PartsOfTheSamplesAddUpToTheWhole) {
+  JobRequest request = Request(Integrator::kPath, ControlVariate::kIrradiance);
+  request.options.aovs = *ParseAovs("variance,direct,lights");
+  const RenderJob job(SphereOnGround(true), request);
+  const Film whole = Render(job, job.frame());
+  FrameView first = job.frame(), second = job.frame();
+  first.options.samples_per_pixel = 5;
+  second.options.samples_per_pixel = 11, second.options.first_sample = 5;
+  Film parts = Render(job, first);
+  parts.Merge(Render(job, second));
+  EXPECT_EQ(parts.PackPicture(), whole.PackPicture());
+  Film unpacked = job.MakeFilm();
+  unpacked.UnpackPicture(whole.PackPicture());
+  EXPECT_EQ(unpacked.Resolve(16).rgb, whole.Resolve(16).rgb);
+}
+
 TEST(Control, IsRefusedWhereItCannotBe) {
   const auto refused = [](const JobRequest& request) {
     EXPECT_THROW(RenderJob(SphereOnGround(false), request), InputError) << request.strategy;
