@@ -179,6 +179,10 @@ def read_path_row(line):
     return row
 
 
+# Importance sampling under MIS is compensated unless it is told not to be.
+PLAIN = "importance:compensate=0"
+
+
 def compensated(light_samples):
     """Returns the strategy that leaves light to the one BSDF sample per `light_samples`."""
     return f"importance:compensate={1 / light_samples:g}"
@@ -187,7 +191,7 @@ def compensated(light_samples):
 def ours_direct(counts):
     """Returns the rows below the line: Skywave's own, with multiple importance sampling."""
     recipes = []
-    for strategy, samples in [("importance", counts),
+    for strategy, samples in [(PLAIN, counts),
                               (None, counts[::2]),
                               ("product", counts[::2]),
                               ("ris", counts[::2]),
@@ -201,7 +205,7 @@ def ours_direct(counts):
 
 def ours_path(counts):
     recipes = [Recipe(strategy, paths, 1, mis=True)
-               for strategy in ("importance", compensated(1), "product", "ris",
+               for strategy in (PLAIN, compensated(1), "product", "ris",
                                 "hybrid:lights=64,pick=power")
                for paths in counts]
     recipes += [Recipe("hybrid:lights=16,inside=1", paths // 4, 1, mis=True) for paths in counts]
