@@ -19,7 +19,7 @@ import measure
 import report
 import reproduce
 from reproduce import TABLES
-from tables import angle_for_area
+from tables import PLAIN, angle_for_area
 
 PROGRAM = None
 
