@@ -121,20 +121,26 @@ std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint
   return static_cast<std::uint32_t>(escaped);
 }
 
+// Moves all but the throughput of the rays of one vector that count with what they see.
+HWY_INLINE void MoveSeeing(const RowCompressor& rows, const RayColumns& rays, std::uint32_t i,
+                           const EscapeColumns& escaped, std::uint32_t to) {
+  rows.Move(rays.dir_x + i, escaped.dir_x + to);
+  rows.Move(rays.dir_y + i, escaped.dir_y + to);
+  rows.Move(rays.dir_z + i, escaped.dir_z + to);
+  rows.Move(rays.pdf + i, escaped.pdf + to);
+  rows.Move(rays.path + i, escaped.path + to);
+  rows.Move(rays.from + i, escaped.from + to);
+}
+
 void MoveEscaped(const RayColumns& rays, const std::uint32_t* queue, std::uint32_t n,
                  const EscapeColumns& escaped) {
   std::uint32_t to = 0;
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
     const RowCompressor rows(hn::Eq(Load(queue + i), SetU(kMissQueue)));
-    rows.Move(rays.dir_x + i, escaped.dir_x + to);
-    rows.Move(rays.dir_y + i, escaped.dir_y + to);
-    rows.Move(rays.dir_z + i, escaped.dir_z + to);
     rows.Move(rays.throughput_r + i, escaped.throughput_r + to);
     rows.Move(rays.throughput_g + i, escaped.throughput_g + to);
     rows.Move(rays.throughput_b + i, escaped.throughput_b + to);
-    rows.Move(rays.pdf + i, escaped.pdf + to);
-    rows.Move(rays.path + i, escaped.path + to);
-    rows.Move(rays.from + i, escaped.from + to);
+    MoveSeeing(rows, rays, i, escaped, to);
     to += rows.count();
   }
 }
@@ -153,15 +159,10 @@ std::uint32_t MoveControlled(const RayColumns& rays, const std::uint32_t* queue,
     const VF zero = hn::Zero(F());
     const MF any = hn::Or(hn::Or(hn::Ne(left.x, zero), hn::Ne(left.y, zero)), hn::Ne(left.z, zero));
     const RowCompressor rows(hn::And(hn::RebindMask(U(), any), RowsBelow(i, n)));
-    rows.Move(rays.dir_x + i, escaped.dir_x + to);
-    rows.Move(rays.dir_y + i, escaped.dir_y + to);
-    rows.Move(rays.dir_z + i, escaped.dir_z + to);
     rows.Append(left.x, escaped.throughput_r + to);
     rows.Append(left.y, escaped.throughput_g + to);
     rows.Append(left.z, escaped.throughput_b + to);
-    rows.Move(rays.pdf + i, escaped.pdf + to);
-    rows.Move(rays.path + i, escaped.path + to);
-    rows.Move(rays.from + i, escaped.from + to);
+    MoveSeeing(rows, rays, i, escaped, to);
     to += rows.count();
   }
   return to;
