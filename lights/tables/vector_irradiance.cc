@@ -85,9 +85,15 @@ class RowSums {
   std::vector<RgbVector> sums_;
 };
 
-// Adds `sums` at the angle `theta` from up, of weight d theta.
-void AddAt(const RgbVector& sums, double sine, double cosine, double weight, RgbVector& total) {
-  const double across = weight * sine * sine, up = weight * sine * cosine;
+// An angle from up.
+struct Polar {
+  double sine, cosine;
+  explicit Polar(double theta) : sine(std::sin(theta)), cosine(std::cos(theta)) {}
+};
+
+// Adds `sums` at an angle from up, of weight d theta.
+void AddAt(const RgbVector& sums, const Polar& at, double weight, RgbVector& total) {
+  const double across = weight * at.sine * at.sine, up = weight * at.sine * at.cosine;
   for (std::size_t c = 0; c < 3; ++c) {
     total[c][0] += across * sums[c][0];
     total[c][1] += across * sums[c][1];
@@ -105,22 +111,21 @@ struct NodeNormal {
     sine = across > 0 ? n[0] / across : 0, cosine = across > 0 ? n[1] / across : 1;
     azimuth = std::atan2(n[0], n[1]);
   }
-  // Returns the cosine of half the range of azimuths that are above the horizon at an angle from up
-  // with these sine and cosine: 1 or more where none is, -1 or less where all are.
-  double HalfRange(double theta_sine, double theta_cosine) const {
-    const double over = horizon - up * theta_cosine, under = across * theta_sine;
+  // Returns the cosine of half the range of azimuths that are above the horizon at an angle from
+  // up: 1 or more where none is, -1 or less where all are.
+  double HalfRange(const Polar& at) const {
+    const double over = horizon - up * at.cosine, under = across * at.sine;
     if (under > 0) return over / under;
     return over < 0 ? -2 : 2;
   }
 };
 
 // Adds the azimuths above the horizon of the node at one angle from up.
-void AddCut(const RowSums& row, const NodeNormal& node, double theta, double weight,
+void AddCut(const RowSums& row, const NodeNormal& node, const Polar& at, double weight,
             std::uint32_t width, RgbVector& total) {
-  const double sine = std::sin(theta), cosine = std::cos(theta);
-  const double half = node.HalfRange(sine, cosine);
+  const double half = node.HalfRange(at);
   if (half >= 1) return;
-  if (half <= -1) return AddAt(row.all(), sine, cosine, weight, total);
+  if (half <= -1) return AddAt(row.all(), at, weight, total);
   const double range = std::acos(half), half_sine = std::sqrt(1 - half * half);
   // The place of an azimuth among the texels, from 0 to the width.
   const auto border = [&](double side) -> RowSums::Border {
@@ -139,24 +144,39 @@ void AddCut(const RowSums& row, const NodeNormal& node, double theta, double wei
       if (from.column > to.column) between[c][k] += row.all()[c][k];
     }
   }
-  AddAt(between, sine, cosine, weight, total);
+  AddAt(between, at, weight, total);
 }
 
-// Adds a band of a row between the angles top and bottom from up: by two Gaussian points where the
-// horizon cuts it like a straight line, by more where it is tangent.
-void AddBand(const RowSums& row, const NodeNormal& node, double top, double bottom,
-             std::uint32_t width, RgbVector& total) {
-  const double high = node.HalfRange(std::sin(top), std::cos(top));
-  const double low = node.HalfRange(std::sin(bottom), std::cos(bottom));
-  if (high >= 1 && low >= 1) return;
-  const bool tangent = std::abs(high) >= 1 || std::abs(low) >= 1;
-  const bool whole = high <= -1 && low <= -1;
-  const int parts = tangent && !whole ? 16 : 1;
-  const double step = (bottom - top) / parts, offset = step / (2 * std::sqrt(3.0));
-  for (int part = 0; part < parts; ++part) {
-    const double middle = top + step * (part + 0.5);
-    AddCut(row, node, middle - offset, 0.5 * step, width, total);
-    AddCut(row, node, middle + offset, 0.5 * step, width, total);
+// A band of a row: its borders and two Gaussian points between them.
+struct Band {
+  double top, height;
+  Polar first, last, low, high;
+  Band(double from, double to)
+      : top(from), height(to - from), first(from), last(to), low(Gauss(-1)), high(Gauss(1)) {}
+  Polar Gauss(double side) const {
+    return Polar(top + height * (0.5 + side / (2 * std::sqrt(3.0))));
+  }
+};
+
+// Adds a band of a row: by its two points where the horizon cuts it like a straight line, by more
+// where it is tangent.
+void AddBand(const RowSums& row, const NodeNormal& node, const Band& band, std::uint32_t width,
+             RgbVector& total) {
+  const double first = node.HalfRange(band.first), last = node.HalfRange(band.last);
+  if (first >= 1 && last >= 1) return;
+  const bool whole = first <= -1 && last <= -1;
+  const bool tangent = std::abs(first) >= 1 || std::abs(last) >= 1;
+  if (whole || !tangent) {
+    AddCut(row, node, band.low, 0.5 * band.height, width, total);
+    AddCut(row, node, band.high, 0.5 * band.height, width, total);
+    return;
+  }
+  constexpr int kParts = 16;
+  const double step = band.height / kParts;
+  for (int part = 0; part < kParts; ++part) {
+    const Band finer(band.top + step * part, band.top + step * (part + 1));
+    AddCut(row, node, finer.low, 0.5 * step, width, total);
+    AddCut(row, node, finer.high, 0.5 * step, width, total);
   }
 }
 
@@ -176,6 +196,10 @@ VectorIrradiance::VectorIrradiance(const EnvironmentMap& map)
   constexpr std::uint32_t kMostBands = 256;
   const std::uint32_t bands = std::max(1u, kMostBands / height);
   const double step = std::numbers::pi / (double(height) * bands);
+  std::vector<Band> all_bands;
+  for (std::uint32_t i = 0; i < height * bands; ++i) {
+    all_bands.emplace_back(step * i, step * (i + 1));
+  }
   // An entry adds up the rows in their order, whatever the number of threads.
   constexpr std::uint32_t kRows = 16;
   std::vector<RowSums> rows(kRows);
@@ -187,8 +211,7 @@ VectorIrradiance::VectorIrradiance(const EnvironmentMap& map)
     tbb::parallel_for(0u, kEntries, [&](std::uint32_t entry) {
       const NodeNormal node(entry);
       for (std::uint32_t i = 0; i < count * bands; ++i) {
-        const double top = step * (first * bands + i);
-        AddBand(rows[i / bands], node, top, top + step, width, totals[entry]);
+        AddBand(rows[i / bands], node, all_bands[first * bands + i], width, totals[entry]);
       }
     });
   }
