@@ -73,11 +73,6 @@ void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t
   w.groups->film->AddToGroups(w.paths, rows, n, w.groups->given);
 }
 
-// Returns the worker's columns for a control variate; null where there is none.
-ControlColumns ControlsOf(const Worker& w) {
-  return w.control ? w.control->columns() : ControlColumns{};
-}
-
 // Moves those of rays [0, n) that count with what they see of the environment to w.escaped: those
 // that escaped, and with a control variate those from which something is subtracted whatever they
 // met. Returns their number. Rays from the camera have no control yet.
@@ -103,6 +98,10 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
 }
 
 }  // namespace
+
+ControlColumns ControlsOf(const Worker& w) {
+  return w.control ? w.control->columns() : ControlColumns{};
+}
 
 SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                         std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,

@@ -15,6 +15,9 @@ std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 // Returns the surfaces of the bounce at hand, as strategies see them.
 ShadePoints Points(const FrameView& frame, const Worker& w);
 
+// Returns the worker's columns for a control variate; null where there is none.
+ControlColumns ControlsOf(const Worker& w);
+
 // Starts the light groups of paths [0, n) with nothing; `film` will get what they gain. Does
 // nothing where nobody asks for groups.
 void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w);
