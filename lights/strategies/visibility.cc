@@ -27,7 +27,7 @@ constexpr std::size_t kSplitRays = 1024;
 constexpr double kPriorRays = 3;
 // A place is drawn from as it was learnt if that has so many times less variance than light alone,
 // whose samples are better stratified.
-constexpr double kWorthwhile = 1.2;
+constexpr double kWorthwhile = 2;
 // Chunks of rows with both kinds of places pay for both. So where learning pays for more than the
 // first share of the rays it is used everywhere, and below the second one nowhere.
 constexpr double kMostly = 0.25, kHardly = 0.02;
