@@ -107,6 +107,7 @@ TEST(StrategyPilot, DependsOnNeitherThreadsNorWavesNorParts) {
   frame.options.wave = 40;
   expect_same(frame);
   frame = job.frame();
+  frame.options.picture_samples = {0, 4};
   frame.options.first_sample = 3, frame.options.samples_per_pixel = 1;
   expect_same(frame);
 }

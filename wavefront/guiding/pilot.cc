@@ -7,7 +7,8 @@ namespace skywave {
 namespace {
 
 // The pilot has about this many camera paths: few against a usual render, enough for a small one.
-constexpr double kLeastPilotPaths = 1 << 14, kMostPilotPaths = 1 << 17;
+constexpr double kLeastPilotPaths = 1 << 14;
+constexpr std::uint64_t kMostPilotPaths = 1 << 17;
 
 constexpr std::uint32_t kPilotSeed = 0x5EED9135u;  // turns a frame's seed into the pilot's
 
@@ -28,9 +29,9 @@ CameraView WithPixels(CameraView camera, std::uint32_t width, std::uint32_t heig
 
 }  // namespace
 
-FrameView CoarseView(const FrameView& frame, std::uint32_t samples) {
+FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t samples) {
   const double pixels = double(frame.camera.whole_width) * frame.camera.whole_height;
-  const double scale = std::min(1.0, std::sqrt(kMostPilotPaths / samples / pixels));
+  const double scale = std::min(1.0, std::sqrt(double(paths) / samples / pixels));
   const auto scaled = [&](std::uint32_t side) { return int(std::lround(side * scale)); };
   const CropWindow film = WholeBlocks({0, 0, std::max(1, scaled(frame.camera.whole_width)),
                                        std::max(1, scaled(frame.camera.whole_height))});
@@ -39,8 +40,8 @@ FrameView CoarseView(const FrameView& frame, std::uint32_t samples) {
   RenderOptions& options = coarse.options;
   options.width = film.width, options.height = film.height;
   options.film_width = options.film_height = options.crop_x = options.crop_y = 0;
-  options.samples_per_pixel =
-      std::max(samples, std::uint32_t(std::ceil(kLeastPilotPaths / pixels)));
+  const double least = std::min(double(paths), kLeastPilotPaths) / pixels;
+  options.samples_per_pixel = std::max(samples, std::uint32_t(std::ceil(least)));
   options.first_sample = 0, options.picture_samples = {};
   options.wave = WholeBeams(frame.options.wave);
   options.aovs = 0;
@@ -51,7 +52,7 @@ FrameView CoarseView(const FrameView& frame, std::uint32_t samples) {
 
 FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
   constexpr std::uint32_t kSamples = 4;
-  FrameView pilot = CoarseView(frame, kSamples);
+  FrameView pilot = CoarseView(frame, kMostPilotPaths, kSamples);
   pilot.strategy = &strategy;
   pilot.irradiance = {};
   const RenderOptions coarse = pilot.options;

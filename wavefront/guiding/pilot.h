@@ -15,10 +15,10 @@
 
 namespace skywave {
 
-// Returns the frame as a pilot sees it: the whole film, coarse, with `samples` of a pixel; small
-// films have more. It depends on neither threads nor wave, nor on which part of the film or which
-// samples the frame has.
-FrameView CoarseView(const FrameView& frame, std::uint32_t samples);
+// Returns the frame as a pilot sees it: the whole film, coarse, with about `paths` paths and at
+// least `samples` of each pixel. It depends on neither threads nor wave, nor on which part of the
+// film or which samples the frame has.
+FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t samples);
 
 // Returns the frame of the pilot that teaches: the whole film, coarse, by path tracing with light
 // samples of `strategy`, with random numbers of its own.

@@ -18,6 +18,8 @@ namespace {
 // Pixels of the pilot get so many samples, a power of two, from each of two seeds. Variances are
 // those of their means, since strategies differ in how much they gain by stratified samples.
 constexpr std::uint32_t kSamples = 16;
+// A candidate's pilot has one path for so many of the picture, within these limits.
+constexpr std::uint64_t kPicturePaths = 64, kLeastPaths = 1 << 12, kMostPaths = 1 << 17;
 // They turn a frame's seed into those of the pilot, which are not that of the pilot that teaches:
 // what has been learnt from samples does too well with the same ones.
 constexpr std::uint32_t kChoiceSeeds[] = {0xA370C401u, 0x51B3E9D7u};
@@ -92,7 +94,12 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
     return nullptr;
   }
   const auto start = Clock::now();
-  FrameView pilot = CoarseView(frame, std::size(kChoiceSeeds) * kSamples);
+  const std::uint64_t picture_paths = std::uint64_t{frame.camera.whole_width} *
+                                      frame.camera.whole_height *
+                                      PictureSamples(frame.options).count();
+  FrameView pilot =
+      CoarseView(frame, std::clamp(picture_paths / kPicturePaths, kLeastPaths, kMostPaths),
+                 std::size(kChoiceSeeds) * kSamples);
   pilot.options.samples_per_pixel /= std::size(kChoiceSeeds);
   const double samples = double(PilotPaths(pilot)) * std::size(kChoiceSeeds);
   StrategyChoice choice;
