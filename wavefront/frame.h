@@ -127,6 +127,7 @@ struct FrameView {
   float eta_vcm = 0;                          // that of the pass at hand, see MisTechniques
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
   IrradianceView irradiance = {};             // that of the map; without nodes: no control variate
+  ControlWeightView control_weights = {};     // without weights: the control weighs 1 everywhere
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};
@@ -134,6 +135,7 @@ struct FrameView {
   MisTechniques mis_techniques() const { return {.mis = mis(), .eta_vcm = eta_vcm}; }
   bool splits() const { return options.split > 0; }
   bool controls() const { return irradiance.nodes != nullptr; }
+  bool weighs_control() const { return control_weights.weight != nullptr; }
   // True if light comes from beyond the scene; if it does not, the strategy is not asked.
   bool has_environment() const { return local_lights.count == 0 || local_lights.shared.share < 1; }
   bool has_emitters() const { return local_lights.light_of_triangle != nullptr; }

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "base/clock.h"
+#include "wavefront/guiding/control_pilot.h"
 #include "wavefront/guiding/emission_guide.h"
 #include "wavefront/guiding/strategy_pilot.h"
 #include "wavefront/guiding/visibility_pilot.h"
@@ -244,6 +245,8 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
     for (const StrategySlot slot : {&FrameView::strategy, &FrameView::continuation_strategy}) {
       learnt[count++] = PrepareStrategy(slot, film.layout(), pool, frame, result);
     }
+    ControlWeights weights;
+    if (frame.controls()) weights = LearnControl(pool, frame, result.control);
     EmissionGuide guide;
     if (options.guide && Describe(options.integrator).has_light_paths() &&
         frame.has_environment()) {

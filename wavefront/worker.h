@@ -75,6 +75,14 @@ struct GroupTables {
   Film* film = nullptr;  // the one that the wave at hand is for
 };
 
+// A control variate needs these tables.
+struct ControlTables {
+  explicit ControlTables(std::uint32_t wave) : subtracted(wave), weights(wave) {}
+  // What is subtracted from the light samples at hand, then from the rays that scatter.
+  soa::Table<ControlColumns> subtracted;
+  soa::Table<ControlWeightColumns> weights;  // of the surfaces at hand
+};
+
 struct Continuations;
 
 struct Worker {
@@ -97,8 +105,7 @@ struct Worker {
   std::optional<PhotonTables> photon;
   std::optional<MergeTables> merging;
   std::optional<GroupTables> groups;
-  // What is subtracted from the light samples at hand, then from the rays that scatter.
-  std::optional<soa::Table<ControlColumns>> control;
+  std::optional<ControlTables> control;
   std::unique_ptr<Continuations> continuations;
 };
 

@@ -166,16 +166,17 @@ inline constexpr bool kDiffuseThrough = requires(const Bsdf& bsdf, const V3& wo)
 template <class Bsdf>
 class DiffuseControl {
  public:
-  HWY_INLINE DiffuseControl(const IrradianceView& irradiance, const Bsdf& bsdf,
-                            const ShadingLanes& lanes, MU rows)
-      : diffuse_(bsdf.Diffuse(lanes.wo)),
-        front_(irradiance, lanes.frame.n, rows),
+  HWY_INLINE DiffuseControl(const LightControl& control, const Bsdf& bsdf,
+                            const ShadingLanes& lanes, std::uint32_t i, MU rows)
+      : weight_(control.weight == nullptr ? Set(1.0f) : Load(control.weight + i)),
+        diffuse_(Scale(bsdf.Diffuse(lanes.wo), weight_)),
+        front_(control.irradiance, lanes.frame.n, rows),
         through_(diffuse_),
         back_(front_) {
     if constexpr (kDiffuseThrough<Bsdf>) {
       const VF zero = hn::Zero(F());
-      through_ = bsdf.DiffuseThrough(lanes.wo);
-      back_ = IrradianceLanes(irradiance, Sub(V3{zero, zero, zero}, lanes.frame.n), rows);
+      through_ = Scale(bsdf.DiffuseThrough(lanes.wo), weight_);
+      back_ = IrradianceLanes(control.irradiance, Sub(V3{zero, zero, zero}, lanes.frame.n), rows);
     }
   }
 
@@ -188,7 +189,7 @@ class DiffuseControl {
       known = IfThen(through, Scale(through_, hn::Neg(wi.z)), known);
       counts = hn::Or(counts, through);
     }
-    if constexpr (kOnlyDiffuse<Bsdf>) known = value;
+    if constexpr (kOnlyDiffuse<Bsdf>) known = Scale(value, weight_);
     return {hn::IfThenElseZero(counts, known.x), hn::IfThenElseZero(counts, known.y),
             hn::IfThenElseZero(counts, known.z)};
   }
@@ -203,6 +204,7 @@ class DiffuseControl {
   }
 
  private:
+  VF weight_;
   V3 diffuse_;
   IrradianceLanes front_;
   V3 through_;  // this and the next one only for light from the other side
@@ -241,7 +243,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     StoreBelow(IfThen(counts, gain.z, zero), lights.b, i, n);
     StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
     if constexpr (kControlled) {
-      const DiffuseControl<Bsdf> diffuse(control->irradiance, bsdf, lanes, RowsBelow(i, n));
+      const DiffuseControl<Bsdf> diffuse(*control, bsdf, lanes, i, RowsBelow(i, n));
       MF sampled = hn::And(hn::Gt(pdf, zero), hn::Lt(pdf, open));
       if (control->reach != nullptr) {
         sampled = hn::And(sampled, hn::Eq(Load(control->reach + i), open));
@@ -433,7 +435,7 @@ std::uint32_t ScatterControlledRows(const SurfaceColumns& s, const MaterialView&
     MF alive = hn::Gt(sample.pdf, zero);
     if constexpr (kControlled) {
       // What is known does not ask which side of the triangle the direction is on.
-      const DiffuseControl<Bsdf> diffuse(policy.control->irradiance, bsdf, lanes, RowsBelow(i, n));
+      const DiffuseControl<Bsdf> diffuse(*policy.control, bsdf, lanes, i, RowsBelow(i, n));
       V3 control = weight;
       if constexpr (!kOnlyDiffuse<Bsdf>) {
         control = Scale(sample.wi, hn::Div(Set(1.0f), hn::Max(sample.pdf, Set(1e-30f))));

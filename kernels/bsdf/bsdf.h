@@ -56,6 +56,7 @@ enum class Transport {
 // subtracted for it goes to `out`, one row for each light sample, or for each ray that scatters.
 struct LightControl {
   IrradianceView irradiance;
+  const float* weight = nullptr;  // of the control at each surface; null: 1
   // True for one of the light samples of a surface: its row takes the integral of the control.
   bool with_integral = false;
   // Light samples reach so far; those of the map infinitely far. Null: all are of the map.

@@ -12,6 +12,8 @@
 
 #include <cstdint>
 
+#include "kernels/lights/places.h"
+
 namespace skywave {
 
 // Normals are tabulated at the nodes of a grid over the octahedral square, which lie on its border
@@ -44,5 +46,25 @@ struct ControlColumns {
     f(self.r), f(self.g), f(self.b);
   }
 };
+
+// Where much of the map is hidden, a part of the control leaves less to samples than all of it.
+struct ControlWeightView {
+  PlaceTreeView places;
+  const float* weight;  // of each place, 0 to 1
+};
+
+// One row = one surface.
+struct ControlWeightColumns {
+  float* weight;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.weight);
+  }
+};
+
+// Writes the weight of the control at surfaces [0, n).
+void FindControlWeights(const ControlWeightView& weights, std::uint32_t n,
+                        const SurfaceColumns& surfaces, const ControlWeightColumns& out);
 
 }  // namespace skywave

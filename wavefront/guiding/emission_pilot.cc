@@ -12,10 +12,6 @@
 namespace skywave {
 namespace {
 
-double Luminance(float r, float g, float b) {
-  return double(kLuminance[0]) * r + double(kLuminance[1]) * g + double(kLuminance[2]) * b;
-}
-
 // Collects the guide samples of the paths of a wave, line by line, places first, then weights.
 class GuideSampleList {
  public:

@@ -8,7 +8,6 @@ namespace {
 
 // The pilot has about this many camera paths: few against a usual render, enough for a small one.
 constexpr double kLeastPilotPaths = 1 << 14;
-constexpr std::uint64_t kMostPilotPaths = 1 << 17;
 
 constexpr std::uint32_t kPilotSeed = 0x5EED9135u;  // turns a frame's seed into the pilot's
 
@@ -50,9 +49,9 @@ FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t 
   return coarse;
 }
 
-FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
+FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy, std::uint64_t paths) {
   constexpr std::uint32_t kSamples = 4;
-  FrameView pilot = CoarseView(frame, kMostPilotPaths, kSamples);
+  FrameView pilot = CoarseView(frame, paths, kSamples);
   pilot.strategy = &strategy;
   pilot.irradiance = {};
   const RenderOptions coarse = pilot.options;
@@ -63,6 +62,22 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
   pilot.options.seed = coarse.seed ^ kPilotSeed;
   pilot.options.wave = coarse.wave;
   return pilot;
+}
+
+std::uint64_t PilotShare(const FrameView& frame) {
+  constexpr std::uint64_t kPicturePaths = 64, kLeast = 1 << 12;
+  const std::uint64_t paths = std::uint64_t{frame.camera.whole_width} * frame.camera.whole_height *
+                              PictureSamples(frame.options).count();
+  return std::clamp(paths / kPicturePaths, kLeast, kMostPilotPaths);
+}
+
+PlaceBox PlaceBoxOf(const SceneSphere& sphere) {
+  PlaceBox box;
+  for (std::size_t i = 0; i < 3; ++i) {
+    box.low[i] = sphere.low[i];
+    box.side = std::max(box.side, sphere.high[i] - sphere.low[i]);
+  }
+  return std::isfinite(box.side) ? box : PlaceBox{};
 }
 
 Tile PilotTile(const FrameView& pilot) { return {0, 0, pilot.camera.width, pilot.camera.height}; }

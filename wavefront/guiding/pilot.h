@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/partition.h"
+#include "lights/tables/places.h"
 #include "wavefront/frame.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
@@ -15,6 +16,9 @@
 
 namespace skywave {
 
+// Pilots have so many paths: few against a usual render.
+inline constexpr std::uint64_t kMostPilotPaths = 1 << 17;
+
 // Returns the frame as a pilot sees it: the whole film, coarse, with about `paths` paths and at
 // least `samples` of each pixel. It depends on neither threads nor wave, nor on which part of the
 // film or which samples the frame has.
@@ -22,10 +26,21 @@ FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t 
 
 // Returns the frame of the pilot that teaches: the whole film, coarse, by path tracing with light
 // samples of `strategy`, with random numbers of its own.
-FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy);
+FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy,
+                    std::uint64_t paths = kMostPilotPaths);
+// Returns how many paths a pilot has that is to be small against the picture.
+std::uint64_t PilotShare(const FrameView& frame);
+
+// Returns the cube in which the places of a scene lie, of side 0 if there are none.
+PlaceBox PlaceBoxOf(const SceneSphere& sphere);
+
 // Returns all its pixels as one tile, and the number of its paths.
 Tile PilotTile(const FrameView& pilot);
 std::uint64_t PilotPaths(const FrameView& pilot);
+
+inline double Luminance(float r, float g, float b) {
+  return double(kLuminance[0]) * r + double(kLuminance[1]) * g + double(kLuminance[2]) * b;
+}
 
 // Follows paths `range` of the pilot, and shows an observer
 //   SeeRays(w, rays, n)        rays that left the surfaces at hand, with their hits in w.hits
@@ -50,7 +65,7 @@ void FollowPilotPaths(const FrameView& pilot, const WaveRange& range, Worker& w,
     LightSurfaces(pilot, bounce, w, clock);
     observer.SeeLightSamples(w, w.ranges.light_sampled());
     n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, 0, bounce,
-                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
+                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next, ControlsOf(pilot, w));
     std::swap(rays, next);
   }
 }

@@ -18,8 +18,6 @@ namespace {
 // Pixels of the pilot get so many samples, a power of two, from each of two seeds. Variances are
 // those of their means, since strategies differ in how much they gain by stratified samples.
 constexpr std::uint32_t kSamples = 16;
-// A candidate's pilot has one path for so many of the picture, within these limits.
-constexpr std::uint64_t kPicturePaths = 64, kLeastPaths = 1 << 12, kMostPaths = 1 << 17;
 // They turn a frame's seed into those of the pilot, which are not that of the pilot that teaches:
 // what has been learnt from samples does too well with the same ones.
 constexpr std::uint32_t kChoiceSeeds[] = {0xA370C401u, 0x51B3E9D7u};
@@ -40,16 +38,14 @@ Work WorkOf(const RenderStats& stats) {
 }
 
 // Renders the pilot and returns its picture.
-Image RenderPilot(const FrameView& pilot, const FilmLayout& layout, WorkerPool& pool, Work& work) {
+Image RenderPilot(const FrameView& pilot, float brightest, WorkerPool& pool, Work& work) {
   // The threads share no pixel: they take a tile each.
   constexpr std::uint32_t kSide = 16;
   static_assert(kSide % kBeamWidth == 0 && kSide % kBeamHeight == 0);
   const std::uint32_t width = pilot.camera.width, height = pilot.camera.height;
   const std::uint32_t across = (width + kSide - 1) / kSide, down = (height + kSide - 1) / kSide;
   const std::uint32_t samples = pilot.options.samples_per_pixel;
-  Film film({.area = {int(width), int(height), {0, 0, int(width), int(height)}},
-             .brightest_radiance = layout.brightest_radiance,
-             .has_signs = layout.has_signs});
+  Film film(int(width), int(height), brightest);
   std::vector<Work> of_tile(std::size_t(across) * down);
   pool.ForEach(of_tile.size(), [&](std::size_t i, Worker& worker, RayRecorder*) {
     const std::uint32_t x = std::uint32_t(i) % across * kSide,
@@ -94,12 +90,8 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
     return nullptr;
   }
   const auto start = Clock::now();
-  const std::uint64_t picture_paths = std::uint64_t{frame.camera.whole_width} *
-                                      frame.camera.whole_height *
-                                      PictureSamples(frame.options).count();
-  FrameView pilot =
-      CoarseView(frame, std::clamp(picture_paths / kPicturePaths, kLeastPaths, kMostPaths),
-                 std::size(kChoiceSeeds) * kSamples);
+  FrameView pilot = CoarseView(frame, PilotShare(frame), std::size(kChoiceSeeds) * kSamples);
+  pilot.irradiance = {};
   pilot.options.samples_per_pixel /= std::size(kChoiceSeeds);
   const double samples = double(PilotPaths(pilot)) * std::size(kChoiceSeeds);
   StrategyChoice choice;
@@ -115,7 +107,7 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
     Image pictures[std::size(kChoiceSeeds)];
     for (std::size_t i = 0; i < std::size(kChoiceSeeds); ++i) {
       pilot.options.seed = frame.options.seed ^ kChoiceSeeds[i];
-      pictures[i] = RenderPilot(pilot, layout, pool, work);
+      pictures[i] = RenderPilot(pilot, layout.brightest_radiance, pool, work);
     }
     const CandidateScore score = {
         .name = std::string(candidate.strategy->name()),

@@ -64,7 +64,7 @@ void ContinuePaths(const FrameView& frame, const FrameView& of_continuations, st
     const std::uint32_t n =
         Scatter(frame, kCameraEnd, c.wave.paths, w.surfaces, ranges, first_kind, bounce,
                 DirectionUniforms(c.wave.scratch), LobeUniforms(c.wave.scratch), c.wave.rays[0],
-                ControlsOf(c.wave));
+                {.out = ControlsOf(frame, c.wave).out, .weight = ControlsOf(frame, w).weight});
     CountScattering(ranges, first_kind, c.wave.stats.lanes);
     clock.Lap(Stage::kScatter);
     FollowPaths(of_continuations, from, n, bounce + 1, c.wave, /*film=*/nullptr, clock);

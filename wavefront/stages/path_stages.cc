@@ -79,7 +79,7 @@ void KeepGroups(const FrameView& frame, const std::uint32_t* rows, std::uint32_t
 std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
                          std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, Worker& w) {
   if (frame.controls() && bounce > 0) {
-    return MoveControlled(rays, queues->queue, n, ControlsOf(w), w.escaped);
+    return MoveControlled(rays, queues->queue, n, ControlsOf(frame, w).out, w.escaped);
   }
   MoveEscaped(rays, queues->queue, n, w.escaped);
   return escaped;
@@ -99,8 +99,10 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
 
 }  // namespace
 
-ControlColumns ControlsOf(const Worker& w) {
-  return w.control ? w.control->columns() : ControlColumns{};
+ControlRows ControlsOf(const FrameView& frame, const Worker& w) {
+  if (!w.control) return {};
+  return {.out = w.control->subtracted,
+          .weight = frame.weighs_control() ? w.control->weights->weight : nullptr};
 }
 
 SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
@@ -132,6 +134,9 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
                   w.ranges.total(), w.surfaces);
   TextureSurfaces(frame, end, w.ranges, w.surfaces);
+  if (frame.weighs_control()) {
+    FindControlWeights(frame.control_weights, w.ranges.total(), w.surfaces, w.control->weights);
+  }
   CheckSurfaces(w.surfaces, w.ranges.total());
   clock.Lap(Stage::kSurface);
 }
@@ -202,7 +207,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
         SampleLights(frame, points, shares, bounce, index, uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
-    EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(w));
+    EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w));
     // The first light sample has one of the bounce's numbers, later ones are numbered behind.
     const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
@@ -211,7 +216,7 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     }
     TraceLights(frame, keys, w, clock);
     if (frame.controls()) {
-      SubtractControl(ControlsOf(w), w.surfaces->path, n, w.paths);
+      SubtractControl(ControlsOf(frame, w).out, w.surfaces->path, n, w.paths);
       KeepGroups(frame, w.surfaces->path, n, w,
                  [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
     }
@@ -228,7 +233,7 @@ std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::u
                               StageClock& clock) {
   const std::uint32_t n =
       Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, bounce,
-              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays, ControlsOf(w));
+              DirectionUniforms(w.scratch), LobeUniforms(w.scratch), rays, ControlsOf(frame, w));
   CountScattering(w.ranges, first_kind, w.stats.lanes);
   clock.Lap(Stage::kScatter);
   return n;

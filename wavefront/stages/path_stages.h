@@ -16,7 +16,7 @@ std::uint32_t CountOpen(const LightColumns& lights, std::uint32_t n);
 ShadePoints Points(const FrameView& frame, const Worker& w);
 
 // Returns the worker's columns for a control variate; null where there is none.
-ControlColumns ControlsOf(const Worker& w);
+ControlRows ControlsOf(const FrameView& frame, const Worker& w);
 
 // Starts the light groups of paths [0, n) with nothing; `film` will get what they gain. Does
 // nothing where nobody asks for groups.

@@ -29,6 +29,11 @@ float PixelAngle(const CameraView& camera) {
   return length(camera.right) / length(camera.forward);
 }
 
+// Returns the column from `row` on; null stays null.
+const float* At(const float* column, std::uint32_t row) {
+  return column == nullptr ? nullptr : column + row;
+}
+
 // Starts paths beam by beam: the samples of a block of pixels, then those of the next block of the
 // tile. Seeds are those of the pixels of the whole film, so that a part of it has the same noise.
 void StartPaths(const RenderOptions& options, const CameraView& camera, const WaveRange& range,
@@ -206,7 +211,7 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
 
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
-                    const LightColumns& lights, const ControlColumns& control) {
+                    const LightColumns& lights, const ControlRows& control) {
   const MaterialView materials = frame.geometry->materials();
   ForEachBsdf(ranges, kDenseBsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& rows) {
     const SurfaceColumns at = Slice(surfaces, rows.begin);
@@ -216,9 +221,10 @@ void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
       return;
     }
     const LightControl known = {.irradiance = frame.irradiance,
+                                .weight = At(control.weight, rows.begin),
                                 .with_integral = index == 0,
                                 .reach = reach.limited() ? reach->distance + rows.begin : nullptr,
-                                .out = Slice(control, rows.begin)};
+                                .out = Slice(control.out, rows.begin)};
     bsdf.evaluate_controlled_lights(at, materials, rows.n, frame.mis(), known, lights_at);
   });
   if (reach.limited()) LimitShadows(reach->distance, ranges.light_sampled(), lights);
@@ -240,11 +246,10 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays, const ControlColumns& control) {
+                      const RayColumns& rays, const ControlRows& control) {
   const MaterialView materials = frame.geometry->materials();
   const bool roulette = bounce >= kFirstRouletteBounce;
-  assert(!frame.controls() || control.r != nullptr);
-  const LightControl known = {.irradiance = frame.irradiance, .out = control};
+  assert(!frame.controls() || control.out.r != nullptr);
   std::uint32_t appended = 0;
   const BsdfSpan bsdfs = {.first = first_kind, .end = kBsdfKinds};
   ForEachBsdf(ranges, bsdfs, [&](const BsdfKernels& bsdf, const BsdfRows& at) {
@@ -255,6 +260,9 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
       DrawUniforms(paths, rows.path, at.n, end.pairs + SamplePair(bounce, SampleUse::kLobe),
                    end.split, lobe);
     }
+    const LightControl known = {.irradiance = frame.irradiance,
+                                .weight = At(control.weight, at.begin),
+                                .out = control.out};
     const ScatterPolicy policy = {.roulette = roulette,
                                   .first_row = at.begin,
                                   .transport = end.transport,
@@ -263,7 +271,7 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
     appended = bsdf.scatter(rows, materials, {.direction = direction, .lobe = lobe}, at.n, policy,
                             rays, appended);
     if (frame.controls() && bsdf.delta) {
-      for (float* column : {control.r, control.g, control.b}) {
+      for (float* column : {control.out.r, control.out.g, control.out.b}) {
         std::fill(column + first, column + appended, 0.0f);
       }
     }

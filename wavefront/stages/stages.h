@@ -86,12 +86,19 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
                         const LightUniforms& uniforms, const Scratch& scratch,
                         const LightColumns& lights, const LightPlaces& places);
 
+// The columns of a control variate: what is subtracted, one row for each light sample or scattered
+// ray, and what the control weighs at each surface; null: 1.
+struct ControlRows {
+  ControlColumns out = {};
+  const float* weight = nullptr;
+};
+
 // Turns light samples into contributions and opens or closes their shadow rays. With a control
 // variate, `control` gets what is subtracted from the paths of the surfaces; the first light sample
 // of a surface subtracts the integral of the control as well.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
-                    const LightColumns& lights, const ControlColumns& control);
+                    const LightColumns& lights, const ControlRows& control);
 
 // Closes (t_far negative) the light samples that rays pass through at their own triangle, which
 // their shadow rays do not reach. `keys` are those of the shadow rays.
@@ -104,6 +111,6 @@ std::uint32_t Scatter(const FrameView& frame, const PathEnd& end, const PathColu
                       const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                       std::uint32_t first_kind, std::uint32_t bounce,
                       const DirectionUniforms& direction, const LobeUniforms& lobe,
-                      const RayColumns& rays, const ControlColumns& control = {});
+                      const RayColumns& rays, const ControlRows& control = {});
 
 }  // namespace skywave
