@@ -5,6 +5,7 @@
 
 #include "lights/light_sets/median_cut.h"
 #include "lights/light_sets/penrose.h"
+#include "lights/light_sets/polyomino.h"
 #include "lights/light_sets/variance_cut.h"
 #include "lights/light_sets/voronoi.h"
 #include "lights/tables/max_pyramid.h"
@@ -26,9 +27,19 @@ std::vector<Region> CutRegions(const SphereMap& map, const LightOptions& options
                                                    : VarianceCut(map, options.lights);
 }
 
+// Returns whether the lights are placed as points, whose cells are those nearest to them, and not
+// as rectangles.
+bool PlacesPoints(LightSource source) {
+  return source == LightSource::kPenrose || source == LightSource::kPolyomino;
+}
+
 std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& options) {
   if (options.source == LightSource::kPenrose) {
-    return Directions(PenroseSamples(ImportancePyramid(map), options.lights, options.penrose));
+    return Directions(
+        PenroseSamples(ImportancePyramid(map), options.lights, {.seed = options.seed}));
+  }
+  if (options.source == LightSource::kPolyomino) {
+    return Directions(PolyominoSamples(map, options.lights, options.seed));
   }
   std::vector<Vector3> samples;
   const LightSet rectangles =
@@ -48,8 +59,7 @@ std::vector<Vector3> Cluster(const SphereMap& map, const std::vector<Vector3>& s
 
 LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
   if (map.energy <= 0) return {{}, CellMap(map.texels(), kNoCell)};
-  const bool points =
-      options.source == LightSource::kPenrose || options.cluster || options.lloyd_steps > 0;
+  const bool points = PlacesPoints(options.source) || options.cluster || options.lloyd_steps > 0;
   if (!points) return LightsOfRegions(map, CutRegions(map, options), options.position);
   std::vector<Vector3> samples = PlaceSamples(map, options);
   if (options.cluster) samples = Cluster(map, samples, options);

@@ -2,18 +2,18 @@
 // several strategies share are in one place here.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 
 #include "base/names.h"
 #include "lights/light_sets/clustering.h"
-#include "lights/light_sets/penrose.h"
 #include "lights/strategies/strategy.h"
 #include "lights/tables/cells.h"
 
 namespace skywave {
 
-enum class LightSource { kPenrose, kMedianCut, kVarianceCut };
+enum class LightSource { kPenrose, kPolyomino, kMedianCut, kVarianceCut };
 
 struct LightOptions {
   LightSource source = LightSource::kPenrose;
@@ -21,13 +21,14 @@ struct LightOptions {
   LightPosition position = LightPosition::kCentroid;
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
-  ClusterStop stop;  // used if cluster is set
-  PenroseParameters penrose;
+  ClusterStop stop;        // used if cluster is set
+  std::uint64_t seed = 1;  // of a tiling: other seeds give other patterns of the same quality
 };
 
 template <>
 inline constexpr auto kEnumNames<LightSource> =
     std::to_array<Named<LightSource>>({{LightSource::kPenrose, "penrose"},
+                                       {LightSource::kPolyomino, "polyomino"},
                                        {LightSource::kMedianCut, "median-cut"},
                                        {LightSource::kVarianceCut, "variance-cut"}});
 template <>
@@ -50,7 +51,7 @@ LightSet BuildLights(const SphereMap& map, const LightOptions& options);
 // lights from any source have `kFromParameter` too.
 std::span<const StrategyParameter> LightParameters();
 inline constexpr StrategyParameter kFromParameter = {
-    "from", "penrose", "who places the lights: penrose, median-cut or variance-cut"};
+    "from", "penrose", "who places the lights: penrose, polyomino, median-cut or variance-cut"};
 
 LightOptions ReadLightOptions(const StrategyValues& values);
 LightSource ReadLightSource(const StrategyValues& values);

@@ -76,4 +76,9 @@ StrategyFactory PenroseFactory() {
           Parameters(), MakeLights<LightSource::kPenrose>};
 }
 
+StrategyFactory PolyominoFactory() {
+  return {"polyomino", "directional lights by a tiling of polyominoes (Ostromoukhov 2007)",
+          Parameters(), MakeLights<LightSource::kPolyomino>};
+}
+
 }  // namespace skywave

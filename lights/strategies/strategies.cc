@@ -20,6 +20,7 @@ namespace skywave {
   STRATEGY(MedianCut)                \
   STRATEGY(VarianceCut)              \
   STRATEGY(Penrose)                  \
+  STRATEGY(Polyomino)                \
   STRATEGY(Presampled)               \
   STRATEGY(Product)                  \
   STRATEGY(Portal)                   \
