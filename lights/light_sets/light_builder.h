@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "base/names.h"
 #include "lights/light_sets/clustering.h"
@@ -18,6 +19,8 @@ enum class LightSource { kPenrose, kPolyomino, kMedianCut, kVarianceCut };
 struct LightOptions {
   LightSource source = LightSource::kPenrose;
   int lights = 64;
+  // Set: `lights` is chosen so that the bias of the lights (LightBias) is at most this.
+  std::optional<double> bias;
   LightPosition position = LightPosition::kCentroid;
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
@@ -45,7 +48,14 @@ inline constexpr auto kEnumNames<ClusterFrequency> =
 // Places lights, clusters and relaxes them as the options say, and gives each the light of its
 // cell. The energy of the lights is the energy of the map. There are fewer lights than requested if
 // texels with energy or clustering allow no more, and none for a black map.
+//
+// With `options.bias` numbers are tried in doubling steps up to kMostLights, and then between the
+// last two, to a sixteenth of the number. Throws OptionError where none has so small a bias.
 LightSet BuildLights(const SphereMap& map, const LightOptions& options);
+inline constexpr int kMostLights = 30000;
+
+// Returns what BuildLights has chosen, for the user; empty where it had no choice.
+std::string NoteOfLights(const LightSet& set);
 
 // Returns the parameters behind LightOptions, for the table of strategies. Strategies that take
 // lights from any source have `kFromParameter` too.

@@ -24,8 +24,9 @@ struct PolyominoSample {
 // Returns exactly `count` samples, ordered by the least mag with which they are taken, so that
 // every prefix is a smaller set: the mag starts from its closed form, count * 4 pi / energy, and
 // ends at the count-th smallest of the mags that the samples of a slightly larger set need. There
-// are fewer only where the tiling ends (radiance beyond 2^60 / count times the mean), and none for a black map.
-// Other seeds give other patterns of the same quality. Throws InputError for count < 1.
+// are fewer only where the tiling ends (radiance beyond 2^60 / count times the mean), and none for
+// a black map. Other seeds give other patterns of the same quality. Throws InputError for count <
+// 1.
 std::vector<PolyominoSample> PolyominoSamples(const SphereMap& map, int count,
                                               std::uint64_t seed = 1);
 

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/error.h"
 #include "lights/light_sets/light_builder.h"
 #include "lights/strategies/importance.h"
 #include "lights/strategies/lights.h"
@@ -160,6 +161,10 @@ std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
   options.source = ReadLightSource(values);
   if (ChoiceValue(values, "mode", kModes) == 0) {
     return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
+  }
+  if (options.bias) {
+    throw OptionError("strategy", "presampled",
+                      "lights=auto needs mode=fixed: samples inside cells are unbiased");
   }
   // The light that samples will find is cut into cells, so that every texel with light has one.
   const Image held = Texels(map).Held();
