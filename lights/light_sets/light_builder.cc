@@ -20,7 +20,8 @@ namespace {
 constexpr double kLeastBias = 1e-4;
 
 constexpr StrategyParameter kLightParameters[] = {
-    {"lights", "64", "number of lights before clustering, or auto:BIAS for the fewest so good"},
+    {"lights", "64",
+     "number of lights before clustering, or auto:BIAS: as many as that bias needs"},
     {"position", "centroid", "of a light in its cell: centroid, center or sample"},
     {"lloyd", "0", "energy-weighted Lloyd steps"},
     {"cluster", "none", "merge lights pairwise by F1 (number), F2 (energy) or F3 (luminance)"},

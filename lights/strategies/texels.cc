@@ -182,7 +182,8 @@ std::span<const StrategyParameter> PresampledParameters() {
         kFromParameter};
     all.insert(all.end(), LightParameters().begin(), LightParameters().end());
     for (StrategyParameter& parameter : all) {
-      if (parameter.key == "lights") parameter = {"lights", "360", "number of cells"};
+      if (parameter.key == "lights")
+        parameter = {"lights", "360", "number of cells, or auto:BIAS with mode=fixed"};
     }
     return all;
   }();
