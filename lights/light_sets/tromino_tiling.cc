@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <span>
 
 #include "lights/maps/healpix.h"
@@ -144,11 +145,28 @@ TrominoDivision Rank(const std::vector<Placed>& placed, std::span<const Complex>
   return division;
 }
 
-std::vector<TrominoDivision> AllDivisions(std::span<const Square> parent) {
-  Cover cover;
-  for (auto& row : cover) row.fill(true);
-  std::vector<Complex> points;
-  for (const Square& square : parent) {
+// All divisions of a shape.
+class Divisions {
+ public:
+  explicit Divisions(std::span<const Square> parent) {
+    Cover cover;
+    for (auto& row : cover) row.fill(true);
+    for (const Square& square : parent) AddSquare(square, cover);
+    std::vector<Placed> placed;
+    FindCovers(cover, placed, covers_);
+    ranked_.resize(covers_.size());
+    once_ = std::vector<std::once_flag>(covers_.size());
+  }
+
+  std::size_t size() const { return covers_.size(); }
+
+  const TrominoDivision& operator[](std::size_t index) {
+    std::call_once(once_[index], [&] { ranked_[index] = Rank(covers_[index], points_); });
+    return ranked_[index];
+  }
+
+ private:
+  void AddSquare(const Square& square, Cover& cover) {
     for (int y = 0; y < kFiner; ++y) {
       for (int x = 0; x < kFiner; ++x) {
         cover[square.y * kFiner + y][square.x * kFiner + x] = false;
@@ -157,16 +175,20 @@ std::vector<TrominoDivision> AllDivisions(std::span<const Square> parent) {
     constexpr int kAcross = 3 * kFiner;
     for (int y = 0; y < kAcross; ++y) {
       for (int x = 0; x < kAcross; ++x) {
-        points.push_back({square.x + (x + 0.5) / kAcross, square.y + (y + 0.5) / kAcross});
+        points_.push_back({square.x + (x + 0.5) / kAcross, square.y + (y + 0.5) / kAcross});
       }
     }
   }
-  std::vector<std::vector<Placed>> covers;
-  std::vector<Placed> placed;
-  FindCovers(cover, placed, covers);
-  std::vector<TrominoDivision> divisions;
-  for (const std::vector<Placed>& tiles : covers) divisions.push_back(Rank(tiles, points));
-  return divisions;
+
+  std::vector<Complex> points_;  // all over the shape
+  std::vector<std::vector<Placed>> covers_;
+  std::vector<TrominoDivision> ranked_;
+  std::vector<std::once_flag> once_;
+};
+
+Divisions& DivisionsOf(bool of_square) {
+  static Divisions squares(kBlock), trominoes(kTromino);
+  return of_square ? squares : trominoes;
 }
 
 // Mixes bits well (Steele, Lea and Flood 2014, SplitMix).
@@ -179,14 +201,10 @@ std::uint64_t Mix(std::uint64_t z) {
 
 }  // namespace
 
-const std::vector<TrominoDivision>& SquareDivisions() {
-  static const std::vector<TrominoDivision> divisions = AllDivisions(kBlock);
-  return divisions;
-}
+std::size_t DivisionCount(bool of_square) { return DivisionsOf(of_square).size(); }
 
-const std::vector<TrominoDivision>& TrominoDivisions() {
-  static const std::vector<TrominoDivision> divisions = AllDivisions(kTromino);
-  return divisions;
+const TrominoDivision& Division(bool of_square, std::size_t index) {
+  return DivisionsOf(of_square)[index];
 }
 
 TrominoTile TrominoSquare(std::uint64_t seed, int rank) {
@@ -208,9 +226,8 @@ std::uint64_t TrominoTiles(int level) {
 }
 
 const TrominoDivision& DivisionOf(const TrominoTile& tile) {
-  const std::vector<TrominoDivision>& all =
-      tile.level == 0 ? SquareDivisions() : TrominoDivisions();
-  return all[tile.path % all.size()];
+  const bool square = tile.level == 0;
+  return Division(square, tile.path % DivisionCount(square));
 }
 
 TrominoTile ChildOf(const TrominoTile& parent, int rank) {

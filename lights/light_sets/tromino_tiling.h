@@ -19,6 +19,7 @@
 // alone, and are found when the program first asks for them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -65,8 +66,9 @@ double RadiusOf(const TrominoTile& tile);
 // holds as many of them. Rank 0 of a square is the square's own sample.
 Complex SampleOf(const TrominoTile& parent, int rank, double density);
 
-// Returns all divisions of a square and of a tromino.
-const std::vector<TrominoDivision>& SquareDivisions();
-const std::vector<TrominoDivision>& TrominoDivisions();
+// Returns the number of divisions of a square or of a tromino, and one of them. A division is
+// worked out when it is first asked for; any number of threads may ask.
+std::size_t DivisionCount(bool of_square);
+const TrominoDivision& Division(bool of_square, std::size_t index);
 
 }  // namespace skywave
