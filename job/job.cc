@@ -184,6 +184,8 @@ void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light)
     auto tables =
         parts.Tables(request_, specification, UseOf(options(), light_samples), light, map_);
     CheckStrategy(*tables->strategy, specification, has_environment(), options());
+    const std::string note = tables->strategy->note();
+    if (!note.empty()) notes_.push_back(fmt::format("{}: {}", specification, note));
     return tables;
   };
   strategy_ = make(request_.strategy, LightSamplesOf(options()));

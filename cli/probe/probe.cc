@@ -73,7 +73,7 @@ void AddLightOptions(Command& command, const std::shared_ptr<LightRequest>& requ
     option({.name = "lights", .help = "number of lights, before clustering", .letter = 'n'}, FIELD(lights.lights), Numbers(1, 1 << 20)),
     option({.name = "position", .help = "place of a light in its cell: the sampler's point, the middle of its area or of its energy", .default_text = ToString(defaults.position)}, FIELD(lights.position), NamesOfEnum<LightPosition>()),
     option({.name = "lloyd", .help = "steps that move lights to their centroids"}, FIELD(lights.lloyd_steps), Numbers(0, 1000)),
-    option({.name = "seed", .help = "seed of the Penrose tiling"}, FIELD(lights.penrose.seed), Numbers(0u, 0xFFFFFFFFu)),
+    option({.name = "seed", .help = "seed of the tiling by penrose or polyomino"}, FIELD(lights.seed), Numbers(0u, 0xFFFFFFFFu)),
     option({.name = "strata", .help = "only the bright part A: p of the energy (0.54), where the luminance varies most (variation), or room for LIGHTS:DEGREES (64:10)", .metavar = "P|variation|LIGHTS:DEGREES"}, FIELD(strata), Codec<StrataRequest>{.values = "P|variation|LIGHTS:DEGREES", .parse = ParseStrata, .print = unprinted}),
     option({.name = "cluster", .group = kMerge, .help = "merge lights pairwise, weighted by one, energy or mean luminance, until --clusters or --separation is reached"}, FIELD(lights.cluster), NamesOfEnum<ClusterFrequency>()),
     cluster_too(option({.name = "clusters", .group = kMerge, .help = "merge until so many are left (by F2 without --cluster)"}, FIELD(lights.stop.clusters), counts)),

@@ -1,10 +1,15 @@
 #include "lights/light_sets/light_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numbers>
 
+#include "base/error.h"
+#include "lights/light_sets/light_bias.h"
 #include "lights/light_sets/median_cut.h"
 #include "lights/light_sets/penrose.h"
+#include "lights/light_sets/polyomino.h"
 #include "lights/light_sets/variance_cut.h"
 #include "lights/light_sets/voronoi.h"
 #include "lights/tables/max_pyramid.h"
@@ -12,8 +17,11 @@
 namespace skywave {
 namespace {
 
+constexpr double kLeastBias = 1e-4;
+
 constexpr StrategyParameter kLightParameters[] = {
-    {"lights", "64", "number of lights before clustering"},
+    {"lights", "64",
+     "number of lights before clustering, or auto:BIAS: as many as that bias needs"},
     {"position", "centroid", "of a light in its cell: centroid, center or sample"},
     {"lloyd", "0", "energy-weighted Lloyd steps"},
     {"cluster", "none", "merge lights pairwise by F1 (number), F2 (energy) or F3 (luminance)"},
@@ -26,9 +34,19 @@ std::vector<Region> CutRegions(const SphereMap& map, const LightOptions& options
                                                    : VarianceCut(map, options.lights);
 }
 
+// Returns whether the lights are placed as points, whose cells are those nearest to them, and not
+// as rectangles.
+bool PlacesPoints(LightSource source) {
+  return source == LightSource::kPenrose || source == LightSource::kPolyomino;
+}
+
 std::vector<Vector3> PlaceSamples(const SphereMap& map, const LightOptions& options) {
   if (options.source == LightSource::kPenrose) {
-    return Directions(PenroseSamples(ImportancePyramid(map), options.lights, options.penrose));
+    return Directions(
+        PenroseSamples(ImportancePyramid(map), options.lights, {.seed = options.seed}));
+  }
+  if (options.source == LightSource::kPolyomino) {
+    return Directions(PolyominoSamples(map, options.lights, options.seed));
   }
   std::vector<Vector3> samples;
   const LightSet rectangles =
@@ -44,12 +62,54 @@ std::vector<Vector3> Cluster(const SphereMap& map, const std::vector<Vector3>& s
   return ClusterPairwise(samples, Frequencies(sums, *options.cluster), options.stop).directions;
 }
 
+// Returns the lights of the least number tried whose bias is at most options.bias.
+LightSet BuildForBias(const SphereMap& map, const LightOptions& options) {
+  const LightBias bias(map);
+  const auto build = [&](int lights) {
+    LightOptions tried = options;
+    tried.lights = lights;
+    tried.bias.reset();
+    LightSet set = BuildLights(map, tried);
+    set.bias = bias.Of(set.lights);
+    return set;
+  };
+  int below = 0, count = 1;
+  LightSet set = build(count);
+  while (set.bias > *options.bias) {
+    if (count == kMostLights) {
+      throw OptionError("strategy", fmt::format("lights=auto:{}", *options.bias),
+                        fmt::format("no number of lights by {} is so good: the most there can be, "
+                                    "{}, have a relative bias of {:.2g}",
+                                    ToString(options.source), set.lights.size(), set.bias));
+    }
+    below = count;
+    count = std::min(2 * count, kMostLights);
+    set = build(count);
+  }
+  while (count - below > std::max(1, below / 16)) {
+    const int middle = below + (count - below) / 2;
+    LightSet fewer = build(middle);
+    if (fewer.bias > *options.bias) {
+      below = middle;
+    } else {
+      count = middle;
+      set = std::move(fewer);
+    }
+  }
+  return set;
+}
+
 }  // namespace
+
+std::string NoteOfLights(const LightSet& set) {
+  if (set.lights.empty() || !(set.bias > 0)) return {};
+  return fmt::format("{} lights, whose relative bias is {:.2g}", set.lights.size(), set.bias);
+}
 
 LightSet BuildLights(const SphereMap& map, const LightOptions& options) {
   if (map.energy <= 0) return {{}, CellMap(map.texels(), kNoCell)};
-  const bool points =
-      options.source == LightSource::kPenrose || options.cluster || options.lloyd_steps > 0;
+  if (options.bias) return BuildForBias(map, options);
+  const bool points = PlacesPoints(options.source) || options.cluster || options.lloyd_steps > 0;
   if (!points) return LightsOfRegions(map, CutRegions(map, options), options.position);
   std::vector<Vector3> samples = PlaceSamples(map, options);
   if (options.cluster) samples = Cluster(map, samples, options);
@@ -65,13 +125,14 @@ LightSource ReadLightSource(const StrategyValues& values) {
 
 LightOptions ReadLightOptions(const StrategyValues& values) {
   LightOptions options;
-  options.lights = IntValue(values, "lights", 1, 30000);
+  options.bias = AutoValue(values, "lights", kLeastBias, 1);
+  if (!options.bias) options.lights = IntValue(values, "lights", 1, kMostLights);
   options.position =
       kEnumNames<LightPosition>[ChoiceValue(values, "position", NamesOf<LightPosition>())].value;
   options.lloyd_steps = IntValue(values, "lloyd", 0, 1000);
   constexpr std::string_view kClusters[] = {"none", "F1", "F2", "F3"};
   options.cluster = Parse<ClusterFrequency>(kClusters[ChoiceValue(values, "cluster", kClusters)]);
-  options.stop.clusters = IntValue(values, "clusters", 0, 30000);
+  options.stop.clusters = IntValue(values, "clusters", 0, kMostLights);
   options.stop.separation = NumberValue(values, "separation", 0, 180) * std::numbers::pi / 180;
   return options;
 }

@@ -2,32 +2,36 @@
 // several strategies share are in one place here.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "base/names.h"
 #include "lights/light_sets/clustering.h"
-#include "lights/light_sets/penrose.h"
 #include "lights/strategies/strategy.h"
 #include "lights/tables/cells.h"
 
 namespace skywave {
 
-enum class LightSource { kPenrose, kMedianCut, kVarianceCut };
+enum class LightSource { kPenrose, kPolyomino, kMedianCut, kVarianceCut };
 
 struct LightOptions {
   LightSource source = LightSource::kPenrose;
   int lights = 64;
+  // Set: `lights` is chosen so that the bias of the lights (LightBias) is at most this.
+  std::optional<double> bias;
   LightPosition position = LightPosition::kCentroid;
   int lloyd_steps = 0;  // energy-weighted; samples of any source are then relaxed as points
   std::optional<ClusterFrequency> cluster;
-  ClusterStop stop;  // used if cluster is set
-  PenroseParameters penrose;
+  ClusterStop stop;        // used if cluster is set
+  std::uint64_t seed = 1;  // of a tiling: other seeds give other patterns of the same quality
 };
 
 template <>
 inline constexpr auto kEnumNames<LightSource> =
     std::to_array<Named<LightSource>>({{LightSource::kPenrose, "penrose"},
+                                       {LightSource::kPolyomino, "polyomino"},
                                        {LightSource::kMedianCut, "median-cut"},
                                        {LightSource::kVarianceCut, "variance-cut"}});
 template <>
@@ -44,13 +48,20 @@ inline constexpr auto kEnumNames<ClusterFrequency> =
 // Places lights, clusters and relaxes them as the options say, and gives each the light of its
 // cell. The energy of the lights is the energy of the map. There are fewer lights than requested if
 // texels with energy or clustering allow no more, and none for a black map.
+//
+// With `options.bias` numbers are tried in doubling steps up to kMostLights, and then between the
+// last two, to a sixteenth of the number. Throws OptionError where none has so small a bias.
 LightSet BuildLights(const SphereMap& map, const LightOptions& options);
+inline constexpr int kMostLights = 30000;
+
+// Returns what BuildLights has chosen, for the user; empty where it had no choice.
+std::string NoteOfLights(const LightSet& set);
 
 // Returns the parameters behind LightOptions, for the table of strategies. Strategies that take
 // lights from any source have `kFromParameter` too.
 std::span<const StrategyParameter> LightParameters();
 inline constexpr StrategyParameter kFromParameter = {
-    "from", "penrose", "who places the lights: penrose, median-cut or variance-cut"};
+    "from", "penrose", "who places the lights: penrose, polyomino, median-cut or variance-cut"};
 
 LightOptions ReadLightOptions(const StrategyValues& values);
 LightSource ReadLightSource(const StrategyValues& values);

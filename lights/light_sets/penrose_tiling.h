@@ -14,22 +14,14 @@
 #include <numbers>
 #include <span>
 
+#include "lights/light_sets/complex.h"
+
 namespace skywave {
 
 inline constexpr double kPhi = std::numbers::phi;
 // Values are exact in 64 bits up to this level.
 inline constexpr int kMaxPenroseLevel = 44;
 
-// A point or vector of the plane is a complex number.
-struct Complex {
-  double re = 0, im = 0;
-};
-inline Complex operator+(Complex a, Complex b) { return {a.re + b.re, a.im + b.im}; }
-inline Complex operator-(Complex a, Complex b) { return {a.re - b.re, a.im - b.im}; }
-inline Complex operator*(Complex a, Complex b) {
-  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
-}
-inline Complex operator*(double s, Complex a) { return {s * a.re, s * a.im}; }
 Complex Polar(double radius, double degrees);
 
 // Returns F(n), with F(1) = F(2) = 1, for n from 0 to 2 * kMaxPenroseLevel + 2.

@@ -61,9 +61,13 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   const Strata strata = DivideMap(sphere, options.strata);
   const Image a = StratumImage(sphere, strata, true), b = StratumImage(sphere, strata, false);
   const SphereMap sphere_a = MakeSphereMap(a);
-  const LightSet lights = BuildLights(sphere_a, options.lights);
-  lights_.emplace(lights.lights, map.map_from_world);
   share_ = sphere.energy > 0 ? float(std::clamp(sphere_a.energy / sphere.energy, 0.0, 1.0)) : 0;
+  LightOptions lights_of_a = options.lights;
+  if (lights_of_a.bias && share_ > 0) lights_of_a.bias = *lights_of_a.bias / share_;
+  LightSet lights = BuildLights(sphere_a, lights_of_a);
+  lights.bias *= share_;
+  note_ = NoteOfLights(lights);
+  lights_.emplace(lights.lights, map.map_from_world);
 
   // An escaped ray sees as a light what random samples could have found: B, and A where its cells
   // are sampled inside, but nothing of what lights stand for.
@@ -71,6 +75,7 @@ HybridStrategy::HybridStrategy(const EnvironmentMap& map, const HybridOptions& o
   if (options.presampled) {
     LightOptions rest = options.lights;
     rest.lights = options.rest_samples;
+    rest.bias.reset();
     rest.cluster.reset();
     rest_lights_.emplace(MakeLights(map, b, rest));
     texels_.emplace(map, options.inside ? a : Image(width, height));
@@ -189,6 +194,13 @@ HybridOptions ReadHybridOptions(const StrategyValues& values) {
   options.inside = BoolValue(values, "inside");
   if (options.inside && !options.all) {
     throw OptionError("strategy", "hybrid", "inside=1 needs pick=all");
+  }
+  const bool for_lights = options.strata.kind == StrataRequest::Kind::kLights;
+  if (options.lights.bias && (options.inside || for_lights)) {
+    throw OptionError("strategy", "hybrid",
+                      options.inside
+                          ? "lights=auto needs inside=0: samples inside cells are unbiased"
+                          : "lights=auto needs strata=variation or strata=p");
   }
   return options;
 }

@@ -6,7 +6,8 @@
 //   strata=variation  where A ends: variation (T 7.17-7.21), p (fraction of the energy), or lights
 //                     (room for `lights` of them, `angle` degrees apart, T 7.15)
 //   p=0.5, angle=10   for these
-//   lights=64, from=penrose, position=, lloyd=, cluster=, clusters=, separation=: A's lights
+//   lights=64, from=penrose, position=, lloyd=, cluster=, clusters=, separation=: A's lights;
+//                     the bias of lights=auto:BIAS is relative to the whole map's light
 //   pick=all          all of A's lights at every hit, then the light samples from B (the thesis's
 //                     direct lighting), or power: each light sample from A's lights or from B, by
 //                     their energy (its PT1)
@@ -44,6 +45,7 @@ class HybridStrategy final : public EnvStrategy {
 
   std::string_view name() const override { return "hybrid"; }
   std::size_t table_bytes() const override;
+  std::string note() const override { return note_; }
   bool shines_on_bsdf_samples() const override { return rest_table_ || cells_; }
   bool unbiased() const override { return options_.inside && !options_.presampled; }
   LightPlan Plan(std::uint32_t requested) const override;
@@ -58,6 +60,7 @@ class HybridStrategy final : public EnvStrategy {
                   const LightColumns& out) const;
 
   HybridOptions options_;
+  std::string note_;
   float share_ = 0;                               // of A in the energy
   std::optional<Texels> texels_;                  // what escaped rays see as a light
   std::optional<DirectionalLights> lights_;       // of A

@@ -16,10 +16,11 @@ bool ReadPickAll(const StrategyValues& values) {
 }
 
 LightsStrategy::LightsStrategy(std::string_view name, const EnvironmentMap& map,
-                               const LightOptions& options, bool all)
+                               const LightSet& lights, bool all)
     : name_(name),
+      note_(NoteOfLights(lights)),
       texels_(map, Image(map.latlong.width, map.latlong.height)),
-      lights_(MakeLights(map, map.latlong, options)),
+      lights_(lights.lights, map.map_from_world),
       all_(all) {}
 
 LightPlan LightsStrategy::Plan(std::uint32_t requested) const {
@@ -74,6 +75,11 @@ StrategyFactory VarianceCutFactory() {
 StrategyFactory PenroseFactory() {
   return {"penrose", "directional lights by the Penrose tiling (Ostromoukhov et al. 2004)",
           Parameters(), MakeLights<LightSource::kPenrose>};
+}
+
+StrategyFactory PolyominoFactory() {
+  return {"polyomino", "directional lights by a tiling of polyominoes (Ostromoukhov 2007)",
+          Parameters(), MakeLights<LightSource::kPolyomino>};
 }
 
 }  // namespace skywave

@@ -1,11 +1,12 @@
-// median-cut, variance-cut, penrose: the map as N directional lights (T 6.2, 6.3, 7.1).
+// median-cut, variance-cut, penrose, polyomino: the map as N directional lights (T 6.2, 6.3, 7.1).
 //
 // Every light carries the irradiance of its cell, so the lights have the energy of the map to
 // rounding. Biased: shadows are those of N suns, and glossy surfaces reflect N points. Rays that
 // BSDF sampling draws see no light, except those of camera, mirrors and glass, which see the map.
 //
 // Parameters
-//   lights=64             number of lights, before clustering
+//   lights=64             number of lights, before clustering; auto:BIAS takes as many as have a
+//                         relative bias of BIAS, 1e-4 to 1 (lights/light_sets/light_bias.h)
 //   position=centroid     where a light stands in its cell: centroid of its energy, center of its
 //                         area, or sample (the thesis)
 //   lloyd=0               energy-weighted Lloyd steps (Kollig and Keller 2003)
@@ -26,10 +27,12 @@ namespace skywave {
 class LightsStrategy final : public EnvStrategy {
  public:
   LightsStrategy(std::string_view name, const EnvironmentMap& map, const LightOptions& options,
-                 bool all);
+                 bool all)
+      : LightsStrategy(name, map, BuildLights(MakeSphereMap(map.latlong), options), all) {}
 
   std::string_view name() const override { return name_; }
   std::size_t table_bytes() const override { return texels_.bytes() + lights_.bytes(); }
+  std::string note() const override { return note_; }
   bool shines_on_bsdf_samples() const override { return false; }
   bool unbiased() const override { return false; }
   LightPlan Plan(std::uint32_t requested) const override;
@@ -39,7 +42,11 @@ class LightsStrategy final : public EnvStrategy {
                        const EscapeColumns& rows) const override;
 
  private:
+  LightsStrategy(std::string_view name, const EnvironmentMap& map, const LightSet& lights,
+                 bool all);
+
   std::string_view name_;
+  std::string note_;
   Texels texels_;  // black as a light
   DirectionalLights lights_;
   bool all_;

@@ -20,6 +20,7 @@ namespace skywave {
   STRATEGY(MedianCut)                \
   STRATEGY(VarianceCut)              \
   STRATEGY(Penrose)                  \
+  STRATEGY(Polyomino)                \
   STRATEGY(Presampled)               \
   STRATEGY(Product)                  \
   STRATEGY(Portal)                   \
@@ -107,6 +108,15 @@ const std::string& TextValue(const StrategyValues& values, std::string_view key)
       ->second;
 }
 
+// Returns nothing for a text that is no number or out of range.
+std::optional<double> ParseNumber(std::string_view text, double low, double high) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  if (!(value >= low && value <= high)) return std::nullopt;
+  return value;
+}
+
 }  // namespace
 
 bool BoolValue(const StrategyValues& values, std::string_view key) {
@@ -118,11 +128,20 @@ bool BoolValue(const StrategyValues& values, std::string_view key) {
 
 double NumberValue(const StrategyValues& values, std::string_view key, double low, double high) {
   const std::string& text = TextValue(values, key);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() ||
-      !(value >= low && value <= high)) {
-    ThrowUsage(fmt::format("{}={} is no number from {} to {}", key, text, low, high));
+  const std::optional<double> value = ParseNumber(text, low, high);
+  if (!value) ThrowUsage(fmt::format("{}={} is no number from {} to {}", key, text, low, high));
+  return *value;
+}
+
+std::optional<double> AutoValue(const StrategyValues& values, std::string_view key, double low,
+                                double high) {
+  const std::string& text = TextValue(values, key);
+  if (!text.starts_with("auto")) return std::nullopt;
+  const std::optional<double> value =
+      text.starts_with("auto:") ? ParseNumber(text.substr(5), low, high) : std::nullopt;
+  if (!value) {
+    ThrowUsage(
+        fmt::format("{}={} needs a number from {} to {} behind auto:", key, text, low, high));
   }
   return value;
 }

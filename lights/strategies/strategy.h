@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -64,6 +65,8 @@ class EnvStrategy {
   virtual ~EnvStrategy() = default;
   virtual std::string_view name() const = 0;
   virtual std::size_t table_bytes() const = 0;
+  // Says what the strategy has chosen by itself, for the user; empty: nothing.
+  virtual std::string note() const { return {}; }
 
   // Returns the samples that a surface takes where the user asks for `requested` of them.
   virtual LightPlan Plan(std::uint32_t requested) const { return {.drawn = requested}; }
@@ -142,6 +145,9 @@ std::unique_ptr<EnvStrategy> MakeStrategy(const std::string& specification,
 bool BoolValue(const StrategyValues& values, std::string_view key);
 int IntValue(const StrategyValues& values, std::string_view key, int low, int high);
 double NumberValue(const StrategyValues& values, std::string_view key, double low, double high);
+// Returns the number in "auto:NUMBER", or nothing for a text that does not begin with auto.
+std::optional<double> AutoValue(const StrategyValues& values, std::string_view key, double low,
+                                double high);
 std::size_t ChoiceValue(const StrategyValues& values, std::string_view key,
                         std::span<const std::string_view> choices);
 

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/error.h"
 #include "lights/light_sets/light_builder.h"
 #include "lights/strategies/importance.h"
 #include "lights/strategies/lights.h"
@@ -161,6 +162,10 @@ std::unique_ptr<EnvStrategy> MakePresampled(const EnvironmentMap& map,
   if (ChoiceValue(values, "mode", kModes) == 0) {
     return std::make_unique<LightsStrategy>("presampled", map, options, /*all=*/false);
   }
+  if (options.bias) {
+    throw OptionError("strategy", "presampled",
+                      "lights=auto needs mode=fixed: samples inside cells are unbiased");
+  }
   // The light that samples will find is cut into cells, so that every texel with light has one.
   const Image held = Texels(map).Held();
   const LightSet cells = BuildLights(MakeSphereMap(held), options);
@@ -177,7 +182,8 @@ std::span<const StrategyParameter> PresampledParameters() {
         kFromParameter};
     all.insert(all.end(), LightParameters().begin(), LightParameters().end());
     for (StrategyParameter& parameter : all) {
-      if (parameter.key == "lights") parameter = {"lights", "360", "number of cells"};
+      if (parameter.key == "lights")
+        parameter = {"lights", "360", "number of cells, or auto:BIAS with mode=fixed"};
     }
     return all;
   }();

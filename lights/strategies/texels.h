@@ -8,7 +8,8 @@
 //   mode=fixed     the direction of the cell's light, worth its whole irradiance (the thesis):
 //                  biased, a finite set of directions
 //   mode=jittered  a texel in the cell by importance: unbiased, with a density
-//   lights=360 cells, from=penrose, and the other parameters of directional lights.
+//   lights=360 cells (auto:BIAS with mode=fixed), from=penrose, and the other parameters of
+//   directional lights.
 #pragma once
 
 #include "lights/strategies/strategy.h"

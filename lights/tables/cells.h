@@ -30,6 +30,7 @@ struct LightSet {
   // one uniform picks by their energy keep the stratification of the points that pick them.
   std::vector<DirectionalLight> lights;
   CellMap cell_of_texel;  // index of the light that has the texel's energy
+  double bias = 0;        // of lights whose number was chosen for one
 };
 
 struct CellSums {

@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <string>
 
 #include "base/error.h"
+#include "job/job.h"
 #include "job/resolve.h"
 
 namespace skywave {
@@ -248,6 +251,19 @@ TEST(PictureOptions, NamesWhatDecidesThePictureAndNothingElse) {
   EXPECT_EQ(of_vcm.find("--gather"), std::string::npos) << of_vcm;
   const std::string_view without[] = {"photons"};
   EXPECT_EQ(PictureOptions(Resolve(request), without).find("--photons"), std::string::npos);
+}
+
+TEST(Options, TheNumberOfLightsThatABiasNeedsIsTold) {
+  JobRequest request;
+  request.scene = "spheres";
+  request.width = request.height = 4, request.samples_per_pixel = 1;
+  request.strategy = "variance-cut:lights=auto:0.2";
+  const RenderJob job(request);
+  const std::string begin = request.strategy + ": ";
+  const auto note = std::find_if(job.notes().begin(), job.notes().end(),
+                                 [&](const std::string& text) { return text.starts_with(begin); });
+  ASSERT_NE(note, job.notes().end());
+  EXPECT_EQ(std::stoul(note->substr(begin.size())), job.strategy().Plan(1).fixed) << *note;
 }
 
 }  // namespace

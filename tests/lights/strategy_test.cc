@@ -57,6 +57,7 @@ const std::vector<Subject>& Subjects() {
       {.specification = "warp"},
       {.specification = "alias", .stratified = false},
       {.specification = "presampled:lights=40", .stratified = false},
+      {.specification = "presampled:lights=40,from=polyomino", .stratified = false},
       {.specification = "presampled:lights=40,mode=fixed", .has_density = false, .unbiased = false},
       // Cells are selected by differences of sums but evaluated by the terms of the sums.
       {.specification = "product:cells=30",
@@ -76,12 +77,14 @@ const std::vector<Subject>& Subjects() {
       {.specification = "median-cut:lights=20", .has_density = false, .unbiased = false},
       {.specification = "variance-cut:lights=20", .has_density = false, .unbiased = false},
       {.specification = "penrose:lights=20", .has_density = false, .unbiased = false},
+      {.specification = "polyomino:lights=20", .has_density = false, .unbiased = false},
       {.specification = "penrose:lights=40,cluster=F2,clusters=12,pick=power",
        .has_density = false,
        .unbiased = false},
       {.specification = "hybrid:lights=20", .has_density = false, .unbiased = false},
       {.specification = "hybrid:lights=20,from=median-cut,inside=1", .has_density = false},
-      {.specification = "hybrid:lights=20,strata=p,p=1,inside=1", .has_density = false},
+      {.specification = "hybrid:lights=20,from=polyomino,strata=p,p=1,inside=1",
+       .has_density = false},
       {.specification = "hybrid:lights=20,strata=p,p=0.4,pick=power",
        .has_density = false,
        .unbiased = false},
@@ -99,6 +102,15 @@ std::unique_ptr<EnvStrategy> Make(const Subject& subject, const EnvironmentMap& 
   auto strategy = MakeStrategy(subject.specification, map);
   if (!subject.taught) return strategy;
   return Teach(dynamic_cast<const VisibilityStrategy&>(*strategy));
+}
+
+// Returns a map to test a subject on. Only the subject that draws by portals gets some: `auto`
+// would spend a second on their tables in every test, and then draws as `importance` does.
+EnvironmentMap MapFor(const Subject& subject, const Image& latlong,
+                      const NamedOrientation& orientation) {
+  EnvironmentMap map = {latlong, orientation.map_from_world, {}};
+  if (subject.own_borders) map.portals = PortalsAroundTheOrigin();
+  return map;
 }
 
 std::string NameOf(const Subject& subject) {
@@ -119,22 +131,55 @@ soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {
   return surfaces;
 }
 
-// Evaluates rays along `directions` that compete with a light sample; they left row 0 of
-// `surfaces`, or the row of their own number.
+// Evaluates rays along `directions` that compete with a light sample; ray i left row i of
+// `surfaces`.
 soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceColumns& surfaces,
-                                   const std::vector<Vec>& directions, bool row_by_row) {
-  soa::Table<EscapeColumns> rows(std::uint32_t(directions.size()));
-  for (std::uint32_t i = 0; i < directions.size(); ++i) {
+                                   const std::vector<Vec>& directions) {
+  const auto count = std::uint32_t(directions.size());
+  soa::Table<EscapeColumns> rows(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
     Put(directions[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
     rows->pdf[i] = 1;
-    rows->from[i] = row_by_row ? i : 0;
+    rows->from[i] = i;
   }
-  const std::uint32_t left = row_by_row ? std::uint32_t(directions.size()) : 1;
-  const LambertPoints points(surfaces, left);
-  soa::Table<LightColumns> samples(left);
-  strategy.Sample(points, RandomUniforms(left, 1), left, {}, samples);
-  strategy.EvaluateEscaped(points, std::uint32_t(directions.size()), 1, rows);
+  const LambertPoints points(surfaces, count);
+  soa::Table<LightColumns> samples(count);
+  strategy.Sample(points, RandomUniforms(count, 1), count, {}, samples);
+  strategy.EvaluateEscaped(points, count, 1, rows);
   return rows;
+}
+
+// What a ray through the middle of each cell of a map sees that competes with light samples of one
+// surface.
+struct SeenCells {
+  std::vector<float> pdf, r, g, b;
+};
+
+SeenCells See(const EnvStrategy& strategy, const MapCells& cells, float samples) {
+  constexpr std::size_t kRows = 1 << 15;  // at a time, so that they stay in the cache
+  const auto surfaces = SurfacesWith(kNormal, 1);
+  const LambertPoints points(surfaces, 1);
+  soa::Table<LightColumns> sample(1);
+  strategy.Sample(points, RandomUniforms(1, 1), 1, {}, sample);
+  soa::Table<EscapeColumns> rows(kRows);
+  SeenCells seen;
+  for (std::vector<float>* column : {&seen.pdf, &seen.r, &seen.g, &seen.b}) {
+    column->reserve(cells.size());
+  }
+  for (std::size_t begin = 0; begin < cells.size(); begin += kRows) {
+    const auto count = std::uint32_t(std::min(kRows, cells.size() - begin));
+    for (std::uint32_t i = 0; i < count; ++i) {
+      Put(cells.directions()[begin + i], i, rows->dir_x, rows->dir_y, rows->dir_z);
+      rows->pdf[i] = 1;
+      rows->from[i] = 0;
+    }
+    strategy.EvaluateEscaped(points, count, samples, rows);
+    seen.pdf.insert(seen.pdf.end(), rows->light_pdf, rows->light_pdf + count);
+    seen.r.insert(seen.r.end(), rows->radiance_r, rows->radiance_r + count);
+    seen.g.insert(seen.g.end(), rows->radiance_g, rows->radiance_g + count);
+    seen.b.insert(seen.b.end(), rows->radiance_b, rows->radiance_b + count);
+  }
+  return seen;
 }
 
 double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
@@ -145,8 +190,8 @@ class StrategyOnMap : public testing::TestWithParam<Case> {
  protected:
   StrategyOnMap()
       : subject_(Subjects()[std::get<0>(GetParam())]),
-        map_{AdversarialMaps()[std::get<1>(GetParam())].latlong,
-             Orientations()[std::get<2>(GetParam())].map_from_world, PortalsAroundTheOrigin()},
+        map_(MapFor(subject_, AdversarialMaps()[std::get<1>(GetParam())].latlong,
+                    Orientations()[std::get<2>(GetParam())])),
         strategy_(Make(subject_, map_)) {}
 
   static double Level() {
@@ -166,29 +211,110 @@ class StrategyOnMap : public testing::TestWithParam<Case> {
     return subject_.own_borders ? 1e-2 : subject_.whole_sphere ? 1e-5 : 2e-4;
   }
 
+  void DensityIntegratesToOne(const MapCells& cells, const SeenCells& seen) const;
+  void DensityIsPositiveWhereThereIsLight(const MapCells& cells, const SeenCells& seen) const;
+  void DirectionsFollowTheDensity(const MapCells& cells, const SeenCells& seen) const;
+  void EstimatesAreUnbiased(const MapCells& cells, const SeenCells& seen) const;
+
   const Subject& subject_;
   const EnvironmentMap map_;
   const std::unique_ptr<EnvStrategy> strategy_;
 };
 
-TEST_P(StrategyOnMap, DensityIntegratesToOne) {
-  if (!subject_.has_density) GTEST_SKIP();
-  const MapCells cells = Cells();
-  const auto surfaces = SurfacesWith(kNormal, 1);
-  const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
+// The next four are checks of one test, because the cells of a map and what is seen in them take
+// most of its time.
+void StrategyOnMap::DensityIntegratesToOne(const MapCells& cells, const SeenCells& seen) const {
   double integral = 0;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    ASSERT_GE(rows->light_pdf[i], 0) << "cell " << i;
-    integral += rows->light_pdf[i] * cells.solid_angle(i);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    ASSERT_GE(seen.pdf[i], 0) << "cell " << i;
+    integral += seen.pdf[i] * cells.solid_angle(i);
   }
   if (subject_.for_reflection && integral == 0) {
-    for (std::uint32_t i = 0; i < cells.size(); ++i) {
-      const bool light = rows->radiance_r[i] + rows->radiance_g[i] + rows->radiance_b[i] > 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const bool light = seen.r[i] + seen.g[i] + seen.b[i] > 0;
       ASSERT_FALSE(light && Dot(cells.directions()[i], kNormal) > 0) << "cell " << i;
     }
     return;
   }
   EXPECT_NEAR(integral, 1, QuadratureError());
+}
+
+void StrategyOnMap::DensityIsPositiveWhereThereIsLight(const MapCells& cells,
+                                                       const SeenCells& seen) const {
+  EXPECT_TRUE(strategy_->complete());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (!subject_.whole_sphere && Dot(cells.directions()[i], kNormal) < 1e-6) continue;
+    const float light = seen.r[i] + seen.g[i] + seen.b[i];
+    ASSERT_TRUE(seen.pdf[i] > 0 || light == 0) << "cell " << i << " with radiance " << light;
+  }
+}
+
+void StrategyOnMap::DirectionsFollowTheDensity(const MapCells& cells, const SeenCells& seen) const {
+  const auto surfaces = SurfacesWith(kNormal, kSamples);
+  std::vector<double> expected(MapCells::kAcross * MapCells::kDown), observed(expected.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    expected[cells.BinOfCell(i)] += kSamples * double(seen.pdf[i]) * cells.solid_angle(i);
+  }
+  const auto samples = Draw(surfaces, 11);
+  for (std::uint32_t i = 0; i < kSamples; ++i) {
+    if (subject_.for_reflection && !(samples->pdf[i] > 0)) continue;
+    ++observed[cells.BinOf(Get(i, samples->dir_x, samples->dir_y, samples->dir_z))];
+  }
+  EXPECT_TRUE(MatchesExpected(observed, expected, Level(), 1e-3 * kSamples));
+}
+
+void StrategyOnMap::EstimatesAreUnbiased(const MapCells& cells, const SeenCells& seen) const {
+  const auto surfaces = SurfacesWith(kNormal, kSamples);
+  const auto samples = Draw(surfaces, 14);
+  for (const bool reflected : {false, true}) {
+    const auto response = [&](Vec w) { return reflected ? std::max(0.0, Dot(w, kNormal)) : 1.0; };
+    double integral = 0, second = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const double density = seen.pdf[i];
+      if (density <= 0) continue;
+      const double f = response(cells.directions()[i]) * Weighted(seen.r[i], seen.g[i], seen.b[i]);
+      integral += f * cells.solid_angle(i);
+      second += f * f / density * cells.solid_angle(i);
+    }
+    Moments moments;
+    for (std::uint32_t i = 0; i < kSamples; ++i) {
+      if (!(samples->pdf[i] > 0)) continue;
+      moments.Add(response(Get(i, samples->dir_x, samples->dir_y, samples->dir_z)) *
+                  Weighted(samples->r[i], samples->g[i], samples->b[i]) / samples->pdf[i]);
+    }
+    // If too few samples count (a sun that uniform samples rarely hit), the mean is not normally
+    // distributed.
+    if (second > 0 && kSamples * integral * integral < 50 * second) continue;
+    const double variance = std::max(0.0, second - integral * integral);
+    // Cells at the horizon are counted as a whole or not at all.
+    const double rounding =
+        (reflected || !subject_.whole_sphere ? 1e-3 : QuadratureError()) * integral;
+    EXPECT_TRUE(
+        AgreesWith(moments.mean(), std::sqrt(variance / kSamples), integral, Level(), rounding))
+        << (reflected ? "radiance times cosine" : "radiance");
+  }
+}
+
+TEST_P(StrategyOnMap, DensityIsThatOfTheSamples) {
+  if (!subject_.has_density) GTEST_SKIP();
+  const MapCells cells = Cells();
+  const SeenCells seen = See(*strategy_, cells, 1);
+  {
+    SCOPED_TRACE("the density integrates to one");
+    DensityIntegratesToOne(cells, seen);
+  }
+  if (subject_.complete) {
+    SCOPED_TRACE("the density is positive where there is light");
+    DensityIsPositiveWhereThereIsLight(cells, seen);
+  }
+  {
+    SCOPED_TRACE("directions follow the density");
+    DirectionsFollowTheDensity(cells, seen);
+  }
+  if (subject_.unbiased) {
+    SCOPED_TRACE("estimates are unbiased");
+    EstimatesAreUnbiased(cells, seen);
+  }
 }
 
 // The sum of all densities of the plan is the weight against which BSDF samples compete.
@@ -198,39 +324,11 @@ TEST_P(StrategyOnMap, DensitiesOfThePlanAddUpToItsSamples) {
   }
   constexpr std::uint32_t kRequested = 3;
   const MapCells cells = Cells();
-  const auto surfaces = SurfacesWith(kNormal, 1);
-  soa::Table<EscapeColumns> rows(std::uint32_t(cells.size()));
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    Put(cells.directions()[i], i, rows->dir_x, rows->dir_y, rows->dir_z);
-    rows->pdf[i] = 1;
-  }
-  soa::Table<LightColumns> sample(1);
-  strategy_->Sample(LambertPoints(surfaces, 1), RandomUniforms(1, 2), 1, {}, sample);
-  strategy_->EvaluateEscaped(LambertPoints(surfaces, 1), std::uint32_t(cells.size()), kRequested,
-                             rows);
+  const SeenCells seen = See(*strategy_, cells, kRequested);
   double integral = 0;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    integral += rows->light_pdf[i] * cells.solid_angle(i);
-  }
+  for (std::size_t i = 0; i < cells.size(); ++i) integral += seen.pdf[i] * cells.solid_angle(i);
   const std::uint32_t samples = strategy_->Plan(kRequested).total();
   EXPECT_NEAR(integral, samples, QuadratureError() * samples);
-}
-
-TEST_P(StrategyOnMap, DirectionsFollowTheDensity) {
-  if (!subject_.has_density) GTEST_SKIP();
-  const MapCells cells = Cells();
-  const auto surfaces = SurfacesWith(kNormal, kSamples);
-  const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
-  std::vector<double> expected(MapCells::kAcross * MapCells::kDown), observed(expected.size());
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    expected[cells.BinOfCell(i)] += kSamples * double(rows->light_pdf[i]) * cells.solid_angle(i);
-  }
-  const auto samples = Draw(surfaces, 11);
-  for (std::uint32_t i = 0; i < kSamples; ++i) {
-    if (subject_.for_reflection && !(samples->pdf[i] > 0)) continue;
-    ++observed[cells.BinOf(Get(i, samples->dir_x, samples->dir_y, samples->dir_z))];
-  }
-  EXPECT_TRUE(MatchesExpected(observed, expected, Level(), 1e-3 * kSamples));
 }
 
 TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
@@ -255,7 +353,7 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
       ASSERT_TRUE(std::isfinite(value) && value >= 0) << "row " << i << ": " << value;
     }
   }
-  const auto seen = Evaluate(*strategy_, surfaces, directions, true);
+  const auto seen = Evaluate(*strategy_, surfaces, directions);
   const Image image = HeldMap(map_);
   std::uint32_t exceptions = 0;
   for (std::uint32_t i = 0; i < kSamples; ++i) {
@@ -284,42 +382,6 @@ TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
   EXPECT_LE(exceptions, kSamples / 500);
 }
 
-TEST_P(StrategyOnMap, EstimatesAreUnbiased) {
-  if (!subject_.unbiased || !subject_.has_density) GTEST_SKIP();
-  const MapCells cells = Cells();
-  const auto surfaces = SurfacesWith(kNormal, kSamples);
-  const auto seen = Evaluate(*strategy_, surfaces, cells.directions(), false);
-  const auto samples = Draw(surfaces, 14);
-  for (const bool reflected : {false, true}) {
-    const auto response = [&](Vec w) { return reflected ? std::max(0.0, Dot(w, kNormal)) : 1.0; };
-    double integral = 0, second = 0;
-    for (std::uint32_t i = 0; i < cells.size(); ++i) {
-      const double density = seen->light_pdf[i];
-      if (density <= 0) continue;
-      const double f = response(cells.directions()[i]) *
-                       Weighted(seen->radiance_r[i], seen->radiance_g[i], seen->radiance_b[i]);
-      integral += f * cells.solid_angle(i);
-      second += f * f / density * cells.solid_angle(i);
-    }
-    Moments moments;
-    for (std::uint32_t i = 0; i < kSamples; ++i) {
-      if (!(samples->pdf[i] > 0)) continue;
-      moments.Add(response(Get(i, samples->dir_x, samples->dir_y, samples->dir_z)) *
-                  Weighted(samples->r[i], samples->g[i], samples->b[i]) / samples->pdf[i]);
-    }
-    // If too few samples count (a sun that uniform samples rarely hit), the mean is not normally
-    // distributed.
-    if (second > 0 && kSamples * integral * integral < 50 * second) continue;
-    const double variance = std::max(0.0, second - integral * integral);
-    // Cells at the horizon are counted as a whole or not at all.
-    const double rounding =
-        (reflected || !subject_.whole_sphere ? 1e-3 : QuadratureError()) * integral;
-    EXPECT_TRUE(
-        AgreesWith(moments.mean(), std::sqrt(variance / kSamples), integral, Level(), rounding))
-        << (reflected ? "radiance times cosine" : "radiance");
-  }
-}
-
 // All samples of the plan together, each divided by its density (directional lights by 1), must
 // give the light of the map, and for unbiased strategies also the light of any part of it.
 TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
@@ -329,7 +391,7 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
   if (plan.total() == 0 || !subject_.whole_sphere || !subject_.complete) GTEST_SKIP();
   const Image image = HeldMap(map_);
   double exact[2] = {}, whole = 0;
-  const MapCells cells = Cells();
+  const MapCells cells(map_);  // densities do not matter
   const auto response = [&](Vec w) { return 0.5 + std::max(0.0, Dot(w, kNormal)); };
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     double u, v;
@@ -376,19 +438,6 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
   }
 }
 
-TEST_P(StrategyOnMap, DensityIsPositiveWhereThereIsLight) {
-  if (!subject_.complete || !subject_.has_density) GTEST_SKIP();
-  EXPECT_TRUE(strategy_->complete());
-  const MapCells cells = Cells();
-  const auto surfaces = SurfacesWith(kNormal, 1);
-  const auto rows = Evaluate(*strategy_, surfaces, cells.directions(), false);
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    if (!subject_.whole_sphere && Dot(cells.directions()[i], kNormal) < 1e-6) continue;
-    const float light = rows->radiance_r[i] + rows->radiance_g[i] + rows->radiance_b[i];
-    ASSERT_TRUE(rows->light_pdf[i] > 0 || light == 0) << "cell " << i << " with radiance " << light;
-  }
-}
-
 std::string CaseName(const testing::TestParamInfo<Case>& info) {
   return NameOf(Subjects()[std::get<0>(info.param)]) + "_" +
          AdversarialMaps()[std::get<1>(info.param)].name + "_" +
@@ -408,8 +457,7 @@ class StrategyAlone : public testing::TestWithParam<std::size_t> {
 
 TEST_P(StrategyAlone, BitsDoNotDependOnTarget) {
   for (const NamedMap& named : AdversarialMaps()) {
-    const EnvironmentMap map = {named.latlong, Orientations()[1].map_from_world,
-                                PortalsAroundTheOrigin()};
+    const EnvironmentMap map = MapFor(subject_, named.latlong, Orientations()[1]);
     const auto strategy = Make(subject_, map);
     if (strategy->Plan(1).total() == 0) continue;
     const auto surfaces = SurfacesWith(kNormal, kFullWave);
@@ -422,7 +470,7 @@ TEST_P(StrategyAlone, BitsDoNotDependOnTarget) {
         directions[i] = Get(i, out->dir_x, out->dir_y, out->dir_z);
       }
       auto bits = ColumnBits(out.columns(), kFullWave);
-      const auto seen = Evaluate(*strategy, surfaces, directions, true);
+      const auto seen = Evaluate(*strategy, surfaces, directions);
       const auto more = ColumnBits(seen.columns(), kFullWave);
       bits.insert(bits.end(), more.begin(), more.end());
       return bits;
@@ -518,10 +566,10 @@ TEST_P(StrategyAlone, KeepsStratification) {
   const auto strategy = Make(subject_, map);
   const auto surfaces = SurfacesWith(kNormal, 4096);
   const MapCells cells(map, subject_.own_borders ? 2048 : 1024);
-  const auto seen = Evaluate(*strategy, surfaces, cells.directions(), false);
+  const SeenCells seen = See(*strategy, cells, 1);
   double exact = 0;
-  for (std::uint32_t i = 0; i < cells.size(); ++i) {
-    exact += Smooth(cells.directions()[i]) * seen->light_pdf[i] * cells.solid_angle(i);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    exact += Smooth(cells.directions()[i]) * seen.pdf[i] * cells.solid_angle(i);
   }
   const double coarse = MeanError(*strategy, surfaces, 64, 64, exact);
   const double fine = MeanError(*strategy, surfaces, 4096, 64, exact);

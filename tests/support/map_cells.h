@@ -17,18 +17,27 @@ class MapCells {
     const int finer = std::max((across - 1 + map.latlong.width) / map.latlong.width,
                                (across / 2 - 1 + map.latlong.height) / map.latlong.height);
     width_ = map.latlong.width * finer, height_ = map.latlong.height * finer;
+    directions_.reserve(std::size_t(width_) * std::size_t(height_));
+    solid_angles_.reserve(std::size_t(height_));
+    // A direction is the sum of its parts along the axes of the map.
+    const Vec forward = WorldDirection(map.map_from_world, 0.5, 0.5);
+    const Vec right = WorldDirection(map.map_from_world, 0.75, 0.5);
+    const Vec zenith = WorldDirection(map.map_from_world, 0.5, 0);
+    std::vector<Vec> columns;
+    for (int x = 0; x < width_; ++x) {
+      const double turn = 2 * kPi * ((x + 0.5) / width_ - 0.5);
+      columns.push_back(std::sin(turn) * right + std::cos(turn) * forward);
+    }
     for (int y = 0; y < height_; ++y) {
       const double top = std::cos(kPi * y / height_), bottom = std::cos(kPi * (y + 1) / height_);
-      const double v = std::acos((top + bottom) / 2) / kPi;
-      for (int x = 0; x < width_; ++x) {
-        directions_.push_back(WorldDirection(map.map_from_world, (x + 0.5) / width_, v));
-        solid_angles_.push_back(2 * kPi / width_ * (top - bottom));
-      }
+      const double up = (top + bottom) / 2, level = std::sqrt(1 - up * up);
+      for (const Vec& column : columns) directions_.push_back(level * column + up * zenith);
+      solid_angles_.push_back(2 * kPi / width_ * (top - bottom));
     }
   }
   std::size_t size() const { return directions_.size(); }
   const std::vector<Vec>& directions() const { return directions_; }
-  double solid_angle(std::size_t cell) const { return solid_angles_[cell]; }
+  double solid_angle(std::size_t cell) const { return solid_angles_[cell / std::size_t(width_)]; }
 
   // Cells are grouped into at most 48 x 24 bins.
   static constexpr int kAcross = 48, kDown = 24;
@@ -49,7 +58,7 @@ class MapCells {
   const EnvironmentMap& map_;
   int width_, height_;
   std::vector<Vec> directions_;
-  std::vector<double> solid_angles_;
+  std::vector<double> solid_angles_;  // of the cells of a row
 };
 
 }  // namespace skywave

@@ -114,8 +114,8 @@ TEST(EmitRays, CarriesThePowerOfTheMapByEveryStrategyThatCan) {
       ++able;
     }
   }
-  EXPECT_EQ(able,
-            9u);  // importance, warp, alias, uniform, presampled; three sorts of lights, hybrid
+  // These are importance, warp, alias, uniform and presampled, four sorts of lights, and hybrid.
+  EXPECT_EQ(able, 10u);
 }
 
 // On a wide floor too, a surface knows its position accurately enough for small objects on it: rays

@@ -1,0 +1,16 @@
+// Tilings take a point or vector of the plane as a complex number: a product turns and scales.
+#pragma once
+
+namespace skywave {
+
+struct Complex {
+  double re = 0, im = 0;
+};
+inline Complex operator+(Complex a, Complex b) { return {a.re + b.re, a.im + b.im}; }
+inline Complex operator-(Complex a, Complex b) { return {a.re - b.re, a.im - b.im}; }
+inline Complex operator*(Complex a, Complex b) {
+  return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+}
+inline Complex operator*(double s, Complex a) { return {s * a.re, s * a.im}; }
+
+}  // namespace skywave
