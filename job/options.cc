@@ -14,6 +14,7 @@
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_names.h"
 #include "wavefront/photons/photon_map.h"
+#include "wavefront/photons/virtual_lights.h"
 
 namespace skywave {
 namespace {
@@ -23,7 +24,8 @@ constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixe
 constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera",
                            kMaterials = "Materials", kFilm = "Film", kPaths = "Paths",
                            kPhotons = "Photon mapping and vertex merging (photon, vcm)",
-                           kReading = "Reading", kSpeedGroup = "Speed";
+                           kRadiosity = "Virtual lights (vpl)", kReading = "Reading",
+                           kSpeedGroup = "Speed";
 
 // `count` numbers with the character `separators[i]` behind number i; 0: the text ends.
 template <class Number>
@@ -149,6 +151,9 @@ bool Splits(Integrator integrator) { return Describe(integrator).splits; }
 bool Controls(Integrator integrator) { return Describe(integrator).controls; }
 bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
 bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
+bool HasVirtualLights(Integrator integrator) {
+  return Describe(integrator).stores == StoredLight::kLights;
+}
 bool LooksPhotonsUp(Integrator integrator) {
   return Describe(integrator).stores == StoredLight::kPhotons;
 }
@@ -260,6 +265,11 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.photons.kernel), NamesOfEnum<PhotonKernel>()),
     Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
           FIELD(options.photons.alpha), Floats(0.01, 1)),
+
+    Plain({.name = "vpls", .group = kRadiosity, .help = "virtual point lights of each sample, in the mean", .scope = kPixels, .example = "--integrator vpl --vpls 9", .applies = HasVirtualLights},
+          FIELD(options.virtual_lights.count), Numbers(1u, kMostVirtualLights)),
+    Plain({.name = "vpl-distance", .group = kRadiosity, .help = "nearer virtual lights shine as from this distance, which darkens corners; 0: unbiased, with bright spots there", .scope = kPixels, .example = "--integrator vpl --vpl-distance 0.1", .default_text = "half of that between virtual lights", .applies = HasVirtualLights},
+          FIELD(options.virtual_lights.distance), Unless(-1.0f, Floats(0, 1e12))),
 
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),

@@ -68,6 +68,18 @@ struct PhotonTables {
   soa::Table<BsdfValueColumns> values;
 };
 
+// Virtual point lights need these tables; other integrators have none.
+struct VirtualLightTables {
+  explicit VirtualLightTables(std::uint32_t wave)
+      : light(wave), to_eye(wave), partner(wave), turned(wave), seen(wave), seen_by_light(wave) {}
+  LightVertices light;  // the light at hand, repeated for every surface that it shines on
+  soa::Table<LightColumns> to_eye;
+  soa::Table<IndexColumns> partner;
+  soa::Table<TurnedColumns> turned;  // while the light is evaluated
+  // Ends of connections; what only weights would need stays 0, as do sub-paths.
+  BothDirections seen, seen_by_light;
+};
+
 // Light that is kept apart by groups of lights goes here.
 struct GroupTables {
   explicit GroupTables(std::uint32_t wave) : given(wave) {}
@@ -96,6 +108,7 @@ struct Worker {
   std::optional<BidirectionalTables> bidirectional;
   std::optional<PhotonTables> photon;
   std::optional<MergeTables> merging;
+  std::optional<VirtualLightTables> virtual_lights;
   std::optional<GroupTables> groups;
   // What is subtracted from the light samples at hand, then from the rays that scatter.
   std::optional<soa::Table<ControlColumns>> control;

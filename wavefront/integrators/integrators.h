@@ -17,7 +17,8 @@ namespace skywave {
   INTEGRATOR(Light, "light")            \
   INTEGRATOR(Bdpt, "bdpt")              \
   INTEGRATOR(Photon, "photon")          \
-  INTEGRATOR(Vcm, "vcm")
+  INTEGRATOR(Vcm, "vcm")                \
+  INTEGRATOR(Vpl, "vpl")
 
 #define SKYWAVE_VALUE(integrator, name) k##integrator,
 enum class Integrator { SKYWAVE_INTEGRATORS(SKYWAVE_VALUE) };
@@ -55,9 +56,10 @@ enum class LightPaths {
 
 // What passes of light paths store for camera paths.
 enum class StoredLight {
-  kNothing,  // nothing: there are no such passes
-  kPhotons,  // photons in a caustic and an indirect map, to be looked up
-  kVertices  // light vertices in one map, to be merged
+  kNothing,   // nothing: there are no such passes
+  kPhotons,   // photons in a caustic and an indirect map, to be looked up
+  kVertices,  // light vertices in one map, to be merged
+  kLights     // light vertices one by one, to shine as virtual point lights
 };
 
 // Renders the samples of a pass. Returns false if no further pass is wanted.
@@ -76,6 +78,7 @@ struct IntegratorDescriptor {
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;  // light paths add to pixels anywhere on the film
   StoredLight stores = StoredLight::kNothing;
+  bool mixes_light = false;       // direct and indirect light of a surface come together
   bool pass_each_sample = false;  // unless the option `progressive` says how many passes
 
   // Throws OptionError if options do not go together with this integrator. CheckIntegrator checks
@@ -95,7 +98,9 @@ struct IntegratorDescriptor {
                       Film& film) = nullptr;
 
   bool has_light_paths() const { return light_paths != LightPaths::kNone; }
-  bool has_photons() const { return stores != StoredLight::kNothing; }
+  bool has_photons() const {
+    return stores == StoredLight::kPhotons || stores == StoredLight::kVertices;
+  }
 };
 
 const IntegratorDescriptor& Describe(Integrator integrator);
