@@ -24,8 +24,9 @@ constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixe
 constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera",
                            kMaterials = "Materials", kFilm = "Film", kPaths = "Paths",
                            kPhotons = "Photon mapping and vertex merging (photon, vcm)",
-                           kRadiosity = "Virtual lights (vpl)", kReading = "Reading",
-                           kSpeedGroup = "Speed";
+                           kRadiosity =
+                               "Virtual lights and irradiance cache (vpl, irradiance-cache)",
+                           kReading = "Reading", kSpeedGroup = "Speed";
 
 // `count` numbers with the character `separators[i]` behind number i; 0: the text ends.
 template <class Number>
@@ -154,6 +155,9 @@ bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons
 bool HasVirtualLights(Integrator integrator) {
   return Describe(integrator).stores == StoredLight::kLights;
 }
+bool HasIrradianceCache(Integrator integrator) {
+  return Describe(integrator).stores == StoredLight::kIrradiance;
+}
 bool LooksPhotonsUp(Integrator integrator) {
   return Describe(integrator).stores == StoredLight::kPhotons;
 }
@@ -270,6 +274,10 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.virtual_lights.count), Numbers(1u, kMostVirtualLights)),
     Plain({.name = "vpl-distance", .group = kRadiosity, .help = "nearer virtual lights shine as from this distance, which darkens corners; 0: unbiased, with bright spots there", .scope = kPixels, .example = "--integrator vpl --vpl-distance 0.1", .default_text = "half of that between virtual lights", .applies = HasVirtualLights},
           FIELD(options.virtual_lights.distance), Unless(-1.0f, Floats(0, 1e12))),
+    Plain({.name = "cache-accuracy", .group = kRadiosity, .help = "largest error at which a record of the irradiance cache counts; smaller: more records", .scope = kPixels, .example = "--integrator irradiance-cache --cache-accuracy 0.4", .applies = HasIrradianceCache},
+          FIELD(options.irradiance_cache.accuracy), Floats(0.01, 1)),
+    Plain({.name = "cache-rays", .group = kRadiosity, .help = "rays of the hemisphere of a record", .scope = kPixels, .example = "--integrator irradiance-cache --cache-rays 50", .applies = HasIrradianceCache},
+          FIELD(options.irradiance_cache.rays), Numbers(4u, 1u << 16)),
 
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),

@@ -31,6 +31,7 @@ struct EmissionGuide;
 struct LightGroups;
 struct PhotonMaps;
 struct VirtualLights;
+class IrradianceCache;
 
 // Samples [first, end) of every pixel.
 struct SampleRange {
@@ -69,6 +70,12 @@ struct VirtualLightOptions {
   float distance = -1;
 };
 
+// Options of the irradiance cache.
+struct IrradianceCacheOptions {
+  float accuracy = 0.2f;     // largest error of a record that counts (Ward's a)
+  std::uint32_t rays = 256;  // of a record
+};
+
 struct RenderOptions {
   int width = 640, height = 480;        // size of the picture
   int film_width = 0, film_height = 0;  // 0: the picture is the whole film
@@ -96,6 +103,7 @@ struct RenderOptions {
   bool guide = false;
   PhotonOptions photons;
   VirtualLightOptions virtual_lights;
+  IrradianceCacheOptions irradiance_cache;
 };
 
 // Returns the samples that are rendered, and those of the whole picture that they are a part of.
@@ -135,9 +143,10 @@ struct FrameView {
   const EmissionGuide* guide = nullptr;           // null: light paths from the map start anywhere
   const PhotonMaps* photons = nullptr;            // those of the pass at hand
   const VirtualLights* virtual_lights = nullptr;  // those of the pass at hand
-  float eta_vcm = 0;                              // that of the pass at hand, see MisTechniques
-  const LightGroups* light_groups = nullptr;      // null: nobody asks for them
-  IrradianceView irradiance = {};  // that of the map; without nodes: no control variate
+  const IrradianceCache* irradiance_cache = nullptr;
+  float eta_vcm = 0;                          // that of the pass at hand, see MisTechniques
+  const LightGroups* light_groups = nullptr;  // null: nobody asks for them
+  IrradianceView irradiance = {};             // that of the map; without nodes: no control variate
 
   MisPolicy mis() const {
     return {.enabled = options.mis, .bsdf_samples = float(splits() ? options.split : 1)};

@@ -80,6 +80,24 @@ struct VirtualLightTables {
   BothDirections seen, seen_by_light;
 };
 
+// One row = one path of the wave.
+struct RadianceColumns {
+  float *r, *g, *b;  // [scene radiance]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
+// The irradiance cache needs these tables; other integrators have none.
+struct IrradianceTables {
+  explicit IrradianceTables(std::uint32_t wave) : direct(wave), found(wave), ended(wave) {}
+  soa::Table<RadianceColumns> direct;  // what the rays of records see at once
+  soa::Table<IndexColumns> found;      // 1 for surfaces that have found records, else 0
+  soa::Table<RayColumns> ended;        // rays of those, which see nothing but light
+};
+
 // Light that is kept apart by groups of lights goes here.
 struct GroupTables {
   explicit GroupTables(std::uint32_t wave) : given(wave) {}
@@ -109,20 +127,11 @@ struct Worker {
   std::optional<PhotonTables> photon;
   std::optional<MergeTables> merging;
   std::optional<VirtualLightTables> virtual_lights;
+  std::optional<IrradianceTables> irradiance;
   std::optional<GroupTables> groups;
   // What is subtracted from the light samples at hand, then from the rays that scatter.
   std::optional<soa::Table<ControlColumns>> control;
   std::unique_ptr<Continuations> continuations;
-};
-
-// These are sums over the continuations of a path. One row = one path of the wave.
-struct RadianceColumns {
-  float *r, *g, *b;  // [scene radiance]
-
-  template <class Self, class F>
-  static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.r), f(self.g), f(self.b);
-  }
 };
 
 // A worker needs these tables as well where paths split. A continuation has the row of its path:
@@ -134,7 +143,7 @@ struct Continuations {
   // The continuations at hand. The radiance of its paths is the sum over all so far, without what
   // their first rays see, which is in `direct`.
   Worker wave;
-  soa::Table<RadianceColumns> direct;
+  soa::Table<RadianceColumns> direct;  // sums over the continuations of a path
 };
 
 // Makes a worker with the tables that the integrator of `options` needs, for waves of its size. The

@@ -125,10 +125,12 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.options.light_samples = 3;
     request.options.photons.indirect = request.options.photons.caustic = 1000;
     request.options.virtual_lights.count = 3;
+    request.options.irradiance_cache = {.accuracy = 0.8f, .rays = 4};
     const RenderJob job(scene, request);
     ExpectNoAllocations(job, Integrator::kPath);
     ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);
     ExpectNoAllocations(job, Integrator::kDirect);
+    ExpectNoAllocations(job, Integrator::kIrradianceCache);
     if (!CanEmit(job.strategy())) continue;
     ExpectNoAllocations(job, Integrator::kPhoton);
     ExpectNoAllocations(job, Integrator::kLight);

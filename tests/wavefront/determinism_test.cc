@@ -53,6 +53,7 @@ const RenderJob& Job(const Case& test) {
   request.options.photons.indirect = request.options.photons.caustic = 3000;
   request.options.photons.gather = 2;
   request.options.virtual_lights.count = 6;
+  request.options.irradiance_cache = {.accuracy = 0.5f, .rays = 12};
   request.options.guide = true;
   return *jobs.emplace_back(name, std::make_unique<RenderJob>(SceneOf(test), request)).second;
 }
@@ -213,9 +214,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"lamps", Integrator::kPhoton}, Case{"painted", Integrator::kVcm},
                     Case{"screens", Integrator::kVcm}, Case{"lamps", Integrator::kVcm},
                     Case{"painted", Integrator::kVpl}, Case{"screens", Integrator::kVpl},
-                    Case{"lamps", Integrator::kVpl}),
+                    Case{"lamps", Integrator::kVpl}, Case{"gallery", Integrator::kIrradianceCache},
+                    Case{"screens", Integrator::kIrradianceCache},
+                    Case{"lamps", Integrator::kIrradianceCache}),
     [](const auto& test) {
-      return test.param.scene + "_" + std::string(ToString(test.param.integrator));
+      std::string name = test.param.scene + "_" + std::string(ToString(test.param.integrator));
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
     });
 
 // The files are identical too: they do not record how the picture was computed.

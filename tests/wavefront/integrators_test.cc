@@ -35,6 +35,7 @@ TEST(Integrators, GiveWorkersWhatTheyNeed) {
     EXPECT_EQ(worker->photon.has_value(), described.stores == StoredLight::kPhotons);
     EXPECT_EQ(worker->merging.has_value(), described.stores == StoredLight::kVertices);
     EXPECT_EQ(worker->virtual_lights.has_value(), described.stores == StoredLight::kLights);
+    EXPECT_EQ(worker->irradiance.has_value(), described.stores == StoredLight::kIrradiance);
     EXPECT_EQ(worker->continuations, nullptr);
     if (!described.splits) continue;
     options.split = 2;

@@ -262,6 +262,7 @@ TEST(Waves, ReadNothingThatOthersHaveLeft) {
     ExpectSameInGarbage(job, Integrator::kPhoton);
     ExpectSameInGarbage(job, Integrator::kVcm);
     ExpectSameInGarbage(job, Integrator::kVpl);
+    ExpectSameInGarbage(job, Integrator::kIrradianceCache);
   }
 }
 

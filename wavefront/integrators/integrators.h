@@ -18,7 +18,8 @@ namespace skywave {
   INTEGRATOR(Bdpt, "bdpt")              \
   INTEGRATOR(Photon, "photon")          \
   INTEGRATOR(Vcm, "vcm")                \
-  INTEGRATOR(Vpl, "vpl")
+  INTEGRATOR(Vpl, "vpl")                \
+  INTEGRATOR(IrradianceCache, "irradiance-cache")
 
 #define SKYWAVE_VALUE(integrator, name) k##integrator,
 enum class Integrator { SKYWAVE_INTEGRATORS(SKYWAVE_VALUE) };
@@ -54,12 +55,13 @@ enum class LightPaths {
   kAny        // that of light samples if it can emit, or else another one
 };
 
-// What passes of light paths store for camera paths.
+// What passes before those of camera paths store for them.
 enum class StoredLight {
-  kNothing,   // nothing: there are no such passes
-  kPhotons,   // photons in a caustic and an indirect map, to be looked up
-  kVertices,  // light vertices in one map, to be merged
-  kLights     // light vertices one by one, to shine as virtual point lights
+  kNothing,    // nothing: there are no such passes
+  kPhotons,    // photons in a caustic and an indirect map, to be looked up
+  kVertices,   // light vertices in one map, to be merged
+  kLights,     // light vertices one by one, to shine as virtual point lights
+  kIrradiance  // indirect irradiance at points of diffuse surfaces, without light paths
 };
 
 // Renders the samples of a pass. Returns false if no further pass is wanted.
