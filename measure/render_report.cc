@@ -59,6 +59,14 @@ std::string Table(const RenderReport& report) {
     line("  visibility: {} rays of {} paths, in {:.3f} s, {:.1f} MiB", learnt.samples, learnt.paths,
          learnt.seconds, double(learnt.bytes) / (1 << 20));
   }
+  for (const StrategyChoice& choice : report.frame.choices) {
+    std::string scores;
+    for (const CandidateScore& score : choice.scores) {
+      scores += fmt::format("{}{} {:.4g}", scores.empty() ? "" : ", ", score.name,
+                            score.variance * score.cost);
+    }
+    line("  auto: {}, in {:.3f} s; variance x cost: {}", choice.chosen, choice.seconds, scores);
+  }
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
     line(
         "  photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, "
@@ -137,6 +145,14 @@ nlohmann::ordered_json Json(const RenderReport& report) {
   };
   add_pilot("guide", report.frame.guide);
   add_pilot("visibility", report.frame.visibility);
+  for (const StrategyChoice& choice : report.frame.choices) {
+    nlohmann::ordered_json scores = nlohmann::ordered_json::object();
+    for (const CandidateScore& score : choice.scores) {
+      scores[score.name] = {{"variance", score.variance}, {"cost", score.cost}};
+    }
+    json["choices"].push_back(
+        {{"chosen", choice.chosen}, {"seconds", choice.seconds}, {"scores", scores}});
+  }
   if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
     json["photons"] = {
         {"indirect", photons.indirect},       {"caustic", photons.caustic},

@@ -10,6 +10,7 @@
 
 #include "base/clock.h"
 #include "wavefront/guiding/emission_guide.h"
+#include "wavefront/guiding/strategy_pilot.h"
 #include "wavefront/guiding/visibility_pilot.h"
 #include "wavefront/integrators/integrators.h"
 #include "wavefront/option_checks.h"
@@ -197,6 +198,26 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
   }
 }
 
+namespace {
+
+// Has a pilot choose or teach the strategy `slot` of the frame, if it is one that asks for that.
+// Returns what was taught, which the frame then uses.
+std::unique_ptr<EnvStrategy> PrepareStrategy(StrategySlot slot, const FilmLayout& layout,
+                                             WorkerPool& pool, FrameView& frame,
+                                             FrameResult& result) {
+  if (frame.*slot == nullptr) return nullptr;
+  std::unique_ptr<EnvStrategy> taught;
+  if ((frame.*slot)->candidates().empty()) {
+    taught = LearnVisibility(frame, *(frame.*slot), pool, result.visibility);
+  } else {
+    taught = ChooseStrategy(slot, layout, pool, frame, result.choices, result.visibility);
+  }
+  if (taught) frame.*slot = taught.get();
+  return taught;
+}
+
+}  // namespace
+
 FrameResult RenderFrame(const FrameView& frame, Film& film, const RenderControl& control) {
   RenderState state;
   return RenderFrame(frame, film, state, control);
@@ -220,11 +241,10 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
   const auto start = Clock::now();
   pool.Run([&] {
     std::unique_ptr<EnvStrategy> learnt[2];
-    const auto learn = [&](const EnvStrategy*& strategy, std::unique_ptr<EnvStrategy>& taught) {
-      if (strategy != nullptr) taught = LearnVisibility(frame, *strategy, pool, result.visibility);
-      if (taught) strategy = taught.get();
-    };
-    learn(frame.strategy, learnt[0]), learn(frame.continuation_strategy, learnt[1]);
+    std::size_t count = 0;
+    for (const StrategySlot slot : {&FrameView::strategy, &FrameView::continuation_strategy}) {
+      learnt[count++] = PrepareStrategy(slot, film.layout(), pool, frame, result);
+    }
     EmissionGuide guide;
     if (options.guide && Describe(options.integrator).has_light_paths() &&
         frame.has_environment()) {

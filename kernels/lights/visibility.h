@@ -1,27 +1,15 @@
-// These kernels draw directions by visibility that was learnt place by place: a place is a part of
-// the scene and of the directions of normals, and has a distribution of its own over the cells of
-// the map.
+// These kernels draw directions by visibility that was learnt place by place: a place
+// (kernels/lights/places.h) has a distribution of its own over the cells of the map.
 #pragma once
 
 #include <cstdint>
 
 #include "kernels/columns.h"
 #include "kernels/lights/environment.h"
+#include "kernels/lights/places.h"
 #include "kernels/lights/texel_samplers.h"
 
 namespace skywave {
-
-// Six octrees over a box, one for each axis and sign that a normal is closest to, lead to places.
-// A node is a word: a leaf has the number of its place, all others have the index of the first of
-// their eight children, which is the one with the least coordinates; x counts 1, y 2 and z 4.
-inline constexpr std::uint32_t kPlaceLeaf = 1u << 31;
-inline constexpr std::uint32_t kPlaceRoots = 6;    // +x, -x, +y, -y, +z, -z
-inline constexpr std::uint32_t kPlaceLevels = 12;  // below a root, at most
-struct PlaceTreeView {
-  const std::uint32_t* nodes;  // the roots first
-  float low[3];                // corner of the box
-  float steps;                 // 2^kPlaceLevels / side of the box [1/length]
-};
 
 // The distributions of the learnt places over `cells` cells: one tree of `trees` a place, and what
 // it draws: probability[place * cells + cell]. Places from `learnt` on have none: there light is
@@ -48,9 +36,6 @@ struct SlotTexelsView {
 
 // Surfaces and rays are drawn and weighed in chunks of at most so many.
 inline constexpr std::uint32_t kPlaceRows = 128;
-
-// Writes the place of each of surfaces [0, n) to light_norm. A place is below 2^24.
-void FindPlaces(const PlaceTreeView& tree, std::uint32_t n, const SurfaceColumns& surfaces);
 
 // Picks a cell for each of surfaces [0, n), n <= kPlaceRows, by its place, which is in
 // `light_norm`, and draws a texel of it. With `mixed`, rows of places that are not learnt stay as

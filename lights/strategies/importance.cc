@@ -63,14 +63,10 @@ void ImportanceStrategy::EvaluateEscaped(const ShadePoints&, std::uint32_t n, fl
   skywave::EvaluateEscaped(texels_.view(), {.inversion = &inversion}, n, samples, rows);
 }
 
-namespace {
-
 std::string DefaultCompensation(const StrategyUse& use) {
   if (!use.mis || use.starts_light_paths) return "0";
   return fmt::format("{}", 1.0 / use.light_samples);
 }
-
-}  // namespace
 
 StrategyFactory ImportanceFactory() {
   static constexpr StrategyParameter kParameters[] = {

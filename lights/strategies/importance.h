@@ -49,6 +49,9 @@ class ImportanceStrategy final : public EnvStrategy {
   InversionTable table_;
 };
 
+// Returns the default of the parameter `compensate`.
+std::string DefaultCompensation(const StrategyUse& use);
+
 // Luminance times solid angle of every texel, row-major; solid angle alone for a black map.
 std::vector<double> TexelImportance(const Texels& texels);
 

@@ -25,7 +25,8 @@ namespace skywave {
   STRATEGY(Portal)                   \
   STRATEGY(Visibility)               \
   STRATEGY(Ris)                      \
-  STRATEGY(Hybrid)
+  STRATEGY(Hybrid)                   \
+  STRATEGY(Automatic)
 
 #define SKYWAVE_DECLARE(name) StrategyFactory name##Factory();
 SKYWAVE_STRATEGIES(SKYWAVE_DECLARE)

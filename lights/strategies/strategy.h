@@ -44,6 +44,16 @@ struct LightCall {
   float samples() const { return float(requested) * share; }
 };
 
+class EnvStrategy;
+class VisibilityStrategy;
+
+// A strategy that a pilot may choose, and about what a light sample of it costs, its density for
+// an escaped ray included, in units of what a ray of the scene costs.
+struct StrategyCandidate {
+  const EnvStrategy* strategy;
+  double cost;
+};
+
 // Immutable after construction, shared by all threads. Sample and EvaluateEscaped are called once a
 // wave and sample; their bodies are kernel calls.
 class EnvStrategy {
@@ -86,6 +96,12 @@ class EnvStrategy {
   // False means that lights stand for parts of the map, so the expected picture differs from the
   // map's.
   virtual bool unbiased() const { return true; }
+
+  // Returns the strategies of which a pilot chooses one before a render
+  // (wavefront/guiding/strategy_pilot.h), the one to keep in doubt first; none: this one is used.
+  virtual std::span<const StrategyCandidate> candidates() const { return {}; }
+  // Returns this strategy if a pilot teaches it (wavefront/guiding/visibility_pilot.h), else null.
+  virtual const VisibilityStrategy* learns_visibility() const { return nullptr; }
 };
 
 // What a strategy is used for, where defaults depend on it.

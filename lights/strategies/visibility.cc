@@ -15,11 +15,8 @@
 namespace skywave {
 namespace {
 
-constexpr std::uint32_t kNormalBits = 16, kCellBits = 8;
-constexpr std::uint32_t kCellShift = kNormalBits + 1, kPositionShift = kCellShift + kCellBits;
-constexpr std::uint32_t kRootShift = kPositionShift + 3 * kPlaceLevels;
-static_assert(kRootShift + 3 == 64);
-constexpr double kNormalSteps = 127;
+constexpr std::uint32_t kCellBits = 8, kCellShift = kPlaceWordShift + 1;
+static_assert(kCellBits + 1 == kPlaceWordFree);
 
 // A node is split where so many rays have begun.
 constexpr std::size_t kSplitRays = 1024;
@@ -27,7 +24,7 @@ constexpr std::size_t kSplitRays = 1024;
 constexpr double kPriorRays = 3;
 // A place is drawn from as it was learnt if that has so many times less variance than light alone,
 // whose samples are better stratified.
-constexpr double kWorthwhile = 1.2;
+constexpr double kWorthwhile = 2;
 // Chunks of rows with both kinds of places pay for both. So where learning pays for more than the
 // first share of the rays it is used everywhere, and below the second one nowhere.
 constexpr double kMostly = 0.25, kHardly = 0.02;
@@ -35,31 +32,7 @@ constexpr double kMostly = 0.25, kHardly = 0.02;
 std::uint32_t CellOf(VisibilityRay ray) {
   return std::uint32_t(ray >> kCellShift) & ((1u << kCellBits) - 1);
 }
-bool Arrived(VisibilityRay ray) { return (ray >> kNormalBits & 1) != 0; }
-
-// Returns the bits of a coordinate, two zeros before each.
-std::uint64_t Spread(std::uint32_t steps) {
-  std::uint64_t spread = 0;
-  for (std::uint32_t bit = 0; bit < kPlaceLevels; ++bit) {
-    spread |= std::uint64_t(steps >> bit & 1) << (3 * bit);
-  }
-  return spread;
-}
-
-// Returns the mean normal of rays that belong to one root, 0 for none.
-std::array<double, 3> MeanNormal(std::span<const VisibilityRay> rays) {
-  std::int64_t sums[3] = {};
-  for (const VisibilityRay ray : rays) {
-    const auto root = std::uint32_t(ray >> kRootShift), axis = root / 2;
-    const auto a = std::int8_t(ray & 0xFF), b = std::int8_t(ray >> 8 & 0xFF);
-    const double square = kNormalSteps * kNormalSteps - double(a) * a - double(b) * b;
-    const std::int64_t along = std::llrint(std::sqrt(std::max(square, 0.0)));
-    sums[axis] += root % 2 == 0 ? along : -along;
-    sums[(axis + 1) % 3] += a, sums[(axis + 2) % 3] += b;
-  }
-  const double scale = 1 / (kNormalSteps * double(std::max<std::size_t>(rays.size(), 1)));
-  return {double(sums[0]) * scale, double(sums[1]) * scale, double(sums[2]) * scale};
-}
+bool Arrived(VisibilityRay ray) { return (ray >> kPlaceWordShift & 1) != 0; }
 
 // Returns about the mean of max(cos, 0) over normals with this mean.
 double MeanCosine(const std::array<double, 3>& normal, const LightCell& cell) {
@@ -93,21 +66,8 @@ Visibility Learn(std::span<const VisibilityRay> rays, const Visibility& above) {
 VisibilityRay PackVisibilityRay(const PlaceBox& box, const std::array<float, 3>& org,
                                 const std::array<float, 3>& normal, std::uint32_t cell,
                                 bool arrived) {
-  constexpr float kSteps = 1 << kPlaceLevels;
-  std::uint64_t position = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const float steps = (org[i] - box.low[i]) * (kSteps / box.side);
-    position |= Spread(std::uint32_t(std::clamp(steps, 0.0f, kSteps - 1))) << i;
-  }
-  const float x = std::fabs(normal[0]), y = std::fabs(normal[1]), z = std::fabs(normal[2]);
-  const std::size_t axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-  const std::uint64_t root = 2 * axis + (normal[axis] < 0);
-  const auto across = [&](std::size_t i) {
-    const double steps = kNormalSteps * double(normal[(axis + i) % 3]);
-    return std::uint64_t(std::uint8_t(std::int8_t(std::clamp(std::round(steps), -127.0, 127.0))));
-  };
-  return root << kRootShift | position << kPositionShift | std::uint64_t(cell) << kCellShift |
-         std::uint64_t(arrived) << kNormalBits | across(2) << 8 | across(1);
+  return PackPlace(box, org, normal) | std::uint64_t(cell) << kCellShift |
+         std::uint64_t(arrived) << kPlaceWordShift;
 }
 
 struct VisibilityStrategy::MapTables {
@@ -173,7 +133,8 @@ struct VisibilityStrategy::MapTables {
 
 VisibilityStrategy::VisibilityStrategy(const EnvironmentMap& map, const VisibilityOptions& options)
     : VisibilityStrategy(std::make_shared<MapTables>(map, options), options, 0) {
-  nodes_.assign(kPlaceRoots, kPlaceLeaf);
+  tree_.words.assign(kPlaceRoots, kPlaceLeaf);
+  tree_.box.side = 1;
 }
 
 VisibilityStrategy::VisibilityStrategy(std::shared_ptr<const MapTables> tables,
@@ -235,96 +196,25 @@ void VisibilityStrategy::SetPlace(std::size_t place, const std::vector<double>& 
 std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<VisibilityRay>& rays,
                                                                const PlaceBox& box) const {
   tbb::parallel_sort(rays.begin(), rays.end());
-  // A node has rays [begin, end), and is split into eight, largest first, while places are left.
-  struct Node {
-    std::size_t begin, end;
-    std::uint32_t index;  // in `nodes`
-    std::uint32_t level;  // below a root
-    std::uint64_t key;    // root and position, the levels below as zeros
-    Visibility visibility;
-  };
-  struct Leaf {
-    std::size_t begin, end;
-    Visibility visibility;
-  };
+  PlaceTree tree = BuildPlaceTree(rays, box, kSplitRays, std::size_t(options_.places));
   const std::size_t cells = map_->cells.size();
-  const auto rays_of = [&](std::size_t begin, std::size_t end) {
-    return std::span<const VisibilityRay>(rays).subspan(begin, end - begin);
-  };
-  const auto find = [&](std::size_t begin, std::size_t end, VisibilityRay first) {
-    return std::size_t(std::lower_bound(rays.begin() + std::ptrdiff_t(begin),
-                                        rays.begin() + std::ptrdiff_t(end), first) -
-                       rays.begin());
-  };
-  const auto smaller = [](const Node& a, const Node& b) {
-    const std::size_t of_a = a.end - a.begin, of_b = b.end - b.begin;
-    return of_a != of_b ? of_a < of_b : a.begin > b.begin;
-  };
-  std::vector<std::uint32_t> nodes(kPlaceRoots);
-  std::vector<Leaf> leaves;
-  std::vector<Node> open;  // a heap
-  const auto push = [&](Node node) {
-    open.push_back(std::move(node));
-    std::push_heap(open.begin(), open.end(), smaller);
-  };
-  const auto pop = [&] {
-    std::pop_heap(open.begin(), open.end(), smaller);
-    Node node = std::move(open.back());
-    open.pop_back();
-    return node;
+  const auto rays_of = [&](const PlaceTree::Node& node) {
+    return std::span<const VisibilityRay>(rays).subspan(node.begin, node.end - node.begin);
   };
   const Visibility all = Learn(rays, Visibility(cells, 0.5f));
-  for (std::uint32_t root = 0; root < kPlaceRoots; ++root) {
-    const std::uint64_t key = std::uint64_t(root) << kRootShift;
-    const std::size_t begin = find(0, rays.size(), key);
-    const std::size_t end = root + 1 < kPlaceRoots
-                                ? find(begin, rays.size(), std::uint64_t(root + 1) << kRootShift)
-                                : rays.size();
-    push({begin, end, root, 0, key, Learn(rays_of(begin, end), all)});
+  std::vector<Visibility> visibility;
+  for (const PlaceTree::Node& node : tree.nodes) {
+    const bool is_root = node.parent == visibility.size();
+    visibility.push_back(Learn(rays_of(node), is_root ? all : visibility[node.parent]));
   }
-  const auto make_leaf = [&](Node&& node) {
-    nodes[node.index] = kPlaceLeaf | std::uint32_t(leaves.size());
-    leaves.push_back({node.begin, node.end, std::move(node.visibility)});
-  };
-  while (!open.empty()) {
-    Node node = pop();
-    // The node itself turns into a place for its children without rays, beside up to eight others.
-    const std::size_t places = leaves.size() + open.size() + 9;
-    if (node.end - node.begin < kSplitRays || node.level == kPlaceLevels ||
-        places > std::size_t(options_.places)) {
-      make_leaf(std::move(node));
-      continue;
-    }
-    const auto children = std::uint32_t(nodes.size());
-    nodes.resize(nodes.size() + 8);
-    nodes[node.index] = children;
-    const std::uint32_t shift = kPositionShift + 3 * (kPlaceLevels - 1 - node.level);
-    std::uint32_t shared = 0;  // the node as a place
-    for (std::uint32_t child = 0; child < 8; ++child) {
-      const std::uint64_t key = node.key + (std::uint64_t(child) << shift);
-      const std::size_t begin = find(node.begin, node.end, key);
-      // The last child of the last root ends with the last ray.
-      const std::size_t end = child < 7 ? find(begin, node.end, key + (1ull << shift)) : node.end;
-      if (begin == end) {
-        if (shared == 0) {
-          shared = kPlaceLeaf | std::uint32_t(leaves.size());
-          leaves.push_back({node.begin, node.end, node.visibility});
-        }
-        nodes[children + child] = shared;
-        continue;
-      }
-      push({begin, end, children + child, node.level + 1, key,
-            Learn(rays_of(begin, end), node.visibility)});
-    }
-  }
-  std::vector<PlaceWeights> weights(leaves.size());
-  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
-    const Leaf& leaf = leaves[i];
-    weights[i] = Weigh(leaf.visibility, MeanNormal(rays_of(leaf.begin, leaf.end)));
+  const auto node_of = [&](std::size_t place) { return tree.nodes[tree.places[place]]; };
+  std::vector<PlaceWeights> weights(tree.places.size());
+  tbb::parallel_for(std::size_t{0}, tree.places.size(), [&](std::size_t i) {
+    weights[i] = Weigh(visibility[tree.places[i]], MeanNormal(rays_of(node_of(i))));
   });
   std::size_t paying = 0, rays_of_all = 0;
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
-    const std::size_t count = leaves[i].end - leaves[i].begin;
+  for (std::size_t i = 0; i < tree.places.size(); ++i) {
+    const std::size_t count = node_of(i).end - node_of(i).begin;
     paying += weights[i].pays ? count : 0, rays_of_all += count;
   }
   const bool pays_mostly = double(paying) > kMostly * double(rays_of_all);
@@ -333,26 +223,23 @@ std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<Visib
     return !weights[i].of_cells.empty() && !pays_hardly && (pays_mostly || weights[i].pays);
   };
   // Places without tables have all the same number.
-  std::vector<std::uint32_t> place(leaves.size());
+  std::vector<std::uint32_t> place(tree.places.size());
   std::uint32_t learnt = 0;
-  for (std::size_t i = 0; i < leaves.size(); ++i) place[i] = keeps(i) ? learnt++ : 0;
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
+  for (std::size_t i = 0; i < tree.places.size(); ++i) place[i] = keeps(i) ? learnt++ : 0;
+  for (std::size_t i = 0; i < tree.places.size(); ++i) {
     if (!keeps(i)) place[i] = learnt;
   }
-  for (std::uint32_t& node : nodes) {
-    if (node >= kPlaceLeaf) node = kPlaceLeaf | place[node - kPlaceLeaf];
-  }
+  tree.Renumber(place);
   std::unique_ptr<VisibilityStrategy> taught(new VisibilityStrategy(map_, options_, learnt));
-  taught->box_ = box;
-  taught->nodes_ = std::move(nodes);
-  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+  tbb::parallel_for(std::size_t{0}, tree.places.size(), [&](std::size_t i) {
     if (keeps(i)) taught->SetPlace(place[i], weights[i].of_cells);
   });
+  taught->tree_ = std::move(tree);
   return taught;
 }
 
 std::size_t VisibilityStrategy::table_bytes() const {
-  return map_->bytes() + trees_.bytes() + nodes_.size() * sizeof(std::uint32_t) +
+  return map_->bytes() + trees_.bytes() + tree_.words.size() * sizeof(std::uint32_t) +
          probability_.size() * sizeof(float);
 }
 
@@ -369,10 +256,7 @@ void VisibilityStrategy::Sample(const ShadePoints& points, const UniformColumns&
   // surface to the side of its light.
   float* const places = points.surfaces.light_norm;
   if (call.index == 0) {
-    const PlaceTreeView tree = {.nodes = nodes_.data(),
-                                .low = {box_.low[0], box_.low[1], box_.low[2]},
-                                .steps = float(1 << kPlaceLevels) / box_.side};
-    FindPlaces(tree, n, points.surfaces);
+    FindPlaces(tree_.view(), n, points.surfaces, places);
   }
   const EnvironmentView map = map_->texels.view();
   for (std::uint32_t begin = 0; begin < n; begin += kPlaceRows) {

@@ -39,6 +39,7 @@
 #include "lights/strategies/strategy.h"
 #include "lights/tables/cell_sampler.h"
 #include "lights/tables/cells.h"
+#include "lights/tables/places.h"
 #include "lights/tables/search_tree.h"
 #include "lights/tables/texels.h"
 
@@ -46,17 +47,9 @@ namespace skywave {
 
 inline constexpr std::uint32_t kMaxVisibilityCells = 256;
 
-// A cube in which places lie.
-struct PlaceBox {
-  std::array<float, 3> low = {};
-  float side = 0;
-};
-
-// A ray of the pilot: where it left a surface, which cell it looked at, and whether it got out. The
-// bits, from the highest: root of the place, its 12 x 3 bits of position in the order of the
-// octrees, 8 of the cell, 1 for "arrived", 2 x 8 of the normal across its axis. So a sorted list is
-// sorted by place.
-using VisibilityRay = std::uint64_t;
+// A ray of the pilot: where it left a surface, which cell it looked at, and whether it got out. Of
+// the free bits of the word, 8 are those of the cell and the lowest one says "arrived".
+using VisibilityRay = PlaceWord;
 VisibilityRay PackVisibilityRay(const PlaceBox& box, const std::array<float, 3>& org,
                                 const std::array<float, 3>& normal, std::uint32_t cell,
                                 bool arrived);
@@ -80,6 +73,7 @@ class VisibilityStrategy final : public EnvStrategy {
   std::size_t table_bytes() const override;
   std::size_t learnt() const { return learnt_; }
   bool complete() const override;
+  const VisibilityStrategy* learns_visibility() const override { return this; }
   void Sample(const ShadePoints& points, const UniformColumns& uniforms, std::uint32_t n,
               LightCall call, const LightColumns& out) const override;
   void EvaluateEscaped(const ShadePoints& points, std::uint32_t n, float samples,
@@ -106,8 +100,7 @@ class VisibilityStrategy final : public EnvStrategy {
   std::shared_ptr<const MapTables> map_;
   VisibilityOptions options_;
   std::size_t learnt_;  // places with tables; others are numbered from there
-  PlaceBox box_ = {{0, 0, 0}, 1};
-  std::vector<std::uint32_t> nodes_;
+  PlaceTree tree_;
   SearchTrees trees_;
   std::vector<float> probability_;  // of each cell, place by place
 };

@@ -23,7 +23,7 @@ Material Metal(const char* symbol, BsdfKind bsdf, float alpha) {
 
 std::vector<Material> OneOfEachBsdf() {
   using enum BsdfKind;
-  const glm::vec3 white(1), red(0.6f, 0.12f, 0.08f), blue(0.1f, 0.2f, 0.5f), leaf(0.2f, 0.5f, 0.1f);
+  const glm::vec3 white(1), red(0.6f, 0.12f, 0.08f), blue(0.1f, 0.2f, 0.5f);
   std::vector<Material> list = {
       {.name = "lambert", .reflectance = red},
       {.name = "clay", .bsdf = kOrenNayar, .reflectance = red, .alpha = 1},

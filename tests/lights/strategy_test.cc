@@ -51,6 +51,7 @@ const std::vector<Subject>& Subjects() {
       {.specification = "importance"},
       {.specification = "importance:compensate=1", .complete = false},
       {.specification = "importance:compensate=0.25", .complete = false},
+      {.specification = "auto"},
       {.specification = "uniform"},
       {.specification = "cosine", .whole_sphere = false},
       {.specification = "warp"},

@@ -11,25 +11,6 @@
 namespace skywave {
 namespace {
 
-// A room with an opening in its roof under a sky with a sun, seen from inside.
-Scene Room() {
-  Scene scene;
-  const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
-  const auto wall = [&](const glm::vec3& centre, const glm::vec3& half) {
-    Place(scene, Facetted(RoundedBox(half, 0.01f, 1)), white, centre);
-  };
-  wall({0, 0, 0}, {2, 0.05f, 2});
-  wall({0, 1, -2}, {2, 1, 0.05f}), wall({0, 1, 2}, {2, 1, 0.05f});
-  wall({-2, 1, 0}, {0.05f, 1, 2}), wall({2, 1, 0}, {0.05f, 1, 2});
-  wall({-1.2f, 2, 0}, {0.8f, 0.05f, 2}), wall({1.2f, 2, 0}, {0.8f, 0.05f, 2});
-  wall({0, 2, -1.2f}, {0.4f, 0.05f, 0.8f}), wall({0, 2, 1.2f}, {0.4f, 0.05f, 0.8f});
-  Place(scene, Quad(0.2f), AddMirror(scene, 0.9f), {0.2f, 1.2f, 0});
-  Place(scene, Sphere(0.3f), AddMetal(scene, "Cu", 0.3f), {-0.6f, 0.4f, -0.5f});
-  scene.camera = LookAtCamera({1.2f, 1.2f, 1.5f}, {-0.3f, 0.5f, -0.4f}, {0, 1, 0}, 70, false);
-  SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
-  return scene;
-}
-
 JobRequest Request(const std::string& strategy, std::uint32_t samples = 16) {
   JobRequest request = SmallRequest(32, 24, samples);
   request.integrator = Integrator::kPath;
@@ -45,7 +26,7 @@ std::vector<std::uint64_t> Render(const RenderJob& job, const FrameView& frame) 
 }
 
 TEST(VisibilityPilot, PicturesDependOnNeitherThreadsNorWavesNorParts) {
-  const RenderJob job(Room(), Request("visibility"));
+  const RenderJob job(RoomUnderSkylight(), Request("visibility"));
   const std::vector<std::uint64_t> reference = Render(job, job.frame());
   for (const int threads : {1, 3}) {
     FrameView frame = job.frame();
@@ -68,20 +49,20 @@ TEST(VisibilityPilot, PicturesDependOnNeitherThreadsNorWavesNorParts) {
 }
 
 TEST(VisibilityPilot, LeavesStatisticsToTheFrame) {
-  const RenderJob job(Room(), Request("visibility", 2));
+  const RenderJob job(RoomUnderSkylight(), Request("visibility", 2));
   Film film = job.MakeFilm();
   const FrameResult result = RenderFrame(job.frame(), film);
   EXPECT_GT(result.visibility.paths, 10000u);
   EXPECT_GT(result.visibility.samples, result.visibility.paths);
   EXPECT_EQ(result.stats.samples, 32u * 24 * 2);
   EXPECT_EQ(result.stats.rays[0], 32u * 24 * 2);
-  const RenderJob plain(Room(), Request("importance", 2));
+  const RenderJob plain(RoomUnderSkylight(), Request("importance", 2));
   Film other = plain.MakeFilm();
   EXPECT_EQ(RenderFrame(plain.frame(), other).visibility.paths, 0u);
 }
 
 PictureEstimate Estimate(JobRequest request) {
-  return EstimateFromEngine(RenderJob(Room(), request), 12, 70);
+  return EstimateFromEngine(RenderJob(RoomUnderSkylight(), request), 12, 70);
 }
 
 TEST(VisibilityPilot, PicturesAreThoseOfOtherStrategies) {

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace skywave {
 
@@ -13,6 +15,20 @@ struct GuideCounts {
                 samples = 0;  // paths of the pilot; what they found: guide samples or rays
   std::size_t bytes = 0;      // size of the tables
   double seconds = 0;         // wall clock
+};
+
+// How a candidate of the strategy `auto` has done in the pilot that chose.
+struct CandidateScore {
+  std::string name;
+  double variance = 0;  // of the mean of the pilot's samples, relative to its square
+  double cost = 0;      // of a sample [rays]
+};
+
+// What the pilot of the strategy `auto` has chosen (wavefront/guiding/strategy_pilot.h).
+struct StrategyChoice {
+  std::string chosen;
+  std::vector<CandidateScore> scores;
+  double seconds = 0;  // wall clock
 };
 
 }  // namespace skywave

@@ -7,7 +7,8 @@ namespace skywave {
 namespace {
 
 // The pilot has about this many camera paths: few against a usual render, enough for a small one.
-constexpr double kLeastPilotPaths = 1 << 14, kMostPilotPaths = 1 << 17;
+constexpr double kLeastPilotPaths = 1 << 14;
+constexpr std::uint64_t kMostPilotPaths = 1 << 17;
 
 constexpr std::uint32_t kPilotSeed = 0x5EED9135u;  // turns a frame's seed into the pilot's
 
@@ -28,28 +29,39 @@ CameraView WithPixels(CameraView camera, std::uint32_t width, std::uint32_t heig
 
 }  // namespace
 
-FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
-  // Pixels get a few samples, those of small films more.
-  constexpr double kSamples = 4;
+FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t samples) {
   const double pixels = double(frame.camera.whole_width) * frame.camera.whole_height;
-  const double scale = std::min(1.0, std::sqrt(kMostPilotPaths / kSamples / pixels));
-  const double samples = std::max(kSamples, std::ceil(kLeastPilotPaths / pixels));
+  const double scale = std::min(1.0, std::sqrt(double(paths) / samples / pixels));
   const auto scaled = [&](std::uint32_t side) { return int(std::lround(side * scale)); };
   const CropWindow film = WholeBlocks({0, 0, std::max(1, scaled(frame.camera.whole_width)),
                                        std::max(1, scaled(frame.camera.whole_height))});
-  FrameView pilot = frame;
-  pilot.strategy = &strategy;
-  pilot.camera = WithPixels(frame.camera, std::uint32_t(film.width), std::uint32_t(film.height));
-  RenderOptions& options = pilot.options;
-  options = {};
-  options.width = int(pilot.camera.width), options.height = int(pilot.camera.height);
-  options.samples_per_pixel = std::uint32_t(samples);
-  options.max_depth = frame.options.max_depth;
-  options.seed = frame.options.seed ^ kPilotSeed;
+  FrameView coarse = frame;
+  coarse.camera = WithPixels(frame.camera, std::uint32_t(film.width), std::uint32_t(film.height));
+  RenderOptions& options = coarse.options;
+  options.width = film.width, options.height = film.height;
+  options.film_width = options.film_height = options.crop_x = options.crop_y = 0;
+  const double least = std::min(double(paths), kLeastPilotPaths) / pixels;
+  options.samples_per_pixel = std::max(samples, std::uint32_t(std::ceil(least)));
+  options.first_sample = 0, options.picture_samples = {};
   options.wave = WholeBeams(frame.options.wave);
-  pilot.tracer.recorder = nullptr;
-  pilot.light_groups = nullptr;
+  options.aovs = 0;
+  coarse.tracer.recorder = nullptr;
+  coarse.light_groups = nullptr;
+  return coarse;
+}
+
+FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
+  constexpr std::uint32_t kSamples = 4;
+  FrameView pilot = CoarseView(frame, kMostPilotPaths, kSamples);
+  pilot.strategy = &strategy;
   pilot.irradiance = {};
+  const RenderOptions coarse = pilot.options;
+  pilot.options = {};
+  pilot.options.width = coarse.width, pilot.options.height = coarse.height;
+  pilot.options.samples_per_pixel = coarse.samples_per_pixel;
+  pilot.options.max_depth = coarse.max_depth;
+  pilot.options.seed = coarse.seed ^ kPilotSeed;
+  pilot.options.wave = coarse.wave;
   return pilot;
 }
 

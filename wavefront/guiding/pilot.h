@@ -15,9 +15,13 @@
 
 namespace skywave {
 
-// Returns the frame of the pilot: the whole film, coarse, by path tracing with light samples of
-// `strategy`, with random numbers of its own. It depends on neither threads nor wave, nor on which
-// part of the film or which samples the frame has.
+// Returns the frame as a pilot sees it: the whole film, coarse, with about `paths` paths and at
+// least `samples` of each pixel. It depends on neither threads nor wave, nor on which part of the
+// film or which samples the frame has.
+FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t samples);
+
+// Returns the frame of the pilot that teaches: the whole film, coarse, by path tracing with light
+// samples of `strategy`, with random numbers of its own.
 FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy);
 // Returns all its pixels as one tile, and the number of its paths.
 Tile PilotTile(const FrameView& pilot);

@@ -73,7 +73,7 @@ PlaceBox BoxOf(const SceneSphere& sphere) {
 
 std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvStrategy& strategy,
                                              WorkerPool& pool, GuideCounts& counts) {
-  const auto* const untaught = dynamic_cast<const VisibilityStrategy*>(&strategy);
+  const VisibilityStrategy* const untaught = strategy.learns_visibility();
   if (untaught == nullptr || !frame.has_environment()) return nullptr;
   const PlaceBox box = BoxOf(frame.sphere);
   if (!(box.side > 0) || !std::isfinite(box.side)) return nullptr;
