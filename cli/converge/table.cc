@@ -92,7 +92,7 @@ TextTable TargetTable(const ConvergeReport& report) {
                      TimeText(time.time), TimeIntervalText(time.interval),
                      SpeedUpText(report.summary.times[0].time, time.time),
                      IntervalText(time.speed_up_interval),
-                     contestant.strategy->unbiased() ? "exact" : "biased"});
+                     contestant.unbiased() ? "exact" : "biased"});
   }
   return table;
 }

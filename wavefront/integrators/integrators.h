@@ -80,6 +80,7 @@ struct IntegratorDescriptor {
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;  // light paths add to pixels anywhere on the film
   StoredLight stores = StoredLight::kNothing;
+  bool biased = false;            // its expectation is not the picture, however many samples
   bool mixes_light = false;       // direct and indirect light of a surface come together
   bool pass_each_sample = false;  // unless the option `progressive` says how many passes
 

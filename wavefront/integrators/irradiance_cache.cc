@@ -60,6 +60,7 @@ IntegratorDescriptor IrradianceCacheIntegrator() {
   return {.help = "light between diffuse surfaces from an irradiance cache; biased: blurred",
           .light_samples = LightSamples::kRequested,
           .stores = StoredLight::kIrradiance,
+          .biased = true,
           .mixes_light = true,
           .add_tables = AddTables,
           .for_each_pass = ForEachPass,

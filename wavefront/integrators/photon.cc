@@ -123,6 +123,7 @@ IntegratorDescriptor PhotonIntegrator() {
           .light_samples = LightSamples::kRequested,
           .light_paths = LightPaths::kAny,
           .stores = StoredLight::kPhotons,
+          .biased = true,
           .mixes_light = true,
           .check = Check,
           .check_scene = CheckScene,

@@ -69,6 +69,7 @@ IntegratorDescriptor VplIntegrator() {
           .light_samples = LightSamples::kRequested,
           .light_paths = LightPaths::kAny,
           .stores = StoredLight::kLights,
+          .biased = true,
           .mixes_light = true,
           .add_tables = AddTables,
           .for_each_pass = ForEachPass,

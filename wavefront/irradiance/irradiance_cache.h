@@ -21,9 +21,9 @@ struct IrradianceRecord {
   std::array<Triple, 3> move;  // translation gradient of each channel [radiance * sr / length]
 };
 
-// Finds records in a hash grid: a record is in all cells that its radius reaches, at most eight
-// ones of the smallest power of two that is at least its diameter. What is found, and the order in
-// which it is added, are a function of records and query alone.
+// Finds records in a hash grid: a record is in all cells that its radius reaches, at most eight,
+// whose side is the smallest power of two above its diameter. What is found, and the order in which
+// it is added, are a function of records and query alone.
 class IrradianceCache {
  public:
   // Records differ in normal by up to about `accuracy` radians where they count.
@@ -55,7 +55,7 @@ class IrradianceCache {
   std::vector<Slot> slots_;              // a power of two of them, half of them free at least
 };
 
-// What a ray of a hemisphere has found.
+// A ray of a hemisphere has found this.
 struct HemisphereSample {
   Triple radiance;
   float distance;  // of the next surface; infinite: there is none

@@ -30,6 +30,7 @@ void AddCachedIrradiance(const FrameView& frame, Worker& w, StageClock& clock) {
   const SurfaceColumns& s = w.surfaces;
   std::uint32_t* const found = w.irradiance->found->index;
   std::fill_n(found, w.ranges.total(), 0u);
+  if (frame.irradiance_cache == nullptr) return;
   const std::uint32_t begin = w.ranges.begin[kDiffuse];
   for (std::uint32_t row = begin; row < begin + w.ranges.count(kDiffuse); ++row) {
     Triple irradiance;

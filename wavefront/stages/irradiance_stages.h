@@ -9,12 +9,12 @@
 namespace skywave {
 
 // Adds what the diffuse surfaces at hand reflect of cached irradiance to their paths. Which of them
-// have found records is kept in w.irradiance.
+// have found records is kept in w.irradiance: none in pilots, which have no cache.
 void AddCachedIrradiance(const FrameView& frame, Worker& w, StageClock& clock);
 
-// Of rays [0, n) that leave the surfaces at hand, moves those of surfaces that have found records,
-// whose paths end with the light that they meet, to w.irradiance->ended; returns the number of the
-// others. `ended` gets that of those.
+// Moves those of rays [0, n) whose surfaces have found records to w.irradiance->ended, and their
+// number to `ended`: their paths end with the light that they meet. Returns the number of the
+// others, which stay.
 std::uint32_t EndCachedPaths(const RayColumns& rays, std::uint32_t n, Worker& w,
                              std::uint32_t& ended);
 
