@@ -31,7 +31,7 @@ SCENES = {
 }
 # These integrators compute the references.
 REFERENCE = {"room": "bdpt", "three-spheres": "bdpt", "lamps": "bdpt"}
-INTEGRATORS = ["path", "light", "bdpt", "photon", "vcm"]
+INTEGRATORS = ["path", "light", "bdpt", "photon", "vcm", "vpl", "irradiance-cache"]
 
 
 def call(arguments, command, scene, *flags):

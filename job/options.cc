@@ -14,6 +14,7 @@
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_names.h"
 #include "wavefront/photons/photon_map.h"
+#include "wavefront/photons/virtual_lights.h"
 
 namespace skywave {
 namespace {
@@ -23,6 +24,8 @@ constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixe
 constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera",
                            kMaterials = "Materials", kFilm = "Film", kPaths = "Paths",
                            kPhotons = "Photon mapping and vertex merging (photon, vcm)",
+                           kRadiosity =
+                               "Virtual lights and irradiance cache (vpl, irradiance-cache)",
                            kReading = "Reading", kSpeedGroup = "Speed";
 
 // `count` numbers with the character `separators[i]` behind number i; 0: the text ends.
@@ -149,6 +152,12 @@ bool Splits(Integrator integrator) { return Describe(integrator).splits; }
 bool Controls(Integrator integrator) { return Describe(integrator).controls; }
 bool HasLightPaths(Integrator integrator) { return Describe(integrator).has_light_paths(); }
 bool HasPhotons(Integrator integrator) { return Describe(integrator).has_photons(); }
+bool HasVirtualLights(Integrator integrator) {
+  return Describe(integrator).stores == StoredLight::kLights;
+}
+bool HasIrradianceCache(Integrator integrator) {
+  return Describe(integrator).stores == StoredLight::kIrradiance;
+}
 bool LooksPhotonsUp(Integrator integrator) {
   return Describe(integrator).stores == StoredLight::kPhotons;
 }
@@ -260,6 +269,15 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.photons.kernel), NamesOfEnum<PhotonKernel>()),
     Plain({.name = "progressive-alpha", .group = kPhotons, .help = "alpha of (i + alpha) / (i + 1), by which squared radii shrink", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3 --progressive-alpha 0.5", .applies = HasPhotons},
           FIELD(options.photons.alpha), Floats(0.01, 1)),
+
+    Plain({.name = "vpls", .group = kRadiosity, .help = "virtual point lights of each sample, in the mean", .scope = kPixels, .example = "--integrator vpl --vpls 9", .applies = HasVirtualLights},
+          FIELD(options.virtual_lights.count), Numbers(1u, kMostVirtualLights)),
+    Plain({.name = "vpl-distance", .group = kRadiosity, .help = "nearer virtual lights shine as from this distance, which darkens corners; 0: unbiased, with bright spots there", .scope = kPixels, .example = "--integrator vpl --vpl-distance 0.1", .default_text = "half of that between virtual lights", .applies = HasVirtualLights},
+          FIELD(options.virtual_lights.distance), Unless(-1.0f, Floats(0, 1e12))),
+    Plain({.name = "cache-accuracy", .group = kRadiosity, .help = "largest error at which a record of the irradiance cache counts; smaller: more records", .scope = kPixels, .example = "--integrator irradiance-cache --cache-accuracy 0.4", .applies = HasIrradianceCache},
+          FIELD(options.irradiance_cache.accuracy), Floats(0.01, 1)),
+    Plain({.name = "cache-rays", .group = kRadiosity, .help = "rays of the hemisphere of a record", .scope = kPixels, .example = "--integrator irradiance-cache --cache-rays 50", .applies = HasIrradianceCache},
+          FIELD(options.irradiance_cache.rays), Numbers(4u, 1u << 16)),
 
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),

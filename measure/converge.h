@@ -38,6 +38,8 @@ struct Contestant {
   double table_seconds = 0;  // time to build it from the map
   std::vector<Rung> ladder;  // samples ascending
   Image picture;             // first run of the last rung
+
+  bool unbiased() const { return strategy->unbiased() && !Describe(integrator).biased; }
 };
 
 // Settings shared by all runs.

@@ -30,6 +30,8 @@ struct SubpathLengths {
 struct EmissionGuide;
 struct LightGroups;
 struct PhotonMaps;
+struct VirtualLights;
+class IrradianceCache;
 
 // Samples [first, end) of every pixel.
 struct SampleRange {
@@ -60,6 +62,20 @@ struct PhotonOptions {
   bool progressive() const { return passes > 1; }
 };
 
+// Options of virtual point lights.
+struct VirtualLightOptions {
+  std::uint32_t count = 64;  // of each sample, in the mean
+  // Lights that are nearer than this shine as from there [world space]; negative: chosen by the
+  // lights.
+  float distance = -1;
+};
+
+// Options of the irradiance cache.
+struct IrradianceCacheOptions {
+  float accuracy = 0.2f;     // largest error of a record that counts (Ward's a)
+  std::uint32_t rays = 256;  // of a record
+};
+
 struct RenderOptions {
   int width = 640, height = 480;        // size of the picture
   int film_width = 0, film_height = 0;  // 0: the picture is the whole film
@@ -86,6 +102,8 @@ struct RenderOptions {
   // Light paths from the environment start where camera paths of a pilot needed them.
   bool guide = false;
   PhotonOptions photons;
+  VirtualLightOptions virtual_lights;
+  IrradianceCacheOptions irradiance_cache;
 };
 
 // Returns the samples that are rendered, and those of the whole picture that they are a part of.
@@ -121,9 +139,11 @@ struct FrameView {
   FilterView filter = {};   // for splats
   // Light paths start with `strategy`, or with importance if that cannot emit (LightPaths::kAny).
   const EnvStrategy* emitter = nullptr;
-  const EnvironmentMap* map = nullptr;        // the map of both
-  const EmissionGuide* guide = nullptr;       // null: light paths from the map start anywhere
-  const PhotonMaps* photons = nullptr;        // those of the pass at hand
+  const EnvironmentMap* map = nullptr;            // the map of both
+  const EmissionGuide* guide = nullptr;           // null: light paths from the map start anywhere
+  const PhotonMaps* photons = nullptr;            // those of the pass at hand
+  const VirtualLights* virtual_lights = nullptr;  // those of the pass at hand
+  const IrradianceCache* irradiance_cache = nullptr;
   float eta_vcm = 0;                          // that of the pass at hand, see MisTechniques
   const LightGroups* light_groups = nullptr;  // null: nobody asks for them
   IrradianceView irradiance = {};             // that of the map; without nodes: no control variate

@@ -55,6 +55,11 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
     refuse(fmt::format("light groups are kept by `integrator {}`, without `split`",
                        NamesWith(&IntegratorDescriptor::has_light_groups)));
   }
+  if (integrator.mixes_light &&
+      (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect))) {
+    refuse(fmt::format("`integrator {}` does not keep direct and indirect light apart",
+                       ToString(options.integrator)));
+  }
   if (integrator.has_splats &&
       (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kDirect) ||
        Sums(options.aovs, AovSum::kIndirect))) {

@@ -193,6 +193,7 @@ void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
   try {
     for_each_pass(frame, pool, counts, render);
   } catch (const std::bad_alloc&) {
+    if (!Describe(frame.options.integrator).has_photons()) throw;
     // Nothing else takes as much memory, whoever asked for the last of it.
     RefusePhotons(frame.options, "there is no memory left for so many");
   }

@@ -68,6 +68,36 @@ struct PhotonTables {
   soa::Table<BsdfValueColumns> values;
 };
 
+// Virtual point lights need these tables; other integrators have none.
+struct VirtualLightTables {
+  explicit VirtualLightTables(std::uint32_t wave)
+      : light(wave), to_eye(wave), partner(wave), turned(wave), seen(wave), seen_by_light(wave) {}
+  LightVertices light;  // the light at hand, repeated for every surface that it shines on
+  soa::Table<LightColumns> to_eye;
+  soa::Table<IndexColumns> partner;
+  soa::Table<TurnedColumns> turned;  // while the light is evaluated
+  // Ends of connections; what only weights would need stays 0, as do sub-paths.
+  BothDirections seen, seen_by_light;
+};
+
+// One row = one path of the wave.
+struct RadianceColumns {
+  float *r, *g, *b;  // [scene radiance]
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
+// The irradiance cache needs these tables; other integrators have none.
+struct IrradianceTables {
+  explicit IrradianceTables(std::uint32_t wave) : direct(wave), found(wave), ended(wave) {}
+  soa::Table<RadianceColumns> direct;  // what the rays of records see at once
+  soa::Table<IndexColumns> found;      // 1 for surfaces that have found records, else 0
+  soa::Table<RayColumns> ended;        // rays of those, which see nothing but light
+};
+
 // Light that is kept apart by groups of lights goes here.
 struct GroupTables {
   explicit GroupTables(std::uint32_t wave) : given(wave) {}
@@ -104,19 +134,11 @@ struct Worker {
   std::optional<BidirectionalTables> bidirectional;
   std::optional<PhotonTables> photon;
   std::optional<MergeTables> merging;
+  std::optional<VirtualLightTables> virtual_lights;
+  std::optional<IrradianceTables> irradiance;
   std::optional<GroupTables> groups;
   std::optional<ControlTables> control;
   std::unique_ptr<Continuations> continuations;
-};
-
-// These are sums over the continuations of a path. One row = one path of the wave.
-struct RadianceColumns {
-  float *r, *g, *b;  // [scene radiance]
-
-  template <class Self, class F>
-  static constexpr void ForEachColumn(Self& self, F f) {
-    f(self.r), f(self.g), f(self.b);
-  }
 };
 
 // A worker needs these tables as well where paths split. A continuation has the row of its path:
@@ -128,7 +150,7 @@ struct Continuations {
   // The continuations at hand. The radiance of its paths is the sum over all so far, without what
   // their first rays see, which is in `direct`.
   Worker wave;
-  soa::Table<RadianceColumns> direct;
+  soa::Table<RadianceColumns> direct;  // sums over the continuations of a path
 };
 
 // Makes a worker with the tables that the integrator of `options` needs, for waves of its size. The

@@ -88,11 +88,10 @@ TextTable TargetTable(const ConvergeReport& report) {
   for (std::size_t i = 0; i < report.contestants.size(); ++i) {
     const Contestant& contestant = report.contestants[i];
     const TimeToTarget& time = report.summary.times[i];
-    table.push_back({contestant.name, fmt::format("{:.4g}", contestant.table_seconds),
-                     TimeText(time.time), TimeIntervalText(time.interval),
-                     SpeedUpText(report.summary.times[0].time, time.time),
-                     IntervalText(time.speed_up_interval),
-                     contestant.strategy->unbiased() ? "exact" : "biased"});
+    table.push_back(
+        {contestant.name, fmt::format("{:.4g}", contestant.table_seconds), TimeText(time.time),
+         TimeIntervalText(time.interval), SpeedUpText(report.summary.times[0].time, time.time),
+         IntervalText(time.speed_up_interval), contestant.unbiased() ? "exact" : "biased"});
   }
   return table;
 }

@@ -158,7 +158,7 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
     nlohmann::ordered_json strategy = {
         {"strategy", contestant.specification},
         {"integrator", ToString(contestant.integrator)},
-        {"unbiased", contestant.strategy->unbiased()},
+        {"unbiased", contestant.unbiased()},
         {"table_seconds", contestant.table_seconds},
         {"table_bytes", contestant.strategy->table_bytes()},
         {"time_to_target",

@@ -132,6 +132,18 @@ TEST_F(Converge, IntegratorsAreComparedByTheLightThatPathSees) {
   }
 }
 
+TEST_F(Converge, BiasedIntegratorsAreCalledSo) {
+  const Result result =
+      Run("converge spheres --env sky.pfm --size 16x12 --threads 2 --vpls 4 --cache-rays 16 "
+          "--integrators path vcm photon vpl irradiance-cache --budgets 1 --repeats 2 "
+          "--reference-spp 16 --json j.json -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const Json& contestant : ReadJson("j.json").at("strategies")) {
+    const std::string name = contestant.at("integrator");
+    EXPECT_EQ(contestant.at("unbiased"), name == "path" || name == "vcm") << name;
+  }
+}
+
 TEST_F(Converge, RunsOfOneRepeatShareTheirSeedAndNoOthersDo) {
   ASSERT_EQ(Run(std::string(kSmall) + "--strategies importance importance --budgets 1,2 "
                                       "--repeats 2 --reference-spp 64 --json j.json -q")

@@ -100,7 +100,7 @@ StrategyFactory TwinFactory() {
     # An integrator.
     add.file("wavefront/integrators/twin.cc",
              twin("wavefront/integrators/direct.cc", ("DirectIntegrator", "TwinIntegrator")))
-    add.line("wavefront/integrators/integrators.h", '  INTEGRATOR(Vcm, "vcm")',
+    add.line("wavefront/integrators/integrators.h", '  INTEGRATOR(IrradianceCache, "irradiance-cache")',
              ' INTEGRATOR(Twin, "twin")')
     # A layer.
     add.line("wavefront/film/aovs.cc", "constexpr Aov kAovs[] = {\n",
@@ -197,7 +197,7 @@ class Extension(unittest.TestCase):
         self.render("direct", "gallery", "--integrator", "direct", *arguments)
         self.render("twin_integrator", "gallery", "--integrator", "twin", *arguments)
         self.assertEqual(self.compare("twin_integrator", "direct"), 0)
-        self.assertIn("direct|path|light|bdpt|photon|vcm|twin", self.skywave("render", "--help"))
+        self.assertIn("|photon|vcm|vpl|irradiance-cache|twin", self.skywave("render", "--help"))
 
     def test_the_layer_is_kept(self):
         plain = self.render("plain", "gallery")

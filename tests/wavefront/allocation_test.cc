@@ -100,8 +100,9 @@ void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint3
   const Tile tile = {0, 0, 32, 24};
   EachPassOf(frame, [&](const FrameView& pass) {
     const auto waves = [&] {
-      for (std::uint64_t first = 0; first < 32 * 24 * 4; first += 600) {
-        const auto left = std::uint32_t(32 * 24 * 4 - first);
+      const std::uint64_t rows = 32 * 24 * pass.options.samples_per_pixel;
+      for (std::uint64_t first = 0; first < rows; first += 600) {
+        const auto left = std::uint32_t(rows - first);
         RenderWave(pass, {tile, first, std::min(600u, left)}, *worker, film);
       }
     };
@@ -123,15 +124,19 @@ void ExpectNoAllocations(Scene scene, Backend backend) {
     request.options.backend = backend;
     request.options.light_samples = 3;
     request.options.photons.indirect = request.options.photons.caustic = 1000;
+    request.options.virtual_lights.count = 3;
+    request.options.irradiance_cache = {.accuracy = 0.8f, .rays = 4};
     const RenderJob job(scene, request);
     ExpectNoAllocations(job, Integrator::kPath);
     ExpectNoAllocations(job, Integrator::kPath, /*split=*/2);
     ExpectNoAllocations(job, Integrator::kDirect);
+    ExpectNoAllocations(job, Integrator::kIrradianceCache);
     if (!CanEmit(job.strategy())) continue;
     ExpectNoAllocations(job, Integrator::kPhoton);
     ExpectNoAllocations(job, Integrator::kLight);
     ExpectNoAllocations(job, Integrator::kBdpt);
     ExpectNoAllocations(job, Integrator::kVcm);
+    ExpectNoAllocations(job, Integrator::kVpl);
   }
 }
 

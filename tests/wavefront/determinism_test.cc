@@ -52,6 +52,8 @@ const RenderJob& Job(const Case& test) {
   request.max_depth = 8;
   request.options.photons.indirect = request.options.photons.caustic = 3000;
   request.options.photons.gather = 2;
+  request.options.virtual_lights.count = 6;
+  request.options.irradiance_cache = {.accuracy = 0.5f, .rays = 12};
   request.options.guide = true;
   return *jobs.emplace_back(name, std::make_unique<RenderJob>(SceneOf(test), request)).second;
 }
@@ -174,10 +176,11 @@ TEST(DeterminismOfStrategies, EveryInstructionSetAndCutGivesTheSameBits) {
     const RenderJob of_path(scene, request);
     const bool emits = CanEmit(of_path.strategy());
     for (const Integrator integrator : {Integrator::kPath, Integrator::kDirect, Integrator::kLight,
-                                        Integrator::kBdpt, Integrator::kVcm}) {
+                                        Integrator::kBdpt, Integrator::kVcm, Integrator::kVpl}) {
       if (Describe(integrator).has_light_paths() && !emits) continue;
       request.integrator = integrator;
       request.options.light_samples = 2;
+      request.options.virtual_lights.count = 3;
       const RenderJob job(scene, request);
       const std::vector<std::uint64_t> reference = Render(job.frame(), job).sums;
       ForEachTarget([&] { EXPECT_EQ(Render(job.frame(), job).sums, reference); });
@@ -209,9 +212,15 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"screens", Integrator::kBdpt}, Case{"lamps", Integrator::kBdpt},
                     Case{"painted", Integrator::kPhoton}, Case{"screens", Integrator::kPhoton},
                     Case{"lamps", Integrator::kPhoton}, Case{"painted", Integrator::kVcm},
-                    Case{"screens", Integrator::kVcm}, Case{"lamps", Integrator::kVcm}),
+                    Case{"screens", Integrator::kVcm}, Case{"lamps", Integrator::kVcm},
+                    Case{"painted", Integrator::kVpl}, Case{"screens", Integrator::kVpl},
+                    Case{"lamps", Integrator::kVpl}, Case{"gallery", Integrator::kIrradianceCache},
+                    Case{"screens", Integrator::kIrradianceCache},
+                    Case{"lamps", Integrator::kIrradianceCache}),
     [](const auto& test) {
-      return test.param.scene + "_" + std::string(ToString(test.param.integrator));
+      std::string name = test.param.scene + "_" + std::string(ToString(test.param.integrator));
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
     });
 
 // The files are identical too: they do not record how the picture was computed.
@@ -233,7 +242,8 @@ TEST_F(Program, WritesTheSameBytesWhateverTheThreadsWaveBackendAndNames) {
 
 TEST_F(Program, WritesTheSameBytesOfLightPathsToo) {
   for (const std::string integrator :
-       {"bdpt", "photon --photons 900 --caustic-photons 0 --progressive 3 --gather 0", "vcm"}) {
+       {"bdpt", "photon --photons 900 --caustic-photons 0 --progressive 3 --gather 0", "vcm",
+        "vpl --vpls 7"}) {
     SCOPED_TRACE(integrator);
     const std::string picture =
         "render three-spheres --size 21x15 --spp 3 --guide -q --integrator " + integrator;

@@ -14,7 +14,7 @@ TEST(Integrators, DescribeThemselvesWithoutContradiction) {
     const IntegratorDescriptor& described = Describe(integrator);
     EXPECT_FALSE(described.help.empty());
     EXPECT_NE(described.render_wave, nullptr);
-    EXPECT_EQ(described.has_photons(), described.for_each_pass != nullptr);
+    EXPECT_EQ(described.stores != StoredLight::kNothing, described.for_each_pass != nullptr);
     EXPECT_LE(described.pass_each_sample, described.has_photons());
     EXPECT_LE(described.has_photons(), described.has_light_paths());
     EXPECT_LE(described.has_splats, described.has_light_paths());
@@ -34,6 +34,8 @@ TEST(Integrators, GiveWorkersWhatTheyNeed) {
     EXPECT_EQ(worker->light.has_value(), described.has_light_paths());
     EXPECT_EQ(worker->photon.has_value(), described.stores == StoredLight::kPhotons);
     EXPECT_EQ(worker->merging.has_value(), described.stores == StoredLight::kVertices);
+    EXPECT_EQ(worker->virtual_lights.has_value(), described.stores == StoredLight::kLights);
+    EXPECT_EQ(worker->irradiance.has_value(), described.stores == StoredLight::kIrradiance);
     EXPECT_EQ(worker->continuations, nullptr);
     if (!described.splits) continue;
     options.split = 2;

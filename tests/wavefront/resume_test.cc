@@ -167,6 +167,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"photon", Integrator::kPhoton, kOfPhotons, [](JobRequest&) {}},
                     Case{"photon_passes", Integrator::kPhoton, kOfPhotons,
                          [](JobRequest& request) { request.options.photons.passes = 3; }},
+                    Case{"vpl", Integrator::kVpl, kOfPhotons,
+                         [](JobRequest& request) { request.options.virtual_lights.count = 5; }},
                     Case{"vcm", Integrator::kVcm, kOfHits, [](JobRequest&) {}},
                     Case{"vcm_passes", Integrator::kVcm, kOfHits,
                          [](JobRequest& request) { request.options.photons.passes = 2; }}),

@@ -232,10 +232,11 @@ void ExpectSameInGarbage(const RenderJob& job, Integrator integrator, std::uint3
     Film film = job.MakeFilm(integrator);
     const std::unique_ptr<Worker> worker = MakeWorker(frame.options);
     EachPassOf(frame, [&](const FrameView& pass) {
-      for (std::uint32_t first = 0; first < 16 * 12 * 4; first += 200) {
+      const std::uint32_t rows = 16 * 12 * pass.options.samples_per_pixel;
+      for (std::uint32_t first = 0; first < rows; first += 200) {
         if (garbage) FillTables(*worker);
         if (garbage && worker->continuations) FillTables(worker->continuations->wave);
-        RenderWave(pass, {tile, first, std::min(200u, 16 * 12 * 4 - first)}, *worker, film);
+        RenderWave(pass, {tile, first, std::min(200u, rows - first)}, *worker, film);
       }
     });
     sums[garbage].assign(film.sums().begin(), film.sums().end());
@@ -260,6 +261,8 @@ TEST(Waves, ReadNothingThatOthersHaveLeft) {
     ExpectSameInGarbage(job, Integrator::kBdpt);
     ExpectSameInGarbage(job, Integrator::kPhoton);
     ExpectSameInGarbage(job, Integrator::kVcm);
+    ExpectSameInGarbage(job, Integrator::kVpl);
+    ExpectSameInGarbage(job, Integrator::kIrradianceCache);
   }
 }
 

@@ -122,6 +122,17 @@ TEST(StrategyPilot, LeavesStatisticsToTheFrame) {
   }
 }
 
+// The irradiance cache is made after the choice, so its pilot has none and follows paths.
+TEST(StrategyPilot, ChoosesBeforeThereIsACache) {
+  JobRequest request = Request("auto");
+  request.integrator = Integrator::kIrradianceCache;
+  request.options.irradiance_cache.rays = 16;
+  const Rendered chosen = RenderInside(request);
+  request.strategy = Chosen(chosen.result);
+  EXPECT_NE(request.strategy, "");
+  EXPECT_EQ(chosen.sums, RenderInside(request).sums);
+}
+
 TEST(StrategyPilot, NothingIsChosenWhereLightPathsStart) {
   JobRequest request = Request("auto");
   request.integrator = Integrator::kPhoton;

@@ -17,7 +17,9 @@ namespace skywave {
   INTEGRATOR(Light, "light")            \
   INTEGRATOR(Bdpt, "bdpt")              \
   INTEGRATOR(Photon, "photon")          \
-  INTEGRATOR(Vcm, "vcm")
+  INTEGRATOR(Vcm, "vcm")                \
+  INTEGRATOR(Vpl, "vpl")                \
+  INTEGRATOR(IrradianceCache, "irradiance-cache")
 
 #define SKYWAVE_VALUE(integrator, name) k##integrator,
 enum class Integrator { SKYWAVE_INTEGRATORS(SKYWAVE_VALUE) };
@@ -53,11 +55,13 @@ enum class LightPaths {
   kAny        // that of light samples if it can emit, or else another one
 };
 
-// What passes of light paths store for camera paths.
+// What passes before those of camera paths store for them.
 enum class StoredLight {
-  kNothing,  // nothing: there are no such passes
-  kPhotons,  // photons in a caustic and an indirect map, to be looked up
-  kVertices  // light vertices in one map, to be merged
+  kNothing,    // nothing: there are no such passes
+  kPhotons,    // photons in a caustic and an indirect map, to be looked up
+  kVertices,   // light vertices in one map, to be merged
+  kLights,     // light vertices one by one, to shine as virtual point lights
+  kIrradiance  // indirect irradiance at points of diffuse surfaces, without light paths
 };
 
 // Renders the samples of a pass. Returns false if no further pass is wanted.
@@ -76,6 +80,8 @@ struct IntegratorDescriptor {
   LightPaths light_paths = LightPaths::kNone;
   bool has_splats = false;  // light paths add to pixels anywhere on the film
   StoredLight stores = StoredLight::kNothing;
+  bool biased = false;            // its expectation is not the picture, however many samples
+  bool mixes_light = false;       // direct and indirect light of a surface come together
   bool pass_each_sample = false;  // unless the option `progressive` says how many passes
 
   // Throws OptionError if options do not go together with this integrator. CheckIntegrator checks
@@ -95,7 +101,9 @@ struct IntegratorDescriptor {
                       Film& film) = nullptr;
 
   bool has_light_paths() const { return light_paths != LightPaths::kNone; }
-  bool has_photons() const { return stores != StoredLight::kNothing; }
+  bool has_photons() const {
+    return stores == StoredLight::kPhotons || stores == StoredLight::kVertices;
+  }
 };
 
 const IntegratorDescriptor& Describe(Integrator integrator);

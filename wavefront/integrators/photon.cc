@@ -54,10 +54,6 @@ void Check(const RenderOptions& options) {
                       "`integrator photon` needs photons; for direct light alone use `integrator "
                       "direct`");
   }
-  if (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect)) {
-    throw OptionError("aovs", ToString(options.aovs),
-                      "`integrator photon` does not keep direct and indirect light apart");
-  }
 }
 
 void CheckScene(const RenderOptions& options, const Geometry& geometry, const SceneSphere&) {
@@ -127,6 +123,8 @@ IntegratorDescriptor PhotonIntegrator() {
           .light_samples = LightSamples::kRequested,
           .light_paths = LightPaths::kAny,
           .stores = StoredLight::kPhotons,
+          .biased = true,
+          .mixes_light = true,
           .check = Check,
           .check_scene = CheckScene,
           .add_tables = AddTables,

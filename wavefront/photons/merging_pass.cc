@@ -15,11 +15,6 @@
 namespace skywave {
 namespace {
 
-// These light paths tell what others will store. Their first number is that of no pass, because
-// samples of a pixel end before.
-constexpr std::uint64_t kPlanningPaths = 1 << 14,
-                        kFirstPlanningPath = std::uint64_t{0xFFFFFFFF} << 32;
-
 // Merges blur light at edges, and connections find most of it without them: half of the distance
 // that photons would be looked up within is enough.
 constexpr float kMergedDistance = 0.5f;

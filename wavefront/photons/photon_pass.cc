@@ -20,32 +20,14 @@ namespace {
 void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
                      const WantedPhotons& wanted, Worker& w, PhotonLists& lists) {
   StageClock clock(w.stats);
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  StartLightPaths(frame.options, first, count, w.paths);
   std::fill_n(w.photon->history->met, count, 0u);
-  EmitRays(frame, count, *rays, w, clock);
-
   // Paths that can only make caustics end at the first surface with a density.
   const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
-  std::uint32_t n = count;
-  for (std::uint32_t bounce = 1; n > 0; ++bounce) {
-    IntersectLightPathSurfaces(frame, *rays, n, bounce, w, clock);
-    StorePhotons(wanted, bounce, w, lists, clock);
-    if (bounce == frame.options.max_depth) break;
-    n = ScatterSurfaces(frame, kLightEnd, first_kind, bounce, *next, w, clock);
-    std::swap(rays, next);
-  }
+  FollowLightPaths(frame, first, count, first_kind, frame.options.max_depth, w, clock,
+                   [&](std::uint32_t bounce) { StorePhotons(wanted, bounce, w, lists, clock); });
   lists.caustic.SortByPath(count);
   lists.indirect.SortByPath(count);
   clock.Lap(Stage::kPhotons);
-}
-
-// The strategy of camera paths may need many light samples or surfaces to draw them for.
-FrameView LightPathView(const FrameView& frame) {
-  FrameView view = frame;
-  view.strategy = frame.emitter;
-  view.options.light_samples = 1;
-  return view;
 }
 
 // Returns the largest distance of a lookup: the user's, or one by the map. A search for the nearest

@@ -39,6 +39,11 @@ struct PhotonCounts {
 // of the mean of all passes then both vanish.
 std::vector<PhotonPass> PhotonPasses(const RenderOptions& options);
 
+// These light paths tell what others will store. Their first number is that of no pass, because
+// samples of a pixel end before.
+inline constexpr std::uint64_t kPlanningPaths = 1 << 14,
+                               kFirstPlanningPath = std::uint64_t{0xFFFFFFFF} << 32;
+
 // Traces light paths of `pass`, in progressive frames numbered from 2^32 times its first sample on,
 // and builds the maps: the photons of the first light paths that together have as many as
 // options.photons requests. After kMostPathsAPhoton light paths for each requested photon, maps

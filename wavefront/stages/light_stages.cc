@@ -109,6 +109,13 @@ void IntersectLightPathSurfaces(const FrameView& frame, const RayColumns& rays, 
               clock);
 }
 
+FrameView LightPathView(const FrameView& frame) {
+  FrameView view = frame;
+  view.strategy = frame.emitter;
+  view.options.light_samples = 1;
+  return view;
+}
+
 void ConnectSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;

@@ -1,0 +1,70 @@
+// Irradiance caching (Ward, Rubinstein and Clear 1988; Ward and Heckbert 1992). Diffuse surfaces
+// take direct light as `direct` does and interpolate all other light between records of a first
+// pass (irradiance/irradiance_pass.cc); there paths end. Other surfaces scatter as those of `path`
+// do, and so do diffuse ones where no record counts. Irradiance between records is what these
+// suggest, so small things are blurred and the noise of the records is seen as blotches. Paths of
+// records begin at their surfaces: with a mirror in between they are a surface longer than
+// max_depth.
+#include <utility>
+
+#include "wavefront/integrators/integrators.h"
+#include "wavefront/irradiance/irradiance_pass.h"
+#include "wavefront/stages/irradiance_stages.h"
+#include "wavefront/stages/path_stages.h"
+
+namespace skywave {
+namespace {
+
+void RenderCachedWave(const FrameView& frame, const WaveRange& range, Worker& w, Film& film) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(frame, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
+  clock.Lap(Stage::kGenerate);
+
+  std::uint32_t n = range.count, bounce = 0;
+  for (; n > 0; ++bounce) {
+    if (bounce == frame.options.max_depth) {
+      IntersectLights(frame, *rays, n, bounce, w, clock);
+      break;
+    }
+    IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, w, clock);
+    KeepAovs(frame, bounce, range.count, w, film, clock);
+    LightSurfaces(frame, bounce, w, clock);
+    AddCachedIrradiance(frame, w, clock);
+    const bool last = bounce + 1 == frame.options.max_depth;
+    const std::uint32_t first_kind = last ? frame.first_bsdf_that_sees_light() : 0;
+    n = ScatterSurfaces(frame, kCameraEnd, first_kind, bounce, *next, w, clock);
+    std::uint32_t ended = 0;
+    n = EndCachedPaths(*next, n, w, ended);
+    if (ended > 0) IntersectLights(frame, w.irradiance->ended, ended, bounce + 1, w, clock);
+    std::swap(rays, next);
+  }
+  FinishWave(range.count, bounce, w, film, clock);
+}
+
+void AddTables(const RenderOptions& options, Worker& worker) {
+  worker.irradiance.emplace(options.wave);
+}
+
+void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts&,
+                 const RenderPass& render) {
+  const IrradianceCache cache = MakeIrradianceCache(frame, pool);
+  FrameView view = frame;
+  view.irradiance_cache = &cache;
+  render(view);
+}
+
+}  // namespace
+
+IntegratorDescriptor IrradianceCacheIntegrator() {
+  return {.help = "light between diffuse surfaces from an irradiance cache; biased: blurred",
+          .light_samples = LightSamples::kRequested,
+          .stores = StoredLight::kIrradiance,
+          .biased = true,
+          .mixes_light = true,
+          .add_tables = AddTables,
+          .for_each_pass = ForEachPass,
+          .render_wave = RenderCachedWave};
+}
+
+}  // namespace skywave
