@@ -75,6 +75,13 @@ struct GroupTables {
   Film* film = nullptr;  // the one that the wave at hand is for
 };
 
+// Guided paths need these tables.
+struct GuideTables {
+  explicit GuideTables(std::uint32_t wave) : rows(wave), values(wave) {}
+  soa::Table<GuideColumns> rows;
+  soa::Table<BsdfValueColumns> values;  // of the directions at hand
+};
+
 struct Continuations;
 
 struct Worker {
@@ -99,6 +106,7 @@ struct Worker {
   std::optional<GroupTables> groups;
   // What is subtracted from the light samples at hand, then from the rays that scatter.
   std::optional<soa::Table<ControlColumns>> control;
+  std::optional<GuideTables> guide;
   std::unique_ptr<Continuations> continuations;
 };
 

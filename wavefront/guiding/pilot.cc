@@ -55,6 +55,7 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
   FrameView pilot = CoarseView(frame, kMostPilotPaths, kSamples);
   pilot.strategy = &strategy;
   pilot.irradiance = {};
+  pilot.bounce_guide = {};
   const RenderOptions coarse = pilot.options;
   pilot.options = {};
   pilot.options.width = coarse.width, pilot.options.height = coarse.height;
@@ -66,6 +67,15 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy) {
 }
 
 Tile PilotTile(const FrameView& pilot) { return {0, 0, pilot.camera.width, pilot.camera.height}; }
+
+PlaceBox BoxOfPlaces(const SceneSphere& sphere) {
+  PlaceBox box;
+  for (std::size_t i = 0; i < 3; ++i) {
+    box.low[i] = sphere.low[i];
+    box.side = std::max(box.side, sphere.high[i] - sphere.low[i]);
+  }
+  return box;
+}
 
 std::uint64_t PilotPaths(const FrameView& pilot) {
   return std::uint64_t(pilot.camera.width) * pilot.camera.height * pilot.options.samples_per_pixel;

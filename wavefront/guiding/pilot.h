@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kernels/partition.h"
+#include "lights/tables/places.h"
 #include "wavefront/frame.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/stages.h"
@@ -26,6 +27,9 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy);
 // Returns all its pixels as one tile, and the number of its paths.
 Tile PilotTile(const FrameView& pilot);
 std::uint64_t PilotPaths(const FrameView& pilot);
+
+// Returns the cube in which the places of a scene lie.
+PlaceBox BoxOfPlaces(const SceneSphere& sphere);
 
 // Follows paths `range` of the pilot, and shows an observer
 //   SeeRays(w, rays, n)        rays that left the surfaces at hand, with their hits in w.hits

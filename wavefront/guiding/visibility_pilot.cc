@@ -60,22 +60,13 @@ class VisibilityRayList {
   std::vector<VisibilityRay>& rays_;
 };
 
-PlaceBox BoxOf(const SceneSphere& sphere) {
-  PlaceBox box;
-  for (std::size_t i = 0; i < 3; ++i) {
-    box.low[i] = sphere.low[i];
-    box.side = std::max(box.side, sphere.high[i] - sphere.low[i]);
-  }
-  return box;
-}
-
 }  // namespace
 
 std::unique_ptr<EnvStrategy> LearnVisibility(const FrameView& frame, const EnvStrategy& strategy,
                                              WorkerPool& pool, GuideCounts& counts) {
   const VisibilityStrategy* const untaught = strategy.learns_visibility();
   if (untaught == nullptr || !frame.has_environment()) return nullptr;
-  const PlaceBox box = BoxOf(frame.sphere);
+  const PlaceBox box = BoxOfPlaces(frame.sphere);
   if (!(box.side > 0) || !std::isfinite(box.side)) return nullptr;
   const auto start = Clock::now();
   std::unique_ptr<VisibilityStrategy> taught;
