@@ -52,7 +52,7 @@ struct RenderControl {
 struct FrameResult {
   RenderStats stats;
   PhotonCounts photons;
-  GuideCounts guide, visibility, control;        // their seconds are among `seconds`
+  GuideCounts guide, visibility, control, bounces;  // their seconds are among `seconds`
   std::vector<StrategyChoice> choices;  // of each strategy that was `auto`; their seconds too
   double seconds = 0;                   // wall clock, from the first wave to the last
   double processor_seconds = 0;         // of all threads of the process meanwhile

@@ -113,6 +113,13 @@ struct ControlTables {
   soa::Table<ControlWeightColumns> weights;  // of the surfaces at hand
 };
 
+// Guided paths need these tables.
+struct GuideTables {
+  explicit GuideTables(std::uint32_t wave) : rows(wave), values(wave) {}
+  soa::Table<GuideColumns> rows;
+  soa::Table<BsdfValueColumns> values;  // of the directions at hand
+};
+
 struct Continuations;
 
 struct Worker {
@@ -138,6 +145,7 @@ struct Worker {
   std::optional<IrradianceTables> irradiance;
   std::optional<GroupTables> groups;
   std::optional<ControlTables> control;
+  std::optional<GuideTables> guide;
   std::unique_ptr<Continuations> continuations;
 };
 

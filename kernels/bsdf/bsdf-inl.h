@@ -351,6 +351,19 @@ void WeighCellRows(const SurfaceColumns& s, const MaterialView& materials, std::
   }
 }
 
+template <class Bsdf>
+void DrawRows(const SurfaceColumns& s, const MaterialView& materials,
+              const ScatterUniforms& uniforms, std::uint32_t n, const LightColumns& directions) {
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const ShadingLanes lanes(s, i);
+    const Bsdf bsdf(s, materials, i, n);
+    const BsdfSample sample = bsdf.Draw(lanes.wo, Load(uniforms.direction.u + i),
+                                        Load(uniforms.direction.v + i), Load(uniforms.lobe.u + i));
+    Store3(ToWorld(lanes.frame, sample.wi), directions.dir_x + i, directions.dir_y + i,
+           directions.dir_z + i);
+  }
+}
+
 // Appends the rays of one vector of surfaces that scatter towards `world` with the given weight.
 // With `kMoved`, origins may lie behind the surface (MoveOrigins). `control`, where it is not null,
 // is the weight of what is known in the mean.
@@ -552,6 +565,10 @@ HWY_AFTER_NAMESPACE();
                        const LightCell* cells, const std::uint32_t* cell, float* weight) {         \
     WeighCellRows<Bsdf>(s, m, n, cells, cell, weight);                                             \
   }                                                                                                \
+  void Draw##Bsdf(const SurfaceColumns& s, const MaterialView& m, const ScatterUniforms& uniforms, \
+                  std::uint32_t n, const LightColumns& directions) {                               \
+    DrawRows<Bsdf>(s, m, uniforms, n, directions);                                                 \
+  }                                                                                                \
   std::uint32_t Scatter##Bsdf(const SurfaceColumns& s, const MaterialView& m,                      \
                               const ScatterUniforms& uniforms, std::uint32_t n,                    \
                               const ScatterPolicy& policy, const RayColumns& rays,                 \
@@ -565,6 +582,7 @@ HWY_AFTER_NAMESPACE();
   HWY_EXPORT(EvaluateControlled##Bsdf##Lights);                                                   \
   HWY_EXPORT(WeighCells##Bsdf);                                                                   \
   HWY_EXPORT(WeighCell##Bsdf);                                                                    \
+  HWY_EXPORT(Draw##Bsdf);                                                                         \
   HWY_EXPORT(Scatter##Bsdf);                                                                      \
   BsdfKernels Bsdf##Kernels() {                                                                   \
     BsdfKernels kernels{Bsdf##Traits};                                                            \
@@ -586,6 +604,11 @@ HWY_AFTER_NAMESPACE();
     kernels.weigh_cell = [](const SurfaceColumns& s, const MaterialView& m, std::uint32_t n,      \
                             const LightCell* cells, const std::uint32_t* cell, float* weight) {   \
       HWY_DYNAMIC_DISPATCH(WeighCell##Bsdf)(s, m, n, cells, cell, weight);                        \
+    };                                                                                            \
+    kernels.draw = [](const SurfaceColumns& s, const MaterialView& m,                             \
+                      const ScatterUniforms& uniforms, std::uint32_t n,                           \
+                      const LightColumns& directions) {                                           \
+      HWY_DYNAMIC_DISPATCH(Draw##Bsdf)(s, m, uniforms, n, directions);                            \
     };                                                                                            \
     kernels.scatter = SKYWAVE_SCATTER(Scatter##Bsdf);                                             \
     return kernels;                                                                               \

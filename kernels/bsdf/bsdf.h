@@ -129,6 +129,8 @@ struct BsdfTraits {
   std::string_view name;
   bool lobed = false;  // it chooses between lobes: it needs ScatterUniforms::lobe.u
   Varying varying = Varying::kNothing;
+  // Directions may be guided (kernels/lights/bounce_guide.h): reflection that is diffuse or nearly.
+  bool guided = false;
   bool transmits = false;  // light passes through
   bool refracts = false;   // and enters another medium: the value has the squared index ratio
   bool inside = false;     // light goes through the material itself, which may absorb it
@@ -176,6 +178,12 @@ struct BsdfKernels : BsdfTraits {
   // Writes the weight of cell cell[i] for rows i in [0, n). Null for delta BSDFs.
   void (*weigh_cell)(const SurfaceColumns& surfaces, const MaterialView& materials, std::uint32_t n,
                      const LightCell* cells, const std::uint32_t* cell, float* weight) = nullptr;
+
+  // Draws a direction for rows [0, n) and writes it to `dir` of `directions`; `evaluate` tells its
+  // value and density. Null for delta BSDFs.
+  void (*draw)(const SurfaceColumns& surfaces, const MaterialView& materials,
+               const ScatterUniforms& uniforms, std::uint32_t n,
+               const LightColumns& directions) = nullptr;
 
   // Draws a direction for rows [0, n) and appends the rays that go on to `rays` from its row
   // `appended`, and rows of policy.control->out if there is one; returns the new number of rows. At

@@ -54,6 +54,7 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy, std::ui
   FrameView pilot = CoarseView(frame, paths, kSamples);
   pilot.strategy = &strategy;
   pilot.irradiance = {};
+  pilot.bounce_guide = {};
   const RenderOptions coarse = pilot.options;
   pilot.options = {};
   pilot.options.width = coarse.width, pilot.options.height = coarse.height;
@@ -64,11 +65,11 @@ FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy, std::ui
   return pilot;
 }
 
-std::uint64_t PilotShare(const FrameView& frame) {
-  constexpr std::uint64_t kPicturePaths = 64, kLeast = 1 << 12;
+std::uint64_t PilotShare(const FrameView& frame, std::uint64_t least, std::uint64_t most) {
+  constexpr std::uint64_t kPicturePaths = 64;
   const std::uint64_t paths = std::uint64_t{frame.camera.whole_width} * frame.camera.whole_height *
                               PictureSamples(frame.options).count();
-  return std::clamp(paths / kPicturePaths, kLeast, kMostPilotPaths);
+  return std::clamp(paths / kPicturePaths, least, most);
 }
 
 PlaceBox PlaceBoxOf(const SceneSphere& sphere) {

@@ -16,7 +16,7 @@
 
 namespace skywave {
 
-// Pilots have so many paths: few against a usual render.
+// Pilots have so many paths, few against a usual render, unless they grow with the picture.
 inline constexpr std::uint64_t kMostPilotPaths = 1 << 17;
 
 // Returns the frame as a pilot sees it: the whole film, coarse, with about `paths` paths and at
@@ -28,8 +28,9 @@ FrameView CoarseView(const FrameView& frame, std::uint64_t paths, std::uint32_t 
 // samples of `strategy`, with random numbers of its own.
 FrameView PilotView(const FrameView& frame, const EnvStrategy& strategy,
                     std::uint64_t paths = kMostPilotPaths);
-// Returns how many paths a pilot has that is to be small against the picture.
-std::uint64_t PilotShare(const FrameView& frame);
+// Returns how many paths a pilot has that grows with the picture, within these limits.
+std::uint64_t PilotShare(const FrameView& frame, std::uint64_t least = 1 << 12,
+                         std::uint64_t most = kMostPilotPaths);
 
 // Returns the cube in which the places of a scene lie, of side 0 if there are none.
 PlaceBox PlaceBoxOf(const SceneSphere& sphere);
