@@ -146,7 +146,7 @@ void EvaluateLightsStage(benchmark::State& state) {
   static WaveFixture f;
   const LightReach reach = f.SampleAndEvaluate(0);
   Run(state, f.ranges.light_sampled(),
-      [&] { EvaluateLights(f.frame, f.worker.surfaces, f.ranges, reach, 0, f.worker.lights, {}); });
+      [&] { EvaluateLights(f.frame, f.worker.surfaces, f.ranges, reach, 0, f.worker.lights); });
 }
 void TraceShadowsStage(benchmark::State& state, Backend backend) {
   static WaveFixture f;

@@ -93,7 +93,7 @@ struct WaveFixture {
     LightReach reach =
         SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),
                      worker.scratch, worker.lights, LightPlaces(worker.hits));
-    EvaluateLights(frame, worker.surfaces, ranges, reach, index, worker.lights, {});
+    EvaluateLights(frame, worker.surfaces, ranges, reach, index, worker.lights);
     return reach;
   }
 

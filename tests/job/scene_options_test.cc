@@ -178,7 +178,7 @@ TEST(MaterialChanges, ThatMakeNoSenseAreRefused) {
   };
   for (const auto& [change, why] : cases) {
     Scene scene = Painted();
-    const std::string message = Refusal([&] { ChangeMaterials({change}, scene); });
+    const std::string message = Refusal([&, change = change] { ChangeMaterials({change}, scene); });
     EXPECT_NE(message.find(why), std::string::npos) << change << ": " << message;
     EXPECT_EQ(message.rfind("material", 0), 0u) << message;
   }

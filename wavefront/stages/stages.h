@@ -104,8 +104,8 @@ struct ControlRows {
 // of a surface subtracts the integral of the control as well.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
-                    const LightColumns& lights, const ControlRows& control,
-                    const GuideTables* guide);
+                    const LightColumns& lights, const ControlRows& control = {},
+                    const GuideTables* guide = nullptr);
 
 // Closes (t_far negative) the light samples that rays pass through at their own triangle, which
 // their shadow rays do not reach. `keys` are those of the shadow rays.
