@@ -13,11 +13,11 @@ struct JobEntry;
 struct JobValue {
   enum class Kind { kText, kWhole, kReal, kSwitch, kOther, kList, kTable };
   Kind kind = Kind::kTable;
-  std::string text = {};             // of a scalar, as an option takes it
-  double number = 0;                 // of kWhole and kReal
-  std::vector<JobValue> list = {};   // of kList
-  std::vector<JobEntry> table;       // of kTable, in the order of the file
-  std::size_t line = 0;              // from 1
+  std::string text = {};            // of a scalar, as an option takes it
+  double number = 0;                // of kWhole and kReal
+  std::vector<JobValue> list = {};  // of kList
+  std::vector<JobEntry> table;      // of kTable, in the order of the file
+  std::size_t line = 0;             // from 1
 
   bool is_scalar() const;  // text, a number or a switch: an option's value
 };

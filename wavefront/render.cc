@@ -9,8 +9,8 @@
 #include <numeric>
 
 #include "base/clock.h"
-#include "wavefront/guiding/control_pilot.h"
 #include "wavefront/guiding/bounce_pilot.h"
+#include "wavefront/guiding/control_pilot.h"
 #include "wavefront/guiding/emission_guide.h"
 #include "wavefront/guiding/strategy_pilot.h"
 #include "wavefront/guiding/visibility_pilot.h"

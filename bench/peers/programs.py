@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Callable
 
@@ -72,11 +73,14 @@ def skywave_strategy(job):
     return f"median-cut:lights={job.lights},position=centroid"
 
 
-def skywave(session, job, seed, samples=None):
-    picture, stats = session.file(f"{job.name}_skywave.exr"), session.file("stats.json")
+def skywave(session, job, seed, samples=None, control="irradiance"):
+    # Lights have no density, so a control variate is for maps only.
+    control = "none" if job.lights else control
+    picture = session.file(f"{job.name}_skywave_{control}.exr")
+    stats = session.file("stats.json")
     run([session.program, "render", session.file("bunny.pbrt"), "--env", session.map,
          "--integrator", job.integrator, "--max-depth", job.depth, "--strategy",
-         skywave_strategy(job), "--spp", samples or job.samples, "--filter", "box", "--size",
+         skywave_strategy(job), "--control", control, "--spp", samples or job.samples, "--filter", "box", "--size",
          "{}x{}".format(*session.size), "--threads", session.threads, "--seed", seed,
          "--stats", stats, "-o", picture, "-q"])
     read = json.loads(stats.read_text())
@@ -193,8 +197,10 @@ class Program:
 PROGRAMS = [
     Program("Skywave", None, None, ("map", "lights", "direct"), skywave,
             "`seconds.render` of its statistics",
-            "`importance` with MIS for the map, `median-cut` for lights; roulette from the fourth "
-            "surface"),
+            "`importance` with MIS and `--control irradiance` for the map, `median-cut` for lights; "
+            "roulette from the fourth surface"),
+    Program("Skywave without control", None, None, ("map",), partial(skywave, control="none"),
+            "the same", "the same but for `--control`"),
     Program("Cycles", "blender", "blender", ("map",), cycles,
             "the render of all samples less that of one, in one process, times n / (n - 1)",
             "CPU; no denoising, adaptive sampling, clamping or caustics; map sampled at its full "

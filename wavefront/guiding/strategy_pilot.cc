@@ -23,7 +23,7 @@ constexpr std::uint32_t kSamples = 16;
 constexpr std::uint32_t kChoiceSeeds[] = {0xA370C401u, 0x51B3E9D7u};
 // Another candidate than the first has to be better by this factor, or the noise of the pilot would
 // choose among equals.
-constexpr double kClearly = 0.95;
+constexpr double kClearly = 0.9;
 // What a sample costs besides its rays [rays]: generation, shading, the film.
 constexpr double kCostOfSample = 1;
 
