@@ -75,7 +75,15 @@ std::string Table(const RenderReport& report) {
     }
     line("  auto: {}, in {:.3f} s; variance x cost: {}", choice.chosen, choice.seconds, scores);
   }
-  if (const PhotonCounts& photons = report.frame.photons; photons.light_paths > 0) {
+  const PhotonCounts& photons = report.frame.photons;
+  const StoredLight stores = Describe(report.job->options().integrator).stores;
+  if (stores == StoredLight::kLights) {
+    line("  virtual lights: {} of {} light paths in {:.3f} s, shining as from {:.4g} at least",
+         photons.indirect, photons.light_paths, photons.seconds, photons.radius);
+  } else if (stores == StoredLight::kIrradiance) {
+    line("  irradiance cache: {} records in {:.3f} s, {:.1f} MiB", photons.indirect,
+         photons.seconds, double(photons.bytes) / (1 << 20));
+  } else if (photons.light_paths > 0) {
     line(
         "  photons: {} indirect, {} caustic of {} light paths in {:.3f} s, maps of {:.1f} MiB, "
         "radii {:.4g} and {:.4g}",

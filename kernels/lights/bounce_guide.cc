@@ -35,7 +35,7 @@ void FindGuideShares(const BounceGuideView& guide, std::uint32_t n, const GuideC
   }
 }
 
-// Returns the cells of directions in the frame of their axis, those below it cell 0.
+// Returns the cells of directions in the frame of their axis; those below it get any cell.
 HWY_INLINE VU CellsOf(const V3& local, MF above) {
   const VF zero = hn::Zero(F()), side = Set(float(kBounceSide)), last = Set(float(kBounceSide - 1));
   VF u, v;

@@ -5,8 +5,9 @@
 // Parameters
 //   compensate=1/n  that of `importance`, which `visibility` has too
 //
-// Unbiased, as all of them are, since the pilot has random numbers of its own. Until it is chosen
-// for, and with integrators that trace light paths, it is `importance`.
+// Unbiased, as all of them are, since the pilot has random numbers of its own. It chooses as if
+// there were no control variate. Before the pilot has chosen, and with `photon` and `vpl`, it is
+// `importance`; integrators whose light paths start with the strategy's own samples refuse it.
 #pragma once
 
 #include <optional>

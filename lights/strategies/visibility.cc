@@ -239,8 +239,7 @@ std::unique_ptr<VisibilityStrategy> VisibilityStrategy::Taught(std::vector<Visib
 }
 
 std::size_t VisibilityStrategy::table_bytes() const {
-  return map_->bytes() + trees_.bytes() + tree_.words.size() * sizeof(std::uint32_t) +
-         probability_.size() * sizeof(float);
+  return map_->bytes() + trees_.bytes() + tree_.bytes() + probability_.size() * sizeof(float);
 }
 
 PlacePicksView VisibilityStrategy::Picks() const {

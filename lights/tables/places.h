@@ -38,6 +38,8 @@ struct PlaceTree {
   std::vector<Node> nodes;            // all that have words
   std::vector<std::uint32_t> places;  // the node of each place
 
+  // Returns the size of the octrees themselves, which is what lookups need.
+  std::size_t bytes() const { return words.size() * sizeof(std::uint32_t); }
   PlaceTreeView view() const {
     return {.nodes = words.data(),
             .low = {box.low[0], box.low[1], box.low[2]},

@@ -38,7 +38,9 @@ struct Learnt {
 };
 
 void SetAxis(const std::array<double, 3>& normal, float* axis) {
-  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  // The square root is rounded alike everywhere, which std::hypot is not.
+  const double length =
+      std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
   for (std::size_t i = 0; i < 3; ++i) {
     axis[i] = length > 0.1 ? float(normal[i] / length) : float(i == 1);
   }
@@ -137,8 +139,8 @@ BounceGuideView BounceGuide::view() const {
 }
 
 std::size_t BounceGuide::bytes() const {
-  return tree_.words.size() * sizeof(std::uint32_t) + places_.size() * sizeof(GuidePlace) +
-         lines_.bytes() + columns_.bytes() + density_.size() * sizeof(float);
+  return tree_.bytes() + places_.size() * sizeof(GuidePlace) + lines_.bytes() + columns_.bytes() +
+         density_.size() * sizeof(float);
 }
 
 }  // namespace skywave

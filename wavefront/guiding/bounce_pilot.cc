@@ -11,13 +11,6 @@
 namespace skywave {
 namespace {
 
-// From this bounce on roulette decides which rays go on.
-constexpr std::uint32_t kBouncesLearnt = 3;
-
-float Luminance(float r, float g, float b) {
-  return kLuminance[0] * r + kLuminance[1] * g + kLuminance[2] * b;
-}
-
 // A ray before it is known what it brings: radiance is that of its path when it left.
 struct PendingRay {
   BounceRay ray;
@@ -34,22 +27,23 @@ void KeepRays(const PlaceBox& box, const Worker& w, const RayColumns& rays, std:
     const std::uint32_t row = rays.from[i], path = rays.path[i];
     while (row >= w.ranges.begin[kind + 1]) ++kind;
     if (!Bsdfs()[kind].guided) continue;
-    const float throughput =
-        Luminance(rays.throughput_r[i], rays.throughput_g[i], rays.throughput_b[i]);
+    const auto throughput =
+        float(Luminance(rays.throughput_r[i], rays.throughput_g[i], rays.throughput_b[i]));
     if (!(throughput > 0)) continue;
-    pending.push_back(
-        {.ray = {.place = PackPlace(box, {s.org_x[row], s.org_y[row], s.org_z[row]},
-                                    {s.ns_x[row], s.ns_y[row], s.ns_z[row]}),
-                 .dir = {rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]},
-                 .radiance = Luminance(w.paths->r[path], w.paths->g[path], w.paths->b[path])},
-         .throughput = throughput,
-         .path = path});
+    pending.push_back({.ray = {.place = PackPlace(box, {s.org_x[row], s.org_y[row], s.org_z[row]},
+                                                  {s.ns_x[row], s.ns_y[row], s.ns_z[row]}),
+                               .dir = {rays.dir_x[i], rays.dir_y[i], rays.dir_z[i]},
+                               .radiance = float(Luminance(w.paths->r[path], w.paths->g[path],
+                                                           w.paths->b[path]))},
+                       .throughput = throughput,
+                       .path = path});
   }
 }
 
-// Follows paths as `path` does, and appends what their rays have brought.
-void FollowPaths(const FrameView& pilot, const PlaceBox& box, const WaveRange& range, Worker& w,
-                 std::vector<BounceRay>& found) {
+// Follows paths as `path` does, and appends what their rays have brought that roulette did not
+// choose.
+void FollowAndKeepRays(const FrameView& pilot, const PlaceBox& box, const WaveRange& range,
+                       Worker& w, std::vector<BounceRay>& found) {
   StageClock clock(w.stats);
   std::vector<PendingRay> pending;
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
@@ -63,12 +57,12 @@ void FollowPaths(const FrameView& pilot, const PlaceBox& box, const WaveRange& r
     IntersectSurfaces(pilot, *rays, n, bounce, /*only_delta=*/false, w, clock);
     LightSurfaces(pilot, bounce, w, clock);
     n = ScatterSurfaces(pilot, kCameraEnd, 0, bounce, *next, w, clock);
-    if (bounce < kBouncesLearnt) KeepRays(box, w, *next, n, pending);
+    if (bounce < kFirstRouletteBounce) KeepRays(box, w, *next, n, pending);
     std::swap(rays, next);
   }
   for (const PendingRay& ray : pending) {
-    const float radiance =
-        Luminance(w.paths->r[ray.path], w.paths->g[ray.path], w.paths->b[ray.path]);
+    const auto radiance =
+        float(Luminance(w.paths->r[ray.path], w.paths->g[ray.path], w.paths->b[ray.path]));
     found.push_back(ray.ray);
     // A path of next to no throughput tells nothing of large numbers.
     constexpr float kMost = 1e18f;
@@ -87,7 +81,7 @@ std::unique_ptr<BounceGuide> LearnBounces(const FrameView& frame, WorkerPool& po
   std::unique_ptr<BounceGuide> guide;
   std::vector<BounceRay> rays;
   // The first quarter of the pilot is not guided, and teaches the rest where to look.
-  constexpr std::uint64_t kMostPaths = 1 << 20;  // of some 100 bytes each
+  constexpr std::uint64_t kMostPaths = 1 << 20;  // of some 250 bytes each while they are learnt
   const FrameView whole =
       PilotView(frame, *frame.strategy, PilotShare(frame, kMostPilotPaths, kMostPaths));
   const std::uint32_t samples = whole.options.samples_per_pixel;
@@ -97,7 +91,7 @@ std::unique_ptr<BounceGuide> LearnBounces(const FrameView& frame, WorkerPool& po
     pilot.options.first_sample = first, pilot.options.samples_per_pixel = end - first;
     const std::vector<BounceRay> found = TracePilot<BounceRay>(
         pilot, pool, [&](const WaveRange& range, Worker& worker, std::vector<BounceRay>& some) {
-          FollowPaths(pilot, box, range, worker, some);
+          FollowAndKeepRays(pilot, box, range, worker, some);
         });
     rays.insert(rays.end(), found.begin(), found.end());
     guide = std::make_unique<BounceGuide>(rays, box);

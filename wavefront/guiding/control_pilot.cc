@@ -181,11 +181,13 @@ ControlWeights LearnControl(WorkerPool& pool, FrameView& frame, GuideCounts& cou
   };
   counts.paths += PilotPaths(pilot);
   counts.samples += surfaces.size();
-  counts.bytes +=
-      weights.tree.words.size() * sizeof(std::uint32_t) + weights.of_places.size() * sizeof(float);
+  counts.bytes += weights.tree.bytes() + weights.of_places.size() * sizeof(float);
   counts.seconds += SecondsSince(start);
-  if (gain < kWorthwhile) frame.irradiance = {};
-  if (!are_all(1)) frame.control_weights = weights.view();
+  if (gain < kWorthwhile) {
+    frame.irradiance = {};
+  } else if (!are_all(1)) {
+    frame.control_weights = weights.view();
+  }
   return weights;
 }
 

@@ -15,8 +15,9 @@
 namespace skywave {
 namespace {
 
-// Pixels of the pilot get so many samples, a power of two, from each of two seeds. Variances are
-// those of their means, since strategies differ in how much they gain by stratified samples.
+// Pixels of the pilot get so many samples, or more in small films, from each of two seeds.
+// Variances are those of their means, since strategies differ in how much they gain by stratified
+// samples.
 constexpr std::uint32_t kSamples = 16;
 // They turn a frame's seed into those of the pilot, which are not that of the pilot that teaches:
 // what has been learnt from samples does too well with the same ones.
@@ -98,8 +99,8 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
   std::unique_ptr<EnvStrategy> best_taught;
   double best = 0;
   for (const StrategyCandidate& candidate : candidates) {
-    std::unique_ptr<EnvStrategy> taught =
-        LearnVisibility(frame, *candidate.strategy, pool, visibility);
+    GuideCounts counts;
+    std::unique_ptr<EnvStrategy> taught = LearnVisibility(frame, *candidate.strategy, pool, counts);
     // One that has learnt nothing draws as `importance` does.
     if (taught && taught->learns_visibility()->learnt() == 0) continue;
     pilot.*slot = taught ? taught.get() : candidate.strategy;
@@ -119,6 +120,7 @@ std::unique_ptr<EnvStrategy> ChooseStrategy(StrategySlot slot, const FilmLayout&
     const double product = score.variance * score.cost * (first ? kClearly : 1);
     if (!first && !(product < best)) continue;
     best = product, best_taught = std::move(taught);
+    visibility = counts;  // of what the frame has
     frame.*slot = best_taught ? best_taught.get() : candidate.strategy;
     choice.chosen = score.name;
   }

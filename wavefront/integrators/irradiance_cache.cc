@@ -7,8 +7,10 @@
 // max_depth.
 #include <utility>
 
+#include "base/clock.h"
 #include "wavefront/integrators/integrators.h"
 #include "wavefront/irradiance/irradiance_pass.h"
+#include "wavefront/photons/photon_pass.h"
 #include "wavefront/stages/irradiance_stages.h"
 #include "wavefront/stages/path_stages.h"
 
@@ -46,9 +48,12 @@ void AddTables(const RenderOptions& options, Worker& worker) {
   worker.irradiance.emplace(options.wave);
 }
 
-void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts&,
+void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render) {
+  const auto start = Clock::now();
   const IrradianceCache cache = MakeIrradianceCache(frame, pool);
+  counts.indirect = cache.records().size(), counts.bytes = cache.bytes();
+  counts.seconds = SecondsSince(start);
   FrameView view = frame;
   view.irradiance_cache = &cache;
   render(view);

@@ -70,23 +70,23 @@ struct HemisphereGrid {
 // Returns a grid of about `rays` rays whose cells are about square (Ward and Heckbert 1992).
 HemisphereGrid GridOf(std::uint32_t rays);
 
-// Returns unit vectors across the normal, which is the third axis.
 struct Axes {
   Triple x, y, z;
 };
+// Returns unit vectors across the normal, which is the third axis.
 Axes AxesAround(const Triple& normal);
 
 // Returns the direction of place (u, v) in [0, 1)^2 of a cell, ring by ring.
 Triple DirectionInCell(const HemisphereGrid& grid, std::uint32_t cell, float u, float v,
                        const Axes& axes);
 
-// Returns the record of a point, without position and radius, and the harmonic mean distance of
-// what it sees, no more than the distance at which its own gradient would change it entirely
-// (Krivanek et al. 2005).
 struct MeasuredIrradiance {
   IrradianceRecord record;
   float distance;  // may be infinite
 };
+// Returns the record of a point, without position and radius, and the harmonic mean distance of
+// what it sees, no more than the distance at which its own gradient would change it entirely
+// (Krivanek et al. 2005).
 MeasuredIrradiance MeasureIrradiance(const HemisphereGrid& grid, const Axes& axes,
                                      std::span<const HemisphereSample> samples,
                                      std::span<const Triple> directions);

@@ -17,15 +17,15 @@
 namespace skywave {
 namespace {
 
-// The radius of a record is that many pixels of the pilot, at least and at most: nearer records
-// could not be told apart, and farther ones miss small things (Ward et al. 1988).
+// The radius of a record is that many pixels of the pilot, at least and at most: smaller ones would
+// not be seen, and larger ones miss small things (Ward et al. 1988).
 constexpr float kLeastPixels = 1.5f, kMostPixels = 40;
 
 // No more records are made than this; paths go on where one is missing.
 constexpr std::size_t kMostRecords = 1 << 17;
 
-// The rays of so many records are kept at a time.
-constexpr std::size_t kRecordsAtATime = 512;
+// So many rays of records are kept at a time, or those of one record.
+constexpr std::size_t kRaysAtATime = 1 << 17;
 // A thread asks for so many points at a time.
 constexpr std::size_t kPointsAtATime = 256;
 
@@ -150,11 +150,13 @@ void SampleHemispheres(const FrameView& pilot, const HemisphereGrid& grid,
     const Triple& normal = points[(first + i) / grid.count()].geometric;
     const float above =
         normal[0] * directions[i][0] + normal[1] * directions[i][1] + normal[2] * directions[i][2];
+    // Below its triangle a ray meets that triangle itself, which is no neighbour.
+    if (!(above > 0)) samples[i].distance = std::numeric_limits<float>::infinity();
     samples[i].radiance = above > 0 ? Triple{paths.r[i], paths.g[i], paths.b[i]} : Triple{};
   }
 }
 
-// Appends records of `points`, of which there are at most kRecordsAtATime.
+// Appends records of `points`, whose rays are kept together.
 void Measure(const FrameView& pilot, std::span<const SeenPoint> points, float accuracy,
              const HemisphereGrid& grid, WorkerPool& pool, std::vector<IrradianceRecord>& records) {
   const std::size_t rays = points.size() * grid.count(), wave = pilot.options.wave;
@@ -220,15 +222,18 @@ IrradianceCache MakeIrradianceCache(const FrameView& frame, WorkerPool& pool) {
                      known[i] = cache.Interpolate(round[i].origin, round[i].shading, irradiance);
                    }
                  });
-    std::vector<SeenPoint> wanting;
+    std::vector<SeenPoint> unknown;
     for (std::size_t i = 0; i < round.size(); ++i) {
-      if (known[i] == 0) wanting.push_back(round[i]);
+      if (known[i] == 0 && records.size() + unknown.size() < kMostRecords) {
+        unknown.push_back(round[i]);
+      }
     }
-    for (std::size_t i = 0; i < wanting.size(); i += kRecordsAtATime) {
-      const std::size_t some = std::min(kRecordsAtATime, wanting.size() - i);
-      Measure(pilot, std::span(wanting).subspan(i, some), options.accuracy, grid, pool, records);
+    const std::size_t at_a_time = std::max<std::size_t>(1, kRaysAtATime / grid.count());
+    for (std::size_t i = 0; i < unknown.size(); i += at_a_time) {
+      const std::size_t some = std::min(at_a_time, unknown.size() - i);
+      Measure(pilot, std::span(unknown).subspan(i, some), options.accuracy, grid, pool, records);
     }
-    if (!wanting.empty()) cache = IrradianceCache(records, options.accuracy);
+    if (!unknown.empty()) cache = IrradianceCache(records, options.accuracy);
     begin = end;
   }
   return cache;

@@ -15,9 +15,6 @@
 namespace skywave {
 namespace {
 
-// Bounces before this one are never cut by roulette.
-constexpr std::uint32_t kFirstRouletteBounce = 3;
-
 // Returns the angle that a pixel in the middle of the film takes up; 0 where it has none.
 float PixelAngle(const CameraView& camera) {
   constexpr float kTurn = 6.28318531f;

@@ -91,6 +91,9 @@ LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
 void FindGuides(const FrameView& frame, const SurfaceColumns& surfaces, const SurfaceRanges& ranges,
                 const GuideTables& guide);
 
+// Bounces before this one are never cut by roulette.
+inline constexpr std::uint32_t kFirstRouletteBounce = 3;
+
 // The columns of a control variate: what is subtracted, one row for each light sample or scattered
 // ray, and what the control weighs at each surface; null: 1.
 struct ControlRows {
@@ -99,9 +102,9 @@ struct ControlRows {
 };
 
 // Turns light samples into contributions and opens or closes their shadow rays. `guide` is needed
-// only where paths are guided. With a control
-// variate, `control` gets what is subtracted from the paths of the surfaces; the first light sample
-// of a surface subtracts the integral of the control as well.
+// only where paths are guided. With a control variate, `control` gets what is subtracted from the
+// paths of the surfaces; the first light sample of a surface subtracts the integral of the control
+// as well.
 void EvaluateLights(const FrameView& frame, const SurfaceColumns& surfaces,
                     const SurfaceRanges& ranges, const LightReach& reach, std::uint32_t index,
                     const LightColumns& lights, const ControlRows& control = {},
