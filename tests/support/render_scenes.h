@@ -89,18 +89,23 @@ inline PunctualLight SlantingSun() {
           .direction = glm::normalize(glm::vec3(-1, 2, 0.5f))};
 }
 
-// Returns a room with an opening in its roof under a sky with a sun, seen from inside.
-inline Scene RoomUnderSkylight() {
-  Scene scene;
-  const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
+// Places a room with an opening in its roof.
+inline void PlaceRoom(Scene& scene, std::uint32_t material) {
   const auto wall = [&](const glm::vec3& centre, const glm::vec3& half) {
-    Place(scene, Facetted(RoundedBox(half, 0.01f, 1)), white, centre);
+    Place(scene, Facetted(RoundedBox(half, 0.01f, 1)), material, centre);
   };
   wall({0, 0, 0}, {2, 0.05f, 2});
   wall({0, 1, -2}, {2, 1, 0.05f}), wall({0, 1, 2}, {2, 1, 0.05f});
   wall({-2, 1, 0}, {0.05f, 1, 2}), wall({2, 1, 0}, {0.05f, 1, 2});
   wall({-1.2f, 2, 0}, {0.8f, 0.05f, 2}), wall({1.2f, 2, 0}, {0.8f, 0.05f, 2});
   wall({0, 2, -1.2f}, {0.4f, 0.05f, 0.8f}), wall({0, 2, 1.2f}, {0.4f, 0.05f, 0.8f});
+}
+
+// Returns such a room under a sky with a sun, seen from inside.
+inline Scene RoomUnderSkylight() {
+  Scene scene;
+  const std::uint32_t white = AddLambert(scene, "white", glm::vec3(0.7f));
+  PlaceRoom(scene, white);
   Place(scene, Quad(0.2f), AddMirror(scene, 0.9f), {0.2f, 1.2f, 0});
   Place(scene, Sphere(0.3f), AddMetal(scene, "Cu", 0.3f), {-0.6f, 0.4f, -0.5f});
   scene.camera = LookAtCamera({1.2f, 1.2f, 1.5f}, {-0.3f, 0.5f, -0.4f}, {0, 1, 0}, 70, false);

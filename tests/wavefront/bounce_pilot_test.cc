@@ -142,14 +142,7 @@ Scene Room(bool lamps) {
   scene.materials.push_back({.name = "clay", .bsdf = BsdfKind::kOrenNayar, .alpha = 0.8f});
   scene.materials.push_back(
       {.name = "plastic", .bsdf = BsdfKind::kMetallicRoughness, .alpha = 0.3f, .metallic = 0.3f});
-  const auto wall = [&](const glm::vec3& centre, const glm::vec3& half) {
-    Place(scene, Facetted(RoundedBox(half, 0.01f, 1)), white, centre);
-  };
-  wall({0, 0, 0}, {2, 0.05f, 2});
-  wall({0, 1, -2}, {2, 1, 0.05f}), wall({0, 1, 2}, {2, 1, 0.05f});
-  wall({-2, 1, 0}, {0.05f, 1, 2}), wall({2, 1, 0}, {0.05f, 1, 2});
-  wall({-1.2f, 2, 0}, {0.8f, 0.05f, 2}), wall({1.2f, 2, 0}, {0.8f, 0.05f, 2});
-  wall({0, 2, -1.2f}, {0.4f, 0.05f, 0.8f}), wall({0, 2, 1.2f}, {0.4f, 0.05f, 0.8f});
+  PlaceRoom(scene, white);
   Place(scene, Sphere(0.3f, 3), 1, {0.3f, 0.4f, 0.4f});
   Place(scene, Sphere(0.3f, 3), 2, {-0.6f, 0.4f, -0.5f});
   Place(scene, Quad(0.2f), AddMirror(scene, 0.9f), {0.2f, 1.2f, 0});
