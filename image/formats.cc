@@ -23,7 +23,8 @@ std::string LowerCaseEnding(const std::string& path) {
   return ending;
 }
 
-constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01";
+constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01", kPngMagic = "\x89PNG",
+                           kJpegMagic = "\xff\xd8";
 
 Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits).image;
@@ -81,14 +82,19 @@ LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::st
 
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
                     const ReadLimits& limits) {
-  if (StartsWith(bytes, "\x89PNG")) return DecodePng(name, bytes, encoding, limits);
+  if (StartsWith(bytes, kPngMagic)) return DecodePng(name, bytes, encoding, limits);
   if (encoding == Encoding::kAlpha) {
     Image opaque(1, 1);
     opaque.rgb = {1, 1, 1};
     return opaque;
   }
-  if (StartsWith(bytes, "\xff\xd8")) return DecodeJpeg(name, bytes, encoding, limits);
+  if (StartsWith(bytes, kJpegMagic)) return DecodeJpeg(name, bytes, encoding, limits);
   return DecodeImage(name, bytes, limits);
+}
+
+bool IsOfScreen(const std::string& path) {
+  const std::string bytes = ReadFile(path);
+  return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic);
 }
 
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {

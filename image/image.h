@@ -43,6 +43,10 @@ struct ReadLimits {
 // truncated or inconsistent file never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
 
+// Returns whether a file holds 8-bit colours of a screen, PNG or JPEG, by its first bytes. Throws
+// InputError if it cannot be read.
+bool IsOfScreen(const std::string& path);
+
 // Interprets the numbers of a PNG or JPEG as sRGB colours or as unconverted numbers in [0, 1].
 // kAlpha replaces all three channels of a PNG with its alpha channel, or 1 if it has none.
 enum class Encoding { kSrgb, kLinear, kAlpha };
