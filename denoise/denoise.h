@@ -27,6 +27,9 @@ std::vector<std::string> DenoiserChannels();
 // Halves of fewer samples know too little of their variance.
 inline constexpr std::uint32_t kFewestDenoiserSamples = 8;
 
+// Returns whether every pixel has enough samples in both halves. The layers are there.
+bool CanDenoise(const Image& image, std::span<const NamedChannel> layers);
+
 struct Denoised {
   Image image;
   // Layer "error", R, G and B: the root of the expected squared error of the image. It is

@@ -49,17 +49,26 @@ void CheckFinite(const std::string& name, const Image& image, std::string_view c
                                pixel / width));
 }
 
-void CheckSamples(const std::string& name, const DenoiserInput& input) {
-  for (std::size_t i = 0; i < input.samples.size(); ++i) {
-    const float all = input.samples[i], half = input.half_samples[i];
-    if (all >= kFewestDenoiserSamples && half >= 2 && all - half >= 2) continue;
-    const std::size_t width = std::size_t(input.image.width);
-    throw InputError(
-        InputPosition::File(name),
-        fmt::format("pixel ({}, {}) has {} samples, {} of them in one half; the denoiser needs {} "
-                    "or more, from the first sample on",
-                    i % width, i / width, all, half, kFewestDenoiserSamples));
+// Returns the first pixel that has too few samples, in all or in one half, or their number.
+std::size_t FindTooFew(std::span<const float> samples, std::span<const float> half) {
+  std::size_t i = 0;
+  while (i < samples.size() && samples[i] >= kFewestDenoiserSamples && half[i] >= 2 &&
+         samples[i] - half[i] >= 2) {
+    ++i;
   }
+  return i;
+}
+
+void CheckSamples(const std::string& name, const DenoiserInput& input) {
+  const std::size_t i = FindTooFew(input.samples, input.half_samples);
+  if (i == input.samples.size()) return;
+  const std::size_t width = std::size_t(input.image.width);
+  throw InputError(
+      InputPosition::File(name),
+      fmt::format("pixel ({}, {}) has {} samples, {} of them in one half; the denoiser needs {} or "
+                  "more, from the first sample on",
+                  i % width, i / width, input.samples[i], input.half_samples[i],
+                  kFewestDenoiserSamples));
 }
 
 }  // namespace
@@ -73,6 +82,11 @@ std::vector<std::string> DenoiserChannels() {
     }
   }
   return names;
+}
+
+bool CanDenoise(const Image& image, std::span<const NamedChannel> layers) {
+  const std::span<const float> samples = Find("", image, layers, "samples.V");
+  return FindTooFew(samples, Find("", image, layers, "half.N")) == samples.size();
 }
 
 DenoiserInput FindInput(const std::string& name, const Image& image,

@@ -77,10 +77,8 @@ Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int height
         const std::string letter(1, "RGB"[c]);
         noisy.image.rgb[3 * i + std::size_t(c)] = float(all / kSamples);
         noisy.at("half." + letter)[i] = float(sums[1] / (kSamples / 2));
-        noisy.at("variance." + letter)[i] =
-            float(variance(kSamples, all, squares[0] + squares[1]));
-        noisy.at("half-variance." + letter)[i] =
-            float(variance(kSamples / 2, sums[1], squares[1]));
+        noisy.at("variance." + letter)[i] = float(variance(kSamples, all, squares[0] + squares[1]));
+        noisy.at("half-variance." + letter)[i] = float(variance(kSamples / 2, sums[1], squares[1]));
         noisy.at("albedo." + letter)[i] = float(pixel.albedo);
       }
     }
@@ -94,7 +92,8 @@ double SquaredError(const Image& image, const Truth& truth) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const double error = image.rgb[3 * (std::size_t(y) * image.width + x)] - TrueValue(truth(x, y));
+      const double error =
+          image.rgb[3 * (std::size_t(y) * image.width + x)] - TrueValue(truth(x, y));
       sum += error * error;
     }
   }
