@@ -142,7 +142,7 @@ void ReadRow(const DenoiserInput& input, int y, DenoiserPlanes& planes) {
       const float first = (n * all - n1 * second) / n0;
       // The squares around the mean of all samples are those around the means of the halves and
       // those of the means.
-      const float apart = first - second, variance1 = input.half_variance[c][pixel];
+      const float apart = first - second, variance1 = std::max(input.half_variance[c][pixel], 0.0f);
       const float squares =
           (n - 1) * input.variance[c][pixel] - (n1 - 1) * variance1 - n0 * n1 / n * apart * apart;
       const float variance0 = std::max(squares, 0.0f) / (n0 - 1);

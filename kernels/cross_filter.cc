@@ -23,10 +23,10 @@ constexpr float kFarApart = 4;
 // A pixel may be this much noisier without weighing less.
 constexpr float kNoisier = 2;
 constexpr float kNoNoise = 1e-20f;
-// The estimated error: no pixel loses all of its variance, and the bias is not the same everywhere
-// in a neighbourhood. Both are fitted, so that intervals hold what they say (docs/denoising.md).
-constexpr float kNoiseLeft = 0.02f;
-constexpr float kBiasTrust = 1.5f;
+// Differences of neighbours are alike once they are filtered, so their mean is one of few
+// independent numbers, and intervals have to be wider. Fitted, so that they hold what they say
+// (docs/denoising.md).
+constexpr float kFewNumbers = 1.4f;
 
 // A tile with two more pixels on each side, and room for whole vectors.
 constexpr int kPitch = FilterTile::kWidth + 3 * static_cast<int>(kPadRows);
@@ -213,9 +213,8 @@ HWY_INLINE void ErrorOfChannel(const PlaneShape& shape, const float* const (&noi
       const std::size_t i = shape.at(tile.x + x, tile.y + y);
       const VF f0 = Load(filtered[0] + i), f1 = Load(filtered[1] + i);
       const VF x0 = Load(noisy[0] + i), x1 = Load(noisy[1] + i);
-      const VF clean = hn::Sub(f0, f1), noise = hn::Sub(x0, x1);
-      const VF left = hn::Mul(hn::Mul(noise, noise), Set(kNoiseLeft));
-      Store(hn::Mul(hn::Add(hn::Mul(clean, clean), left), Set(0.25f)), differences.at(x, y));
+      const VF apart = hn::Sub(f0, f1);
+      Store(hn::Mul(hn::Mul(apart, apart), Set(0.25f * kFewNumbers)), differences.at(x, y));
       Store(hn::Mul(hn::Sub(f0, x1), hn::Sub(f1, x0)), products.at(x, y));
     }
   }
@@ -223,8 +222,7 @@ HWY_INLINE void ErrorOfChannel(const PlaneShape& shape, const float* const (&noi
   for (int y = 0; y < tile.height; ++y) {
     for (int x = 0; x < tile.width; x += lanes) {
       const VF bias = hn::Max(squared_bias.At(x, y), hn::Zero(F()));
-      Store(hn::Add(variance.At(x, y), hn::Mul(bias, Set(kBiasTrust))),
-            squared_error + shape.at(tile.x + x, tile.y + y));
+      Store(hn::Add(variance.At(x, y), bias), squared_error + shape.at(tile.x + x, tile.y + y));
     }
   }
 }

@@ -97,11 +97,10 @@ struct ErrorPlanes {
 
 // Writes the estimated squared error of the mean of the `filtered` halves of `noisy`, for one row.
 //
-// The variance is what the halves differ by, and a little of what they differed by before. The bias
-// is what both have in common: with x the noisy and f the filtered halves, (f_0 - x_1)(f_1 - x_0) has
-// the squared bias as its expectation, as the noise of one half is not that of the other, but for the
-// share of x in its own average. Both are means over the neighbourhood, of 3 x 3 and of 5 x 5 pixels,
-// whichever is larger.
+// The variance is what the halves differ by. The bias is what both have in common: with x the noisy
+// and f the filtered halves, (f_0 - x_1)(f_1 - x_0) has the squared bias as its expectation, as the
+// noise of one half is not that of the other, but for the share of x in its own average. Both are
+// means over the neighbourhood, of 3 x 3 and of 5 x 5 pixels, whichever is larger.
 void EstimateError(const PlaneShape& shape, const HalfPlanes (&noisy)[2],
                    const HalfPlanes (&filtered)[2], const FilterTile& tile,
                    const ErrorPlanes& squared_error);
