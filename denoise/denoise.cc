@@ -79,7 +79,8 @@ Denoised Denoise(const std::string& name, const Image& image,
   const std::uint32_t size = std::uint32_t(shape.size());
   soa::Table<HalfPlanes> filtered[2], next[2];
   for (int h = 0; h < 2; ++h) {
-    filtered[h] = soa::Table<HalfPlanes>(size), next[h] = soa::Table<HalfPlanes>(size);
+    filtered[h] = soa::Table<HalfPlanes>(size, soa::Touch::kLater);
+    next[h] = soa::Table<HalfPlanes>(size, soa::Touch::kLater);
   }
   const HalfPlanes noisy[2] = {planes.halves[0], planes.halves[1]};
   for (const FilterLevel& level : kFilterLevels) {
@@ -96,7 +97,7 @@ Denoised Denoise(const std::string& name, const Image& image,
     }
   }
   const HalfPlanes clean[2] = {filtered[0], filtered[1]};
-  const soa::Table<ErrorPlanes> squared_error(size);
+  const soa::Table<ErrorPlanes> squared_error(size, soa::Touch::kLater);
   ForEachTile(shape, [&](const FilterTile& tile) {
     EstimateError(shape, noisy, clean, tile, squared_error);
   });

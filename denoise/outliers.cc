@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <vector>
 
@@ -85,39 +84,58 @@ float ShareOf(const DenoiserPlanes& planes, const DenoiserInput& input, int x, i
   return std::max(input.coverage[pixel] * texture, kLeastShare);
 }
 
+// A half pixel that is one, and what it is to have instead.
+struct Outlier {
+  int x, y, half;
+  float left;   // of its radiance
+  float noise;  // that of its surroundings
+};
+
+// Returns the outliers of a row.
+std::vector<Outlier> FindOutliers(const DenoiserPlanes& planes, int y) {
+  std::vector<Outlier> found;
+  for (int x = 0; x < planes.shape.width; ++x) {
+    const std::size_t at = planes.shape.at(x, y);
+    for (int h = 0; h < 2; ++h) {
+      const HalfPlanes &half = planes.halves[h], &other = planes.halves[1 - h];
+      const float brightness = Brightness(half, at);
+      // Few are that much brighter than the same pixel of the other half.
+      if (brightness <= kTimesBrighter * Brightness(other, at)) continue;
+      const Surroundings others = Around(planes.shape, other, x, y);
+      if (!IsOutlier(brightness, others)) continue;
+      found.push_back({x, y, h, others.brightness / brightness, others.noise});
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes) {
   const PlaneShape& shape = planes.shape;
-  std::atomic<std::uint64_t> outliers = 0;
-  soa::Table<TexturePlanes> excess(std::uint32_t(shape.size()));
-  // The halves are tested as they were read, whatever has been taken out of the pixels above.
-  soa::Table<HalfPlanes> taken[2] = {soa::Table<HalfPlanes>(std::uint32_t(shape.size())),
-                                     soa::Table<HalfPlanes>(std::uint32_t(shape.size()))};
-  tbb::parallel_for(0, shape.height, [&](int y) {
-    for (int x = 0; x < shape.width; ++x) {
-      const std::size_t at = shape.at(x, y);
-      for (int h = 0; h < 2; ++h) {
-        const HalfPlanes &half = planes.halves[h], &kept = taken[h];
-        kept.r[at] = half.r[at], kept.g[at] = half.g[at], kept.b[at] = half.b[at];
-        kept.noise[at] = half.noise[at];
-        const float brightness = Brightness(half, at);
-        const Surroundings others = Around(shape, planes.halves[1 - h], x, y);
-        if (!IsOutlier(brightness, others)) continue;
-        outliers.fetch_add(1, std::memory_order_relaxed);
-        const std::size_t pixel = std::size_t(y) * std::size_t(shape.width) + std::size_t(x);
-        const float second = input.half_samples[pixel] / input.samples[pixel];
-        const float left = others.brightness / brightness, share = h == 0 ? 1 - second : second;
-        excess->r[at] += (1 - left) * share * half.r[at] * planes.texture->r[at];
-        excess->g[at] += (1 - left) * share * half.g[at] * planes.texture->g[at];
-        excess->b[at] += (1 - left) * share * half.b[at] * planes.texture->b[at];
-        kept.r[at] *= left, kept.g[at] *= left, kept.b[at] *= left;
-        kept.noise[at] = others.noise;
-      }
-    }
-  });
-  OutlierExcess result = {.outliers = outliers, .spread = {}};
+  // All are found before any is taken.
+  std::vector<std::vector<Outlier>> rows(std::size_t(shape.height));
+  tbb::parallel_for(0, shape.height, [&](int y) { rows[y] = FindOutliers(planes, y); });
+  OutlierExcess result;
+  for (const std::vector<Outlier>& row : rows) result.outliers += row.size();
   if (result.outliers == 0) return result;
+
+  soa::Table<TexturePlanes> excess(std::uint32_t(shape.size()));
+  for (const std::vector<Outlier>& row : rows) {
+    for (const Outlier& outlier : row) {
+      const std::size_t at = shape.at(outlier.x, outlier.y);
+      const std::size_t pixel =
+          std::size_t(outlier.y) * std::size_t(shape.width) + std::size_t(outlier.x);
+      const HalfPlanes& half = planes.halves[outlier.half];
+      const float second = input.half_samples[pixel] / input.samples[pixel];
+      const float taken = (1 - outlier.left) * (outlier.half == 0 ? 1 - second : second);
+      excess->r[at] += taken * half.r[at] * planes.texture->r[at];
+      excess->g[at] += taken * half.g[at] * planes.texture->g[at];
+      excess->b[at] += taken * half.b[at] * planes.texture->b[at];
+      half.r[at] *= outlier.left, half.g[at] *= outlier.left, half.b[at] *= outlier.left;
+      half.noise[at] = outlier.noise;
+    }
+  }
   // Pixel i gives to pixel j in proportion to the share of j. The mean is symmetric, so what i
   // gives adds up to its excess.
   soa::Table<TexturePlanes> shares(std::uint32_t(shape.size()));
@@ -139,7 +157,6 @@ OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes) {
     const float share = shares->g[at];
     excess->r[at] *= share, excess->g[at] *= share, excess->b[at] *= share;
   });
-  for (int h = 0; h < 2; ++h) planes.halves[h] = std::move(taken[h]);
   result.spread = std::move(excess);
   return result;
 }

@@ -114,9 +114,9 @@ DenoiserInput FindInput(const std::string& name, const Image& image,
 
 DenoiserPlanes::DenoiserPlanes(const PlaneShape& given)
     : shape(given),
-      texture(std::uint32_t(shape.size())),
-      halves{soa::Table<HalfPlanes>(std::uint32_t(shape.size())),
-             soa::Table<HalfPlanes>(std::uint32_t(shape.size()))},
+      texture(std::uint32_t(shape.size()), soa::Touch::kLater),
+      halves{soa::Table<HalfPlanes>(std::uint32_t(shape.size()), soa::Touch::kLater),
+             soa::Table<HalfPlanes>(std::uint32_t(shape.size()), soa::Touch::kLater)},
       features(std::uint32_t(shape.size())) {}
 
 void ReadRow(const DenoiserInput& input, int y, DenoiserPlanes& planes) {
