@@ -119,6 +119,8 @@ TEST_F(Session, GoesOnFromNoCheckpointOfSomethingElse) {
   expect_edited(place, [](FilmFile& f) { f.state.tile_side = 12; });
   expect_edited(place, [](FilmFile& f) { f.state.tile_side = 0; });
   expect_edited(place, [](FilmFile& f) { f.state.step.end = 7; });
+  expect_edited(place, [](FilmFile& f) { f.state.ended = {0}; });
+  expect_edited(place, [](FilmFile& f) { f.state.ended.assign(10 * 15, 5); });
   WriteFilm(path(), saved.file, saved.film);
   EXPECT_EQ(Rendered(Request(), Resuming()).part.samples, (SampleRange{0, kSamples}));
 }

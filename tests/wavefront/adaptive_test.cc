@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "job/limits.h"
 #include "job/session.h"
 #include "tests/support/painted_scene.h"
 #include "tests/support/render_scenes.h"
@@ -67,11 +68,25 @@ TEST(Adaptive, PicturesDoNotDependOnThreadsWavesAndSteps) {
     EXPECT_TRUE(other.film.PackPicture() == first.film.PackPicture()) << wave;
     EXPECT_EQ(CountsOf(other), counts);
   }
-  // A limit of time that is never reached adds steps between the looks.
-  RenderLimits with_time = Limits();
-  with_time.seconds = 1e6;
-  EXPECT_TRUE(Rendered(Request(), {.limits = with_time}).film.PackPicture() ==
-              first.film.PackPicture());
+}
+
+TEST(Adaptive, StepsBetweenTheLooksDoNotMatter) {
+  const RenderJob job(PaintedScene(), Request());
+  const FrameView frame = job.frame();
+  std::string expected;
+  for (const bool more : {false, true}) {
+    Film film = job.MakeFilm();
+    RenderControl control;
+    control.end_blocks = [&](RenderState& state) {
+      EndBlocks(Limits(), {0, kMost}, frame, film, state);
+    };
+    control.next_stop = [&](std::uint32_t done) {
+      return done < kLeast ? kLeast : more ? done + std::bit_floor(done) / 2 : 2 * done;
+    };
+    RenderFrame(frame, film, control);
+    if (!more) expected = film.PackPicture();
+    EXPECT_TRUE(film.PackPicture() == expected);
+  }
 }
 
 TEST(Adaptive, PixelsHaveTheFirstSamplesOfThePicture) {
