@@ -4,14 +4,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 #include "base/version.h"
 #include "denoise/denoise.h"
-#include "job/limits.h"
 
 namespace skywave {
 namespace {
+
+// What the options are called that give pixels different numbers of samples, or how they begin.
+constexpr std::string_view kAdaptive = "adaptive";
 
 // The options that tell a part from the whole.
 bool IsOfPart(const RecordedOption& option) {
@@ -63,7 +66,8 @@ std::string ValueOf(const RecordedOption& option) {
   return option.words.substr(end_of_name + 1);
 }
 
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable) {
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable,
+                           const RenderLimits& limits) {
   const JobRequest& request = job.request();
   PictureIdentity identity = {.software = fmt::format("skywave {}", Version()),
                               .scene = request.scene,
@@ -85,7 +89,17 @@ PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure
                                 .words = given ? CommandWords(option, exposure) : "",
                                 .is_input = false});
   }
+  for (const OptionOf<RenderLimits>& option : LimitOptions()) {
+    if (limits.adaptive <= 0 || !option.name.starts_with(kAdaptive)) continue;
+    identity.options.push_back({.name = std::string(option.name),
+                                .words = CommandWords(option, limits),
+                                .is_input = false});
+  }
   return identity;
+}
+
+bool IsAdaptive(const PictureIdentity& identity) {
+  return Find(identity.options, std::string(kAdaptive)) != nullptr;
 }
 
 PicturePart PartOf(const RenderJob& job, const SampleRange& samples) {

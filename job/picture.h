@@ -9,6 +9,7 @@
 #include "image/image.h"
 #include "job/exposure.h"
 #include "job/job.h"
+#include "job/limits.h"
 #include "job/options.h"
 
 namespace skywave {
@@ -32,8 +33,13 @@ struct PictureIdentity {
   std::vector<RecordedOption> options;  // in the order of the tables, without those of the part
 };
 
-// Returns the identity of the picture of a job. Not repeatable: no file has its scene.
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable);
+// Returns the identity of the picture of a job. Not repeatable: no file has its scene. Of the
+// limits, those count that give pixels different numbers of samples.
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable,
+                           const RenderLimits& limits = {});
+
+// Returns whether pixels of the picture may have different numbers of samples.
+bool IsAdaptive(const PictureIdentity& identity);
 
 // Returns the part of the picture that the options of the job ask for, with these samples.
 PicturePart PartOf(const RenderJob& job, const SampleRange& samples);
