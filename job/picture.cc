@@ -6,6 +6,10 @@
 #include <filesystem>
 #include <utility>
 
+#include <tbb/task_arena.h>
+
+#include "base/files.h"
+#include "base/granted.h"
 #include "base/version.h"
 #include "job/limits.h"
 
@@ -32,6 +36,20 @@ std::string WordsOf(const Options& table, std::string_view name, const Request& 
   return CommandWords(*option, request);
 }
 
+// Returns the exposure of the PNG that a picture records.
+ExposureRequest ExposureOf(const PictureIdentity& identity) {
+  const auto exposure = std::make_shared<ExposureRequest>();
+  std::vector<BoundOption> bound;
+  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
+    bound.push_back(Bind(option, exposure));
+    for (const RecordedOption& recorded : identity.options) {
+      if (recorded.name != option.name || recorded.words.empty()) continue;
+      SetOption(bound, recorded.name, ValueOf(recorded));
+    }
+  }
+  return *exposure;
+}
+
 }  // namespace
 
 std::string ValueOf(const RecordedOption& option) {
@@ -41,8 +59,9 @@ std::string ValueOf(const RecordedOption& option) {
   return option.words.substr(end_of_name + 1);
 }
 
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable) {
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, bool repeatable) {
   const JobRequest& request = job.request();
+  const ExposureRequest exposure = ResolveExposure(wanted, request);
   PictureIdentity identity = {.software = fmt::format("skywave {}", Version()),
                               .scene = request.scene,
                               .scene_hash = job.scene_hash(),
@@ -113,31 +132,58 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
 }
 
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part,
-                       const ToneMapping& tone) {
+                       const PictureIdentity& identity, const PicturePart& part) {
   Metadata metadata = {{"software", identity.software},
                        {"samples", fmt::format("{}", part.samples.count())},
                        {"seed", fmt::format("{}", identity.seed)},
                        {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
-  return {.image = film.Resolve(samples),
-          .layers = film.ResolveAovs(samples, layers),
-          .metadata = std::move(metadata),
-          .tone = tone};
+  const ExposureRequest exposure = ExposureOf(identity);
+  Picture picture = {.image = film.Resolve(samples),
+                     .layers = film.ResolveAovs(samples, layers),
+                     .metadata = std::move(metadata),
+                     .automatic_exposure = exposure.exposure && exposure.exposure->automatic};
+  picture.tone = Tone(exposure, picture.image);
+  if (picture.automatic_exposure) {
+    picture.metadata.emplace_back("pngExposure", fmt::format("{}", picture.tone.exposure_stops));
+  }
+  return picture;
 }
 
+std::string ExposureNote(const Picture& picture) {
+  if (!picture.automatic_exposure) return "";
+  return fmt::format("the PNG has an automatic `exposure` of {} stops",
+                     picture.tone.exposure_stops);
+}
+
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<ExrFormat>> ExrFormatOptions() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    info.group = "Format of the EXR";
+    return MakeOption<ExrFormat>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "compression", .help = "compression of the EXR; pxr24, dwaa and dwab lose digits"}, FIELD(compression), NamesOfEnum<ExrCompression>()),
+    option({.name = "half", .help = "colours of the EXR with 16 bits"}, FIELD(half), Switches()),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 void WriteExr(const std::string& path, const Picture& picture) {
-  WriteExr(path, picture.image, picture.metadata, picture.layers);
+  WriteExr(path, picture.image, picture.metadata, picture.layers, picture.format);
 }
 
 std::string EncodePng(const Picture& picture) {
   const Image& image = picture.image;
-  return EncodePng(image.width, image.height, ToneMap(image, picture.tone));
+  tbb::task_arena arena(ThreadsFor(picture.format.threads));
+  return arena.execute(
+      [&] { return EncodePng(image.width, image.height, ToneMap(image, picture.tone)); });
 }
 
 void WritePng(const std::string& path, const Picture& picture) {
-  const Image& image = picture.image;
-  WritePng(path, image.width, image.height, ToneMap(image, picture.tone));
+  WriteFileAtomically(path, EncodePng(picture));
 }
 
 std::string PngBeside(const std::string& exr) {

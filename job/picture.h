@@ -54,13 +54,20 @@ struct Picture {
   std::vector<NamedChannel> layers;
   Metadata metadata;
   ToneMapping tone;  // of the PNG
+  bool automatic_exposure = false;
+  ExrFormat format;  // its number of threads is that of the PNG, too
 };
 
 // Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
 // `layers` are those to show.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part,
-                       const ToneMapping& tone);
+                       const PictureIdentity& identity, const PicturePart& part);
+
+// Returns what to tell of an exposure that was chosen automatically, or nothing.
+std::string ExposureNote(const Picture& picture);
+
+// Returns the options compression and half.
+std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
 
 // Write the files of a picture. A file that exists is replaced.
 void WriteExr(const std::string& path, const Picture& picture);

@@ -78,7 +78,7 @@ class Parts {
     const PictureIdentity identity = IdentityOf(job, exposure_, true);
     const RenderedFilm rendered = RunSession(job, identity, {});
     return BytesOf(folder_, ResolvePicture(rendered.film, kSamples, job.options().aovs, identity,
-                                           rendered.part, Tone(exposure_)));
+                                           rendered.part));
   }
 
   // Adds some films to one.
@@ -92,7 +92,8 @@ class Parts {
  private:
   const TemporaryFolder& folder_;
   JobRequest request_;
-  ExposureRequest exposure_ = {.tone = {.exposure_stops = 0.5f, .curve = ToneCurve::kFilmic}};
+  ExposureRequest exposure_ = {.exposure = ExposureChoice{.automatic = true},
+                               .curve = ToneCurve::kFilmic};
   int films_ = 0;
 };
 
