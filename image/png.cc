@@ -111,7 +111,8 @@ std::string EncodePng(int width, int height, const std::vector<std::uint8_t>& rg
   }
   constexpr int kBandRows = 64;
   const int bands = (height + kBandRows - 1) / kBandRows;
-  std::vector<PngBand> compressed(std::size_t(bands));
+  std::vector<PngBand> compressed;
+  compressed.resize(std::size_t(bands));
   tbb::parallel_for(0, bands, [&](int band) {
     const int first = band * kBandRows, last = std::min(first + kBandRows, height);
     compressed[std::size_t(band)] =
