@@ -4,8 +4,8 @@
 
 #include <ImfInputFile.h>
 #include <ImfThreading.h>
-#include <half.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <limits>
 
