@@ -50,7 +50,8 @@ RenderReport Report(const Renderer::State& state) {
   return {.job = &*state.job,
           .frame = state.finished().frame,
           .write_seconds = state.write_seconds,
-          .noise = NoiseOf(state.finished())};
+          .noise = NoiseOf(state.finished()),
+          .adaptive = state.limits.adaptive > 0};
 }
 
 // Returns the picture of `film`, whose samples are those of `part` or, while it is rendered, fewer.
@@ -105,7 +106,7 @@ Renderer::Renderer(Scene scene, const Options& options) : state_(std::make_uniqu
     const bool repeatable = !scene.state().changed;
     state_->job.emplace(MakeJob(std::move(scene.state()), *request));
     state_->exposure = ResolveExposure(*exposure, state_->job->request());
-    state_->identity = IdentityOf(*state_->job, state_->exposure, repeatable);
+    state_->identity = IdentityOf(*state_->job, state_->exposure, repeatable, *limits);
     ChooseSamples(*limits, state_->identity.samples);
     state_->notes = Notes(*state_);
   });
@@ -162,16 +163,14 @@ void Renderer::Render(const RenderControl& control) {
       const auto viewer = ParseViewerAddress(control.viewer);
       Require(viewer.has_value(), "viewer", "'" + control.viewer + "' is not HOST:PORT");
       display.emplace(*viewer, control.name_in_viewer, state.job->options().aovs);
-      request.on_tile = [&](const Film& film, const Tile& tile, std::uint32_t samples) {
+      request.on_tile = [&](const Film& film, const Tile& tile, const SampleCounts& samples) {
         display->ShowTile(film, tile, samples);
       };
     }
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
-    state.picture = PictureOf(state, rendered.film, rendered.part.samples.count(), rendered.part);
+    state.picture = PictureOf(state, rendered.film, rendered.samples, rendered.part);
     state.layers = LayersOf(state.picture.layers);
-    if (const std::string note = ExposureNote(state.picture); !note.empty()) {
-      state.notes.push_back(note);
-    }
+    state.notes.insert(state.notes.end(), state.picture.notes.begin(), state.picture.notes.end());
     if (display) {
       const std::string problem = display->End(state.picture);
       if (!problem.empty()) state.notes.push_back(problem);

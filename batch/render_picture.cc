@@ -84,7 +84,7 @@ PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   const Clock::time_point start = Clock::now();
   Ready ready = {.request = RequestOf(plan_.path, picture.options)};
   ready.job = std::make_unique<RenderJob>(ready.request.job, &cache_);
-  ready.identity = IdentityOf(*ready.job, ready.request.exposure, true);
+  ready.identity = IdentityOf(*ready.job, ready.request.exposure, true, ready.request.limits);
   ready.load_seconds = SecondsSince(start);
   return ready;
 } catch (const OptionError& error) {
@@ -125,8 +125,9 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.notes = job.notes();
   const RenderOptions& options = job.options();
   if (watcher.begin) {
-    watcher.begin(std::uint64_t(options.width) * std::uint64_t(options.height) *
-                  ChooseSamples(limits, options.samples_per_pixel).count());
+    const std::uint64_t samples = std::uint64_t(options.width) * std::uint64_t(options.height) *
+                                  ChooseSamples(limits, options.samples_per_pixel).count();
+    watcher.begin(limits.adaptive > 0 ? 0 : samples);  // nobody knows how many will do
   }
   RenderedFilm rendered = RunSession(
       job, ready.identity,
@@ -145,13 +146,10 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     const std::shared_ptr<void> held = std::move(room);
     const RenderedFilm source = std::move(rendered);
     const Clock::time_point start = Clock::now();
-    Picture resolved =
-        ResolvePicture(source.film, source.part.samples.count(), aovs, identity, source.part);
+    Picture resolved = ResolvePicture(source.film, source.samples, aovs, identity, source.part);
     resolved.format = format;
     resolved.format.threads = threads;
-    if (const std::string note = ExposureNote(resolved); !note.empty()) {
-      result.notes.push_back(note);
-    }
+    result.notes.insert(result.notes.end(), resolved.notes.begin(), resolved.notes.end());
     if (!limit_words.empty()) resolved.metadata.emplace_back("limits", limit_words);
     result.hash = WriteAndReadBack(exr, resolved);
     std::filesystem::remove(checkpoint);

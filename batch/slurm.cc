@@ -190,7 +190,8 @@ std::uint32_t SamplesToCut(const BatchPlan& batch, const BatchPicture& picture,
                            const PictureRequest& request,
                            std::map<std::string, RenderSettings>& settings) {
   for (const PictureOption& option : picture.options) {
-    if (option.name == "time" || option.name == "noise" || option.name == "sample-range") {
+    if (option.name == "time" || option.name == "noise" || option.name == "adaptive" ||
+        option.name == "sample-range") {
       throw InputError(InputPosition::Line(batch.path, option.line),
                        fmt::format("parts of a picture need its samples beforehand, so {} cannot "
                                    "go with shards",

@@ -37,8 +37,8 @@ int MergeMain(const MergeFlags& flags) {
   } else {
     Picture picture = ResolveMerged(merged);
     picture.format = flags.format;
-    if (const std::string note = ExposureNote(picture); !note.empty() && !flags.quiet) {
-      fmt::print("{}\n", SpellFlags(note));
+    for (const std::string& note : picture.notes) {
+      if (!flags.quiet) fmt::print(stderr, "note: {}\n", SpellFlags(note));
     }
     WritePng(PngBeside(flags.output), picture);
     WriteExr(flags.output, picture);

@@ -1,20 +1,26 @@
 #include "job/picture.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <utility>
-
-#include <tbb/task_arena.h>
 
 #include "base/files.h"
 #include "base/granted.h"
 #include "base/version.h"
-#include "job/limits.h"
+#include "denoise/denoise.h"
 
 namespace skywave {
 namespace {
+
+// What the options are called that give pixels different numbers of samples, or how they begin.
+constexpr std::string_view kAdaptive = "adaptive";
+
+// An attribute of the EXR: the stops of an automatic exposure.
+constexpr std::string_view kPngExposure = "pngExposure";
 
 // The options that tell a part from the whole.
 bool IsOfPart(const RecordedOption& option) {
@@ -50,6 +56,27 @@ ExposureRequest ExposureOf(const PictureIdentity& identity) {
   return *exposure;
 }
 
+// Replaces the picture by a clean one, by the layers that the denoiser reads.
+void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Picture& picture) {
+  if (!CanDenoise(picture.image, layers)) {
+    picture.notes.push_back(
+        fmt::format("not denoised: pixels have fewer than {} samples", kFewestDenoiserSamples));
+    return;
+  }
+  Denoised clean = Denoise(scene, picture.image, layers);
+  for (const std::size_t c : {0, 1, 2}) {
+    NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
+    noisy.values.reserve(picture.image.rgb.size() / 3);
+    for (std::size_t i = c; i < picture.image.rgb.size(); i += 3) {
+      noisy.values.push_back(picture.image.rgb[i]);
+    }
+    picture.layers.push_back(std::move(noisy));
+  }
+  for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
+  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  picture.image = std::move(clean.image);
+}
+
 }  // namespace
 
 std::string ValueOf(const RecordedOption& option) {
@@ -59,7 +86,8 @@ std::string ValueOf(const RecordedOption& option) {
   return option.words.substr(end_of_name + 1);
 }
 
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, bool repeatable) {
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, bool repeatable,
+                           const RenderLimits& limits) {
   const JobRequest& request = job.request();
   const ExposureRequest exposure = ResolveExposure(wanted, request);
   PictureIdentity identity = {.software = fmt::format("skywave {}", Version()),
@@ -82,7 +110,17 @@ PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, 
                                 .words = given ? CommandWords(option, exposure) : "",
                                 .is_input = false});
   }
+  for (const OptionOf<RenderLimits>& option : LimitOptions()) {
+    if (limits.adaptive <= 0 || !option.name.starts_with(kAdaptive)) continue;
+    identity.options.push_back({.name = std::string(option.name),
+                                .words = CommandWords(option, limits),
+                                .is_input = false});
+  }
   return identity;
+}
+
+bool IsAdaptive(const PictureIdentity& identity) {
+  return Find(identity.options, std::string(kAdaptive)) != nullptr;
 }
 
 PicturePart PartOf(const RenderJob& job, const SampleRange& samples) {
@@ -131,6 +169,11 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
   return "";
 }
 
+bool IsDenoised(const PictureIdentity& identity) {
+  const RecordedOption* const option = Find(identity.options, "denoise");
+  return option != nullptr && !option->words.empty();
+}
+
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part) {
   Metadata metadata = {{"software", identity.software},
@@ -138,22 +181,29 @@ Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet lay
                        {"seed", fmt::format("{}", identity.seed)},
                        {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
-  const ExposureRequest exposure = ExposureOf(identity);
   Picture picture = {.image = film.Resolve(samples),
                      .layers = film.ResolveAovs(samples, layers),
-                     .metadata = std::move(metadata),
-                     .automatic_exposure = exposure.exposure && exposure.exposure->automatic};
-  picture.tone = Tone(exposure, picture.image);
-  if (picture.automatic_exposure) {
-    picture.metadata.emplace_back("pngExposure", fmt::format("{}", picture.tone.exposure_stops));
+                     .notes = {},
+                     .metadata = std::move(metadata)};
+  if (IsDenoised(identity)) {
+    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
   }
+  Expose(ExposureOf(identity), picture);
   return picture;
 }
 
-std::string ExposureNote(const Picture& picture) {
-  if (!picture.automatic_exposure) return "";
-  return fmt::format("the PNG has an automatic `exposure` of {} stops",
-                     picture.tone.exposure_stops);
+void Expose(const ExposureRequest& exposure, Picture& picture) {
+  picture.tone = Tone(exposure, picture.image);
+  std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
+  if (!exposure.exposure || !exposure.exposure->automatic) return;
+  const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
+  picture.metadata.emplace_back(kPngExposure, stops);
+  picture.notes.push_back(fmt::format("the PNG has an automatic `exposure` of {} stops", stops));
+}
+
+bool IsExposedAutomatically(const Metadata& metadata) {
+  return std::any_of(metadata.begin(), metadata.end(),
+                     [](const auto& text) { return text.first == kPngExposure; });
 }
 
 #define FIELD SKYWAVE_FIELD
