@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/parse.h"
 #include "denoise/denoise.h"
 #include "job/exposure.h"
 #include "job/picture.h"
@@ -31,15 +32,22 @@ int DenoiseMain(const DenoiseFlags& flags) {
   }
   LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels());
   Denoised clean = Denoise(flags.input, noisy.image, noisy.layers);
-  const std::string note = OutlierNote(clean);
   Picture picture = {.image = std::move(clean.image),
                      .layers = std::move(clean.error),
-                     .metadata = ReadExrMetadata(flags.input),
-                     .tone = Tone(flags.exposure)};
+                     .metadata = ReadExrMetadata(flags.input)};
+  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  ExposureRequest exposure = flags.exposure;
+  if (!exposure.exposure && exposure.photo.shutter_seconds <= 0 &&
+      IsExposedAutomatically(picture.metadata)) {
+    exposure.exposure = ExposureChoice{.automatic = true};
+  }
+  Expose(exposure, picture);
   WritePng(PngBeside(flags.output), picture);
   WriteExr(flags.output, picture);
   if (!flags.quiet) {
-    if (!note.empty()) fmt::print(stderr, "note: {}\n", note);
+    for (const std::string& note : picture.notes) {
+      fmt::print(stderr, "note: {}\n", SpellFlags(note));
+    }
     fmt::print("wrote {} and {}\n", flags.output, PngBeside(flags.output));
   }
   return 0;

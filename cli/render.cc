@@ -28,6 +28,7 @@ namespace {
 struct RenderFlags {
   JobRequest request;
   ExposureRequest exposure;
+  ExrFormat format;
   RenderLimits limits;
   api::Options read_options, options;  // as given, for the library
   std::string output;                  // empty: a film is all that is wanted
@@ -239,6 +240,8 @@ Command RenderCommand() {
                  flags);
   AddKeptOptions(command, ExposureOptions(),
                  std::shared_ptr<ExposureRequest>(flags, &flags->exposure), flags);
+  AddKeptOptions(command, ExrFormatOptions(), std::shared_ptr<ExrFormat>(flags, &flags->format),
+                 flags);
   return command;
 }
 

@@ -194,20 +194,6 @@ class Merger {
   std::tuple<std::uint32_t, int, int> corner_ = {~0u, 0, 0};
 };
 
-// Returns the exposure of the PNG that the picture records.
-ToneMapping ToneOf(const PictureIdentity& identity) {
-  const auto exposure = std::make_shared<ExposureRequest>();
-  std::vector<BoundOption> bound;
-  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
-    bound.push_back(Bind(option, exposure));
-    for (const RecordedOption& recorded : identity.options) {
-      if (recorded.name != option.name || recorded.words.empty()) continue;
-      SetOption(bound, recorded.name, ValueOf(recorded));
-    }
-  }
-  return Tone(*exposure);
-}
-
 }  // namespace
 
 std::string ToString(const PicturePart& part) {
@@ -263,7 +249,7 @@ Picture ResolveMerged(const MergedFilm& merged) {
             missing.size() > 3 ? fmt::format(", and {} more parts", missing.size() - 3) : ""));
   }
   return ResolvePicture(merged.film, merged.wanted.samples.count(), merged.file.layers,
-                        merged.file.identity, merged.wanted, ToneOf(merged.file.identity));
+                        merged.file.identity, merged.wanted);
 }
 
 }  // namespace skywave

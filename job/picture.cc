@@ -1,12 +1,15 @@
 #include "job/picture.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <string_view>
 #include <utility>
 
+#include "base/files.h"
+#include "base/granted.h"
 #include "base/version.h"
 #include "denoise/denoise.h"
 
@@ -15,6 +18,9 @@ namespace {
 
 // What the options are called that give pixels different numbers of samples, or how they begin.
 constexpr std::string_view kAdaptive = "adaptive";
+
+// An attribute of the EXR: the stops of an automatic exposure.
+constexpr std::string_view kPngExposure = "pngExposure";
 
 // The options that tell a part from the whole.
 bool IsOfPart(const RecordedOption& option) {
@@ -34,6 +40,20 @@ std::string WordsOf(const Options& table, std::string_view name, const Request& 
   const auto option = std::find_if(table.begin(), table.end(),
                                    [&](const auto& candidate) { return candidate.name == name; });
   return CommandWords(*option, request);
+}
+
+// Returns the exposure of the PNG that a picture records.
+ExposureRequest ExposureOf(const PictureIdentity& identity) {
+  const auto exposure = std::make_shared<ExposureRequest>();
+  std::vector<BoundOption> bound;
+  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
+    bound.push_back(Bind(option, exposure));
+    for (const RecordedOption& recorded : identity.options) {
+      if (recorded.name != option.name || recorded.words.empty()) continue;
+      SetOption(bound, recorded.name, ValueOf(recorded));
+    }
+  }
+  return *exposure;
 }
 
 // Replaces the picture by a clean one, by the layers that the denoiser reads.
@@ -66,9 +86,10 @@ std::string ValueOf(const RecordedOption& option) {
   return option.words.substr(end_of_name + 1);
 }
 
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable,
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, bool repeatable,
                            const RenderLimits& limits) {
   const JobRequest& request = job.request();
+  const ExposureRequest exposure = ResolveExposure(wanted, request);
   PictureIdentity identity = {.software = fmt::format("skywave {}", Version()),
                               .scene = request.scene,
                               .scene_hash = job.scene_hash(),
@@ -154,8 +175,7 @@ bool IsDenoised(const PictureIdentity& identity) {
 }
 
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part,
-                       const ToneMapping& tone) {
+                       const PictureIdentity& identity, const PicturePart& part) {
   Metadata metadata = {{"software", identity.software},
                        {"samples", fmt::format("{}", part.samples.count())},
                        {"seed", fmt::format("{}", identity.seed)},
@@ -164,25 +184,56 @@ Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet lay
   Picture picture = {.image = film.Resolve(samples),
                      .layers = film.ResolveAovs(samples, layers),
                      .notes = {},
-                     .metadata = std::move(metadata),
-                     .tone = tone};
-  if (IsDenoised(identity))
+                     .metadata = std::move(metadata)};
+  if (IsDenoised(identity)) {
     Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
+  }
+  Expose(ExposureOf(identity), picture);
   return picture;
 }
 
+void Expose(const ExposureRequest& exposure, Picture& picture) {
+  picture.tone = Tone(exposure, picture.image);
+  std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
+  if (!exposure.exposure || !exposure.exposure->automatic) return;
+  const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
+  picture.metadata.emplace_back(kPngExposure, stops);
+  picture.notes.push_back(fmt::format("the PNG has an automatic `exposure` of {} stops", stops));
+}
+
+bool IsExposedAutomatically(const Metadata& metadata) {
+  return std::any_of(metadata.begin(), metadata.end(),
+                     [](const auto& text) { return text.first == kPngExposure; });
+}
+
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<ExrFormat>> ExrFormatOptions() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    info.group = "Format of the EXR";
+    return MakeOption<ExrFormat>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "compression", .help = "compression of the EXR; pxr24, dwaa and dwab lose digits"}, FIELD(compression), NamesOfEnum<ExrCompression>()),
+    option({.name = "half", .help = "colours of the EXR with 16 bits"}, FIELD(half), Switches()),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 void WriteExr(const std::string& path, const Picture& picture) {
-  WriteExr(path, picture.image, picture.metadata, picture.layers);
+  WriteExr(path, picture.image, picture.metadata, picture.layers, picture.format);
 }
 
 std::string EncodePng(const Picture& picture) {
   const Image& image = picture.image;
-  return EncodePng(image.width, image.height, ToneMap(image, picture.tone));
+  tbb::task_arena arena(ThreadsFor(picture.format.threads));
+  return arena.execute(
+      [&] { return EncodePng(image.width, image.height, ToneMap(image, picture.tone)); });
 }
 
 void WritePng(const std::string& path, const Picture& picture) {
-  const Image& image = picture.image;
-  WritePng(path, image.width, image.height, ToneMap(image, picture.tone));
+  WriteFileAtomically(path, EncodePng(picture));
 }
 
 std::string PngBeside(const std::string& exr) {

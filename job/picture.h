@@ -61,17 +61,25 @@ bool IsDenoised(const PictureIdentity& identity);
 struct Picture {
   Image image;
   std::vector<NamedChannel> layers;
-  std::vector<std::string> notes;  // what the denoiser did, for the user
+  std::vector<std::string> notes;  // what was done to it, for the user
   Metadata metadata;
   ToneMapping tone;  // of the PNG
+  ExrFormat format;  // its number of threads is that of the PNG, too
 };
 
 // Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
 // `layers` are those to show. A picture that is denoised has the layers "noisy" and "error" too;
 // one of too few samples, as a look at a render that has only begun, stays noisy, with a note.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part,
-                       const ToneMapping& tone);
+                       const PictureIdentity& identity, const PicturePart& part);
+
+// Exposes the PNG. An automatic exposure is told by a note and by the metadata, and by these
+// IsExposedAutomatically knows the pictures that have one.
+void Expose(const ExposureRequest& resolved, Picture& picture);
+bool IsExposedAutomatically(const Metadata& metadata);
+
+// Returns the options compression and half.
+std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
 
 // Write the files of a picture. A file that exists is replaced.
 void WriteExr(const std::string& path, const Picture& picture);

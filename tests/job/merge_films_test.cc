@@ -79,7 +79,7 @@ class Parts {
     const RenderedFilm rendered = RunSession(job, identity, {});
     return BytesOf(folder_,
                    ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs,
-                                  identity, rendered.part, Tone(exposure_)));
+                                  identity, rendered.part));
   }
 
   // Adds some films to one.
@@ -93,7 +93,8 @@ class Parts {
  private:
   const TemporaryFolder& folder_;
   JobRequest request_;
-  ExposureRequest exposure_ = {.tone = {.exposure_stops = 0.5f, .curve = ToneCurve::kFilmic}};
+  ExposureRequest exposure_ = {.exposure = ExposureChoice{.automatic = true},
+                               .curve = ToneCurve::kFilmic};
   int films_ = 0;
 };
 

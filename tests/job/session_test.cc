@@ -130,9 +130,8 @@ TEST_F(Session, IsStoppedByTellAndFinishedByAnotherToTheSameBytes) {
   const PictureIdentity identity = IdentityOf(job);
   const RenderedFilm whole = RunSession(job, identity, {});
   const auto bytes = [&](const RenderedFilm& rendered) {
-    WriteExr(folder_.Path("a.exr"),
-             ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs,
-                            identity, rendered.part, {}));
+    WriteExr(folder_.Path("a.exr"), ResolvePicture(rendered.film, rendered.part.samples.count(),
+                                                   job.options().aovs, identity, rendered.part));
     return ReadFile(folder_.Path("a.exr"));
   };
   SessionRequest stopped = {.checkpoint = {.path = path()}};
