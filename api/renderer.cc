@@ -163,6 +163,7 @@ void Renderer::Render(const RenderControl& control) {
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
     state.picture = PictureOf(state, rendered.film, rendered.samples, rendered.part);
     state.layers = LayersOf(state.picture.layers);
+    state.notes.insert(state.notes.end(), state.picture.notes.begin(), state.picture.notes.end());
     if (display) {
       const std::string problem = display->End(state.picture);
       if (!problem.empty()) state.notes.push_back(problem);

@@ -148,6 +148,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     const Clock::time_point start = Clock::now();
     Picture resolved =
         ResolvePicture(source.film, source.samples, aovs, identity, source.part, tone);
+    result.notes.insert(result.notes.end(), resolved.notes.begin(), resolved.notes.end());
     if (!limit_words.empty()) resolved.metadata.emplace_back("limits", limit_words);
     result.hash = WriteAndReadBack(exr, resolved);
     std::filesystem::remove(checkpoint);

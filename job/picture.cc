@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/version.h"
+#include "denoise/denoise.h"
 
 namespace skywave {
 namespace {
@@ -33,6 +34,27 @@ std::string WordsOf(const Options& table, std::string_view name, const Request& 
   const auto option = std::find_if(table.begin(), table.end(),
                                    [&](const auto& candidate) { return candidate.name == name; });
   return CommandWords(*option, request);
+}
+
+// Replaces the picture by a clean one, by the layers that the denoiser reads.
+void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Picture& picture) {
+  if (!CanDenoise(picture.image, layers)) {
+    picture.notes.push_back(
+        fmt::format("not denoised: pixels have fewer than {} samples", kFewestDenoiserSamples));
+    return;
+  }
+  Denoised clean = Denoise(scene, picture.image, layers);
+  for (const std::size_t c : {0, 1, 2}) {
+    NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
+    noisy.values.reserve(picture.image.rgb.size() / 3);
+    for (std::size_t i = c; i < picture.image.rgb.size(); i += 3) {
+      noisy.values.push_back(picture.image.rgb[i]);
+    }
+    picture.layers.push_back(std::move(noisy));
+  }
+  for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
+  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  picture.image = std::move(clean.image);
 }
 
 }  // namespace
@@ -126,6 +148,11 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
   return "";
 }
 
+bool IsDenoised(const PictureIdentity& identity) {
+  const RecordedOption* const option = Find(identity.options, "denoise");
+  return option != nullptr && !option->words.empty();
+}
+
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part,
                        const ToneMapping& tone) {
@@ -134,10 +161,14 @@ Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet lay
                        {"seed", fmt::format("{}", identity.seed)},
                        {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
-  return {.image = film.Resolve(samples),
-          .layers = film.ResolveAovs(samples, layers),
-          .metadata = std::move(metadata),
-          .tone = tone};
+  Picture picture = {.image = film.Resolve(samples),
+                     .layers = film.ResolveAovs(samples, layers),
+                     .notes = {},
+                     .metadata = std::move(metadata),
+                     .tone = tone};
+  if (IsDenoised(identity))
+    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
+  return picture;
 }
 
 void WriteExr(const std::string& path, const Picture& picture) {

@@ -55,15 +55,20 @@ std::string ValueOf(const RecordedOption& option);
 // nothing if they are the same. Names of files do not matter, what is in them does.
 std::string Difference(const PictureIdentity& here, const PictureIdentity& there);
 
+// Returns whether the picture is denoised.
+bool IsDenoised(const PictureIdentity& identity);
+
 struct Picture {
   Image image;
   std::vector<NamedChannel> layers;
+  std::vector<std::string> notes;  // what the denoiser did, for the user
   Metadata metadata;
   ToneMapping tone;  // of the PNG
 };
 
 // Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
-// `layers` are those to show.
+// `layers` are those to show. A picture that is denoised has the layers "noisy" and "error" too;
+// one of too few samples, as a look at a render that has only begun, stays noisy, with a note.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part,
                        const ToneMapping& tone);
