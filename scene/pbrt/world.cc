@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "kernels/bsdf/bsdf.h"
 #include "scene/pbrt/materials.h"
 #include "scene/pbrt/reader.h"
 #include "scene/pbrt/shapes.h"
@@ -118,6 +119,15 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   }
 }
 
+// Returns true if the material, or one that it is mixed of, has tangents, which follow (u, v).
+bool HasTangents(const Scene& scene, std::uint32_t index) {
+  const Material& material = scene.materials[index];
+  if (const auto& mixture = material.mixture) {
+    return HasTangents(scene, mixture->first) || HasTangents(scene, mixture->second);
+  }
+  return Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
+}
+
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Shape");
@@ -128,10 +138,11 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   };
   std::optional<std::uint32_t> material = reader.state.material;
   if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
+  const bool needs_uvs =
+      !reader.scene.textures.empty() || (material && HasTangents(reader.scene, *material));
   std::optional<Mesh> mesh = MakePbrtShape(
       type, parameters, resolve,
-      {.needs_uvs = !reader.scene.textures.empty(), .max_triangles = reader.options.max_triangles},
-      reader.warnings);
+      {.needs_uvs = needs_uvs, .max_triangles = reader.options.max_triangles}, reader.warnings);
   if (!mesh) return;
   if (!material) {
     AddWarning(reader.warnings, position,
