@@ -18,7 +18,9 @@ struct CompareFlags {
 
 int CompareMain(const CompareFlags& flags) {
   for (const std::string& path : {flags.map, flags.json}) {
-    if (!path.empty()) CheckWritable(path);
+    if (path.empty()) continue;
+    CheckNotInput(path, flags.image), CheckNotInput(path, flags.reference);
+    CheckWritable(path);
   }
   const Image image = ReadImage(flags.image), reference = ReadImage(flags.reference);
   const ImageDifference d = Compare(image, reference);

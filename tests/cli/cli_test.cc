@@ -372,6 +372,12 @@ TEST_F(Cli, AnInputIsNeverOverwritten) {
   EXPECT_EQ(result.exit_code, 64);
   EXPECT_NE(result.err.find("sky.exr: is an input"), std::string::npos) << result.err;
   EXPECT_EQ(Bytes("sky.exr"), before);
+  for (const char* command :
+       {"compare sky.exr map.exr --map sky.exr", "compare map.exr sky.exr --map sky.exr",
+        "compare sky.exr map.exr --json sky.exr"}) {
+    EXPECT_EQ(Run(command).exit_code, kExitUsage) << command;
+    EXPECT_EQ(Bytes("sky.exr"), before) << command;
+  }
 }
 
 TEST_F(Cli, LinksAndPipesSurviveBeingWrittenTo) {
