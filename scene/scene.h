@@ -148,8 +148,8 @@ struct Scene {
 struct Bounds {
   glm::vec3 low, high;
 };
-// Returns the smallest axis-aligned box around all meshes; throws InputError(path) if there is no
-// triangle.
+// Returns the smallest axis-aligned box around all meshes. Where there is no triangle, a file that
+// has an infinite light gets a box around the origin, and another one InputError(path).
 Bounds SceneBounds(const Scene& scene, const std::string& path);
 
 // Returns a camera at `eye` that sees `target` in its centre and `up` (any length, not along the

@@ -47,7 +47,7 @@ class Cli : public Program {
     Put("dark.pbrt", kTriangle);
     Put("scene.pbrt", std::string("WorldBegin\n") + kLight + (kTriangle + 11));
     Put("unknown.pbrt", std::string("# a comment\n\nFrobnicate 3\n") + kTriangle);
-    Put("empty.pbrt", std::string("WorldBegin\n") + kLight + "WorldEnd\n");
+    Put("empty.pbrt", "WorldBegin\nLightSource \"point\"\nWorldEnd\n");
     Put("range.pbrt", std::string("WorldBegin\n") + kLight +
                           "\nShape \"trianglemesh\" \"integer indices\" [0 1 3]\n"
                           "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");

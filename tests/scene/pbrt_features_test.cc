@@ -171,6 +171,24 @@ TEST_F(PbrtFeatures, AloneAndInPairsAreRendered) {
   }
 }
 
+// A file may show nothing but its sky.
+TEST_F(PbrtFeatures, AFileWithoutShapesShowsItsLight) {
+  const std::string text =
+      "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+      "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [.25 .5 2]\n";
+  for (const Integrator integrator : ValuesOf<Integrator>()) {
+    SCOPED_TRACE(ToString(integrator));
+    JobRequest request = SmallRequest(8, 8, 2);
+    request.integrator = integrator;
+    const Image image = RenderPicture(RenderJob(Parse(text, {.strict = true}), request));
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+      EXPECT_NEAR(image.rgb[i], (std::array{.25f, .5f, 2.0f}[i % 3]), 1e-6f) << i;
+    }
+  }
+  EXPECT_THROW(RenderJob(Parse("WorldBegin LightSource \"point\""), SmallRequest(8, 8, 1)),
+               InputError);
+}
+
 // The text of an example, cut anywhere, is either read or refused with a position and an exit code.
 TEST_F(PbrtFeatures, CutOnesEndWell) {
   int refused = 0;
