@@ -67,6 +67,17 @@ TEST(PbrtLights, Spots) {
   EXPECT_NEAR(plain.emission.x * sr, 5, 1e-4);
 }
 
+// A cone that its transform stretches is no cone of a circle any more.
+TEST(PbrtLights, StretchedSpotsAreNamed) {
+  const std::string spot = "LightSource \"spot\" \"point3 from\" [0 4 0] \"point3 to\" [0 0 0]";
+  const auto warnings = [&](const std::string& transform) {
+    return ParsePbrt("WorldBegin\n" + transform + spot, "t.pbrt").warnings;
+  };
+  EXPECT_EQ(warnings("Scale 1 1 3 ").size(), 1u);
+  EXPECT_NE(warnings("Scale 1 1 3 ").at(0).find("t.pbrt:2: "), std::string::npos);
+  EXPECT_EQ(warnings("Rotate 30 1 2 3 Scale 3 3 -3 ").size(), 0u);
+}
+
 TEST(PbrtLights, DistantOnes) {
   const PunctualLight light = OnlyLight(
       "Rotate 90 1 0 0 LightSource \"distant\" \"rgb L\" [1 2 3] \"float scale\" 2 \"point3 from\" "
