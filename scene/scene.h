@@ -18,8 +18,10 @@
 namespace skywave {
 
 // The texels of a texture stand for one of these. A normal has x right in the image, y up and z off
-// the surface, and [0, 1] stands for [-1, 1]. Opacity and heights are the mean of the channels.
-enum class TextureUse : std::uint32_t { kColor, kOpacity, kNormals, kHeights };
+// the surface, and [0, 1] stands for [-1, 1]. pbrt's normals have y along normal x tangent instead,
+// which is down in the image where the coordinates are mirrored. Opacity and heights are the mean
+// of the channels.
+enum class TextureUse : std::uint32_t { kColor, kOpacity, kNormals, kHeights, kPbrtNormals };
 
 // An image as a material uses it. After `transform`, whose columns are the factors of u, v and 1,
 // uv (0, 0) is the top left corner of the image and (1, 1) the bottom right one.

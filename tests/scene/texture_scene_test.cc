@@ -149,7 +149,7 @@ TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   const Material& material = scene.materials.at(scene.meshes.at(0).material);
   ASSERT_TRUE(material.normal_texture);
-  EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kNormals);
+  EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kPbrtNormals);
   EXPECT_THROW(Read("", "Material \"diffuse\" \"string normalmap\" \"no.png\""), InputError);
 }
 
