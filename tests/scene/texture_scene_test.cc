@@ -262,6 +262,45 @@ TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
          {0.2, 0.4, 1});
 }
 
+// Without coordinates every triangle has the lower right half of the unit square.
+TEST_F(PbrtTextureFiles, LieOnTrianglesWithoutCoordinates) {
+  const std::string textures =
+      "Texture \"c\" \"color\" \"imagemap\" \"string filename\" \"t.png\"\n"
+      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"t.png\"\n";
+  const std::string square =
+      "\"point P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 0 2 3] ";
+  folder_.Write("m.ply",
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Scene scene = ReadScene(folder_.Write(
+      "s.pbrt", "WorldBegin\n" + textures + "Shape \"trianglemesh\" " + square +
+                    "Shape \"trianglemesh\" \"texture alpha\" \"a\" " + square +
+                    "Material \"diffuse\" \"texture reflectance\" \"c\"\n"
+                    "Shape \"trianglemesh\" \"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1] " +
+                    square +
+                    "Shape \"plymesh\" \"string filename\" \"m.ply\"\n"
+                    "Shape \"loopsubdiv\" \"integer levels\" 1 " +
+                    square));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ASSERT_EQ(scene.meshes.size(), 5u);
+  EXPECT_TRUE(scene.meshes[0].uvs.empty());
+  EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
+  for (std::size_t i = 1; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    SCOPED_TRACE(mesh.name);
+    ASSERT_EQ(mesh.uvs.size(), 3 * mesh.triangles.size());
+    ASSERT_EQ(mesh.positions.size(), mesh.uvs.size());
+    for (const glm::uvec3& t : mesh.triangles) {
+      // A mesh is turned to the side of its normals, and the coordinates stay with their corners.
+      const bool turned = i == 2;
+      EXPECT_EQ(mesh.uvs[t.x], glm::vec2(0, 0));
+      EXPECT_EQ(mesh.uvs[turned ? t.z : t.y], glm::vec2(1, 0));
+      EXPECT_EQ(mesh.uvs[turned ? t.y : t.z], glm::vec2(1, 1));
+    }
+  }
+}
+
 TEST_F(ComputedTextures, WhatDoesNotFitTogetherIsNamed) {
   const std::string text = "Texture \"t\" \"color\" " + kImage + "Texture \"u\" \"float\" " +
                            kImage +
