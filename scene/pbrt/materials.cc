@@ -56,16 +56,19 @@ std::optional<float> FindScalar(Context& context, std::string_view name) {
   return color->x;
 }
 
-// Sets the reflectance of a diffuse surface, with its image if it has one.
-void SetReflectance(Context& context, float fallback, Material& material) {
+// Sets the reflectance of a diffuse surface times `scale`, with its image if it has one.
+void SetReflectance(Context& context, float fallback, Material& material, float scale = 1) {
   for (const std::string_view name : {"reflectance", "Kd"}) {
     const auto texture = FindImageTexture(context.parameters, name, context.reader.color_textures);
     if (!texture) continue;
-    material.reflectance = glm::max(texture->value.value_or(glm::vec3(1)), glm::vec3(0));
-    material.color_texture = texture->image;
+    PbrtTexture scaled = *texture;
+    scaled.value = scale * glm::max(texture->value.value_or(glm::vec3(1)), glm::vec3(0));
+    const PbrtTexture fraction = ClampedPbrtTexture(context.reader, scaled);
+    material.reflectance = *fraction.value;
+    material.color_texture = fraction.image;
     return;
   }
-  material.reflectance = FractionOr(context, {"reflectance", "Kd"}, glm::vec3(fallback));
+  material.reflectance = scale * FractionOr(context, {"reflectance", "Kd"}, glm::vec3(fallback));
 }
 
 Material Lambert(Context& context) {
@@ -105,9 +108,8 @@ Material DiffuseTransmission(Context& context) {
   }
   Material material;
   material.bsdf = BsdfKind::kDiffuseTransmission;
-  SetReflectance(context, 0.25f, material);
+  SetReflectance(context, 0.25f, material, scale);
   material.second_color = FractionOr(context, {"transmittance"}, glm::vec3(0.25f)) * scale;
-  material.reflectance *= scale;
   const glm::vec3 sum = material.reflectance + material.second_color;
   const float largest = std::max({sum.x, sum.y, sum.z});
   if (largest > 1) {

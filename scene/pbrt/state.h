@@ -71,6 +71,8 @@ struct PbrtReader {
   bool ended = false;         // WorldEnd has been read
   std::size_t triangles = 0;  // total of all meshes, objects included
   int includes = 0;
+  // Textures whose values are clamped, by texture and factor.
+  std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> clamped_textures;
   std::optional<std::uint32_t> checker_image;  // index into Scene::images
   std::size_t baked_texels = 0;
 };
@@ -97,6 +99,10 @@ struct PbrtDirective {
 };
 // Returns the handler of the directive `word`, or null if it is none of `directives`.
 PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::string_view word);
+
+// Returns the texture with every value at most 1, as reflectances are in pbrt: the image is copied
+// if any of its texels exceeds that (textures.cc).
+PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture);
 
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);

@@ -262,6 +262,25 @@ TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
          {0.2, 0.4, 1});
 }
 
+// No surface reflects more light than it gets, whatever the factor of its image is.
+TEST_F(ComputedTextures, ReflectanceEndsAtOne) {
+  WritePng(folder_.Path("t.png"), 1, 1, {51, 102, 255});
+  const std::string bright = kImage + "\"string encoding\" \"linear\" \"float scale\" 3 ";
+  Expect("Texture \"x\" \"color\" " + bright, {0.5, 0.5}, {0.6, 1, 1});
+  Expect("Texture \"t\" \"color\" " + bright +
+             "Texture \"x\" \"color\" \"scale\" \"texture tex\" \"t\" \"float scale\" .5",
+         {0.5, 0.5}, {0.3, 0.5, 0.5});
+  const Scene scene = Read("Texture \"x\" \"color\" " + bright,
+                           "Material \"diffusetransmission\" \"texture reflectance\" \"x\" "
+                           "\"rgb transmittance\" [0 0 0] \"float scale\" .25");
+  const Material& leaf = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_EQ(leaf.reflectance, glm::vec3(0.25f));
+  ASSERT_TRUE(leaf.color_texture);
+  EXPECT_LT(
+      glm::length(LookUpTexture(scene, *leaf.color_texture, {0.5, 0.5}) - glm::dvec3(0.6, 1, 1)),
+      1e-6);
+}
+
 // Without coordinates every triangle has the lower right half of the unit square.
 TEST_F(PbrtTextureFiles, LieOnTrianglesWithoutCoordinates) {
   const std::string textures =
