@@ -86,11 +86,21 @@ TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
                            "Material \"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] "
                            "\"float roughness\" 0.25 \"float eta\" 1.7");
   const Material& material = scene.materials.at(scene.meshes.at(0).material);
-  EXPECT_EQ(material.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_EQ(material.bsdf, BsdfKind::kCoatedDiffuse);
   EXPECT_FLOAT_EQ(material.alpha, 0.5f);
   EXPECT_FLOAT_EQ(material.ior, 1.7f);
-  EXPECT_EQ(material.metallic, 0);
-  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(material.coat_thickness, 0);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Scene misty =
+      Read("", "Material \"coateddiffuse\" \"rgb albedo\" [.1 .2 .3] \"float g\" .4");
+  const Material& mist = misty.materials.at(misty.meshes.at(0).material);
+  EXPECT_FLOAT_EQ(mist.coat_thickness, 0.01f);  // pbrt's default
+  EXPECT_FLOAT_EQ(mist.coat_asymmetry, 0.4f);
+  EXPECT_EQ(mist.coat_albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(misty.warnings, std::vector<std::string>{});
+  const Scene dark = Read("", "Material \"coateddiffuse\" \"float thickness\" 2");
+  EXPECT_EQ(dark.materials.at(dark.meshes.at(0).material).coat_thickness, 2);
+  EXPECT_THROW(Read("", "Material \"coateddiffuse\" \"float g\" 1"), InputError);
 }
 
 // One name may denote two textures; the parameter that uses it determines which.
