@@ -4,6 +4,7 @@
 #include "api/errors.h"
 #include "api/state.h"
 #include "image/compare.h"
+#include "image/flip.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
 #include "lights/maps/sphere_map.h"
@@ -38,8 +39,8 @@ std::string EncodePng(const ImageArray& image, float exposure, const std::string
 
 std::string Compare(const ImageArray& image, const ImageArray& reference) {
   return Translated([&] {
-    return Json(skywave::Compare(CopyImage(image, "image"), CopyImage(reference, "reference")))
-        .dump(2);
+    const skywave::Image a = CopyImage(image, "image"), b = CopyImage(reference, "reference");
+    return Json(skywave::Compare(a, b), HdrFlip(a, b)).dump(2);
   });
 }
 

@@ -1,20 +1,71 @@
 // Implements skywave compare: the difference between two pictures.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "base/files.h"
 #include "cli/commands.h"
 #include "image/compare.h"
+#include "image/flip.h"
 #include "measure/json_reports.h"
+#include "measure/picture_noise.h"
 
 namespace skywave {
+
+enum class MapMeasure { kRelative, kFlip };
+template <>
+inline constexpr auto kEnumNames<MapMeasure> = std::to_array<Named<MapMeasure>>(
+    {{MapMeasure::kRelative, "relative"}, {MapMeasure::kFlip, "flip"}});
+
 namespace {
 
 struct CompareFlags {
   std::string image, reference, map, json;
+  MapMeasure measure = MapMeasure::kRelative;
   double full_scale = 1;
+  double pixels_per_degree = kFlipPixelsPerDegree;
+  ReadLimits limits;
 };
+
+struct ComparedPicture {
+  Image image;
+  bool of_screen = false;  // PNG or JPEG
+  std::optional<PictureNoise> noise;
+  bool lacks_samples = false;  // it has the layer variance, but not the layer samples
+};
+
+ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) {
+  if (IsOfScreen(path)) return {ReadTexture(path, Encoding::kSrgb, limits), true, {}, false};
+  const std::vector<std::string> there = ReadLayerNames(path, limits), wanted = NoiseChannels();
+  const auto has = [&](const std::string& name) {
+    return std::find(there.begin(), there.end(), name) != there.end();
+  };
+  if (!std::all_of(wanted.begin(), wanted.end(), has)) {
+    return {ReadImage(path, limits), false, {}, has(wanted.front())};
+  }
+  LayeredImage picture = ReadLayeredImage(path, wanted, limits);
+  return {std::move(picture.image), false, NoiseOf(picture.layers), false};
+}
+
+void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
+                const ComparedPicture& reference) {
+  fmt::print("noise by the layer variance of {}\n",
+             image.noise && reference.noise ? "both pictures"
+             : image.noise                  ? "the image; the reference is taken to be exact"
+                                            : "the reference; the image is taken to be exact");
+  const char* const kNames[] = {"red", "green", "blue"};
+  for (int i = 0; i < 3; ++i) {
+    fmt::print("  {:<16}{:.4g} +- {:.2g}\n", fmt::format("mean {}", kNames[i]),
+               c.mean_difference[i], c.half_width[i]);
+  }
+  fmt::print("  {:<16}{:.2f} % of {} values; at most 5 % if noise is all\n", "outside of 95 %",
+             100 * c.exceeding, c.values);
+  fmt::print("  {:<16}{:.4g}; at most 1 if noise is all\n", "mean z^2", c.mean_squared_z);
+  fmt::print("  {:<16}{} values, of which {} differ\n", "no variance", c.exact_values,
+             c.exact_that_differ);
+}
 
 int CompareMain(const CompareFlags& flags) {
   for (const std::string& path : {flags.map, flags.json}) {
@@ -22,17 +73,36 @@ int CompareMain(const CompareFlags& flags) {
     CheckNotInput(path, flags.image), CheckNotInput(path, flags.reference);
     CheckWritable(path);
   }
-  const Image image = ReadImage(flags.image), reference = ReadImage(flags.reference);
+  const ComparedPicture a = ReadCompared(flags.image, flags.limits),
+                        b = ReadCompared(flags.reference, flags.limits);
+  const Image &image = a.image, &reference = b.image;
   const ImageDifference d = Compare(image, reference);
-  const nlohmann::ordered_json json = Json(d);
+  const Flip flip =
+      (a.of_screen || b.of_screen ? LdrFlip : HdrFlip)(image, reference, flags.pixels_per_degree);
+  nlohmann::ordered_json json = Json(d, flip);
   for (const auto& [name, value] : json.items()) {
     if (value.is_number_float()) fmt::print("{:<18}{:.8g}\n", name, value.get<double>());
   }
   fmt::print("{:<18}{}, {}\n", "max_at", d.max_x, d.max_y);
   fmt::print("{:<18}{} of {}\n", "different_pixels", d.different_pixels,
              std::size_t(image.width) * image.height);
+  if (a.noise || b.noise) {
+    const NoiseComparison noise = CompareNoise(image, a.noise, reference, b.noise);
+    json["noise"] = Json(noise);
+    json["noise"]["of_image"] = a.noise.has_value();
+    json["noise"]["of_reference"] = b.noise.has_value();
+    PrintNoise(noise, a, b);
+  }
+  for (const auto& [picture, path] : {std::pair(&a, flags.image), std::pair(&b, flags.reference)}) {
+    if (picture->lacks_samples) {
+      fmt::print("{} has the layer variance, but not the layer samples, so it counts as exact\n",
+                 path);
+    }
+  }
   if (!flags.map.empty()) {
-    WritePng(flags.map, image.width, image.height, ErrorMap(image, reference, flags.full_scale));
+    WritePng(flags.map, image.width, image.height,
+             flags.measure == MapMeasure::kFlip ? FalseColors(flip.map, flags.full_scale)
+                                                : ErrorMap(image, reference, flags.full_scale));
     fmt::print("wrote {}\n", flags.map);
   }
   if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
@@ -44,11 +114,14 @@ std::vector<OptionOf<CompareFlags>> Options() {
   constexpr OptionMaker<CompareFlags> option = {};
   // clang-format off
   return {
-    option({.name = "image", .help = "EXR, HDR or PFM", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
+    option({.name = "image", .help = "EXR, HDR, PFM, PNG or JPEG", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
     option({.name = "reference", .help = "picture of the same size", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
-    option({.name = "map", .help = "write the relative error as a false-colour PNG"}, FIELD(map), Texts("PNG")),
-    option({.name = "full-scale", .help = "relative error that is shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
+    option({.name = "map", .help = "write the error of each pixel as a false-colour PNG"}, FIELD(map), Texts("PNG")),
+    option({.name = "measure", .help = "the error that the map shows: relative to the reference, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),
+    option({.name = "full-scale", .help = "error that is shown brightest"}, FIELD(full_scale), Doubles(1e-30, 1e30)),
+    option({.name = "pixels-per-degree", .help = "pixels of the screen in one degree of the view, for FLIP"}, FIELD(pixels_per_degree), Doubles(1, 1000)),
     option({.name = "json", .help = "write the measures as JSON"}, FIELD(json), Texts("JSON")),
+    option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
   };
   // clang-format on
 }

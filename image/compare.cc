@@ -11,15 +11,6 @@
 namespace skywave {
 namespace {
 
-void RequireSameSize(const Image& image, const Image& reference) {
-  if (image.width == reference.width && image.height == reference.height) return;
-  const auto size = [](const Image& i) {
-    return std::to_string(i.width) + " x " + std::to_string(i.height);
-  };
-  throw InputError(InputPosition::File("compare"),
-                   "the pictures have different sizes, " + size(image) + " and " + size(reference));
-}
-
 // Values with equal bits do not differ, not even NaN and infinity.
 double Difference(float a, float b) {
   return std::memcmp(&a, &b, sizeof a) == 0 ? 0 : double(a) - double(b);
@@ -32,6 +23,7 @@ constexpr double kRamp[][3] = {{0.00, 0.00, 0.02}, {0.15, 0.04, 0.36}, {0.42, 0.
                                {0.99, 0.99, 0.65}};
 
 void WriteRampColor(double position, std::uint8_t* rgb) {
+  if (std::isnan(position)) position = 1;
   constexpr int kLast = int(std::size(kRamp)) - 1;
   const double scaled = kLast * std::min(position, 1.0);
   const int left = std::min(int(scaled), kLast - 1);
@@ -43,6 +35,15 @@ void WriteRampColor(double position, std::uint8_t* rgb) {
 }
 
 }  // namespace
+
+void RequireSameSize(const Image& image, const Image& reference) {
+  if (image.width == reference.width && image.height == reference.height) return;
+  const auto size = [](const Image& i) {
+    return std::to_string(i.width) + " x " + std::to_string(i.height);
+  };
+  throw InputError(InputPosition::File("compare"),
+                   "the pictures have different sizes, " + size(image) + " and " + size(reference));
+}
 
 ImageDifference Compare(const Image& image, const Image& reference) {
   RequireSameSize(image, reference);
@@ -92,6 +93,14 @@ ImageDifference Compare(const Image& image, const Image& reference) {
   return result;
 }
 
+std::vector<std::uint8_t> FalseColors(std::span<const float> values, double full_scale) {
+  std::vector<std::uint8_t> map(values.size() * 3);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    WriteRampColor(values[i] / full_scale, &map[3 * i]);
+  }
+  return map;
+}
+
 std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference, double full_scale) {
   RequireSameSize(image, reference);
   std::vector<std::uint8_t> map(image.rgb.size());
@@ -102,7 +111,7 @@ std::vector<std::uint8_t> ErrorMap(const Image& image, const Image& reference, d
       level += std::abs(double(reference.rgb[c])) / 3;
     }
     const double error = difference == 0 ? 0 : difference / (level + kRelativeFloor) / full_scale;
-    WriteRampColor(std::isnan(error) ? 1 : error, &map[i]);
+    WriteRampColor(error, &map[i]);
   }
   return map;
 }

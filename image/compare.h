@@ -1,6 +1,8 @@
 // Measures the difference between two pictures (thesis 8.1 and the usual measures).
 #pragma once
 
+#include <span>
+
 #include "image/image.h"
 
 namespace skywave {
@@ -34,6 +36,13 @@ struct ImageDifference {
 
 // Compares `image` with `reference`, which must have the same size (InputError names the sizes).
 ImageDifference Compare(const Image& image, const Image& reference);
+
+// Throws InputError, which names the sizes, unless both pictures have the same one.
+void RequireSameSize(const Image& image, const Image& reference);
+
+// Returns false colours of a measure per pixel, 8-bit RGB, from 0 (dark) to `full_scale` and above
+// (bright); NaN is bright.
+std::vector<std::uint8_t> FalseColors(std::span<const float> values, double full_scale = 1.0);
 
 // Returns a false-colour map of the relative error per pixel, 8-bit RGB, rows from the top: the
 // mean |d| of the channels over the mean |b| + kRelativeFloor, from 0 (dark) to `full_scale` and

@@ -92,12 +92,45 @@ std::vector<std::string> ChooseChannels(const std::string& path, const ExrHeader
   throw InputError(position, "an EXR needs channels R, G, B or Y; this one has " + names);
 }
 
+// Returns the channels of the file that are not among `picture`.
+std::vector<std::string> LayersBeside(const std::vector<std::string>& picture,
+                                      const ExrHeader& header) {
+  std::vector<std::string> layers;
+  for (const ExrChannel& channel : header.channels) {
+    if (std::find(picture.begin(), picture.end(), channel.name) == picture.end()) {
+      layers.push_back(channel.name);
+    }
+  }
+  return layers;
+}
+
+// Throws unless each of `wanted` is among `there`.
+void RequireLayers(const std::string& path, const std::vector<std::string>& wanted,
+                   const std::vector<std::string>& there) {
+  for (const std::string& name : wanted) {
+    if (std::find(there.begin(), there.end(), name) != there.end()) continue;
+    std::string list;
+    for (const std::string& other : there) list += (list.empty() ? "" : ", ") + other;
+    throw InputError(InputPosition::File(path),
+                     "has no layer " + name +
+                         (list.empty() ? "; it has none at all" : "; its layers are " + list));
+  }
+}
+
 }  // namespace
 
-Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
+std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
+                                       const ReadLimits& limits) {
+  const ExrHeader header = ParseExrHeader(path, bytes, limits);
+  return LayersBeside(ChooseChannels(path, header), header);
+}
+
+LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
+                       const std::vector<std::string>& layers) {
   const ExrHeader header = ParseExrHeader(path, bytes, limits);
   const std::vector<std::string> names = ChooseChannels(path, header);
-  if (ExrScanLines lines(header, names); lines.can_decode()) {
+  RequireLayers(path, layers, LayersBeside(names, header));
+  if (ExrScanLines lines(header, names, layers); lines.can_decode()) {
     CheckExrChunks(path, bytes, header, [&](auto... chunk) { return lines.Take(chunk...); });
     return lines.Picture();
   }
@@ -110,20 +143,23 @@ Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimit
     Imf::InputFile file(stream, kNoThreads);
     if (file.header().dataWindow() != window)
       throw std::runtime_error("two different data windows");
-    Image image(int(box.width()), int(box.height()));
+    LayeredImage picture = {Image(int(box.width()), int(box.height())), {}};
+    Image& image = picture.image;
     constexpr std::size_t kPixelStride = 3 * sizeof(float);
     Imf::FrameBuffer frame;
     for (std::size_t c = 0; c < names.size(); ++c) {
       frame.insert(names[c], Imf::Slice::Make(Imf::FLOAT, &image.rgb[c], window, kPixelStride));
     }
+    picture.layers.reserve(layers.size());
+    for (const std::string& name : layers) {
+      NamedChannel& layer = picture.layers.emplace_back(name);
+      layer.values.resize(image.rgb.size() / 3);
+      frame.insert(name, Imf::Slice::Make(Imf::FLOAT, layer.values.data(), window));
+    }
     file.setFrameBuffer(frame);
     file.readPixels(window.min.y, window.max.y);
-    if (names.size() == 1) {
-      for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-        image.rgb[i + 1] = image.rgb[i + 2] = image.rgb[i];
-      }
-    }
-    return image;
+    if (names.size() == 1) SpreadGrey(image);
+    return picture;
   } catch (const std::exception& error) {
     throw InputError(InputPosition::Byte(path, stream.tellg()),
                      std::string("cannot be decoded as OpenEXR: ") + error.what());

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <new>
 
+#include "image/formats.h"
+
 namespace skywave {
 
 struct ExrScanLines::Inflater {
@@ -21,7 +23,8 @@ struct ExrScanLines::Inflater {
   ~Inflater() { inflateEnd(&stream); }
 };
 
-ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::string>& names)
+ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::string>& names,
+                           const std::vector<std::string>& layers)
     : header_(header),
       is_grey_(names.size() == 1),
       width_(std::size_t(header.data_window.width())) {
@@ -32,9 +35,13 @@ ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::strin
                  compression == ExrCompression::kZip);
   for (const ExrChannel& channel : header.channels) {
     const auto name = std::find(names.begin(), names.end(), channel.name);
-    targets_.push_back(name == names.end() ? -1 : int(name - names.begin()));
-    if (name != names.end() && channel.is_whole) can_decode_ = false;
+    const auto layer = std::find(layers.begin(), layers.end(), channel.name);
+    targets_.push_back(name != names.end()     ? int(name - names.begin())
+                       : layer != layers.end() ? 3 + int(layer - layers.begin())
+                                               : -1);
+    if (targets_.back() >= 0 && channel.is_whole) can_decode_ = false;
   }
+  for (const std::string& layer : layers) picture_.layers.push_back({layer, {}});
 }
 
 ExrScanLines::~ExrScanLines() = default;
@@ -59,7 +66,13 @@ bool ExrScanLines::Inflate(std::string_view stored, std::size_t decoded_bytes) {
   return true;
 }
 
-void ExrScanLines::Convert(const Bytes& bytes, bool is_half, float* pixels) const {
+void ExrScanLines::Allocate() {
+  picture_.image = Image(int(width_), int(header_.data_window.height()));
+  for (NamedChannel& layer : picture_.layers) layer.values.resize(picture_.image.rgb.size() / 3);
+}
+
+void ExrScanLines::Convert(const Bytes& bytes, bool is_half, float* values,
+                           std::size_t stride) const {
   const auto [low, high, step] = bytes;
   const auto pair = [low = low, high = high, step = step](std::size_t i) {
     return std::uint32_t(low[i * step]) | std::uint32_t(high[i * step]) << 8;
@@ -68,11 +81,11 @@ void ExrScanLines::Convert(const Bytes& bytes, bool is_half, float* pixels) cons
     for (std::size_t x = 0; x < width_; ++x) {
       half value;
       value.setBits(std::uint16_t(pair(x)));
-      pixels[3 * x] = float(value);
+      values[stride * x] = float(value);
     }
   } else {
     for (std::size_t x = 0; x < width_; ++x) {
-      pixels[3 * x] = std::bit_cast<float>(pair(2 * x) | pair(2 * x + 1) << 16);
+      values[stride * x] = std::bit_cast<float>(pair(2 * x) | pair(2 * x + 1) << 16);
     }
   }
 }
@@ -88,14 +101,18 @@ bool ExrScanLines::Take(std::int64_t y, std::string_view stored, std::int64_t de
     const std::uint8_t* const inflated = inflated_.data();
     bytes = {.low = inflated, .high = inflated + (size + 1) / 2, .step = 1};
   }
-  if (image_.rgb.empty()) image_ = Image(int(width_), int(header_.data_window.height()));
+  if (picture_.image.rgb.empty()) Allocate();
   const std::size_t row_bytes = width_ * std::size_t(header_.pixel_bytes());
   const auto first = std::size_t(y - header_.data_window.y_min);
   for (std::size_t row = 0; row < size / row_bytes; ++row) {
     for (std::size_t c = 0; c < targets_.size(); ++c) {
       const bool is_half = header_.channels[c].bytes == 2;
-      if (targets_[c] >= 0) {
-        Convert(bytes, is_half, image_.Pixel(0, int(first + row)) + targets_[c]);
+      const int target = targets_[c];
+      if (target >= 3) {
+        float* const layer = picture_.layers[std::size_t(target) - 3].values.data();
+        Convert(bytes, is_half, layer + (first + row) * width_, 1);
+      } else if (target >= 0) {
+        Convert(bytes, is_half, picture_.image.Pixel(0, int(first + row)) + target, 3);
       }
       const std::size_t pairs = width_ * (is_half ? 1 : 2) * bytes.step;
       bytes.low += pairs, bytes.high += pairs;
@@ -104,13 +121,9 @@ bool ExrScanLines::Take(std::int64_t y, std::string_view stored, std::int64_t de
   return true;
 }
 
-Image ExrScanLines::Picture() {
-  if (is_grey_) {
-    for (std::size_t i = 0; i < image_.rgb.size(); i += 3) {
-      image_.rgb[i + 1] = image_.rgb[i + 2] = image_.rgb[i];
-    }
-  }
-  return std::move(image_);
+LayeredImage ExrScanLines::Picture() {
+  if (is_grey_) SpreadGrey(picture_.image);
+  return std::move(picture_);
 }
 
 }  // namespace skywave

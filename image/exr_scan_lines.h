@@ -16,9 +16,10 @@ namespace skywave {
 
 class ExrScanLines {
  public:
-  // `names` has the channels for red, green and blue, or one for all of them. The header must
-  // outlive this.
-  ExrScanLines(const ExrHeader& header, const std::vector<std::string>& names);
+  // `names` has the channels for red, green and blue, or one for all of them, and `layers` other
+  // channels of the file. The header must outlive this.
+  ExrScanLines(const ExrHeader& header, const std::vector<std::string>& names,
+               const std::vector<std::string>& layers);
   ~ExrScanLines();
 
   // False means that the file is of another kind, for the library to decode.
@@ -28,8 +29,8 @@ class ExrScanLines {
   // `decoded_bytes` when decoded. Returns whether they are.
   bool Take(std::int64_t y, std::string_view stored, std::int64_t decoded_bytes);
 
-  // Returns the picture, once all chunks have been taken.
-  Image Picture();
+  // Returns the picture with its layers, once all chunks have been taken.
+  LayeredImage Picture();
 
  private:
   // The bytes of pixels in the order of the file: byte i of the even ones is low[i * step].
@@ -38,16 +39,18 @@ class ExrScanLines {
     std::size_t step;
   };
   bool Inflate(std::string_view stored, std::size_t decoded_bytes);
-  void Convert(const Bytes& bytes, bool is_half, float* pixels) const;
+  void Allocate();
+  void Convert(const Bytes& bytes, bool is_half, float* values, std::size_t stride) const;
 
   struct Inflater;
   const ExrHeader& header_;
-  std::vector<int> targets_;  // of each channel: red, green or blue, or -1 for none
+  // Of each channel of the file: 0 to 2 for red, green and blue, 3 + i for layer i, -1 for none.
+  std::vector<int> targets_;
   bool can_decode_ = false, is_grey_ = false;
   std::size_t width_;
   std::unique_ptr<Inflater> inflater_;
   std::vector<std::uint8_t> inflated_;
-  Image image_;
+  LayeredImage picture_;
 };
 
 }  // namespace skywave

@@ -23,8 +23,11 @@ std::string LowerCaseEnding(const std::string& path) {
   return ending;
 }
 
+constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01", kPngMagic = "\x89PNG",
+                           kJpegMagic = "\xff\xd8";
+
 Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
-  if (StartsWith(bytes, "\x76\x2f\x31\x01")) return DecodeExr(path, bytes, limits);
+  if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits).image;
   if (StartsWith(bytes, "#?")) return DecodeRgbe(path, bytes, limits);
   if (StartsWith(bytes, "PF") || StartsWith(bytes, "Pf")) return DecodePfm(path, bytes, limits);
   throw InputError(InputPosition::Byte(path, 0),
@@ -60,16 +63,38 @@ Image ReadImage(const std::string& path, const ReadLimits& limits) {
   return DecodeImage(path, ReadFile(path), limits);
 }
 
+std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimits& limits) {
+  const std::string bytes = ReadFile(path);
+  if (!StartsWith(bytes, kExrMagic)) return {};
+  return ExrLayerNames(path, bytes, limits);
+}
+
+LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::string>& layers,
+                              const ReadLimits& limits) {
+  const std::string bytes = ReadFile(path);
+  if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits, layers);
+  if (!layers.empty()) {
+    throw InputError(InputPosition::File(path),
+                     "has no layer " + layers.front() + ": only OpenEXR files have layers");
+  }
+  return {DecodeImage(path, bytes, limits), {}};
+}
+
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
                     const ReadLimits& limits) {
-  if (StartsWith(bytes, "\x89PNG")) return DecodePng(name, bytes, encoding, limits);
+  if (StartsWith(bytes, kPngMagic)) return DecodePng(name, bytes, encoding, limits);
   if (encoding == Encoding::kAlpha) {
     Image opaque(1, 1);
     opaque.rgb = {1, 1, 1};
     return opaque;
   }
-  if (StartsWith(bytes, "\xff\xd8")) return DecodeJpeg(name, bytes, encoding, limits);
+  if (StartsWith(bytes, kJpegMagic)) return DecodeJpeg(name, bytes, encoding, limits);
   return DecodeImage(name, bytes, limits);
+}
+
+bool IsOfScreen(const std::string& path) {
+  const std::string bytes = ReadFile(path);
+  return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic);
 }
 
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {
@@ -84,6 +109,12 @@ Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encod
   Image image(width, height);
   for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = table[bytes[i]];
   return image;
+}
+
+void SpreadGrey(Image& image) {
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    image.rgb[i + 1] = image.rgb[i + 2] = image.rgb[i];
+  }
 }
 
 void WriteImage(const std::string& path, const Image& image, const Metadata& metadata) {

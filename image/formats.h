@@ -9,13 +9,19 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
 #include "image/image.h"
 
 namespace skywave {
 
-Image DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+// `layers` are the channels to read next to the picture.
+LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const ReadLimits& limits,
+                       const std::vector<std::string>& layers = {});
+// Returns the channels next to the picture, without decoding anything.
+std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
+                                       const ReadLimits& limits);
 Image DecodeRgbe(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 Image DecodePfm(const std::string& path, std::string_view bytes, const ReadLimits& limits);
 // 8-bit formats give linear light, or unconverted numbers in [0, 1].
@@ -26,6 +32,9 @@ Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encod
 
 // `bytes` holds three bytes per pixel, rows from the top.
 Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding);
+
+// Copies the red channel to the two others.
+void SpreadGrey(Image& image);
 
 // Returns the value of the decimal digits `text`, at most nine digits, or -1 for anything else,
 // including signs, blanks and empty text.

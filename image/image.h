@@ -43,6 +43,10 @@ struct ReadLimits {
 // truncated or inconsistent file never gives a picture.
 Image ReadImage(const std::string& path, const ReadLimits& limits = {});
 
+// Returns whether a file holds 8-bit colours of a screen, PNG or JPEG, by its first bytes. Throws
+// InputError if it cannot be read.
+bool IsOfScreen(const std::string& path);
+
 // Interprets the numbers of a PNG or JPEG as sRGB colours or as unconverted numbers in [0, 1].
 // kAlpha replaces all three channels of a PNG with its alpha channel, or 1 if it has none.
 enum class Encoding { kSrgb, kLinear, kAlpha };
@@ -66,6 +70,19 @@ struct NamedChannel {
 // identical bytes.
 void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {},
               const std::vector<NamedChannel>& layers = {});
+// A picture with channels next to it.
+struct LayeredImage {
+  Image image;
+  std::vector<NamedChannel> layers;
+};
+// Reads a picture as ReadImage does, and the channels `layers` next to it ("variance.R"), each of
+// them named once, in the order of `layers`. Throws InputError also for a channel that the file
+// does not have, with its name and those of the channels that are there.
+LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::string>& layers,
+                              const ReadLimits& limits = {});
+// Returns the names of the channels next to the picture in the order of the file, which are none
+// unless it is an EXR.
+std::vector<std::string> ReadLayerNames(const std::string& path, const ReadLimits& limits = {});
 // Returns the string attributes of an EXR header.
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits = {});
 // Write little-endian colour PFM (bit-exact) and run-length coded Radiance RGBE (rounded to

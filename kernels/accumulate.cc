@@ -193,6 +193,12 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
 }
 
 template <bool kHasSigns>
+HWY_INLINE void AddSquare(std::uint64_t units, Uint128& sum) {
+  if (kHasSigns && std::int64_t(units) < 0) units = -units;
+  sum = SaturatingSum(sum, Uint128{units} * units);
+}
+
+template <bool kHasSigns>
 void AddSquares(const PathColumns& paths, std::uint32_t n, const FilmScale& scale, Uint128* sums) {
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
   RowUnits units;
@@ -200,10 +206,8 @@ void AddSquares(const PathColumns& paths, std::uint32_t n, const FilmScale& scal
     ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
     for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {
       for (std::size_t c = 0; c < 3; ++c) {
-        Uint128& sum = sums[std::size_t(paths.pixel[i + lane]) * 3 + c];
-        std::uint64_t value = units.rgb[c][lane];
-        if (kHasSigns && std::int64_t(value) < 0) value = -value;
-        sum = SaturatingSum(sum, Uint128{value} * value);
+        AddSquare<kHasSigns>(units.rgb[c][lane],
+                             sums[std::size_t(paths.pixel[i + lane]) * 3 + c]);
       }
     }
   }
@@ -212,6 +216,32 @@ void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale
                       Uint128* sums) {
   if (scale.has_signs) return AddSquares<true>(paths, n, scale, sums);
   AddSquares<false>(paths, n, scale, sums);
+}
+
+template <bool kHasSigns>
+void AddHalf(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+             const HalfSums& half) {
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(F()));
+  RowUnits units;
+  for (std::uint32_t i = 0; i < n; i += lanes) {
+    ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
+    for (std::uint32_t row = i; row < std::min(i + lanes, n); ++row) {
+      if (!IsInSecondHalf(paths.sample[row])) continue;
+      const std::size_t pixel = paths.pixel[row];
+      ++half.samples[pixel];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::uint64_t value = units.rgb[c][row - i];
+        std::uint64_t& sum = half.sums[3 * pixel + c];
+        sum = kHasSigns ? sum + value : SaturatingSum(sum, value);
+        AddSquare<kHasSigns>(value, half.squares[3 * pixel + c]);
+      }
+    }
+  }
+}
+void AddHalfToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                   const HalfSums& half) {
+  if (scale.has_signs) return AddHalf<true>(paths, n, scale, half);
+  AddHalf<false>(paths, n, scale, half);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -227,6 +257,7 @@ HWY_EXPORT(SubtractControl);
 HWY_EXPORT(AddToFilm);
 HWY_EXPORT(AddSplatsToFilm);
 HWY_EXPORT(AddSquaresToFilm);
+HWY_EXPORT(AddHalfToFilm);
 
 void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPolicy& mis,
                         const PathColumns& paths) {
@@ -253,6 +284,10 @@ FilmCounts AddSplatsToFilm(const LightColumns& splats, const std::uint32_t* pixe
 void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                       Uint128* sums) {
   HWY_DYNAMIC_DISPATCH(AddSquaresToFilm)(paths, n, scale, sums);
+}
+void AddHalfToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                   const HalfSums& half) {
+  HWY_DYNAMIC_DISPATCH(AddHalfToFilm)(paths, n, scale, half);
 }
 
 }  // namespace skywave

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <bit>
 #include <cstdint>
 
 #include "kernels/bsdf/bsdf.h"
@@ -54,6 +55,21 @@ using Uint128 = unsigned __int128;
 // Adds the squares of the units that AddToFilm adds: three exact sums per pixel.
 void AddSquaresToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
                       Uint128* sums);
+
+// The samples of a pixel have two halves, which a denoiser holds against each other: blocks of four
+// samples, which are stratified among themselves, are dealt in the order of Thue and Morse, so that
+// any 8 * 2^k first samples have equal halves.
+inline bool IsInSecondHalf(std::uint32_t sample) { return (std::popcount(sample >> 2) & 1) != 0; }
+
+// Sums of the second halves: their number by pixel, and their units and squares, three per pixel.
+struct HalfSums {
+  std::uint32_t* samples;
+  std::uint64_t* sums;
+  Uint128* squares;
+};
+// Adds what AddToFilm and AddSquaresToFilm add for those of rows [0, n) that are in second halves.
+void AddHalfToFilm(const PathColumns& paths, std::uint32_t n, const FilmScale& scale,
+                   const HalfSums& half);
 
 // Adds integers and stays at the largest number; the order does not matter, as nothing is
 // subtracted.

@@ -6,7 +6,7 @@
 
 namespace skywave {
 
-nlohmann::ordered_json Json(const ImageDifference& d) {
+nlohmann::ordered_json Json(const ImageDifference& d, const Flip& flip) {
   return {{"mean_image", d.mean_a},
           {"mean_reference", d.mean_b},
           {"mse", d.mse},
@@ -14,11 +14,22 @@ nlohmann::ordered_json Json(const ImageDifference& d) {
           {"relative_mse", d.relative_mse},
           {"mean_absolute", d.mean_absolute},
           {"psnr_db", d.psnr},
+          {"flip", flip.mean},
           {"thesis_euclidean", d.thesis_euclidean},
           {"thesis_luminance", d.thesis_luminance},
           {"max_absolute", d.max_absolute},
           {"max_at", {d.max_x, d.max_y}},
           {"different_pixels", d.different_pixels}};
+}
+
+nlohmann::ordered_json Json(const NoiseComparison& c) {
+  return {{"mean_difference", c.mean_difference},
+          {"half_width", c.half_width},
+          {"exceeding", c.exceeding},
+          {"mean_squared_z", c.mean_squared_z},
+          {"values", c.values},
+          {"exact_values", c.exact_values},
+          {"exact_values_that_differ", c.exact_that_differ}};
 }
 
 nlohmann::ordered_json Json(const ProbeMap& map, const ProbeInfo& info) {

@@ -4,13 +4,17 @@
 #include <nlohmann/json.hpp>
 
 #include "image/compare.h"
+#include "image/flip.h"
 #include "lights/probe/probe_info.h"
 #include "lights/probe/probe_map.h"
+#include "measure/picture_noise.h"
 
 namespace skywave {
 
-// Returns the keys of `skywave compare --json`.
-nlohmann::ordered_json Json(const ImageDifference& difference);
+// Returns the keys of `skywave compare --json`, without those of noise, which the second one
+// returns.
+nlohmann::ordered_json Json(const ImageDifference& difference, const Flip& flip);
+nlohmann::ordered_json Json(const NoiseComparison& comparison);
 
 // `info` describes `map`. docs/probe.md describes the keys.
 nlohmann::ordered_json Json(const ProbeMap& map, const ProbeInfo& info);

@@ -68,6 +68,63 @@ TEST_F(ImageFiles, ExrLayersComeBack) {
   EXPECT_EQ(red_back, red);
 }
 
+TEST_F(ImageFiles, LayersAreReadByName) {
+  const Image image = Numbered(40, 35);  // several chunks
+  NamedChannel depth = {"depth.Z", std::vector<float>(40 * 35)}, albedo = {"albedo.R", {}};
+  for (std::size_t i = 0; i < depth.values.size(); ++i) depth.values[i] = 0.5f * float(i);
+  albedo.values.assign(depth.values.rbegin(), depth.values.rend());
+  WriteExr(Path("a.exr"), image, {}, {depth, albedo, {"uv.U", std::vector<float>(40 * 35)}});
+  EXPECT_EQ(ReadLayerNames(Path("a.exr")),
+            (std::vector<std::string>{"albedo.R", "depth.Z", "uv.U"}));
+  const LayeredImage both = ReadLayeredImage(Path("a.exr"), {"depth.Z", "albedo.R"});
+  ExpectSame(both.image, image);
+  ASSERT_EQ(both.layers.size(), 2u);
+  EXPECT_EQ(both.layers[0].name, "depth.Z");
+  EXPECT_EQ(both.layers[0].values, depth.values);
+  EXPECT_EQ(both.layers[1].name, "albedo.R");
+  EXPECT_EQ(both.layers[1].values, albedo.values);
+  EXPECT_TRUE(ReadLayeredImage(Path("a.exr"), {}).layers.empty());
+}
+
+TEST_F(ImageFiles, LayersOfEveryKindOfExr) {
+  const Image image = Numbered(40, 35);
+  for (const Imf::Compression compression : {Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+    for (const Imf::PixelType type : {Imf::HALF, Imf::FLOAT, Imf::UINT}) {
+      // In a grey picture, a channel G is a layer.
+      WriteExrKind(Path("a.exr"), HeaderFor(image, compression), image,
+                   {{"A", Imf::HALF}, {"G", type}, {"Y", Imf::FLOAT}});
+      const LayeredImage grey = ReadLayeredImage(Path("a.exr"), {"G"});
+      for (std::size_t i = 0; i < grey.image.rgb.size(); ++i) {
+        ASSERT_EQ(grey.image.rgb[i], image.rgb[i - i % 3]);
+        ASSERT_EQ(grey.layers[0].values[i / 3], image.rgb[i - i % 3 + 1]);
+      }
+    }
+  }
+}
+
+TEST_F(ImageFiles, MissingLayersAreNamed) {
+  const auto message = [&](const std::string& name) {
+    try {
+      ReadLayeredImage(Path(name), {"depth.Z", "variance.G"});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto expect = [&](const std::string& name, const std::string& part) {
+    EXPECT_NE(message(name).find(part), std::string::npos) << message(name);
+  };
+  const std::vector<float> values(20);
+  WriteExr(Path("a.exr"), Numbered(5, 4), {}, {{"depth.Z", values}, {"uv.U", values}});
+  expect("a.exr", "no layer variance.G; its layers are depth.Z, uv.U");
+  WriteExr(Path("b.exr"), Numbered(5, 4));
+  expect("b.exr", "no layer depth.Z; it has none at all");
+  EXPECT_TRUE(ReadLayerNames(Path("b.exr")).empty());
+  WritePfm(Path("c.pfm"), Numbered(5, 4));
+  expect("c.pfm", "only OpenEXR files have layers");
+  EXPECT_TRUE(ReadLayerNames(Path("c.pfm")).empty());
+}
+
 TEST_F(ImageFiles, ExrMetadataComesBack) {
   const Metadata metadata = {
       {"a", ""}, {"b", "line\nline \xc3\xa9"}, {std::string(100, 'c'), std::string(100000, 'x')}};

@@ -48,6 +48,10 @@ double Variance(Uint128 squares, std::uint64_t sum, std::uint64_t samples) {  //
   return squares > of_mean ? double(squares - of_mean) / double(samples - 1) : 0;
 }
 
+std::uint64_t Magnitude(std::uint64_t sum, bool has_signs) {
+  return has_signs && std::int64_t(sum) < 0 ? -sum : sum;
+}
+
 float ToFloat(double value) {
   return float(std::min(value, double(std::numeric_limits<float>::max())));
 }
@@ -69,6 +73,11 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
   if (ReadsHits(aovs)) hits_.resize(pixels);
   if (Sums(aovs, AovSum::kNearestHit)) nearest_.resize(pixels, kNoSample);
   if (Sums(aovs, AovSum::kVariance)) squares_.resize(pixels * 3);
+  if (Sums(aovs, AovSum::kHalf) || Sums(aovs, AovSum::kHalfVariance)) {
+    half_samples_.resize(pixels);
+    half_.resize(pixels * 3);
+    half_squares_.resize(pixels * 3);
+  }
   if (Sums(aovs, AovSum::kLightGroups)) lit_.resize(light_groups_.size() * pixels * 3);
   if (Sums(aovs, AovSum::kDirect) || Sums(aovs, AovSum::kIndirect)) direct_.resize(pixels * 3);
 }
@@ -128,6 +137,8 @@ void AovFilm::AddRows(const FirstHits& hits, std::uint32_t begin, std::uint32_t 
 
 void AovFilm::AddRadiance(const PathColumns& paths, std::uint32_t n, const FilmScale& scale) {
   if (!squares_.empty()) AddSquaresToFilm(paths, n, scale, squares_.data());
+  if (half_.empty()) return;
+  AddHalfToFilm(paths, n, scale, {half_samples_.data(), half_.data(), half_squares_.data()});
 }
 
 void AovFilm::AddDirect(const PathColumns& paths, std::uint32_t n, const FilmScale& scale) {
@@ -160,8 +171,7 @@ void AovFilm::AddToGroups(const PathColumns& paths, const std::uint32_t* rows, s
 }
 
 double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const {
-  if (has_signs_ && std::int64_t(sum) < 0) sum = -sum;
-  return Variance(squares_[i], sum, samples);
+  return Variance(squares_[i], Magnitude(sum, has_signs_), samples);
 }
 
 std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted,
@@ -192,6 +202,15 @@ std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted,
         return double(samples[pixel]);
       case AovSum::kVariance:
         return VarianceOf(i, radiance[i], samples[pixel]) * unit * unit;
+      case AovSum::kHalf: {
+        const std::uint32_t count = half_samples_[pixel];
+        const std::size_t c = i - 4 * pixel;
+        if (c == 3) return double(count);
+        return SumValue(half_[3 * pixel + c], has_signs_) * unit / std::max(count, 1u);
+      }
+      case AovSum::kHalfVariance:
+        return Variance(half_squares_[i], Magnitude(half_[i], has_signs_), half_samples_[pixel]) *
+               unit * unit;
       case AovSum::kDirect:
         return SumValue(direct_[i], has_signs_) * unit_of_mean;
       case AovSum::kIndirect:

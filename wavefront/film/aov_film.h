@@ -61,6 +61,12 @@ class AovFilm {
     f(
         [](auto& film) -> auto& { return film.squares_; }, FilmColumn{3});
     f(
+        [](auto& film) -> auto& { return film.half_samples_; }, FilmColumn{});
+    f(
+        [](auto& film) -> auto& { return film.half_; }, FilmColumn{3});
+    f(
+        [](auto& film) -> auto& { return film.half_squares_; }, FilmColumn{3});
+    f(
         [](auto& film) -> auto& { return film.direct_; }, FilmColumn{3});
     f(
         [](auto& film) -> auto& { return film.lit_; }, FilmColumn{3, light_groups_.size()});
@@ -97,6 +103,9 @@ class AovFilm {
   std::vector<std::uint32_t> hits_;     // samples that hit something, by pixel
   std::vector<std::uint64_t> nearest_;  // key of the sample nearest to the centre, by pixel
   std::vector<Uint128> squares_;        // squares of radiance, three per pixel [1 / scale.units^2]
+  std::vector<std::uint32_t> half_samples_;  // in second halves, by pixel
+  std::vector<std::uint64_t> half_;          // their sums, three per pixel [1 / scale.units]
+  std::vector<Uint128> half_squares_;        // their squares, likewise
   std::vector<std::uint64_t> direct_;   // three per pixel [1 / scale.units]
   std::vector<std::string> light_groups_;
   std::vector<std::uint64_t> lit_;  // three per pixel and group, group by group [1 / scale.units]

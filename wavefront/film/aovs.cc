@@ -97,6 +97,8 @@ constexpr Aov kAovs[] = {
     {"coverage", "V", AovSum::kCoverage, "share of the samples that hit something"},
     {"samples", "V", AovSum::kSampleCount, "number of samples"},
     {"variance", "RGB", AovSum::kVariance, "of one sample of the beauty"},
+    {"half", "RGBN", AovSum::kHalf, "the beauty of half of the samples; N: their number"},
+    {"half-variance", "RGB", AovSum::kHalfVariance, "of one sample of that half"},
     {"direct", "RGB", AovSum::kDirect, "light that met at most one surface"},
     {"indirect", "RGB", AovSum::kIndirect, "the rest of the beauty"},
     {"lights", "RGB", AovSum::kLightGroups, "the beauty by lights: a layer lights-NAME a group"},

@@ -23,6 +23,8 @@ enum class AovSum {
   kCoverage,     // share of the samples whose camera ray hit something
   kSampleCount,  // the same in every pixel
   kVariance,     // of one sample of the beauty, unbiased if samples are independent
+  kHalf,         // the beauty of the second halves of the samples, and their number
+  kHalfVariance,  // of one sample of them
   kDirect,       // radiance of light that hit at most one surface
   kIndirect,     // the rest of the beauty
   kLightGroups,  // the beauty by groups of lights, one layer each (wavefront/film/light_groups.h)
@@ -39,7 +41,7 @@ struct FirstSurfaces {
   std::uint32_t count;
 };
 
-inline constexpr std::uint32_t kMaxAovChannels = 3;
+inline constexpr std::uint32_t kMaxAovChannels = 3;  // of a layer of first hits
 using AovColumns = float* [kMaxAovChannels];
 
 struct Aov {

@@ -1,0 +1,263 @@
+#include "kernels/cross_filter.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels/cross_filter.cc"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/simd/exp-inl.h"
+#include "kernels/simd/simd-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// A weight falls by the distance z beyond that of equal pixels, and ends at kLimit: e^-z, as a power
+// that has an end.
+constexpr float kTolerated = 0.5f;
+constexpr float kLimit = 8;
+// A single pair that is further apart than this is not averaged, whatever its neighbours say.
+constexpr float kFarApart = 4;
+// A pixel may be this much noisier without weighing less.
+constexpr float kNoisier = 2;
+constexpr float kNoNoise = 1e-20f;
+
+// The features of coverage are in this unit.
+constexpr float kCoverageUnit = 0.15f;
+
+// A tile with two more pixels on each side, and room for whole vectors.
+constexpr int kPitch = FilterTile::kWidth + 3 * static_cast<int>(kPadRows);
+constexpr int kRows = FilterTile::kHeight + 4;
+struct TilePlane {
+  alignas(kColumnAlignment) float values[kRows][kPitch];
+  // Returns pixel (x, y) of the tile; x and y may be -2.
+  float* at(int x, int y) { return &values[y + 2][x + static_cast<int>(kPadRows)]; }
+};
+
+void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise) {
+  const int lanes = static_cast<int>(hn::Lanes(F()));
+  for (int x = 0; x < shape.width; x += lanes) {
+    const std::size_t at = shape.at(x, y);
+    VF sum = hn::Zero(F());
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const VF v = Load(half.noise + shape.at(x + dx, y + dy));
+        sum = hn::Add(sum, Log2(hn::Max(v, Set(1e-30f))));
+      }
+    }
+    const VF mean = Exp2(hn::Mul(sum, Set(1.0f / 9)));
+    Store(hn::Max(Load(half.noise + at), mean), noise + at);
+  }
+}
+
+// Writes the squared distances z between the pixels of a tile, one more on each side, and those at
+// `offset`; sums of three in a row go to `sums`.
+HWY_INLINE void Distances(const PlaneShape& shape, const HalfPlanes& half, const FilterTile& tile,
+                          std::ptrdiff_t offset, TilePlane& z, TilePlane& sums) {
+  const int lanes = static_cast<int>(hn::Lanes(F()));
+  for (int y = -1; y <= tile.height; ++y) {
+    const std::size_t row = shape.at(tile.x, tile.y + y);
+    for (int x = -1; x <= tile.width; x += lanes) {
+      const std::size_t i = row + std::size_t(x), j = i + std::size_t(offset);
+      const V3 d =
+          Sub(Load3(half.r + i, half.g + i, half.b + i), Load3(half.r + j, half.g + j, half.b + j));
+      const VF noise = hn::Add(hn::Add(Load(half.noise + i), Load(half.noise + j)), Set(kNoNoise));
+      Store(hn::Min(hn::Div(Dot(d, d), noise), Set(1e6f)), z.at(x, y));
+    }
+    for (int x = 0; x < tile.width; x += lanes) {
+      const VF sides = hn::Add(Load(z.at(x - 1, y)), Load(z.at(x + 1, y)));
+      Store(hn::Add(sides, Load(z.at(x, y))), sums.at(x, y));
+    }
+  }
+}
+
+// Returns the squared distance of the features of pixels i and j, which is (dx, dy) away.
+HWY_INLINE VF FeatureDistance(const FeaturePlanes& f, std::size_t i, std::size_t j, VF dx, VF dy) {
+  const V3 normal = Sub(Load3(f.normal_x + i, f.normal_y + i, f.normal_z + i),
+                        Load3(f.normal_x + j, f.normal_y + j, f.normal_z + j));
+  const V3 albedo = Sub(Load3(f.albedo_r + i, f.albedo_g + i, f.albedo_b + i),
+                        Load3(f.albedo_r + j, f.albedo_g + j, f.albedo_b + j));
+  // A plane's depth changes from pixel to pixel; what counts is how far j is from the plane of i.
+  const VF slope = hn::Add(hn::Mul(Load(f.depth_dx + i), dx), hn::Mul(Load(f.depth_dy + i), dy));
+  const VF depth = hn::Sub(hn::Sub(Load(f.depth + j), Load(f.depth + i)), slope);
+  const VF of_surface =
+      hn::Add(hn::Add(Dot(normal, normal), Dot(albedo, albedo)), hn::Mul(depth, depth));
+  // Where nothing was hit there are no features.
+  const VF here = Load(f.coverage + i), there = Load(f.coverage + j);
+  const VF both = hn::Min(here, there), coverage = hn::Sub(here, there);
+  const VF share = hn::Mul(both, Set(kCoverageUnit));
+  return hn::Add(hn::Mul(hn::Mul(share, share), of_surface), hn::Mul(coverage, coverage));
+}
+
+// Sums of a tile for one half.
+struct Averages {
+  TilePlane r, g, b, weight, noise;
+};
+
+void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
+                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
+  const int lanes = static_cast<int>(hn::Lanes(F()));
+  const VF zero = hn::Zero(F()), one = Set(1.0f);
+  TilePlane z[2], sums[2];
+  Averages averages[2];
+  const auto for_each_vector = [&](const auto& f) HWY_ATTR {
+    for (int y = 0; y < tile.height; ++y) {
+      for (int x = 0; x < tile.width; x += lanes) f(x, y, shape.at(tile.x + x, tile.y + y));
+    }
+  };
+  const auto add = [&](int half, int x, int y, std::size_t j, VF weight) HWY_ATTR {
+    Averages& a = averages[half];
+    const HalfPlanes& from = in[half];
+    const auto sum = [&](TilePlane& plane, VF value) HWY_ATTR {
+      float* const at = plane.at(x, y);
+      Store(hn::Add(Load(at), value), at);
+    };
+    sum(a.r, hn::Mul(weight, Load(from.r + j)));
+    sum(a.g, hn::Mul(weight, Load(from.g + j)));
+    sum(a.b, hn::Mul(weight, Load(from.b + j)));
+    sum(a.weight, weight);
+    sum(a.noise, hn::Mul(hn::Mul(weight, weight), Load(from.noise + j)));
+  };
+  // A pixel is as good as equal to itself.
+  for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
+    for (int half = 0; half < 2; ++half) {
+      Averages& a = averages[half];
+      for (TilePlane* plane : {&a.r, &a.g, &a.b, &a.weight, &a.noise}) Store(zero, plane->at(x, y));
+      add(half, x, y, i, one);
+    }
+  });
+  for (int ty = -level.radius; ty <= level.radius; ++ty) {
+    for (int tx = -level.radius; tx <= level.radius; ++tx) {
+      if (tx == 0 && ty == 0) continue;
+      const int dx = tx * level.stride, dy = ty * level.stride;
+      const std::ptrdiff_t offset = std::ptrdiff_t(shape.pitch()) * dy + dx;
+      for (int half = 0; half < 2; ++half) {
+        Distances(shape, in[half], tile, offset, z[half], sums[half]);
+      }
+      for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
+        const std::size_t j = i + std::size_t(offset);
+        const VF of_features = hn::Mul(
+            FeatureDistance(features, i, j, Set(float(dx)), Set(float(dy))), Set(0.5f / kLimit));
+        const VF trust = hn::Sub(one, of_features);
+        if (hn::AllTrue(F(), hn::Le(trust, zero))) return;
+        for (int half = 0; half < 2; ++half) {
+          TilePlane& rows = sums[half];
+          const VF around = hn::Add(hn::Add(Load(rows.at(x, y - 1)), Load(rows.at(x, y + 1))),
+                                    Load(rows.at(x, y)));
+          const VF excess =
+              hn::Max(hn::Sub(hn::Mul(around, Set(1.0f / 9)), Set(kTolerated)), zero);
+          VF weight = hn::Max(hn::Sub(trust, hn::Mul(excess, Set(1 / kLimit))), zero);
+          weight = hn::Mul(weight, weight), weight = hn::Mul(weight, weight);
+          weight = hn::Mul(weight, weight);
+          const VF noise_i = hn::Add(Load(in[half].noise + i), Set(kNoNoise));
+          const VF noise_j = hn::Add(Load(in[half].noise + j), Set(kNoNoise));
+          weight = hn::Mul(weight, hn::Min(hn::Div(hn::Mul(noise_i, Set(kNoisier)), noise_j), one));
+          weight = IfThen(hn::Gt(Load(z[half].at(x, y)), Set(kFarApart)), zero, weight);
+          add(1 - half, x, y, j, weight);
+        }
+      });
+    }
+  }
+  for_each_vector([&](int x, int y, std::size_t i) HWY_ATTR {
+    for (int half = 0; half < 2; ++half) {
+      Averages& a = averages[half];
+      const HalfPlanes& to = out[half];
+      const VF scale = hn::Div(one, Load(a.weight.at(x, y)));
+      Store(hn::Mul(Load(a.r.at(x, y)), scale), to.r + i);
+      Store(hn::Mul(Load(a.g.at(x, y)), scale), to.g + i);
+      Store(hn::Mul(Load(a.b.at(x, y)), scale), to.b + i);
+      Store(hn::Mul(hn::Mul(Load(a.noise.at(x, y)), scale), scale), to.noise + i);
+    }
+  });
+}
+
+// Writes the larger of the means over 3 x 3 and 5 x 5 pixels.
+class NeighborhoodMean {
+ public:
+  // Reads pixels -2 to tile.height + 2 of `values`.
+  HWY_INLINE NeighborhoodMean(const FilterTile& tile, TilePlane& values) {
+    const int lanes = static_cast<int>(hn::Lanes(F()));
+    for (int y = -2; y < tile.height + 2; ++y) {
+      for (int x = 0; x < tile.width; x += lanes) {
+        const VF inner = hn::Add(hn::Add(Load(values.at(x - 1, y)), Load(values.at(x + 1, y))),
+                                 Load(values.at(x, y)));
+        const VF outer = hn::Add(Load(values.at(x - 2, y)), Load(values.at(x + 2, y)));
+        Store(inner, three_.at(x, y));
+        Store(hn::Add(inner, outer), five_.at(x, y));
+      }
+    }
+  }
+  HWY_INLINE VF At(int x, int y) {
+    VF three = hn::Zero(F()), five = hn::Zero(F());
+    for (int dy = -1; dy <= 1; ++dy) three = hn::Add(three, Load(three_.at(x, y + dy)));
+    for (int dy = -2; dy <= 2; ++dy) five = hn::Add(five, Load(five_.at(x, y + dy)));
+    return hn::Max(hn::Mul(three, Set(1.0f / 9)), hn::Mul(five, Set(1.0f / 25)));
+  }
+
+ private:
+  TilePlane three_, five_;
+};
+
+HWY_INLINE void ErrorOfChannel(const PlaneShape& shape, const float* const (&noisy)[2],
+                               const float* const (&filtered)[2], const FilterTile& tile,
+                               float* squared_error) {
+  const int lanes = static_cast<int>(hn::Lanes(F()));
+  TilePlane differences, products;
+  for (int y = -2; y < tile.height + 2; ++y) {
+    for (int x = -2; x < tile.width + 2; x += lanes) {
+      const std::size_t i = shape.at(tile.x + x, tile.y + y);
+      const VF f0 = Load(filtered[0] + i), f1 = Load(filtered[1] + i);
+      const VF half = hn::Mul(hn::Sub(f0, f1), Set(0.5f));
+      Store(hn::Mul(half, half), differences.at(x, y));
+      const VF bias0 = hn::Sub(f0, Load(noisy[1] + i)), bias1 = hn::Sub(f1, Load(noisy[0] + i));
+      Store(hn::Mul(bias0, bias1), products.at(x, y));
+    }
+  }
+  NeighborhoodMean variance(tile, differences), squared_bias(tile, products);
+  for (int y = 0; y < tile.height; ++y) {
+    for (int x = 0; x < tile.width; x += lanes) {
+      const VF bias = hn::Max(squared_bias.At(x, y), hn::Zero(F()));
+      Store(hn::Add(variance.At(x, y), bias), squared_error + shape.at(tile.x + x, tile.y + y));
+    }
+  }
+}
+
+void EstimateError(const PlaneShape& shape, const HalfPlanes (&noisy)[2],
+                   const HalfPlanes (&filtered)[2], const FilterTile& tile,
+                   const ErrorPlanes& squared_error) {
+  ErrorOfChannel(shape, {noisy[0].r, noisy[1].r}, {filtered[0].r, filtered[1].r}, tile,
+                 squared_error.r);
+  ErrorOfChannel(shape, {noisy[0].g, noisy[1].g}, {filtered[0].g, filtered[1].g}, tile,
+                 squared_error.g);
+  ErrorOfChannel(shape, {noisy[0].b, noisy[1].b}, {filtered[0].b, filtered[1].b}, tile,
+                 squared_error.b);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace skywave {
+
+HWY_EXPORT(SmoothNoise);
+HWY_EXPORT(CrossFilter);
+HWY_EXPORT(EstimateError);
+
+void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise) {
+  HWY_DYNAMIC_DISPATCH(SmoothNoise)(shape, half, y, noise);
+}
+void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
+                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {
+  HWY_DYNAMIC_DISPATCH(CrossFilter)(shape, features, in, level, tile, out);
+}
+void EstimateError(const PlaneShape& shape, const HalfPlanes (&noisy)[2],
+                   const HalfPlanes (&filtered)[2], const FilterTile& tile,
+                   const ErrorPlanes& squared_error) {
+  HWY_DYNAMIC_DISPATCH(EstimateError)(shape, noisy, filtered, tile, squared_error);
+}
+
+}  // namespace skywave
+#endif  // HWY_ONCE

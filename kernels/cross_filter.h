@@ -1,0 +1,105 @@
+// These kernels average the pixels of a picture that cannot be told apart: a statistical denoiser.
+//
+// The samples of a pixel come in two halves. Whether pixel j may be averaged with pixel i is decided
+// by one half, and what is averaged are the values of the other: so a pixel is not chosen for being
+// bright by chance, and nothing that is chosen is favoured (Rousselle et al. 2012; NFOR, Bitterli et
+// al. 2016). The decision is a test of equal means (Sakai et al. 2024): with the squared distance of
+// the colours in units of its variance,
+//
+//   z = |c_i - c_j|^2 / (v_i + v_j),
+//
+// whose expectation is 1 for equal pixels, and its mean over 3 x 3 such pairs around i and j. A pixel
+// that is much noisier than i has little to say about i and weighs less, by the ratio of variances;
+// geometry and textures are held against each other by features that have little noise.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace skywave {
+
+// The planes of a picture have a rim, so that a filter may look beyond the picture's edge.
+struct PlaneShape {
+  static constexpr int kRim = 16;  // pixels, on each side
+  int width = 0, height = 0;       // of the picture
+
+  // A row ends with room for a whole vector.
+  std::size_t pitch() const { return (std::size_t(width) + 15) / 16 * 16 + 2 * kRim; }
+  std::size_t size() const { return pitch() * (std::size_t(height) + 2 * kRim); }
+  // Returns the place of a pixel, which may be in the rim.
+  std::size_t at(int x, int y) const {
+    return std::size_t(y + kRim) * pitch() + std::size_t(x + kRim);
+  }
+};
+
+// One row is one pixel of a plane. The rim repeats the edge of the picture.
+struct HalfPlanes {
+  float *r, *g, *b;  // mean of half of the samples, textures divided out
+  float* noise;      // variance of r, plus those of g and b
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b), f(self.noise);
+  }
+};
+
+// Features, in units of the difference that halves the trust in a pixel or so. The rim is in no way
+// like the picture: its coverage is far away.
+struct FeaturePlanes {
+  float *normal_x, *normal_y, *normal_z;
+  float *albedo_r, *albedo_g, *albedo_b;
+  float *depth, *depth_dx, *depth_dy;  // logarithm, and its change from pixel to pixel
+  float* coverage;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.normal_x), f(self.normal_y), f(self.normal_z);
+    f(self.albedo_r), f(self.albedo_g), f(self.albedo_b);
+    f(self.depth), f(self.depth_dx), f(self.depth_dy);
+    f(self.coverage);
+  }
+};
+
+// A pixel is averaged with those at multiples of `stride`, at most `radius` of them away in x and y.
+struct FilterLevel {
+  int radius, stride;
+};
+inline constexpr FilterLevel kFilterLevels[] = {{2, 1}, {1, 4}};
+
+// A part of the picture, small enough for the nearest cache.
+struct FilterTile {
+  static constexpr int kWidth = 64, kHeight = 8;
+  int x, y, width, height;
+};
+
+// Raises the noise of the pixels of row `y` that is below the geometric mean of the 3 x 3 pixels
+// around: a pixel that has missed the rare bright samples of its neighbours has missed their variance
+// too. Writes `noise`, a plane, from half.noise.
+void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise);
+
+// Filters a tile: writes the average of both halves, each weighted by what the other one tells, and
+// its noise. The rim of `out` is not written.
+void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
+                 const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]);
+
+// One row is one pixel of a plane.
+struct ErrorPlanes {
+  float *r, *g, *b;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.r), f(self.g), f(self.b);
+  }
+};
+
+// Writes the estimated squared error of the mean of the `filtered` halves of `noisy`, for one row.
+//
+// The variance is what the halves differ by. The bias is what both have in common: with x the noisy
+// and f the filtered halves, (f_0 - x_1)(f_1 - x_0) has the squared bias as its expectation, as the
+// noise of one half is not that of the other, but for the share of x in its own average. Both are
+// means over the neighbourhood, of 3 x 3 and of 5 x 5 pixels, whichever is larger.
+void EstimateError(const PlaneShape& shape, const HalfPlanes (&noisy)[2],
+                   const HalfPlanes (&filtered)[2], const FilterTile& tile,
+                   const ErrorPlanes& squared_error);
+
+}  // namespace skywave
