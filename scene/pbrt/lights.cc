@@ -187,6 +187,14 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
     light.map_path = ResolvePbrtPath(reader, *file, parameters.position);
     light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3: lat-long
   }
+  if (const auto lux = Strength(parameters, "illuminance")) {
+    if (light.map_path.empty()) {
+      light.scale *= *lux / float(kPi);
+    } else {
+      AddWarning(reader.warnings, parameters.position,
+                 parameters.directive + ": the \"illuminance\" of an image is ignored");
+    }
+  }
   light.world_from_map = MapFrame(reader, parameters);
   Portals(reader, parameters);
   reader.scene.environments.push_back(std::move(light));

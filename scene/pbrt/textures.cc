@@ -1,4 +1,4 @@
-// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), and scale, mix and
+// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), bilerp, and scale, mix and
 // checkerboard, which become images (texture_baking.h) unless all their operands are constant.
 // Others are known by name only: parameters that use them take their default, with a warning.
 #include <fmt/format.h>
@@ -197,6 +197,27 @@ PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const P
                  MixTexels);
 }
 
+// The four colours are texels, and (u, v) from 0 to 1 goes from centre to centre. pbrt goes on in a
+// straight line beyond.
+PbrtTexture Bilerp(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  const auto mapping = MappingOf(reader, parameters);
+  if (!mapping) return {};
+  Image corners(2, 2);
+  for (const auto& [name, x, y, otherwise] : {std::tuple("v00", 0, 1, 0.0f),
+                                              {"v01", 0, 0, 1.0f},
+                                              {"v10", 1, 1, 0.0f},
+                                              {"v11", 1, 0, 1.0f}}) {
+    const glm::vec3 color =
+        FindColor(parameters, name, same, reader.warnings).value_or(glm::vec3(otherwise));
+    for (int c = 0; c < 3; ++c) corners.Pixel(x, y)[c] = color[c];
+  }
+  Texture texture;
+  texture.image = AddTextureImage(reader.scene, std::move(corners));
+  texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
+  texture.transform = UpwardTextureTransform(0.5f * mapping->scale, 0.5f * mapping->offset + 0.25f);
+  return AddTexture(reader, texture, glm::vec3(1));
+}
+
 }  // namespace
 
 PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
@@ -246,6 +267,8 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     texture = Mix(reader, parameters, textures);
   } else if (kind == "checkerboard") {
     texture = Checkerboard(reader, parameters, textures);
+  } else if (kind == "bilerp") {
+    texture = Bilerp(reader, parameters, textures);
   } else {
     textures[name] = {};
     AddWarning(reader.warnings, position,

@@ -272,6 +272,20 @@ TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
          {0.2, 0.4, 1});
 }
 
+TEST_F(ComputedTextures, FourColoursAreInterpolated) {
+  const std::string corners =
+      "Texture \"x\" \"color\" \"bilerp\" \"rgb v00\" [0 0 0] \"rgb v10\" [1 0 0] "
+      "\"rgb v01\" [0 .5 0] \"rgb v11\" [1 1 1]";
+  for (const double u : {0.0, 0.25, 0.6, 1.0}) {
+    for (const double v : {0.0, 0.5, 0.9, 1.0}) {
+      Expect(corners, {u, v}, {u, (1 - u) * v * 0.5 + u * v, u * v});
+    }
+  }
+  // The coordinates are scaled and moved, and end at the corners.
+  Expect(corners + " \"float uscale\" .5 \"float udelta\" .25", {0.5, 0}, {0.5, 0, 0});
+  Expect("Texture \"x\" \"color\" \"bilerp\"", {0.25, 0.5}, glm::dvec3(0.5));
+}
+
 // No surface reflects more light than it gets, whatever the factor of its image is.
 TEST_F(ComputedTextures, ReflectanceEndsAtOne) {
   WritePng(folder_.Path("t.png"), 1, 1, {51, 102, 255});
