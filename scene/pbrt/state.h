@@ -67,7 +67,7 @@ struct PbrtReader {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
   std::map<std::string, std::vector<Mesh>> objects;
   std::vector<Mesh>* object = nullptr;  // the one being defined
-  float film_gain = 1;  // factor of all light, by the speed of the film
+  float film_gain = 1;                  // factor of all light, by the speed of the film
   bool in_world = false;
   bool ended = false;         // WorldEnd has been read
   std::size_t triangles = 0;  // total of all meshes, objects included
