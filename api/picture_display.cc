@@ -38,15 +38,15 @@ void PictureDisplay::Show(const CropWindow& picture, const DisplayWindow& window
   if (display_->watched()) display_->Update(window, Planes(image, layers));
 }
 
-void PictureDisplay::ShowTile(const Film& film, const Tile& tile, std::uint32_t samples) {
+void PictureDisplay::ShowTile(const Film& film, const Tile& tile, const SampleCounts& samples) {
   const CropWindow& picture = film.layout().area.picture;
-  const int x = std::max(int(tile.x), picture.x), y = std::max(int(tile.y), picture.y);
-  const int width = std::min(int(tile.x + tile.width), picture.x + picture.width) - x;
-  const int height = std::min(int(tile.y + tile.height), picture.y + picture.height) - y;
-  if (width <= 0 || height <= 0) return;
-  const Film cut = film.Cut({x, y, width, height});
-  Show(picture, {x - picture.x, y - picture.y, width, height}, cut.Resolve(samples),
-       cut.ResolveAovs(samples, layers_));
+  const CropWindow window =
+      Intersection({int(tile.x), int(tile.y), int(tile.width), int(tile.height)}, picture);
+  if (window.width == 0 || window.height == 0) return;
+  const Film cut = film.Cut(window);
+  const SampleCounts counts = samples.Cut(window, film.layout().area.width);
+  Show(picture, {window.x - picture.x, window.y - picture.y, window.width, window.height},
+       cut.Resolve(counts), cut.ResolveAovs(counts, layers_));
 }
 
 std::string PictureDisplay::End(const Picture& picture) {

@@ -19,7 +19,7 @@ class PictureDisplay {
 
   // Shows a tile of `film` whose pixels hold `samples` samples. Any thread may call this, while
   // nobody adds samples to the tile.
-  void ShowTile(const Film& film, const Tile& tile, std::uint32_t samples);
+  void ShowTile(const Film& film, const Tile& tile, const SampleCounts& samples);
   // Shows the picture and ends. Returns what went wrong with the viewer, or nothing.
   std::string End(const Picture& picture);
 

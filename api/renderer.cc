@@ -41,7 +41,7 @@ std::vector<std::string> Notes(const Renderer::State& state) {
   if (state.exposure.photo.shutter_seconds > 0) {
     notes.push_back(fmt::format("the PNG is exposed for EV100 {:.2f}: white is {:.4g} cd/m^2",
                                 ExposureValue100(state.exposure.photo),
-                                std::exp2(-Tone(state.exposure).exposure_stops)));
+                                std::exp2(-Tone(state.exposure, {}).exposure_stops)));
   }
   return notes;
 }
@@ -50,14 +50,17 @@ RenderReport Report(const Renderer::State& state) {
   return {.job = &*state.job,
           .frame = state.finished().frame,
           .write_seconds = state.write_seconds,
-          .noise = NoiseOf(state.finished())};
+          .noise = NoiseOf(state.finished()),
+          .adaptive = state.limits.adaptive > 0};
 }
 
 // Returns the picture of `film`, whose samples are those of `part` or, while it is rendered, fewer.
 Picture PictureOf(const Renderer::State& state, const Film& film, const SampleCounts& samples,
                   const PicturePart& part) {
-  return ResolvePicture(film, samples, state.job->options().aovs, state.identity, part,
-                        Tone(state.exposure));
+  Picture picture = ResolvePicture(film, samples, state.job->options().aovs, state.identity, part);
+  picture.format = state.format;
+  picture.format.threads = state.job->options().threads;
+  return picture;
 }
 
 }  // namespace
@@ -90,15 +93,20 @@ Renderer::Renderer(Scene scene, const Options& options) : state_(std::make_uniqu
     for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
       bound.push_back(Bind(option, exposure));
     }
+    const auto format = std::make_shared<ExrFormat>();
+    for (const OptionOf<ExrFormat>& option : ExrFormatOptions()) {
+      bound.push_back(Bind(option, format));
+    }
     for (const OptionOf<RenderLimits>& option : LimitOptions()) {
       bound.push_back(Bind(option, limits));
     }
     SetOptions(bound, options);
-    state_->exposure = *exposure;
     state_->limits = *limits;
+    state_->format = *format;
     const bool repeatable = !scene.state().changed;
     state_->job.emplace(MakeJob(std::move(scene.state()), *request));
-    state_->identity = IdentityOf(*state_->job, *exposure, repeatable);
+    state_->exposure = ResolveExposure(*exposure, state_->job->request());
+    state_->identity = IdentityOf(*state_->job, state_->exposure, repeatable, *limits);
     ChooseSamples(*limits, state_->identity.samples);
     state_->notes = Notes(*state_);
   });
@@ -155,13 +163,14 @@ void Renderer::Render(const RenderControl& control) {
       const auto viewer = ParseViewerAddress(control.viewer);
       Require(viewer.has_value(), "viewer", "'" + control.viewer + "' is not HOST:PORT");
       display.emplace(*viewer, control.name_in_viewer, state.job->options().aovs);
-      request.on_tile = [&](const Film& film, const Tile& tile, std::uint32_t samples) {
+      request.on_tile = [&](const Film& film, const Tile& tile, const SampleCounts& samples) {
         display->ShowTile(film, tile, samples);
       };
     }
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
-    state.picture = PictureOf(state, rendered.film, rendered.part.samples.count(), rendered.part);
+    state.picture = PictureOf(state, rendered.film, rendered.samples, rendered.part);
     state.layers = LayersOf(state.picture.layers);
+    state.notes.insert(state.notes.end(), state.picture.notes.begin(), state.picture.notes.end());
     if (display) {
       const std::string problem = display->End(state.picture);
       if (!problem.empty()) state.notes.push_back(problem);

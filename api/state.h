@@ -30,6 +30,7 @@ struct Scene::State {
 struct Renderer::State {
   ExposureRequest exposure;
   RenderLimits limits;
+  ExrFormat format;
   std::optional<RenderJob> job;
   PictureIdentity identity;
   std::vector<std::string> notes;

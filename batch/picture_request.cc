@@ -10,10 +10,12 @@ std::vector<BoundOption> BindPictureOptions(const std::shared_ptr<PictureRequest
   const std::shared_ptr<JobRequest> job(request, &request->job);
   const std::shared_ptr<RenderLimits> limits(request, &request->limits);
   const std::shared_ptr<ExposureRequest> exposure(request, &request->exposure);
+  const std::shared_ptr<ExrFormat> format(request, &request->format);
   std::vector<BoundOption> bound;
   for (const JobOption& option : JobOptions()) bound.push_back(Bind(option, job));
   for (const auto& option : LimitOptions()) bound.push_back(Bind(option, limits));
   for (const auto& option : ExposureOptions()) bound.push_back(Bind(option, exposure));
+  for (const auto& option : ExrFormatOptions()) bound.push_back(Bind(option, format));
   return bound;
 }
 

@@ -25,9 +25,10 @@ struct PictureRequest {
   JobRequest job;
   RenderLimits limits;
   ExposureRequest exposure;
+  ExrFormat format;
 };
 
-// Returns every option of a job, of its limits and of the exposure, bound to `request`.
+// Returns every option of a job, of its limits, exposure and format, bound to `request`.
 std::vector<BoundOption> BindPictureOptions(const std::shared_ptr<PictureRequest>& request);
 
 // Returns the request of `options`. Throws InputError with the line of `path`, the job file, for a

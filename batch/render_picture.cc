@@ -39,7 +39,7 @@ bool IsFinished(const std::string& exr, const RenderJob& job, const PictureIdent
                 const RenderLimits& limits) {
   if (!std::filesystem::exists(exr) || !std::filesystem::exists(PngBeside(exr))) return false;
   try {
-    const Metadata metadata = ReadExrMetadata(exr);
+    const Metadata metadata = ReadExrMetadata(exr, {.trust_input = true});
     SampleRange samples = ChooseSamples(limits, identity.samples);
     // A render under limits may have ended with any number of samples.
     if (limits.end_early()) {
@@ -64,7 +64,7 @@ std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
   WritePng(PngBeside(exr), picture);
   WriteExr(exr, picture);
   const std::string bytes = ReadFile(exr);
-  DecodeExr(exr, bytes, {});
+  DecodeExr(exr, bytes, {.trust_input = true});
   return HashText(bytes);
 }
 
@@ -84,7 +84,7 @@ PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   const Clock::time_point start = Clock::now();
   Ready ready = {.request = RequestOf(plan_.path, picture.options)};
   ready.job = std::make_unique<RenderJob>(ready.request.job, &cache_);
-  ready.identity = IdentityOf(*ready.job, ready.request.exposure, true);
+  ready.identity = IdentityOf(*ready.job, ready.request.exposure, true, ready.request.limits);
   ready.load_seconds = SecondsSince(start);
   return ready;
 } catch (const OptionError& error) {
@@ -125,8 +125,9 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.notes = job.notes();
   const RenderOptions& options = job.options();
   if (watcher.begin) {
-    watcher.begin(std::uint64_t(options.width) * std::uint64_t(options.height) *
-                  ChooseSamples(limits, options.samples_per_pixel).count());
+    const std::uint64_t samples = std::uint64_t(options.width) * std::uint64_t(options.height) *
+                                  ChooseSamples(limits, options.samples_per_pixel).count();
+    watcher.begin(limits.adaptive > 0 ? 0 : samples);  // nobody knows how many will do
   }
   RenderedFilm rendered = RunSession(
       job, ready.identity,
@@ -139,14 +140,16 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   result.notes.insert(result.notes.end(), rendered.notes.begin(), rendered.notes.end());
   auto write = [room = TakeRoom(rendered.film.packed_bytes()), result = std::move(result),
                 rendered = std::move(rendered), identity = ready.identity, aovs = options.aovs,
-                tone = Tone(ready.request.exposure), limit_words = LimitWords(limits),
-                exr = picture.output, checkpoint]() mutable {
+                format = ready.request.format, threads = options.threads,
+                limit_words = LimitWords(limits), exr = picture.output, checkpoint]() mutable {
     // The future would keep both until somebody asks for its result.
     const std::shared_ptr<void> held = std::move(room);
     const RenderedFilm source = std::move(rendered);
     const Clock::time_point start = Clock::now();
-    Picture resolved =
-        ResolvePicture(source.film, source.part.samples.count(), aovs, identity, source.part, tone);
+    Picture resolved = ResolvePicture(source.film, source.samples, aovs, identity, source.part);
+    resolved.format = format;
+    resolved.format.threads = threads;
+    result.notes.insert(result.notes.end(), resolved.notes.begin(), resolved.notes.end());
     if (!limit_words.empty()) resolved.metadata.emplace_back("limits", limit_words);
     result.hash = WriteAndReadBack(exr, resolved);
     std::filesystem::remove(checkpoint);

@@ -130,9 +130,9 @@ std::string Finish(const SlurmPlan& plan) {
   std::string text = Header(plan) + Functions(plan, "$SLURM_JOB_ID");
   if (plan.shards > 1) {
     text += R"sh(
-merge() {  # PICTURE FILM...
+merge() {  # PICTURE FILM... OPTIONS...
   local film newer=
-  for film in "${@:2}"; do [[ $1 -nt $film ]] || newer=1; done
+  for film in "${@:2}"; do [[ $film != *.film || $1 -nt $film ]] || newer=1; done
   [[ -n $newer ]] || return 0
   mkdir -p "$(dirname "$1")"
   run "$program" merge "${@:2}" -o "$1"
@@ -141,7 +141,7 @@ merge() {  # PICTURE FILM...
     for (const SlurmPicture& picture : plan.pictures) {
       text += "merge " + Quoted(picture.output);
       for (const Part& part : PartsOf(plan, picture)) text += " " + Quoted(part.film);
-      text += '\n';
+      text += picture.format + '\n';
     }
   }
   return text + fmt::format("run \"$program\" batch {}\n", plan.batch);
@@ -190,7 +190,8 @@ std::uint32_t SamplesToCut(const BatchPlan& batch, const BatchPicture& picture,
                            const PictureRequest& request,
                            std::map<std::string, RenderSettings>& settings) {
   for (const PictureOption& option : picture.options) {
-    if (option.name == "time" || option.name == "noise" || option.name == "sample-range") {
+    if (option.name == "time" || option.name == "noise" || option.name == "adaptive" ||
+        option.name == "sample-range") {
       throw InputError(InputPosition::Line(batch.path, option.line),
                        fmt::format("parts of a picture need its samples beforehand, so {} cannot "
                                    "go with shards",
@@ -233,7 +234,9 @@ SlurmPlan PlanForSlurm(const BatchPlan& batch, const std::string& output_folder,
   std::map<std::string, RenderSettings> settings;  // by scene
   for (const BatchPicture& picture : batch.pictures) {
     const PictureRequest request = RequestOf(batch.path, picture.options);
-    SlurmPicture part = {.output = picture.output, .options = CommandOf(request)};
+    SlurmPicture part = {.output = picture.output,
+                         .options = CommandOf(request),
+                         .format = WordsOf(ExrFormatOptions(), request.format)};
     if (shards > 1) part.samples = SamplesToCut(batch, picture, request, settings);
     plan.pictures.push_back(std::move(part));
   }

@@ -13,6 +13,7 @@ struct SlurmPicture {
   std::string output;         // the EXR
   std::string options;        // words of `skywave render` that make it, without outputs
   std::uint32_t samples = 0;  // per pixel
+  std::string format = {};    // words of `skywave render` and `merge` that say how it is written
 };
 
 struct SlurmPlan {

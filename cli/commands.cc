@@ -3,9 +3,9 @@
 namespace skywave {
 
 std::vector<Command> AllCommands() {
-  return {RenderCommand(), MergeCommand(),   BatchCommand(),      InfoCommand(),
-          PathsCommand(),  CompareCommand(), StrategiesCommand(), ConvergeCommand(),
-          BenchCommand(),  ProbeCommand(),   OptionsCommand()};
+  return {RenderCommand(),   DenoiseCommand(), MergeCommand(),   BatchCommand(),
+          InfoCommand(),     PathsCommand(),   CompareCommand(), StrategiesCommand(),
+          ConvergeCommand(), BenchCommand(),   ProbeCommand(),   OptionsCommand()};
 }
 
 }  // namespace skywave

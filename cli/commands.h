@@ -8,6 +8,7 @@
 namespace skywave {
 
 Command RenderCommand();
+Command DenoiseCommand();
 Command MergeCommand();
 Command BatchCommand();
 Command InfoCommand();

@@ -32,26 +32,34 @@ struct CompareFlags {
 struct ComparedPicture {
   Image image;
   bool of_screen = false;  // PNG or JPEG
-  std::optional<PictureNoise> noise;
+  std::optional<PictureNoise> noise = {};
   bool lacks_samples = false;  // it has the layer variance, but not the layer samples
 };
 
 ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) {
-  if (IsOfScreen(path)) return {ReadTexture(path, Encoding::kSrgb, limits), true, {}, false};
-  const std::vector<std::string> there = ReadLayerNames(path, limits), wanted = NoiseChannels();
-  const auto has = [&](const std::string& name) {
-    return std::find(there.begin(), there.end(), name) != there.end();
+  if (IsOfScreen(path))
+    return {.image = ReadTexture(path, Encoding::kSrgb, limits), .of_screen = true};
+  const std::vector<std::string> there = ReadLayerNames(path, limits);
+  const auto has = [&](const std::vector<std::string>& wanted) {
+    return std::all_of(wanted.begin(), wanted.end(), [&](const std::string& name) {
+      return std::find(there.begin(), there.end(), name) != there.end();
+    });
   };
-  if (!std::all_of(wanted.begin(), wanted.end(), has)) {
-    return {ReadImage(path, limits), false, {}, has(wanted.front())};
+  // The layer variance of a picture that was denoised is that of the noisy one.
+  if (has(ErrorChannels())) {
+    LayeredImage picture = ReadLayeredImage(path, ErrorChannels(), limits);
+    return {.image = std::move(picture.image), .noise = NoiseOfErrors(picture.layers)};
   }
-  LayeredImage picture = ReadLayeredImage(path, wanted, limits);
-  return {std::move(picture.image), false, NoiseOf(picture.layers), false};
+  if (has(NoiseChannels())) {
+    LayeredImage picture = ReadLayeredImage(path, NoiseChannels(), limits);
+    return {.image = std::move(picture.image), .noise = NoiseOf(picture.layers)};
+  }
+  return {.image = ReadImage(path, limits), .lacks_samples = has({NoiseChannels().front()})};
 }
 
 void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
                 const ComparedPicture& reference) {
-  fmt::print("noise by the layer variance of {}\n",
+  fmt::print("noise by the layer variance, or error where it was denoised, of {}\n",
              image.noise && reference.noise ? "both pictures"
              : image.noise                  ? "the image; the reference is taken to be exact"
                                             : "the reference; the image is taken to be exact");

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/parse.h"
 #include "job/limits.h"
 #include "job/merge_films.h"
 
@@ -17,6 +18,7 @@ struct MergeFlags {
   MergeRequest request;
   std::string output;
   bool quiet = false;
+  ExrFormat format;
 };
 
 int MergeMain(const MergeFlags& flags) {
@@ -33,7 +35,11 @@ int MergeMain(const MergeFlags& flags) {
   if (to_film) {
     WriteFilm(flags.output, merged.file, merged.film);
   } else {
-    const Picture picture = ResolveMerged(merged);
+    Picture picture = ResolveMerged(merged);
+    picture.format = flags.format;
+    for (const std::string& note : picture.notes) {
+      if (!flags.quiet) fmt::print(stderr, "note: {}\n", SpellFlags(note));
+    }
     WritePng(PngBeside(flags.output), picture);
     WriteExr(flags.output, picture);
   }
@@ -63,15 +69,19 @@ std::vector<OptionOf<MergeFlags>> MergeOptions() {
 }  // namespace
 
 Command MergeCommand() {
-  return CommandOf<MergeFlags>(
-      {.name = "merge",
-       .summary = "Add films of parts of a picture: the bytes of one render",
-       .footer = "Examples:\n"
-                 "  skywave render gallery --spp 64 --sample-range 0:32 --film a.film\n"
-                 "  skywave render gallery --spp 64 --sample-range 32:64 --film "
-                 "b.film\n"
-                 "  skywave merge a.film b.film -o gallery.exr\n"},
-      MergeOptions(), MergeMain);
+  const auto flags = std::make_shared<MergeFlags>();
+  Command command = {.name = "merge",
+                     .summary = "Add films of parts of a picture: the bytes of one render",
+                     .footer =
+                         "Examples:\n"
+                         "  skywave render gallery --spp 64 --sample-range 0:32 --film a.film\n"
+                         "  skywave render gallery --spp 64 --sample-range 32:64 --film "
+                         "b.film\n"
+                         "  skywave merge a.film b.film -o gallery.exr\n",
+                     .run = [flags](const GivenOptions&) { return MergeMain(*flags); }};
+  AddOptions(command, MergeOptions(), flags);
+  AddOptions(command, ExrFormatOptions(), std::shared_ptr<ExrFormat>(flags, &flags->format));
+  return command;
 }
 
 }  // namespace skywave

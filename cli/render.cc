@@ -28,6 +28,7 @@ namespace {
 struct RenderFlags {
   JobRequest request;
   ExposureRequest exposure;
+  ExrFormat format;
   RenderLimits limits;
   api::Options read_options, options;  // as given, for the library
   std::string output;                  // empty: a film is all that is wanted
@@ -93,6 +94,12 @@ void CheckOutputs(const RenderFlags& flags) {
                          : "the layers of --aovs need an EXR file, whose name ends in .exr",
                      kExitUsage);
   }
+  if (!flags.film.empty() && flags.limits.adaptive > 0) {
+    throw InputError(InputPosition::File("--film " + flags.film),
+                     "films are added where all pixels have the same samples, so none is kept with "
+                     "--adaptive",
+                     kExitUsage);
+  }
   const std::vector<std::string> outputs = Outputs(flags);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     const std::string& path = outputs[i];
@@ -130,7 +137,8 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
     const auto snapshot = std::filesystem::path(flags.output).replace_extension(".snapshot.exr");
     control.snapshot = [snapshot] { return TakeSnapshotAsked() ? snapshot.string() : ""; };
   }
-  display.Begin("", renderer.samples());
+  // Nobody knows how many samples go where the noise is.
+  display.Begin("", flags.limits.adaptive > 0 ? 0 : renderer.samples());
   renderer.Render(control);
   display.End();
   display.Clear();
@@ -232,6 +240,8 @@ Command RenderCommand() {
                  flags);
   AddKeptOptions(command, ExposureOptions(),
                  std::shared_ptr<ExposureRequest>(flags, &flags->exposure), flags);
+  AddKeptOptions(command, ExrFormatOptions(), std::shared_ptr<ExrFormat>(flags, &flags->format),
+                 flags);
   return command;
 }
 

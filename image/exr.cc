@@ -9,14 +9,20 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
+#include <half.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <stdexcept>
 
 #include "base/files.h"
+#include "base/granted.h"
 #include "image/byte_cursor.h"
 #include "image/exr_header.h"
 #include "image/exr_scan_lines.h"
@@ -28,6 +34,9 @@ namespace {
 // Files ask for no threads. OpenEXR's global number of them is zero by default and is left alone,
 // because it belongs to the program that uses the library.
 constexpr int kNoThreads = 0;
+
+// Higher levels of deflate take longer and make files of noise hardly smaller.
+constexpr int kDeflateLevel = 4;
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -117,6 +126,104 @@ void RequireLayers(const std::string& path, const std::vector<std::string>& want
   }
 }
 
+// One channel of a picture that is written.
+struct WrittenChannel {
+  std::string name;
+  const float* values;  // of the first row, `stride` floats from pixel to pixel
+  std::size_t stride;
+  bool half;
+};
+
+// Colours need no more than the digits of 16 bits; what is measured in other units might.
+bool MayBeHalf(const std::string& name) {
+  const std::size_t dot = name.rfind('.');
+  const std::string letter = dot == std::string::npos ? name : name.substr(dot + 1);
+  const bool is_color = letter == "R" || letter == "G" || letter == "B";
+  return is_color && !name.starts_with("variance.");
+}
+
+Imf::Header HeaderOf(const Image& image, const Metadata& metadata,
+                     const std::vector<WrittenChannel>& channels, ExrCompression compression) {
+  Imf::Header header(image.width, image.height);
+  header.compression() = Imf::Compression(compression);
+  header.zipCompressionLevel() = kDeflateLevel;
+  for (const auto& [name, text] : metadata) {
+    if (name.size() > 255) throw std::runtime_error("an attribute name of over 255 bytes");
+    header.insert(name, Imf::StringAttribute(text));
+  }
+  for (const WrittenChannel& channel : channels) {
+    header.channels().insert(channel.name, Imf::Channel(channel.half ? Imf::HALF : Imf::FLOAT));
+  }
+  return header;
+}
+
+// Returns the header of a file and a chunk table of zeros.
+std::string StartOf(const std::string& path, const Imf::Header& header) {
+  MemoryOutput stream(path);
+  std::uint64_t size = 0;
+  {
+    const Imf::OutputFile file(stream, header, kNoThreads);
+    size = stream.tellp();
+  }
+  return stream.bytes().substr(0, size);
+}
+
+// Returns the chunks of the rows [first, last) of a picture.
+std::string ChunksOf(const std::string& path, Imf::Header header,
+                     const std::vector<WrittenChannel>& channels, int first, int last) {
+  Imath::Box2i& window = header.dataWindow();
+  window.min.y = first, window.max.y = last - 1;
+  const std::size_t width = std::size_t(window.max.x) + 1;
+  const std::size_t before = std::size_t(first) * width, pixels = std::size_t(last - first) * width;
+  constexpr float kLargestHalf = 65504;
+  std::vector<std::vector<half>> halves;
+  Imf::FrameBuffer frame;
+  for (const WrittenChannel& channel : channels) {
+    const float* const values = channel.values + before * channel.stride;
+    if (!channel.half) {
+      // The library only reads through the slices of an output file, so the cast is safe.
+      frame.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(values), window,
+                                                  channel.stride * sizeof(float)));
+      continue;
+    }
+    std::vector<half>& converted = halves.emplace_back(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const float value = values[i * channel.stride];
+      converted[i] =
+          half(std::isfinite(value) ? std::clamp(value, -kLargestHalf, kLargestHalf) : value);
+    }
+    frame.insert(channel.name, Imf::Slice::Make(Imf::HALF, converted.data(), window));
+  }
+  MemoryOutput stream(path);
+  std::uint64_t begin = 0;
+  {
+    Imf::OutputFile file(stream, header, kNoThreads);
+    begin = stream.tellp();
+    file.setFrameBuffer(frame);
+    file.writePixels(last - first);
+  }
+  return stream.bytes().substr(begin);
+}
+
+// Writes the offsets of the chunks of all strips into the table at the end of `start`. A chunk is
+// its first row and its size, 4 bytes each, and as many bytes.
+void FillTable(const std::vector<std::string>& strips, std::string& start) {
+  static_assert(std::endian::native == std::endian::little);
+  std::vector<std::uint64_t> offsets;
+  std::uint64_t before = start.size();
+  for (const std::string& strip : strips) {
+    for (std::size_t at = 0; at < strip.size();) {
+      offsets.push_back(before + at);
+      std::int32_t size = 0;
+      std::memcpy(&size, &strip[at + 4], sizeof size);
+      at += 8 + std::size_t(size);
+    }
+    before += strip.size();
+  }
+  const std::size_t bytes = offsets.size() * sizeof(std::uint64_t);
+  std::memcpy(&start[start.size() - bytes], offsets.data(), bytes);
+}
+
 }  // namespace
 
 std::vector<std::string> ExrLayerNames(const std::string& path, std::string_view bytes,
@@ -167,37 +274,41 @@ LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const Re
 }
 
 void WriteExr(const std::string& path, const Image& image, const Metadata& metadata,
-              const std::vector<NamedChannel>& layers) {
+              const std::vector<NamedChannel>& layers, const ExrFormat& format) {
   assert(image.rgb.size() == std::size_t(image.width) * image.height * 3);
-  MemoryOutput stream(path);
+  std::vector<WrittenChannel> channels;
+  const char* const kNames[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) channels.push_back({kNames[c], &image.rgb[c], 3, false});
+  for (const NamedChannel& channel : layers) {
+    assert(channel.values.size() * 3 == image.rgb.size());
+    channels.push_back({channel.name, channel.values.data(), 1, false});
+  }
+  for (WrittenChannel& channel : channels) channel.half = format.half && MayBeHalf(channel.name);
+
+  // Chunks are compressed in strips, each by a file of its own in memory, because a file alone
+  // would compress them one after the other unless the whole program had threads of OpenEXR's.
+  const int rows = int(std::max<std::int64_t>(RowsPerChunk(format.compression), 32));
+  std::vector<std::string> strips(std::size_t((image.height + rows - 1) / rows));
+  std::string start;
   try {
-    Imf::Header header(image.width, image.height);
-    header.compression() = Imf::ZIP_COMPRESSION;
-    for (const auto& [name, text] : metadata) {
-      if (name.size() > 255) throw std::runtime_error("an attribute name of over 255 bytes");
-      header.insert(name, Imf::StringAttribute(text));
-    }
-    Imf::FrameBuffer frame;
-    const auto add = [&](const std::string& name, const float* values, std::size_t stride) {
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      // The library only reads through the slices of an output file, so the cast is safe.
-      frame.insert(name, Imf::Slice::Make(Imf::FLOAT, const_cast<float*>(values),
-                                          header.dataWindow(), stride * sizeof(float)));
-    };
-    const char* const kNames[] = {"R", "G", "B"};
-    for (std::size_t c = 0; c < 3; ++c) add(kNames[c], &image.rgb[c], 3);
-    for (const NamedChannel& channel : layers) {
-      assert(channel.values.size() * 3 == image.rgb.size());
-      add(channel.name, channel.values.data(), 1);
-    }
-    Imf::OutputFile file(stream, header, kNoThreads);
-    file.setFrameBuffer(frame);
-    file.writePixels(image.height);
+    const Imf::Header header = HeaderOf(image, metadata, channels, format.compression);
+    start = StartOf(path, header);
+    tbb::task_arena arena(ThreadsFor(format.threads));
+    arena.execute([&] {
+      tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t i) {
+        const int y = int(i) * rows;
+        strips[i] = ChunksOf(path, header, channels, y, std::min(y + rows, image.height));
+      });
+    });
   } catch (const std::exception& error) {
     throw InputError(InputPosition::File(path),
                      std::string("cannot be written as OpenEXR: ") + error.what(), kExitIo);
   }
-  WriteFileAtomically(path, stream.bytes());
+  FillTable(strips, start);
+  WriteFileInPieces(path, [&](const PieceWriter& out) {
+    out(start);
+    for (const std::string& strip : strips) out(strip);
+  });
 }
 
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits) {

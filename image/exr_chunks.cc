@@ -12,26 +12,6 @@ constexpr std::int64_t kMaxChunkBytes = std::int64_t{1} << 28;
 // No lossless compression shrinks more than this (deflate: 1032, PIZ: about 400).
 constexpr std::int64_t kMaxShrinking = 2048;
 
-std::int64_t RowsPerChunk(ExrCompression compression) {
-  switch (compression) {
-    case ExrCompression::kNone:
-    case ExrCompression::kRle:
-    case ExrCompression::kZips:
-      return 1;
-    case ExrCompression::kZip:
-    case ExrCompression::kPxr24:
-      return 16;
-    case ExrCompression::kPiz:
-    case ExrCompression::kB44:
-    case ExrCompression::kB44a:
-    case ExrCompression::kDwaa:
-      return 32;
-    case ExrCompression::kDwab:
-      return 256;
-  }
-  return 1;
-}
-
 std::int64_t DivideUp(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
 // Returns `size` at all its levels of detail, halved down to 1.
@@ -152,6 +132,26 @@ void CheckTiles(ChunkChecker& checker, const ExrHeader& header) {
 }
 
 }  // namespace
+
+std::int64_t RowsPerChunk(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kNone:
+    case ExrCompression::kRle:
+    case ExrCompression::kZips:
+      return 1;
+    case ExrCompression::kZip:
+    case ExrCompression::kPxr24:
+      return 16;
+    case ExrCompression::kPiz:
+    case ExrCompression::kB44:
+    case ExrCompression::kB44a:
+    case ExrCompression::kDwaa:
+      return 32;
+    case ExrCompression::kDwab:
+      return 256;
+  }
+  return 1;
+}
 
 void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header,
                     const ExrChunkTaker& take) {

@@ -15,20 +15,6 @@
 
 namespace skywave {
 
-// The values are those in the file.
-enum class ExrCompression : std::uint8_t {
-  kNone,
-  kRle,
-  kZips,
-  kZip,
-  kPiz,
-  kPxr24,
-  kB44,
-  kB44a,
-  kDwaa,
-  kDwab
-};
-
 struct ExrChannel {
   std::string name;
   int bytes = 0;  // per pixel: 2 (half) or 4 (float, unsigned)
@@ -67,6 +53,9 @@ struct ExrHeader {
 // Returns the header of an EXR file (for a multi-part file, its first header), with sizes and
 // compression checked against `limits`. Throws InputError with the byte offset.
 ExrHeader ParseExrHeader(const std::string& path, std::string_view bytes, const ReadLimits& limits);
+
+// Returns how many rows of a file of scan lines are compressed together.
+std::int64_t RowsPerChunk(ExrCompression compression);
 
 // Decodes a chunk: its first row or column as the chunk gives it, the stored bytes, and how many
 // they decode to. Returns whether they do.

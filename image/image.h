@@ -66,10 +66,41 @@ struct NamedChannel {
   std::string name;
   std::vector<float> values;
 };
-// Writes a scan-line EXR with 32-bit float R, G, B and `layers`, ZIP. Identical input gives
-// identical bytes.
+// The values are those in a file. PXR24, B44 and DWA lose digits. The names are those of what can
+// be written; B44 would leave floats uncompressed.
+enum class ExrCompression : std::uint8_t {
+  kNone,
+  kRle,
+  kZips,
+  kZip,
+  kPiz,
+  kPxr24,
+  kB44,
+  kB44a,
+  kDwaa,
+  kDwab
+};
+template <>
+inline constexpr auto kEnumNames<ExrCompression> =
+    std::to_array<Named<ExrCompression>>({{ExrCompression::kZip, "zip"},
+                                          {ExrCompression::kZips, "zips"},
+                                          {ExrCompression::kRle, "rle"},
+                                          {ExrCompression::kPiz, "piz"},
+                                          {ExrCompression::kPxr24, "pxr24"},
+                                          {ExrCompression::kDwaa, "dwaa"},
+                                          {ExrCompression::kDwab, "dwab"},
+                                          {ExrCompression::kNone, "none"}});
+struct ExrFormat {
+  ExrCompression compression = ExrCompression::kZip;
+  // Colours (R, G, B, alone or of a layer) become 16-bit floats, rounded to nearest; finite values
+  // beyond 65504 become 65504. The layer "variance" and what is no colour keep 32 bits.
+  bool half = false;
+  int threads = 0;  // 0: as many as the process may use
+};
+// Writes a scan-line EXR with R, G, B and `layers`, all of them 32-bit floats unless `format` says
+// otherwise. Identical input gives identical bytes for any number of threads.
 void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {},
-              const std::vector<NamedChannel>& layers = {});
+              const std::vector<NamedChannel>& layers = {}, const ExrFormat& format = {});
 // A picture with channels next to it.
 struct LayeredImage {
   Image image;
@@ -94,10 +125,18 @@ void WriteRgbe(const std::string& path, const Image& image);
 void WriteImage(const std::string& path, const Image& image, const Metadata& metadata = {});
 
 // The curve from scene-linear radiance to 8-bit sRGB.
-enum class ToneCurve { kClip, kFilmic };  // kFilmic: ACES-like fit of Narkowicz 2015
+enum class ToneCurve {
+  kClip,
+  kFilmic,   // a fit to ACES, channel by channel (Narkowicz 2015)
+  kAces,     // a fit to ACES with its matrices, which fades bright colours to white (Hill 2016)
+  kReinhard  // of luminance; 4 becomes white (Reinhard et al. 2002, Equation 4)
+};
 template <>
 inline constexpr auto kEnumNames<ToneCurve> =
-    std::to_array<Named<ToneCurve>>({{ToneCurve::kClip, "clip"}, {ToneCurve::kFilmic, "filmic"}});
+    std::to_array<Named<ToneCurve>>({{ToneCurve::kClip, "clip"},
+                                     {ToneCurve::kFilmic, "filmic"},
+                                     {ToneCurve::kAces, "aces"},
+                                     {ToneCurve::kReinhard, "reinhard"}});
 struct ToneMapping {
   float exposure_stops = 0;  // radiance is multiplied by 2^exposure_stops
   ToneCurve curve = ToneCurve::kClip;
@@ -115,6 +154,11 @@ float ExposureValue100(const PhotographicExposure& camera);
 // saturates at 78 / ISO (ISO 12232, saturation-based speed), hence at L = 1.2 * 2^EV100 (Lagarde
 // and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", Section 5.1).
 float ExposureStops(const PhotographicExposure& camera);
+// Returns the stops by which a picture of unknown scale is shown: the median luminance of the
+// pixels that are not black becomes 0.18, the grey that light meters are made for. Pixels with NaN
+// or infinity do not count, and a black picture has 0. The result is a multiple of 1/16 in
+// [-100, 100], so it can be written down and given again.
+float AutomaticExposureStops(const Image& image);
 // Returns width * height * 3 bytes, rows from the top, rounded to nearest; NaN is black.
 std::vector<std::uint8_t> ToneMap(const Image& image, const ToneMapping& mapping);
 // Encode or write an 8-bit RGB PNG. Identical input gives identical bytes.

@@ -37,21 +37,47 @@ std::vector<OptionOf<ExposureRequest>> ExposureOptions() {
       .metavar = "SECONDS|1/N",
       .parse = ParseShutter,
       .print = [](const float& s) { return s > 0 ? fmt::format("{}", s) : std::string(); }};
+  const Codec<ExposureChoice> choice = {
+      .values = "auto or stops in [-100, 100]",
+      .metavar = "auto|STOPS",
+      .parse = [stops =
+                    Floats(-100, 100)](const std::string& text) -> std::optional<ExposureChoice> {
+        if (text == "auto") return ExposureChoice{.automatic = true};
+        const std::optional<float> number = stops.parse(text);
+        if (!number) return std::nullopt;
+        return ExposureChoice{.stops = *number};
+      },
+      .print =
+          [](const ExposureChoice& c) {
+            return c.automatic ? "auto" : fmt::format("{}", c.stops);
+          }};
   // clang-format off
   return {
-    option({.name = "exposure", .help = "[stops], added to the camera's", .example = "--exposure 1.5"}, FIELD(tone.exposure_stops), Floats(-100, 100)),
+    option({.name = "exposure", .help = "[stops], added to the camera's; auto: by the picture itself", .example = "--exposure 1.5", .default_text = "auto for a map of `env`, else 0"}, FIELD(exposure), choice),
     option({.name = "shutter", .help = "exposure time of a camera for which radiance is luminance in cd/m^2", .example = "--shutter 1/60 --f-number 8", .needs = "f-number"}, FIELD(photo.shutter_seconds), seconds),
     option({.name = "f-number", .help = "f-number of its lens", .example = "--shutter 1/60 --f-number 8", .needs = "shutter"}, FIELD(photo.f_number), Unless(0.0f, Floats(0.1, 1000))),
     option({.name = "iso", .help = "speed of its sensor", .example = "--shutter 1/60 --f-number 8 --iso 200", .needs = "shutter"}, FIELD(photo.iso), Floats(0.1, 1e8)),
-    option({.name = "tone", .help = "tone curve of the PNG", .example = "--tone filmic"}, FIELD(tone.curve), NamesOfEnum<ToneCurve>()),
+    option({.name = "tone", .help = "tone curve of the PNG", .example = "--tone filmic"}, FIELD(curve), NamesOfEnum<ToneCurve>()),
   };
   // clang-format on
 }
 #undef FIELD
 
-ToneMapping Tone(const ExposureRequest& request) {
-  ToneMapping tone = request.tone;
-  if (request.photo.shutter_seconds > 0) tone.exposure_stops += ExposureStops(request.photo);
+ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job) {
+  const bool has_map = !job.environment.path.empty() || job.environment.image != nullptr;
+  if (request.photo.shutter_seconds > 0) {
+    if (request.exposure && request.exposure->automatic) request.exposure.reset();
+  } else if (!request.exposure && has_map) {
+    request.exposure = ExposureChoice{.automatic = true};
+  }
+  return request;
+}
+
+ToneMapping Tone(const ExposureRequest& resolved, const Image& image) {
+  const ExposureChoice choice = resolved.exposure.value_or(ExposureChoice());
+  ToneMapping tone = {.exposure_stops = choice.stops, .curve = resolved.curve};
+  if (choice.automatic) tone.exposure_stops = AutomaticExposureStops(image);
+  if (resolved.photo.shutter_seconds > 0) tone.exposure_stops += ExposureStops(resolved.photo);
   return tone;
 }
 

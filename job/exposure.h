@@ -2,22 +2,34 @@
 // options.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "image/image.h"
 #include "job/option.h"
+#include "job/request.h"
 
 namespace skywave {
 
+struct ExposureChoice {
+  bool automatic = false;  // by the picture (AutomaticExposureStops)
+  float stops = 0;         // where it is not automatic
+};
+
 struct ExposureRequest {
-  ToneMapping tone;
+  std::optional<ExposureChoice> exposure;  // unset: see ResolveExposure
+  ToneCurve curve = ToneCurve::kClip;
   PhotographicExposure photo;  // shutter_seconds 0: no camera is simulated
 };
 
 // Returns the options exposure, shutter, f-number, iso and tone.
 std::vector<OptionOf<ExposureRequest>> ExposureOptions();
 
-// Returns the exposure and curve of the PNG, with the exposure of the camera added.
-ToneMapping Tone(const ExposureRequest& request);
+// Returns the request with what it leaves open: it is automatic where `job` brings a map of its
+// own, whose scale is arbitrary, and no camera is simulated. With a camera it is never automatic.
+ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job);
+
+// Returns the exposure and curve of the PNG of `image`, with the exposure of the camera added.
+ToneMapping Tone(const ExposureRequest& resolved, const Image& image);
 
 }  // namespace skywave

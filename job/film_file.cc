@@ -50,6 +50,18 @@ Json ToJson(const PictureIdentity& identity) {
   return json;
 }
 
+// Returns numbers as pairs of one and how often it follows itself.
+Json RunsOf(const std::vector<std::uint32_t>& numbers) {
+  Json runs = Json::array();
+  for (std::size_t i = 0; i < numbers.size();) {
+    const std::size_t first = i;
+    while (i < numbers.size() && numbers[i] == numbers[first]) ++i;
+    runs.push_back(numbers[first]);
+    runs.push_back(i - first);
+  }
+  return runs;
+}
+
 Json Manifest(const FilmFile& file, const Film& film) {
   const FilmLayout& layout = film.layout();
   Json json = {{"format", kFormat},
@@ -73,7 +85,8 @@ Json Manifest(const FilmFile& file, const Film& film) {
     json["checkpoint"] = {{"samples", ToJson(file.samples)},
                           {"step", ToJson(file.state.step)},
                           {"tile_side", file.state.tile_side},
-                          {"rows", file.state.rows}};
+                          {"rows", file.state.rows},
+                          {"ended", RunsOf(file.state.ended)}};
   }
   return json;
 }
@@ -114,6 +127,17 @@ AovSet LayersFrom(const Json& json) {
   return *layers;
 }
 
+std::vector<std::uint32_t> NumbersFrom(const Json& runs) {
+  constexpr std::size_t kMostNumbers = std::size_t{1} << 26;  // no film has more blocks
+  std::vector<std::uint32_t> numbers;
+  for (std::size_t i = 0; i < runs.size(); i += 2) {
+    const auto more = Whole<std::uint32_t>(runs.at(i + 1));
+    if (numbers.size() + more > kMostNumbers) throw std::runtime_error("a run is too long");
+    numbers.insert(numbers.end(), more, Whole<std::uint32_t>(runs.at(i)));
+  }
+  return numbers;
+}
+
 PictureIdentity IdentityFrom(const Json& json) {
   const auto hash = [](const Json& text) {
     return std::stoull(text.get<std::string>(), nullptr, 16);
@@ -149,7 +173,11 @@ FilmFile FileFrom(const Json& json) {
     file.samples = RangeFrom(found->at("samples"));
     file.state = {.step = RangeFrom(found->at("step")),
                   .tile_side = Whole<std::uint32_t>(found->at("tile_side")),
-                  .rows = {}};
+                  .rows = {},
+                  .ended = {}};
+    if (const auto ended = found->find("ended"); ended != found->end()) {
+      file.state.ended = NumbersFrom(*ended);
+    }
     for (const Json& rows : found->at("rows")) {
       file.state.rows.push_back(Whole<std::uint64_t>(rows));
     }

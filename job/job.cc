@@ -12,6 +12,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/granted.h"
+#include "denoise/denoise.h"
 #include "job/choose_camera.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
@@ -175,7 +176,8 @@ void RenderJob::PlaceLights(const PreparedScene& prepared, const LoadedLight& li
   if (Sums(options().aovs, AovSum::kLightGroups)) {
     light_groups_ = MakeLightGroups(scene, geometry(), local_lights_.view());
   }
-  if (options().aovs != 0) world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
+  if (options().aovs != 0 || request_.denoise)
+    world_extent_ = WorldExtent(prepared.whole_bounds, scene_camera_);
 }
 
 void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light) {
@@ -282,7 +284,7 @@ Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {
        options().width, options().height}};
   return Film({.area = area,
                .brightest_radiance = brightest_,
-               .aovs = options().aovs | layers,
+               .aovs = options().aovs | layers | (request_.denoise ? DenoiserLayers() : 0),
                .world_extent = world_extent_,
                .shared = Describe(integrator).has_splats,
                .light_groups = light_groups_.names,

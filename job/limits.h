@@ -8,6 +8,7 @@
 
 #include "job/option.h"
 #include "wavefront/film/film.h"
+#include "wavefront/render.h"
 
 namespace skywave {
 
@@ -15,10 +16,12 @@ struct RenderLimits {
   std::optional<SampleRange> samples;  // of those of the picture; unset: all
   double seconds = 0;                  // wall clock; 0: no limit
   double noise = 0;                    // see Film::Noise; 0: no limit
-  bool end_early() const { return seconds > 0 || noise > 0; }
+  double adaptive = 0;                 // relative error of WantedSamples; 0: all pixels go on
+  std::uint32_t adaptive_min = 16;     // samples that every pixel has before blocks may end
+  bool end_early() const { return seconds > 0 || noise > 0 || adaptive > 0; }
 };
 
-// Returns the options sample-range, time and noise.
+// Returns the options sample-range, time, noise, adaptive and adaptive-min.
 std::vector<OptionOf<RenderLimits>> LimitOptions();
 
 // Prints and parses "FIRST:END".
@@ -29,7 +32,8 @@ Codec<SampleRange> SampleRanges();
 SampleRange ChooseSamples(const RenderLimits& limits, std::uint32_t samples_per_pixel);
 
 // Returns the layers that a film needs so that its noise is known. Throws OptionError where the
-// noise is to be limited and splats have no variance.
+// noise is to be limited and splats have no variance, and where blocks are to end apart and pixels
+// share light paths.
 AovSet LayersForLimits(const RenderLimits& limits, Integrator integrator);
 
 // Decides where the steps of a render end (RenderControl::next_stop). Under a limit of noise they
@@ -40,5 +44,11 @@ std::function<std::uint32_t(std::uint32_t done)> StopRule(const RenderLimits& li
                                                           const SampleRange& samples,
                                                           const Film& film,
                                                           std::function<double()> elapsed);
+
+// Ends the blocks that have all samples that they should have, if the film holds as many as it has
+// when that is looked at: adaptive_min and its doubles (RenderControl::end_blocks). `samples` are
+// those that are to be rendered. Returns the share of them that is not expected to be needed.
+double EndBlocks(const RenderLimits& limits, const SampleRange& samples, const FrameView& frame,
+                 const Film& film, RenderState& state);
 
 }  // namespace skywave

@@ -44,13 +44,6 @@ bool Contains(const Box& outer, const Box& inner) {
   return true;
 }
 
-std::optional<CropWindow> Intersection(const CropWindow& a, const CropWindow& b) {
-  const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
-  const int width = std::min(a.x + a.width, b.x + b.width) - x;
-  const int height = std::min(a.y + a.height, b.y + b.height) - y;
-  return width > 0 && height > 0 ? std::optional(CropWindow{x, y, width, height}) : std::nullopt;
-}
-
 // Makes one of two parts that lie side by side. Returns false if they do not.
 bool Join(PicturePart& a, const PicturePart& b) {
   Box to = BoxOf(a);
@@ -127,10 +120,11 @@ class Merger {
     }
     // A film may have room for more than it holds, and what it holds is wanted.
     const CropWindow& wanted = merged_.wanted.window;
-    if (const auto common = Intersection(file.window, wanted)) {
-      const CropWindow inside = {common->x - file.window.x, common->y - file.window.y,
-                                 common->width, common->height};
-      merged_.film.AddPart(read.film.Cut(inside), common->x - wanted.x, common->y - wanted.y);
+    const CropWindow common = Intersection(file.window, wanted);
+    if (common.width > 0 && common.height > 0) {
+      const CropWindow inside = {common.x - file.window.x, common.y - file.window.y, common.width,
+                                 common.height};
+      merged_.film.AddPart(read.film.Cut(inside), common.x - wanted.x, common.y - wanted.y);
     }
     for (const PicturePart& part : file.holds) {
       held_.emplace_back(part, path);
@@ -200,20 +194,6 @@ class Merger {
   std::tuple<std::uint32_t, int, int> corner_ = {~0u, 0, 0};
 };
 
-// Returns the exposure of the PNG that the picture records.
-ToneMapping ToneOf(const PictureIdentity& identity) {
-  const auto exposure = std::make_shared<ExposureRequest>();
-  std::vector<BoundOption> bound;
-  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
-    bound.push_back(Bind(option, exposure));
-    for (const RecordedOption& recorded : identity.options) {
-      if (recorded.name != option.name || recorded.words.empty()) continue;
-      SetOption(bound, recorded.name, ValueOf(recorded));
-    }
-  }
-  return Tone(*exposure);
-}
-
 }  // namespace
 
 std::string ToString(const PicturePart& part) {
@@ -269,7 +249,7 @@ Picture ResolveMerged(const MergedFilm& merged) {
             missing.size() > 3 ? fmt::format(", and {} more parts", missing.size() - 3) : ""));
   }
   return ResolvePicture(merged.film, merged.wanted.samples.count(), merged.file.layers,
-                        merged.file.identity, merged.wanted, ToneOf(merged.file.identity));
+                        merged.file.identity, merged.wanted);
 }
 
 }  // namespace skywave

@@ -77,7 +77,7 @@ Codec<char> Axes() {
 }
 
 Codec<AovSet> Layers() {
-  return {.values = "all, nor names separated by commas out of " + ToString(AllAovs()),
+  return {.values = "all, denoiser, nor names separated by commas out of " + ToString(AllAovs()),
           .metavar = "all|NAME,NAME...",
           .parse = [](const std::string& text) { return ParseAovs(text); },
           .print = [](const AovSet& aovs) { return aovs == 0 ? std::string() : ToString(aovs); }};
@@ -192,6 +192,8 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(portals), Texts("X,Y,Z of four corners, or the name of a mesh")),
     Plain({.name = "aovs", .help = "layers of the EXR in addition to the picture (see below)", .scope = kPixels, .example = "--aovs albedo,depth"},
           FIELD(options.aovs), Layers()),
+    Plain({.name = "denoise", .help = "make the picture clean by the statistics of its samples; the EXR keeps the noisy one and the estimated error as layers", .scope = kPixels, .example = "--denoise --spp 8"},
+          FIELD(denoise), Switches()),
     Plain({.name = "threads", .help = "0: as many as the process may use", .scope = kSpeed, .in_suite = true},
           FIELD(options.threads), Numbers(0, 4096)),
 

@@ -1,16 +1,26 @@
 #include "job/picture.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
+#include "base/files.h"
+#include "base/granted.h"
 #include "base/version.h"
-#include "job/limits.h"
+#include "denoise/denoise.h"
 
 namespace skywave {
 namespace {
+
+// What the options are called that give pixels different numbers of samples, or how they begin.
+constexpr std::string_view kAdaptive = "adaptive";
+
+// An attribute of the EXR: the stops of an automatic exposure.
+constexpr std::string_view kPngExposure = "pngExposure";
 
 // The options that tell a part from the whole.
 bool IsOfPart(const RecordedOption& option) {
@@ -32,6 +42,41 @@ std::string WordsOf(const Options& table, std::string_view name, const Request& 
   return CommandWords(*option, request);
 }
 
+// Returns the exposure of the PNG that a picture records.
+ExposureRequest ExposureOf(const PictureIdentity& identity) {
+  const auto exposure = std::make_shared<ExposureRequest>();
+  std::vector<BoundOption> bound;
+  for (const OptionOf<ExposureRequest>& option : ExposureOptions()) {
+    bound.push_back(Bind(option, exposure));
+    for (const RecordedOption& recorded : identity.options) {
+      if (recorded.name != option.name || recorded.words.empty()) continue;
+      SetOption(bound, recorded.name, ValueOf(recorded));
+    }
+  }
+  return *exposure;
+}
+
+// Replaces the picture by a clean one, by the layers that the denoiser reads.
+void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Picture& picture) {
+  if (!CanDenoise(picture.image, layers)) {
+    picture.notes.push_back(
+        fmt::format("not denoised: pixels have fewer than {} samples", kFewestDenoiserSamples));
+    return;
+  }
+  Denoised clean = Denoise(scene, picture.image, layers);
+  for (const std::size_t c : {0, 1, 2}) {
+    NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
+    noisy.values.reserve(picture.image.rgb.size() / 3);
+    for (std::size_t i = c; i < picture.image.rgb.size(); i += 3) {
+      noisy.values.push_back(picture.image.rgb[i]);
+    }
+    picture.layers.push_back(std::move(noisy));
+  }
+  for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
+  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
+  picture.image = std::move(clean.image);
+}
+
 }  // namespace
 
 std::string ValueOf(const RecordedOption& option) {
@@ -41,8 +86,10 @@ std::string ValueOf(const RecordedOption& option) {
   return option.words.substr(end_of_name + 1);
 }
 
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable) {
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& wanted, bool repeatable,
+                           const RenderLimits& limits) {
   const JobRequest& request = job.request();
+  const ExposureRequest exposure = ResolveExposure(wanted, request);
   PictureIdentity identity = {.software = fmt::format("skywave {}", Version()),
                               .scene = request.scene,
                               .scene_hash = job.scene_hash(),
@@ -63,7 +110,17 @@ PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure
                                 .words = given ? CommandWords(option, exposure) : "",
                                 .is_input = false});
   }
+  for (const OptionOf<RenderLimits>& option : LimitOptions()) {
+    if (limits.adaptive <= 0 || !option.name.starts_with(kAdaptive)) continue;
+    identity.options.push_back({.name = std::string(option.name),
+                                .words = CommandWords(option, limits),
+                                .is_input = false});
+  }
   return identity;
+}
+
+bool IsAdaptive(const PictureIdentity& identity) {
+  return Find(identity.options, std::string(kAdaptive)) != nullptr;
 }
 
 PicturePart PartOf(const RenderJob& job, const SampleRange& samples) {
@@ -112,32 +169,71 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
   return "";
 }
 
+bool IsDenoised(const PictureIdentity& identity) {
+  const RecordedOption* const option = Find(identity.options, "denoise");
+  return option != nullptr && !option->words.empty();
+}
+
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part,
-                       const ToneMapping& tone) {
+                       const PictureIdentity& identity, const PicturePart& part) {
   Metadata metadata = {{"software", identity.software},
                        {"samples", fmt::format("{}", part.samples.count())},
                        {"seed", fmt::format("{}", identity.seed)},
                        {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
-  return {.image = film.Resolve(samples),
-          .layers = film.ResolveAovs(samples, layers),
-          .metadata = std::move(metadata),
-          .tone = tone};
+  Picture picture = {.image = film.Resolve(samples),
+                     .layers = film.ResolveAovs(samples, layers),
+                     .notes = {},
+                     .metadata = std::move(metadata)};
+  if (IsDenoised(identity)) {
+    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
+  }
+  Expose(ExposureOf(identity), picture);
+  return picture;
 }
 
+void Expose(const ExposureRequest& exposure, Picture& picture) {
+  picture.tone = Tone(exposure, picture.image);
+  std::erase_if(picture.metadata, [](const auto& text) { return text.first == kPngExposure; });
+  if (!exposure.exposure || !exposure.exposure->automatic) return;
+  const std::string stops = fmt::format("{}", picture.tone.exposure_stops);
+  picture.metadata.emplace_back(kPngExposure, stops);
+  picture.notes.push_back(fmt::format("the PNG has an automatic `exposure` of {} stops", stops));
+}
+
+bool IsExposedAutomatically(const Metadata& metadata) {
+  return std::any_of(metadata.begin(), metadata.end(),
+                     [](const auto& text) { return text.first == kPngExposure; });
+}
+
+#define FIELD SKYWAVE_FIELD
+std::vector<OptionOf<ExrFormat>> ExrFormatOptions() {
+  const auto option = [](OptionInfo info, auto field, auto codec) {
+    info.group = "Format of the EXR";
+    return MakeOption<ExrFormat>(info, field, codec);
+  };
+  // clang-format off
+  return {
+    option({.name = "compression", .help = "compression of the EXR; pxr24, dwaa and dwab lose digits"}, FIELD(compression), NamesOfEnum<ExrCompression>()),
+    option({.name = "half", .help = "colours of the EXR with 16 bits"}, FIELD(half), Switches()),
+  };
+  // clang-format on
+}
+#undef FIELD
+
 void WriteExr(const std::string& path, const Picture& picture) {
-  WriteExr(path, picture.image, picture.metadata, picture.layers);
+  WriteExr(path, picture.image, picture.metadata, picture.layers, picture.format);
 }
 
 std::string EncodePng(const Picture& picture) {
   const Image& image = picture.image;
-  return EncodePng(image.width, image.height, ToneMap(image, picture.tone));
+  tbb::task_arena arena(ThreadsFor(picture.format.threads));
+  return arena.execute(
+      [&] { return EncodePng(image.width, image.height, ToneMap(image, picture.tone)); });
 }
 
 void WritePng(const std::string& path, const Picture& picture) {
-  const Image& image = picture.image;
-  WritePng(path, image.width, image.height, ToneMap(image, picture.tone));
+  WriteFileAtomically(path, EncodePng(picture));
 }
 
 std::string PngBeside(const std::string& exr) {

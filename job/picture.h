@@ -9,6 +9,7 @@
 #include "image/image.h"
 #include "job/exposure.h"
 #include "job/job.h"
+#include "job/limits.h"
 #include "job/options.h"
 
 namespace skywave {
@@ -32,8 +33,13 @@ struct PictureIdentity {
   std::vector<RecordedOption> options;  // in the order of the tables, without those of the part
 };
 
-// Returns the identity of the picture of a job. Not repeatable: no file has its scene.
-PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable);
+// Returns the identity of the picture of a job. Not repeatable: no file has its scene. Of the
+// limits, those count that give pixels different numbers of samples.
+PictureIdentity IdentityOf(const RenderJob& job, const ExposureRequest& exposure, bool repeatable,
+                           const RenderLimits& limits = {});
+
+// Returns whether pixels of the picture may have different numbers of samples.
+bool IsAdaptive(const PictureIdentity& identity);
 
 // Returns the part of the picture that the options of the job ask for, with these samples.
 PicturePart PartOf(const RenderJob& job, const SampleRange& samples);
@@ -49,18 +55,31 @@ std::string ValueOf(const RecordedOption& option);
 // nothing if they are the same. Names of files do not matter, what is in them does.
 std::string Difference(const PictureIdentity& here, const PictureIdentity& there);
 
+// Returns whether the picture is denoised.
+bool IsDenoised(const PictureIdentity& identity);
+
 struct Picture {
   Image image;
   std::vector<NamedChannel> layers;
+  std::vector<std::string> notes;  // what was done to it, for the user
   Metadata metadata;
   ToneMapping tone;  // of the PNG
+  ExrFormat format;  // its number of threads is that of the PNG, too
 };
 
 // Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
-// `layers` are those to show.
+// `layers` are those to show. A picture that is denoised has the layers "noisy" and "error" too;
+// one of too few samples, as a look at a render that has only begun, stays noisy, with a note.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part,
-                       const ToneMapping& tone);
+                       const PictureIdentity& identity, const PicturePart& part);
+
+// Exposes the PNG. An automatic exposure is told by a note and by the metadata, and by these
+// IsExposedAutomatically knows the pictures that have one.
+void Expose(const ExposureRequest& resolved, Picture& picture);
+bool IsExposedAutomatically(const Metadata& metadata);
+
+// Returns the options compression and half.
+std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
 
 // Write the files of a picture. A file that exists is replaced.
 void WriteExr(const std::string& path, const Picture& picture);

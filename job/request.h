@@ -59,6 +59,7 @@ struct JobRequest {
   std::optional<Integrator> integrator;
   std::optional<std::uint32_t> samples_per_pixel, max_depth;
   std::optional<PixelFilter> filter;
+  bool denoise = false;         // the film keeps what a denoiser reads
   bool coherent_noise = false;  // the frame does not change the seed
   RenderOptions options;        // everything that a scene file cannot set
 };

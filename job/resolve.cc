@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "denoise/denoise.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
@@ -132,6 +133,21 @@ void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes
                               ToString(options.integrator)));
 }
 
+void CheckDenoised(const RenderOptions& options) {
+  const auto refuse = [](const std::string& why) { throw OptionError("denoise", "", why); };
+  if (options.samples_per_pixel < kFewestDenoiserSamples) {
+    refuse(fmt::format("{} samples per pixel tell too little of their noise: give `spp {}` or more",
+                       options.samples_per_pixel, kFewestDenoiserSamples));
+  }
+  if (options.max_depth == 0) refuse("at `max-depth 0` no surface is looked at");
+  if (Describe(options.integrator).has_splats) {
+    refuse(
+        fmt::format("the splats of `integrator {}` are not samples of a pixel, so their noise is "
+                    "unknown",
+                    ToString(options.integrator)));
+  }
+}
+
 void CheckResolved(const JobRequest& request) {
   const RenderOptions& options = request.options;
   if (options.samples_per_pixel == 0) {
@@ -152,6 +168,7 @@ void CheckResolved(const JobRequest& request) {
     throw OptionError("aovs", ToString(options.aovs), "at `max-depth 0` no surface is looked at");
   }
   CheckIntegrator(options);
+  if (request.denoise) CheckDenoised(options);
 }
 
 }  // namespace skywave

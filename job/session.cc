@@ -25,6 +25,7 @@ struct Session {
   Clock::time_point start = Clock::now();
   Clock::time_point last_checkpoint = start;
   bool checkpoint_due = false, snapshot_due = false;  // for the next pause
+  SampleCounts of_step = 0;                           // in the tiles that it has finished
   std::vector<std::string> notes = {};
 
   double seconds() const { return seconds_before + SecondsSince(start); }
@@ -76,14 +77,16 @@ void SaveCheckpointAfterError(Session& session) {
 // Returns whether the rows of a state are those of the tiles of its step.
 bool Fits(const RenderState& state, const FrameView& frame, const SampleRange& samples) {
   if (state.step.first < samples.first || state.step.end > samples.end) return false;
+  if (!state.ended.empty() && state.ended.size() != CountBlocks(frame.camera)) return false;
+  for (const std::uint32_t end : state.ended) {
+    if (end != 0 && (end <= samples.first || end > state.step.first)) return false;
+  }
   if (state.rows.empty()) return true;
   if (state.tile_side % 8 != 0 || state.tile_side == 0) return false;
-  const std::vector<Tile> tiles =
-      CutTiles(frame.camera.width, frame.camera.height, state.tile_side);
+  const std::vector<TileOfStep> tiles = CutStep(frame.camera, state);
   if (tiles.size() != state.rows.size()) return false;
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const std::uint64_t all = std::uint64_t(tiles[i].width) * tiles[i].height * state.step.count();
-    if (state.rows[i] > all || state.rows[i] % kBeamRays != 0) return false;
+    if (state.rows[i] > tiles[i].rows || state.rows[i] % kBeamRays != 0) return false;
   }
   return true;
 }
@@ -107,7 +110,8 @@ void Resume(Session& session) {
                              SampleRanges().print(session.part.samples)));
   }
   if (saved.film.packed_bytes() != session.film.packed_bytes()) {
-    throw refuse("it keeps other layers; with `noise` a film keeps the variance too");
+    throw refuse(
+        "it keeps other layers; with `noise` and `adaptive` a film keeps the variance too");
   }
   if (!Fits(saved.file.state, FrameOf(session), session.part.samples)) {
     throw refuse("it has come to a place that this render does not have");
@@ -137,6 +141,31 @@ void AskForPause(Session& session, Progress& progress) {
   if (session.snapshot_due || session.checkpoint_due) progress.pause = true;
 }
 
+// Has tiles told with what their pixels have when the film holds all samples before `end`.
+void CountSamplesOfStep(Session& session, const FrameView& frame, std::uint32_t end) {
+  if (!session.request.on_tile) return;
+  session.of_step = SamplesByPixel(
+      frame, {.step = {end, end}, .tile_side = 0, .rows = {}, .ended = session.state.ended});
+}
+
+// Has blocks of the render end apart.
+void SampleAdaptively(Session& session, const FrameView& frame, Progress& progress,
+                      RenderControl& control) {
+  const std::uint64_t all = std::uint64_t(frame.options.width) *
+                            std::uint64_t(frame.options.height) * frame.options.samples_per_pixel;
+  control.end_blocks = [&session, &frame, &progress, all](RenderState& state) {
+    const double spared =
+        EndBlocks(session.request.limits, session.part.samples, frame, session.film, state);
+    progress.spared = std::uint64_t(spared * double(all));
+  };
+  control.next_stop = [&session, &frame, rule = control.next_stop](std::uint32_t done) {
+    const std::uint32_t stop = rule(done);
+    CountSamplesOfStep(session, frame, stop);
+    return stop;
+  };
+  CountSamplesOfStep(session, frame, session.state.step.end);  // of a step that goes on
+}
+
 // Renders what is missing, watched by the calling thread.
 FrameResult Render(Session& session) {
   const SessionRequest& request = session.request;
@@ -148,9 +177,12 @@ FrameResult Render(Session& session) {
   if (request.limits.end_early()) {
     control.next_stop = StopRule(request.limits, session.part.samples, session.film, seconds);
   }
+  const bool adaptive = request.limits.adaptive > 0;
+  if (adaptive) SampleAdaptively(session, frame, progress, control);
   if (request.on_tile) {
     control.on_tile = [&](const Tile& tile, std::uint32_t done) {
-      request.on_tile(session.film, tile, done - session.part.samples.first);
+      const SampleCounts all = done - session.part.samples.first;
+      request.on_tile(session.film, tile, adaptive ? session.of_step : all);
     };
   }
   FrameResult result;
@@ -191,9 +223,12 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
     if (!request.checkpoint.path.empty()) SaveCheckpointAfterError(session);
     throw;
   }
+  SampleCounts samples = frame.samples_per_pixel;
+  if (request.limits.adaptive > 0) samples = SamplesByPixel(FrameOf(session), session.state);
   session.part.samples.end = session.part.samples.first + frame.samples_per_pixel;
   return {.film = std::move(session.film),
           .part = session.part,
+          .samples = std::move(samples),
           .frame = frame,
           .seconds = session.seconds(),
           .notes = std::move(session.notes)};
@@ -201,11 +236,16 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
 
 std::optional<double> NoiseOf(const RenderedFilm& rendered) {
   if (!Sums(rendered.film.layout().aovs, AovSum::kVariance)) return std::nullopt;
-  return rendered.film.Noise(rendered.part.samples.count());
+  return rendered.film.Noise(rendered.samples);
 }
 
 void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
                const RenderedFilm& rendered) {
+  if (IsAdaptive(identity)) {
+    throw InputError(InputPosition::File(path),
+                     "films are added where all pixels have the same samples, so none is kept with "
+                     "`adaptive`");
+  }
   WriteFilm(path,
             {.identity = identity,
              .window = rendered.part.window,

@@ -30,15 +30,16 @@ struct SessionRequest {
   // Asked as often. If it returns true, `show` gets the film as it is, with all threads at rest.
   std::function<bool()> wants_snapshot;
   std::function<void(const Film& film, const SampleCounts& samples)> show;
-  // Called by the thread that has finished a tile of a step, of which `film` then holds `samples` a
-  // pixel (RenderControl::on_tile).
-  std::function<void(const Film& film, const Tile& tile, std::uint32_t samples)> on_tile;
+  // Called by the thread that has finished a tile of a step, of which `film` then holds `samples`
+  // (RenderControl::on_tile).
+  std::function<void(const Film& film, const Tile& tile, const SampleCounts& samples)> on_tile;
 };
 
 // What a session has rendered.
 struct RenderedFilm {
   Film film;
   PicturePart part;
+  SampleCounts samples;  // of the pixels of the film; those of the part are the most
   FrameResult frame;
   double seconds = 0;              // of rendering, sessions before this one included
   std::vector<std::string> notes;  // what went wrong without ending the render, for the user
@@ -54,7 +55,8 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
 // Returns the noise of what was rendered (Film::Noise), if its film keeps the variance.
 std::optional<double> NoiseOf(const RenderedFilm& rendered);
 
-// Writes the film of a session as a part of its picture.
+// Writes the film of a session as a part of its picture. Throws InputError for one whose blocks
+// were to end apart: what it holds is no part.
 void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
                const RenderedFilm& rendered);
 

@@ -19,7 +19,8 @@ void Watch(Progress& progress, std::uint64_t total, const WatchedWork& work, con
   while (end.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
     if (progress.cancel) continue;  // the work is about to notice
     try {
-      const double done = double(progress.samples) / double(std::max<std::uint64_t>(total, 1));
+      const std::uint64_t expected = total - std::min<std::uint64_t>(progress.spared, total);
+      const double done = double(progress.samples) / double(std::max<std::uint64_t>(expected, 1));
       if (!tell(std::min(done, 1.0))) progress.cancel = true;
     } catch (...) {
       failure = std::current_exception();

@@ -206,8 +206,7 @@ void AddSquares(const PathColumns& paths, std::uint32_t n, const FilmScale& scal
     ToUnits<kHasSigns>(Load3(paths.r + i, paths.g + i, paths.b + i), scale, units);
     for (std::uint32_t lane = 0; lane < std::min(lanes, n - i); ++lane) {
       for (std::size_t c = 0; c < 3; ++c) {
-        AddSquare<kHasSigns>(units.rgb[c][lane],
-                             sums[std::size_t(paths.pixel[i + lane]) * 3 + c]);
+        AddSquare<kHasSigns>(units.rgb[c][lane], sums[std::size_t(paths.pixel[i + lane]) * 3 + c]);
       }
     }
   }

@@ -14,8 +14,8 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-// A weight falls by the distance z beyond that of equal pixels, and ends at kLimit: e^-z, as a power
-// that has an end.
+// A weight falls by the distance z beyond that of equal pixels, and ends at kLimit: e^-z, as a
+// power that has an end.
 constexpr float kTolerated = 0.5f;
 constexpr float kLimit = 8;
 // A single pair that is further apart than this is not averaged, whatever its neighbours say.
@@ -23,9 +23,10 @@ constexpr float kFarApart = 4;
 // A pixel may be this much noisier without weighing less.
 constexpr float kNoisier = 2;
 constexpr float kNoNoise = 1e-20f;
-
-// The features of coverage are in this unit.
-constexpr float kCoverageUnit = 0.15f;
+// Differences of neighbours are alike once they are filtered, so their mean is one of few
+// independent numbers, and intervals have to be wider. Fitted, so that they hold what they say
+// (docs/denoising.md).
+constexpr float kFewNumbers = 1.4f;
 
 // A tile with two more pixels on each side, and room for whole vectors.
 constexpr int kPitch = FilterTile::kWidth + 3 * static_cast<int>(kPadRows);
@@ -40,15 +41,18 @@ void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* 
   const int lanes = static_cast<int>(hn::Lanes(F()));
   for (int x = 0; x < shape.width; x += lanes) {
     const std::size_t at = shape.at(x, y);
-    VF sum = hn::Zero(F());
+    const VF zero = hn::Zero(F());
+    VF sum = zero, sum_of_logs = zero;
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
         const VF v = Load(half.noise + shape.at(x + dx, y + dy));
-        sum = hn::Add(sum, Log2(hn::Max(v, Set(1e-30f))));
+        sum = hn::Add(sum, v);
+        sum_of_logs = hn::Add(sum_of_logs, Log2(hn::Max(v, Set(1e-30f))));
       }
     }
-    const VF mean = Exp2(hn::Mul(sum, Set(1.0f / 9)));
-    Store(hn::Max(Load(half.noise + at), mean), noise + at);
+    const VF own = Load(half.noise + at), geometric = Exp2(hn::Mul(sum_of_logs, Set(1.0f / 9)));
+    const VF arithmetic = hn::Mul(sum, Set(1.0f / 9));
+    Store(IfThen(hn::Eq(own, zero), arithmetic, hn::Max(own, geometric)), noise + at);
   }
 }
 
@@ -146,8 +150,7 @@ void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const H
           TilePlane& rows = sums[half];
           const VF around = hn::Add(hn::Add(Load(rows.at(x, y - 1)), Load(rows.at(x, y + 1))),
                                     Load(rows.at(x, y)));
-          const VF excess =
-              hn::Max(hn::Sub(hn::Mul(around, Set(1.0f / 9)), Set(kTolerated)), zero);
+          const VF excess = hn::Max(hn::Sub(hn::Mul(around, Set(1.0f / 9)), Set(kTolerated)), zero);
           VF weight = hn::Max(hn::Sub(trust, hn::Mul(excess, Set(1 / kLimit))), zero);
           weight = hn::Mul(weight, weight), weight = hn::Mul(weight, weight);
           weight = hn::Mul(weight, weight);
@@ -209,10 +212,10 @@ HWY_INLINE void ErrorOfChannel(const PlaneShape& shape, const float* const (&noi
     for (int x = -2; x < tile.width + 2; x += lanes) {
       const std::size_t i = shape.at(tile.x + x, tile.y + y);
       const VF f0 = Load(filtered[0] + i), f1 = Load(filtered[1] + i);
-      const VF half = hn::Mul(hn::Sub(f0, f1), Set(0.5f));
-      Store(hn::Mul(half, half), differences.at(x, y));
-      const VF bias0 = hn::Sub(f0, Load(noisy[1] + i)), bias1 = hn::Sub(f1, Load(noisy[0] + i));
-      Store(hn::Mul(bias0, bias1), products.at(x, y));
+      const VF x0 = Load(noisy[0] + i), x1 = Load(noisy[1] + i);
+      const VF apart = hn::Sub(f0, f1);
+      Store(hn::Mul(hn::Mul(apart, apart), Set(0.25f * kFewNumbers)), differences.at(x, y));
+      Store(hn::Mul(hn::Sub(f0, x1), hn::Sub(f1, x0)), products.at(x, y));
     }
   }
   NeighborhoodMean variance(tile, differences), squared_bias(tile, products);

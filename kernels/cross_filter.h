@@ -1,16 +1,16 @@
 // These kernels average the pixels of a picture that cannot be told apart: a statistical denoiser.
 //
-// The samples of a pixel come in two halves. Whether pixel j may be averaged with pixel i is decided
-// by one half, and what is averaged are the values of the other: so a pixel is not chosen for being
-// bright by chance, and nothing that is chosen is favoured (Rousselle et al. 2012; NFOR, Bitterli et
-// al. 2016). The decision is a test of equal means (Sakai et al. 2024): with the squared distance of
-// the colours in units of its variance,
+// The samples of a pixel come in two halves. Whether pixel j may be averaged with pixel i is
+// decided by one half, and what is averaged are the values of the other: so a pixel is not chosen
+// for being bright by chance, and nothing that is chosen is favoured (Rousselle et al. 2012; NFOR,
+// Bitterli et al. 2016). The decision is a test of equal means (Sakai et al. 2024): with the
+// squared distance of the colours in units of its variance,
 //
 //   z = |c_i - c_j|^2 / (v_i + v_j),
 //
-// whose expectation is 1 for equal pixels, and its mean over 3 x 3 such pairs around i and j. A pixel
-// that is much noisier than i has little to say about i and weighs less, by the ratio of variances;
-// geometry and textures are held against each other by features that have little noise.
+// whose expectation is 1 for equal pixels, and its mean over 3 x 3 such pairs around i and j. A
+// pixel that is much noisier than i has little to say about i and weighs less, by the ratio of
+// variances; geometry and textures are held against each other by features that have little noise.
 #pragma once
 
 #include <cstddef>
@@ -43,8 +43,9 @@ struct HalfPlanes {
   }
 };
 
-// Features, in units of the difference that halves the trust in a pixel or so. The rim is in no way
-// like the picture: its coverage is far away.
+// Features, in units of the difference that makes two pixels strangers. The rim is in no way like
+// the picture: its coverage is far away.
+inline constexpr float kCoverageUnit = 0.15f;
 struct FeaturePlanes {
   float *normal_x, *normal_y, *normal_z;
   float *albedo_r, *albedo_g, *albedo_b;
@@ -60,7 +61,8 @@ struct FeaturePlanes {
   }
 };
 
-// A pixel is averaged with those at multiples of `stride`, at most `radius` of them away in x and y.
+// A pixel is averaged with those at multiples of `stride`, at most `radius` of them away in x and
+// y.
 struct FilterLevel {
   int radius, stride;
 };
@@ -72,9 +74,10 @@ struct FilterTile {
   int x, y, width, height;
 };
 
-// Raises the noise of the pixels of row `y` that is below the geometric mean of the 3 x 3 pixels
-// around: a pixel that has missed the rare bright samples of its neighbours has missed their variance
-// too. Writes `noise`, a plane, from half.noise.
+// Writes the noise of row `y` with what single pixels miss: one that has missed the rare bright
+// samples of its neighbours has missed their variance too, and gets at least the geometric mean of
+// the 3 x 3 pixels around it; one without any noise, as where no sample found light, their mean.
+// `noise` is a plane.
 void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise);
 
 // Filters a tile: writes the average of both halves, each weighted by what the other one tells, and

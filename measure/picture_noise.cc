@@ -53,6 +53,20 @@ PictureNoise NoiseOf(std::span<const NamedChannel> layers) {
   return noise;
 }
 
+std::vector<std::string> ErrorChannels() { return {"error.R", "error.G", "error.B"}; }
+
+PictureNoise NoiseOfErrors(std::span<const NamedChannel> layers) {
+  // The quantiles of so many degrees of freedom are those of the normal distribution.
+  constexpr float kMany = 1e6f;
+  const std::size_t pixels = layers[0].values.size();
+  PictureNoise noise = {std::vector<float>(3 * pixels), std::vector<float>(pixels, kMany)};
+  for (std::size_t i = 0; i < noise.variance.size(); ++i) {
+    const float error = layers[i % 3].values[i / 3];
+    noise.variance[i] = error * error * kMany;
+  }
+  return noise;
+}
+
 NoiseComparison CompareNoise(const Image& image, const std::optional<PictureNoise>& image_noise,
                              const Image& reference,
                              const std::optional<PictureNoise>& reference_noise) {

@@ -26,6 +26,10 @@ struct PictureNoise {
 // Returns the noise in layers that were read by the names of NoiseChannels.
 PictureNoise NoiseOf(std::span<const NamedChannel> layers);
 
+// The same for a picture that was denoised, whose layer "error" holds standard deviations.
+std::vector<std::string> ErrorChannels();
+PictureNoise NoiseOfErrors(std::span<const NamedChannel> layers);
+
 // Intervals and shares are those of independent samples. What is counted are values: each of the
 // three channels of each pixel.
 struct NoiseComparison {

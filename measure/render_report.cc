@@ -46,7 +46,13 @@ std::string Table(const RenderReport& report) {
   const std::uint32_t got = report.frame.samples_per_pixel,
                       asked = report.job->options().samples_per_pixel;
   const std::string noise = report.noise ? fmt::format(", noise {:.4g}", *report.noise) : "";
-  if (got < asked || report.noise) line("{} of {} samples per pixel{}", got, asked, noise);
+  const double in_mean = report.frame.mean_samples_per_pixel;
+  if (report.adaptive) {
+    line("{:.1f} samples per pixel in the mean, {} at most{}; {:.1f} % of the blocks need no more",
+         in_mean, got, noise, 100 * report.frame.ended_blocks);
+  } else if (got < asked || report.noise) {
+    line("{} of {} samples per pixel{}", got, asked, noise);
+  }
   for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
     line("  {:<13}{:>10.3f} Mrays/s{:>14} rays", kRayKindNames[kind],
          Rate(double(stats.rays[kind]), seconds), stats.rays[kind]);
@@ -140,6 +146,10 @@ nlohmann::ordered_json Json(const RenderReport& report) {
   json["peak_memory_mib"] = PeakMemoryMib();
   json["samples"] = stats.samples;
   json["rendered_samples_per_pixel"] = report.frame.samples_per_pixel;
+  if (report.adaptive) {
+    json["mean_samples_per_pixel"] = report.frame.mean_samples_per_pixel;
+    json["ended_blocks"] = report.frame.ended_blocks;
+  }
   if (report.noise) json["noise"] = *report.noise;
   json["msamples_per_s"] = Rate(double(stats.samples), seconds);
   json["mrays_per_s"] = Rate(double(stats.total_rays()), seconds);

@@ -15,6 +15,7 @@ struct RenderReport {
   FrameResult frame;
   double write_seconds = 0;
   std::optional<double> noise = {};  // of the picture (Film::Noise), where it is known
+  bool adaptive = false;             // blocks may have ended apart
 };
 
 std::string Table(const RenderReport& report);

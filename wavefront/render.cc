@@ -21,22 +21,18 @@
 namespace skywave {
 namespace {
 
-std::uint64_t RowsOf(const Tile& tile, const SampleRange& step) {
-  return std::uint64_t(tile.width) * tile.height * step.count();
-}
-
 // Renders the rows of `tile` from `rows` on, which tells after each wave how far the tile has come.
 // Returns early if the render is to pause.
-void RenderTile(const FrameView& frame, const Tile& tile, std::uint64_t total,
-                const WorkerPool& pool, const Progress* progress, Worker& worker, Film& film,
-                std::uint64_t& rows) {
-  while (rows < total) {
+void RenderTile(const FrameView& frame, const TileOfStep& tile, const WorkerPool& pool,
+                const Progress* progress, Worker& worker, Film& film, std::uint64_t& rows) {
+  while (rows < tile.rows) {
     pool.CheckCanceled();
     if (progress != nullptr && progress->pause) return;
     const WaveRange range = {
-        .tile = tile,
+        .tile = tile.tile,
         .first = rows,
-        .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, total - rows))};
+        .count = std::uint32_t(std::min<std::uint64_t>(frame.options.wave, tile.rows - rows)),
+        .blocks = tile.blocks};
     RenderWave(frame, range, worker, film);
     rows += range.count;
   }
@@ -49,19 +45,31 @@ double ProcessorSeconds() {
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
-// Returns how many pixels of a tile are in the picture.
-std::uint64_t CountPixels(const FrameView& frame, const Tile& tile) {
+// Returns how many pixels of a part of the film are in the picture.
+std::uint64_t CountPixels(const FrameView& frame, const Tile& part) {
   const RenderOptions& options = frame.options;
-  const auto overlap = [](std::uint32_t begin, std::uint32_t count, std::int64_t picture,
-                          int side) {
-    const std::int64_t first = std::max<std::int64_t>(begin, picture);
-    const std::int64_t end = std::min<std::int64_t>(std::int64_t{begin} + count, picture + side);
-    return std::uint64_t(std::max<std::int64_t>(end - first, 0));
-  };
-  return overlap(tile.x, tile.width, options.crop_x - std::int64_t{frame.camera.first_column},
-                 options.width) *
-         overlap(tile.y, tile.height, options.crop_y - std::int64_t{frame.camera.first_row},
-                 options.height);
+  const CropWindow inside =
+      Intersection({int(part.x), int(part.y), int(part.width), int(part.height)},
+                   {options.crop_x - int(frame.camera.first_column),
+                    options.crop_y - int(frame.camera.first_row), options.width, options.height});
+  return std::uint64_t(inside.width) * std::uint64_t(inside.height);
+}
+
+// Returns block `index` of a tile.
+Tile BlockOf(const Tile& tile, std::uint32_t index) {
+  const std::uint32_t across = tile.width / kBeamWidth;
+  return {tile.x + index % across * kBeamWidth, tile.y + index / across * kBeamHeight, kBeamWidth,
+          kBeamHeight};
+}
+
+// Returns how many pixels of the picture a step renders in a tile.
+std::uint64_t CountPixels(const FrameView& frame, const TileOfStep& tile) {
+  if (tile.blocks.empty()) return CountPixels(frame, tile.tile);
+  std::uint64_t pixels = 0;
+  for (const std::uint32_t block : tile.blocks) {
+    pixels += CountPixels(frame, BlockOf(tile.tile, block));
+  }
+  return pixels;
 }
 
 // Returns the frame with the samples of `range` alone.
@@ -76,21 +84,20 @@ FrameView WithSamples(const FrameView& frame, const SampleRange& range) {
 void RenderStep(const FrameView& frame, WorkerPool& pool, Film& film, RenderState& state,
                 const RenderControl& control) {
   const FrameView of_step = WithSamples(frame, state.step);
-  const std::vector<Tile> tiles =
-      CutTiles(frame.camera.width, frame.camera.height, state.tile_side);
-  const auto missing = [&](std::size_t i) { return state.rows[i] < RowsOf(tiles[i], state.step); };
+  const std::vector<TileOfStep> tiles = CutStep(frame.camera, state);
+  const auto missing = [&](std::size_t i) { return state.rows[i] < tiles[i].rows; };
   const auto render_tile = [&](std::size_t i, Worker& worker, RayRecorder* recorder) {
     if (!missing(i)) return;
     FrameView view = of_step;
     view.tracer.recorder = recorder;
-    const std::uint64_t before = state.rows[i], total = RowsOf(tiles[i], state.step);
-    RenderTile(view, tiles[i], total, pool, control.progress, worker, film, state.rows[i]);
-    const double share = double(state.rows[i] - before) / double(total);
+    const std::uint64_t before = state.rows[i];
+    RenderTile(view, tiles[i], pool, control.progress, worker, film, state.rows[i]);
+    const double share = double(state.rows[i] - before) / double(tiles[i].rows);
     const std::uint64_t samples = CountPixels(view, tiles[i]) * state.step.count();
     const auto rendered = std::uint64_t(std::llrint(share * double(samples)));
     worker.stats.samples += rendered;
     if (control.progress != nullptr) control.progress->samples += rendered;
-    if (control.on_tile && !missing(i)) control.on_tile(tiles[i], state.step.end);
+    if (control.on_tile && !missing(i)) control.on_tile(tiles[i].tile, state.step.end);
   };
   std::size_t first = 0;  // tile of which something is missing
   do {
@@ -119,21 +126,35 @@ std::uint64_t SamplesInPicture(const FrameView& frame, const RenderState& state)
   return samples;
 }
 
+// Returns the share of the blocks that have ended.
+double EndedShare(const RenderState& state) {
+  if (state.ended.empty()) return 0;
+  const auto going = std::count(state.ended.begin(), state.ended.end(), 0u);
+  return 1 - double(going) / double(state.ended.size());
+}
+
 // Renders the samples of `range`, step by step. Returns false if the render is to end before the
 // end of the range.
 bool RenderSteps(const FrameView& frame, const SampleRange& range, WorkerPool& pool, Film& film,
                  RenderState& state, const RenderControl& control) {
   while (state.step.first < range.end) {
     if (state.rows.empty()) {
+      if (control.end_blocks) control.end_blocks(state);
+      const double going = 1 - EndedShare(state);
+      if (going <= 0) return false;
       const std::uint32_t done = state.step.first;
       const std::uint32_t stop = control.next_stop ? control.next_stop(done) : range.end;
       if (stop <= done) return false;
       state.step.end = std::min(stop, range.end);
-      state.tile_side = TileSide(state.step.count(), frame.options.wave);
+      const double in_mean = std::ceil(going * double(state.step.count()));
+      state.tile_side = TileSide(std::uint32_t(in_mean), frame.options.wave);
       state.rows.resize(CutTiles(frame.camera.width, frame.camera.height, state.tile_side).size());
     }
     RenderStep(frame, pool, film, state, control);
-    state = {.step = {state.step.end, state.step.end}, .tile_side = 0, .rows = {}};
+    state = {.step = {state.step.end, state.step.end},
+             .tile_side = 0,
+             .rows = {},
+             .ended = std::move(state.ended)};
   }
   return true;
 }
@@ -160,25 +181,56 @@ std::vector<Tile> CutTiles(std::uint32_t width, std::uint32_t height, std::uint3
   return tiles;
 }
 
+std::size_t CountBlocks(const CameraView& camera) {
+  return std::size_t{camera.width} * camera.height / kBeamRays;
+}
+
+std::vector<TileOfStep> CutStep(const CameraView& camera, const RenderState& state) {
+  std::vector<TileOfStep> tiles;
+  for (const Tile& tile : CutTiles(camera.width, camera.height, state.tile_side)) {
+    TileOfStep of_step = {.tile = tile, .blocks = {}};
+    std::uint32_t blocks = tile.width * tile.height / kBeamRays;
+    if (!state.ended.empty()) {
+      for (std::uint32_t i = 0; i < blocks; ++i) {
+        const Tile block = BlockOf(tile, i);
+        const std::size_t of_film =
+            std::size_t{block.y / kBeamHeight} * (camera.width / kBeamWidth) + block.x / kBeamWidth;
+        if (state.ended[of_film] == 0) of_step.blocks.push_back(i);
+      }
+      blocks = std::uint32_t(of_step.blocks.size());
+    }
+    of_step.rows = std::uint64_t{blocks} * kBeamRays * state.step.count();
+    tiles.push_back(std::move(of_step));
+  }
+  return tiles;
+}
+
 std::vector<std::uint32_t> SamplesByPixel(const FrameView& frame, const RenderState& state) {
   const std::uint32_t width = frame.camera.width, height = frame.camera.height;
-  std::vector<std::uint32_t> samples(std::size_t{width} * height,
-                                     state.step.first - frame.options.first_sample);
+  const std::uint32_t first = frame.options.first_sample;
+  std::vector<std::uint32_t> samples(std::size_t{width} * height, state.step.first - first);
+  const auto for_each_pixel = [&](const Tile& block, auto f) {
+    for (std::uint32_t i = 0; i < kBeamRays; ++i) {
+      f(samples[std::size_t(block.y + i / kBeamWidth) * width + block.x + i % kBeamWidth]);
+    }
+  };
+  const Tile film = {0, 0, width, height};
+  for (std::size_t i = 0; i < state.ended.size(); ++i) {
+    const std::uint32_t end = state.ended[i];
+    if (end == 0) continue;
+    for_each_pixel(BlockOf(film, std::uint32_t(i)), [&](std::uint32_t& n) { n = end - first; });
+  }
   if (state.rows.empty()) return samples;
-  const std::vector<Tile> tiles = CutTiles(width, height, state.tile_side);
+  const std::vector<TileOfStep> tiles = CutStep(frame.camera, state);
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     // The samples of a block follow each other, and then come those of the next block (StartPaths).
-    const Tile& tile = tiles[i];
     const std::uint64_t per_block = std::uint64_t{kBeamRays} * state.step.count();
-    for (std::uint32_t y = 0; y < tile.height; ++y) {
-      for (std::uint32_t x = 0; x < tile.width; ++x) {
-        const std::uint64_t block =
-            std::uint64_t(y / kBeamHeight) * (tile.width / kBeamWidth) + x / kBeamWidth;
-        const std::uint64_t before = block * per_block;
-        const std::uint64_t rows = state.rows[i] > before ? state.rows[i] - before : 0;
-        samples[std::size_t(tile.y + y) * width + tile.x + x] +=
-            std::uint32_t(std::min(rows, per_block) / kBeamRays);
-      }
+    for (std::uint64_t number = 0; number * per_block < state.rows[i]; ++number) {
+      const auto& blocks = tiles[i].blocks;
+      const std::uint32_t block = blocks.empty() ? std::uint32_t(number) : blocks[number];
+      const std::uint64_t rows = std::min(state.rows[i] - number * per_block, per_block);
+      for_each_pixel(BlockOf(tiles[i].tile, block),
+                     [&](std::uint32_t& n) { n += std::uint32_t(rows / kBeamRays); });
     }
   }
   return samples;
@@ -267,6 +319,9 @@ FrameResult RenderFrame(const FrameView& wanted, Film& film, RenderState& state,
   result.threads = pool.threads();
   result.stats = pool.stats();
   result.samples_per_pixel = state.step.first - samples.first;
+  result.mean_samples_per_pixel =
+      double(SamplesInPicture(wanted, state)) / (double(options.width) * options.height);
+  result.ended_blocks = EndedShare(state);
   return result;
 }
 

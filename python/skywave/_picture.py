@@ -41,7 +41,7 @@ class Picture:
         """Writes an EXR with all layers and the command that repeats it, a PNG, or a film.
 
         A PNG is exposed as the options of the render say (exposure, tone, shutter, f_number, iso).
-        If `exposure` (in stops) or `tone` ("clip" or "filmic") is given, these two replace all of
+        If `exposure` (in stops) or `tone` (a value of that option) is given, these two replace all of
         those options. The command is left out if the scene was not only read. A film holds the sums
         of the samples, which `skywave merge` adds to those of other parts of the same picture.
         """
@@ -77,7 +77,7 @@ class Picture:
 
 
 def write_png(path, image, *, exposure=0, tone="clip"):
-    """Writes 8-bit sRGB; radiance is multiplied by 2^exposure, `tone` is "clip" or "filmic"."""
+    """Writes 8-bit sRGB; radiance is multiplied by 2^exposure, `tone` is a value of that option."""
     name = _convert.path(path, "path")
     data = encode_png(image, exposure=exposure, tone=tone)
     with as_file_error(name), open(name, "wb") as file:

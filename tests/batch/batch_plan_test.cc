@@ -230,7 +230,7 @@ TEST_F(Plan, ProductsSetSeveralOptionsUnderALabel) {
   EXPECT_EQ(plan.pictures[0].output, folder_.Path("red_one_grace.exr"));
   EXPECT_EQ(plan.pictures[0].axes[0].label, "red one");
   EXPECT_EQ(RequestOf("", plan.pictures[0].options).job.environment.intensity, 2);
-  EXPECT_EQ(RequestOf("", plan.pictures[3].options).exposure.tone.exposure_stops, -1.5f);
+  EXPECT_EQ(RequestOf("", plan.pictures[3].options).exposure.exposure->stops, -1.5f);
 }
 
 TEST_F(Plan, SharesPartitionTheListAndKeepTheirIndices) {

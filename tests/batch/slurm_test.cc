@@ -21,7 +21,8 @@ SlurmPlan PlanOf(const std::string& folder, std::uint32_t shards) {
           .directory = folder,
           .folder = folder + "/it's a 100% farm",
           .batch = " 'my job.toml'",
-          .pictures = {{"a.exr", " gallery --spp 10", 10}, {"b c.exr", " spheres --spp 3", 3}},
+          .pictures = {{"a.exr", " gallery --spp 10", 10},
+                       {"b c.exr", " spheres --spp 3", 3, " --half"}},
           .shards = shards};
 }
 
@@ -106,7 +107,7 @@ TEST_F(SlurmScriptsTest, PartsAreEverySampleOnce) {
   const std::vector<std::string> finish = Lines(Run("finish.sh"));
   ASSERT_EQ(finish.size(), 3u);
   EXPECT_TRUE(finish[0].starts_with("merge ") && finish[0].ends_with(" -o a.exr")) << finish[0];
-  EXPECT_TRUE(finish[1].ends_with(" -o b c.exr")) << finish[1];
+  EXPECT_TRUE(finish[1].ends_with(" --half -o b c.exr")) << finish[1];
   EXPECT_EQ(finish[2], "batch my job.toml");
 }
 

@@ -5,6 +5,7 @@
 #include <ImfInputFile.h>
 #include <ImfThreading.h>
 #include <gtest/gtest.h>
+#include <half.h>
 
 #include <limits>
 
@@ -66,6 +67,45 @@ TEST_F(ImageFiles, ExrLayersComeBack) {
   file.readPixels(0, 2);
   EXPECT_EQ(back, depth);
   EXPECT_EQ(red_back, red);
+}
+
+TEST_F(ImageFiles, ExrBytesDoNotDependOnThreads) {
+  const Image image = Numbered(40, 300);
+  const NamedChannel depth = {"depth.Z", std::vector<float>(40 * 300, 2)};
+  for (const ExrCompression compression : ValuesOf<ExrCompression>()) {
+    WriteExr(Path("a.exr"), image, {}, {depth}, {.compression = compression, .threads = 1});
+    WriteExr(Path("b.exr"), image, {}, {depth}, {.compression = compression, .threads = 3});
+    EXPECT_EQ(ReadFile(Path("a.exr")), ReadFile(Path("b.exr"))) << ToString(compression);
+  }
+}
+
+// Strips end where chunks end, so a file is the one that the library writes in one go.
+TEST_F(ImageFiles, ExrIsThatOfTheLibrary) {
+  const Image image = Numbered(40, 300);
+  for (const ExrCompression compression : ValuesOf<ExrCompression>()) {
+    WriteExr(Path("a.exr"), image, {}, {}, {.compression = compression});
+    Imf::Header header = HeaderFor(image, Imf::Compression(compression));
+    header.zipCompressionLevel() = 4;
+    WriteExrKind(Path("b.exr"), header, image);
+    EXPECT_EQ(ReadFile(Path("a.exr")), ReadFile(Path("b.exr"))) << ToString(compression);
+  }
+}
+
+TEST_F(ImageFiles, HalfRoundsColoursAlone) {
+  Image image(2, 1);
+  image.rgb = {0.1f, 1e6f, -1e6f, kInf, 2049, 6e-8f};
+  const std::vector<NamedChannel> layers = {
+      {"albedo.G", {0.3f, 1}}, {"depth.Z", {0.3f, 1e10f}}, {"variance.R", {1e-12f, 1e9f}}};
+  for (const ExrCompression compression : {ExrCompression::kZip, ExrCompression::kPiz}) {
+    WriteExr(Path("a.exr"), image, {}, layers, {.compression = compression, .half = true});
+    const LayeredImage back =
+        ReadLayeredImage(Path("a.exr"), {"albedo.G", "depth.Z", "variance.R"});
+    EXPECT_EQ(back.image.rgb, (std::vector<float>{float(half(0.1f)), 65504, -65504, kInf, 2048,
+                                                  float(half(6e-8f))}));
+    EXPECT_EQ(back.layers[0].values, (std::vector<float>{float(half(0.3f)), 1}));
+    EXPECT_EQ(back.layers[1].values, layers[1].values);
+    EXPECT_EQ(back.layers[2].values, layers[2].values);
+  }
 }
 
 TEST_F(ImageFiles, LayersAreReadByName) {

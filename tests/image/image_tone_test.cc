@@ -81,6 +81,44 @@ TEST(ToneMap, FilmicValuesFollowTheFit) {
             (std::vector<int>{0, 141, 232, 255, 255, 255, 0, 0}));
 }
 
+// The values are those of the published constants, worked out apart from the program.
+TEST(ToneMap, AcesFollowsHill) {
+  const ToneMapping aces = {.curve = ToneCurve::kAces};
+  const std::vector<int> grey = MapGrey({0, 0.18f, 1, 1e30f, kInf, kNan, -1}, aces);
+  EXPECT_EQ(grey, (std::vector<int>{0, 91, 206, 255, 255, 0, 0}));
+  // Bright red loses saturation, which channels by themselves do not.
+  Image red(1, 1);
+  red.rgb = {20, 0, 0};
+  const std::vector<std::uint8_t> mapped = ToneMap(red, aces);
+  EXPECT_EQ(mapped[0], 255);
+  EXPECT_GT(mapped[1], 50);
+  EXPECT_EQ(ToneMap(red, {.curve = ToneCurve::kFilmic})[1], 0);
+}
+
+TEST(ToneMap, ReinhardKeepsHueAndEndsAtWhite) {
+  const ToneMapping reinhard = {.curve = ToneCurve::kReinhard};
+  // L (1 + L / 16) / (1 + L): 0.18 becomes 0.15426, 1 becomes 0.53125, and 4 becomes 1.
+  EXPECT_EQ(MapGrey({0, 0.18f, 1, 3.999f, 4, kInf}, reinhard),
+            (std::vector<int>{0, 109, 193, 255, 255, 255}));
+  Image image(1, 1);
+  image.rgb = {0.4f, 0.2f, 0.1f};
+  const std::vector<std::uint8_t> mapped = ToneMap(image, reinhard);
+  const double luminance = 0.2126 * 0.4 + 0.7152 * 0.2 + 0.0722 * 0.1;
+  const double scale = (1 + luminance / 16) / (1 + luminance);
+  EXPECT_EQ(mapped, ToneMap(image, {.exposure_stops = float(std::log2(scale))}));
+}
+
+TEST(AutomaticExposure, PutsTheMedianOfWhatIsLitAtGrey) {
+  EXPECT_EQ(AutomaticExposureStops(Grey({0.18f})), 0);
+  EXPECT_EQ(AutomaticExposureStops(Grey({0.09f, 0.09f, 1000})), 1);
+  EXPECT_EQ(AutomaticExposureStops(Grey({0, 0, 0, 0, 0.72f})), -2);
+  EXPECT_EQ(AutomaticExposureStops(Grey({0.18f, kNan, kInf, -5, 0.18f})), 0);
+  EXPECT_EQ(AutomaticExposureStops(Grey({0, kNan})), 0);
+  EXPECT_EQ(AutomaticExposureStops(Grey({1e-38f})), 100);
+  // Sixteenths of a stop: log2(0.18 / 0.17) is 0.0825.
+  EXPECT_EQ(AutomaticExposureStops(Grey({0.17f})), 0.0625f);
+}
+
 TEST(ToneMap, KeepsChannelsApart) {
   Image image(1, 2);
   image.rgb = {1, 0, 0.5f, 0, 1, 0};
@@ -103,6 +141,25 @@ TEST_F(Png, PixelsComeBackTheRightWayUp) {
   std::vector<std::uint8_t> back(rgb.size());
   ASSERT_TRUE(png_image_finish_read(&png, nullptr, back.data(), 0, nullptr));
   EXPECT_EQ(back, rgb);
+}
+
+// Pictures of several bands, with every kind of neighbour, and of fewer columns than a filter
+// needs.
+TEST_F(Png, BandsComeBack) {
+  for (const auto& [width, height] : {std::pair(70, 200), {1, 129}, {2, 64}, {300, 65}}) {
+    std::vector<std::uint8_t> rgb(std::size_t(width) * height * 3);
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      const std::size_t y = i / (3 * std::size_t(width));
+      rgb[i] = std::uint8_t(y % 3 == 0 ? i : y % 3 == 1 ? i * i / 7 : 255 * (i % 2));
+    }
+    const std::string bytes = EncodePng(width, height, rgb);
+    const Image image = DecodeTexture("bands", bytes, Encoding::kLinear);
+    ASSERT_EQ(image.width, width);
+    ASSERT_EQ(image.height, height);
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+      ASSERT_EQ(std::lround(image.rgb[i] * 255), rgb[i]) << i;
+    }
+  }
 }
 
 TEST_F(Png, BytesOnlyDependOnTheInput) {

@@ -77,8 +77,9 @@ class Parts {
     const RenderJob job = JobOf(request_);
     const PictureIdentity identity = IdentityOf(job, exposure_, true);
     const RenderedFilm rendered = RunSession(job, identity, {});
-    return BytesOf(folder_, ResolvePicture(rendered.film, kSamples, job.options().aovs, identity,
-                                           rendered.part, Tone(exposure_)));
+    return BytesOf(folder_,
+                   ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs,
+                                  identity, rendered.part));
   }
 
   // Adds some films to one.
@@ -92,7 +93,8 @@ class Parts {
  private:
   const TemporaryFolder& folder_;
   JobRequest request_;
-  ExposureRequest exposure_ = {.tone = {.exposure_stops = 0.5f, .curve = ToneCurve::kFilmic}};
+  ExposureRequest exposure_ = {.exposure = ExposureChoice{.automatic = true},
+                               .curve = ToneCurve::kFilmic};
   int films_ = 0;
 };
 
@@ -162,6 +164,29 @@ TEST(MergeFilms, PassesOfPhotonsAreThoseOfTheWholePicture) {
     SCOPED_TRACE(passes);
     ExpectBytesOfOneRender(request, 5, false);
   }
+}
+
+TEST(MergeFilms, FilmsOfDenoisedPicturesKeepWhatTheDenoiserReads) {
+  const TemporaryFolder folder;
+  JobRequest request = Request(Integrator::kPath, "depth");
+  request.denoise = true;
+  request.samples_per_pixel = 16;
+  Parts parts(folder, request);
+  const Bytes expected = parts.OneRender();
+  CropWindow left = Whole().window, right = left;
+  left.width /= 2, right.x += left.width, right.width -= left.width;
+  const std::vector<std::string> films = {
+      parts.Render({right, {0, 16}}), parts.Render({left, {3, 16}}), parts.Render({left, {0, 3}})};
+  const MergedFilm merged = MergeFilms({.films = films});
+  const Bytes bytes = BytesOf(folder, ResolveMerged(merged));
+  EXPECT_TRUE(bytes == expected);
+  const Picture clean = ResolveMerged(merged);
+  std::vector<std::string> names;
+  for (const NamedChannel& channel : clean.layers) names.push_back(channel.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"depth.Z", "noisy.R", "noisy.G", "noisy.B", "error.R",
+                                             "error.G", "error.B"}));
+  request.denoise = false;
+  EXPECT_FALSE(Parts(folder, request).OneRender() == expected);
 }
 
 // Expects `merge` to be refused with all of `words` in the message.

@@ -53,7 +53,7 @@ class Session : public testing::Test {
   void Interrupt(const JobRequest& request, SessionRequest session, int tiles = 3) {
     session.checkpoint.path = path();
     std::atomic<int> left = tiles;
-    session.on_tile = [&left](const Film&, const Tile&, std::uint32_t) {
+    session.on_tile = [&left](const Film&, const Tile&, const SampleCounts&) {
       if (--left <= 0) throw std::runtime_error("enough");
     };
     EXPECT_THROW(Rendered(request, session), std::runtime_error);
@@ -119,6 +119,8 @@ TEST_F(Session, GoesOnFromNoCheckpointOfSomethingElse) {
   expect_edited(place, [](FilmFile& f) { f.state.tile_side = 12; });
   expect_edited(place, [](FilmFile& f) { f.state.tile_side = 0; });
   expect_edited(place, [](FilmFile& f) { f.state.step.end = 7; });
+  expect_edited(place, [](FilmFile& f) { f.state.ended = {0}; });
+  expect_edited(place, [](FilmFile& f) { f.state.ended.assign(10 * 15, 5); });
   WriteFilm(path(), saved.file, saved.film);
   EXPECT_EQ(Rendered(Request(), Resuming()).part.samples, (SampleRange{0, kSamples}));
 }
@@ -128,14 +130,13 @@ TEST_F(Session, IsStoppedByTellAndFinishedByAnotherToTheSameBytes) {
   const PictureIdentity identity = IdentityOf(job);
   const RenderedFilm whole = RunSession(job, identity, {});
   const auto bytes = [&](const RenderedFilm& rendered) {
-    WriteExr(folder_.Path("a.exr"),
-             ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs,
-                            identity, rendered.part, {}));
+    WriteExr(folder_.Path("a.exr"), ResolvePicture(rendered.film, rendered.part.samples.count(),
+                                                   job.options().aovs, identity, rendered.part));
     return ReadFile(folder_.Path("a.exr"));
   };
   SessionRequest stopped = {.checkpoint = {.path = path()}};
   stopped.tell = [](double) { return false; };
-  stopped.on_tile = [](const Film&, const Tile&, std::uint32_t) { Rest(); };
+  stopped.on_tile = [](const Film&, const Tile&, const SampleCounts&) { Rest(); };
   EXPECT_THROW(RunSession(job, identity, stopped), RenderCanceled);
   const FilmInFile saved = ReadFilm(path());
   EXPECT_TRUE(saved.file.is_checkpoint);
@@ -164,7 +165,7 @@ TEST_F(Session, GoesOnFromACheckpointOfAllThereIs) {
     SessionRequest stopped = {.checkpoint = {.path = path()}};
     stopped.tell = [](double done) { return done < 1; };
     std::atomic<int> tiles = all;
-    stopped.on_tile = [&tiles](const Film&, const Tile&, std::uint32_t) {
+    stopped.on_tile = [&tiles](const Film&, const Tile&, const SampleCounts&) {
       if (--tiles == 0) std::this_thread::sleep_for(std::chrono::milliseconds(300));
     };
     EXPECT_THROW(Rendered(request, stopped), RenderCanceled);
@@ -192,7 +193,7 @@ TEST_F(Session, KeepsCheckpointsAndShowsSnapshotsMeanwhile) {
       EXPECT_LE(*std::max_element(channel.values.begin(), channel.values.end()), 1);
     }
   };
-  session.on_tile = [](const Film&, const Tile&, std::uint32_t) { Rest(); };
+  session.on_tile = [](const Film&, const Tile&, const SampleCounts&) { Rest(); };
   const RenderedFilm rendered = Rendered(Request(), session);
   EXPECT_GE(seen, 1);
   EXPECT_GE(shown, 1);
@@ -203,7 +204,7 @@ TEST_F(Session, GoesOnWhenACheckpointOnTheWayCannotBeWritten) {
   SessionRequest session = {
       .checkpoint = {.path = folder_.Path("missing/a.checkpoint"), .seconds = 0.001}};
   session.tell = [](double) { return true; };
-  session.on_tile = [](const Film&, const Tile&, std::uint32_t) { Rest(); };
+  session.on_tile = [](const Film&, const Tile&, const SampleCounts&) { Rest(); };
   const RenderedFilm rendered = Rendered(Request(), session);
   ASSERT_EQ(rendered.notes.size(), 1u) << "many of them say the same";
   EXPECT_NE(rendered.notes[0].find("missing/a.checkpoint"), std::string::npos);
@@ -215,7 +216,7 @@ TEST_F(Session, GoesOnWhenACheckpointOnTheWayCannotBeWritten) {
 
 TEST_F(Session, AnErrorIsToldWhetherOrNotACheckpointCanBeWritten) {
   SessionRequest session = {.checkpoint = {.path = folder_.Path("missing/a.checkpoint")}};
-  session.on_tile = [](const Film&, const Tile&, std::uint32_t) {
+  session.on_tile = [](const Film&, const Tile&, const SampleCounts&) {
     throw std::logic_error("enough");
   };
   EXPECT_THROW(Rendered(Request(), session), std::logic_error);

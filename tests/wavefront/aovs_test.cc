@@ -173,7 +173,7 @@ TEST(Aovs, BitsDoNotDependOnTheCut) {
     request.options.light_samples = 2;
     const RenderJob job = MakeJob(PaintedScene(), request, "all");
     const Layers reference = Resolve(job);
-    EXPECT_EQ(reference.size(), 32u);
+    EXPECT_EQ(reference.size(), 39u);
     for (const int threads : {1, 3}) {
       for (const std::uint32_t wave : {1u, 17u, 300u, 2048u}) {
         FrameView frame = job.frame();
@@ -399,6 +399,59 @@ TEST(AovFilm, VarianceIsExactFromTheFaintestToTheBrightest) {
     EXPECT_NEAR(layers.at("variance.R")[0] / (step * step / 3), 1, 1e-5) << brightest;
     EXPECT_EQ(layers.at("variance.R")[1], 0);
     EXPECT_EQ(layers.at("variance.G")[0], 0);
+  }
+}
+
+// Adds sample `number` of pixel 0, with `red` in the red channel and none in the others.
+void AddSample(Film& film, std::uint32_t number, float red) {
+  const soa::Table<PathColumns> path(1);
+  RenderStats stats;
+  path->pixel[0] = 0, path->sample[0] = number;
+  path->r[0] = red, path->g[0] = path->b[0] = 0;
+  film.Add(path, 1, stats);
+}
+
+// Blocks of four samples belong to the halves in the order 0, 1, 1, 0.
+TEST(AovFilm, HalvesHaveTheirOwnMeanAndVariance) {
+  const AovSet layers = *ParseAovs("half,half-variance");
+  const auto value = [](std::uint32_t sample) { return float(sample * sample) / 16; };
+  double sum = 0, squares = 0;
+  for (std::uint32_t sample = 4; sample < 12; ++sample) {
+    sum += value(sample), squares += double(value(sample)) * value(sample);
+  }
+  for (const bool has_signs : {false, true}) {
+    const FilmLayout layout = {.area = {1, 1, {0, 0, 1, 1}},
+                               .brightest_radiance = 32,
+                               .aovs = layers,
+                               .world_extent = 1,
+                               .has_signs = has_signs};
+    const float sign = has_signs ? -1 : 1;
+    Film film(layout), first(layout), last(layout);
+    for (std::uint32_t sample = 0; sample < 16; ++sample) {
+      AddSample(film, sample, sign * value(sample));
+      AddSample(sample < 7 ? first : last, sample, sign * value(sample));
+    }
+    first.Merge(last);
+    for (const Film* const one : {&film, &first}) {
+      const Layers channels = ByName(one->ResolveAovs(16));
+      EXPECT_EQ(channels.at("half.N")[0], 8);
+      EXPECT_NEAR(channels.at("half.R")[0], sign * sum / 8, 1e-6 * sum);
+      EXPECT_EQ(channels.at("half.G")[0], 0);
+      EXPECT_NEAR(channels.at("half-variance.R")[0] / ((squares - sum * sum / 8) / 7), 1, 1e-6);
+      EXPECT_EQ(channels.at("half-variance.B")[0], 0);
+    }
+  }
+}
+
+// As many first samples as a denoiser asks for, and any power of two from there on, have equal
+// halves.
+TEST(AovFilm, HalvesAreEqualAtPowersOfTwo) {
+  Film film(1, 1, 1, *ParseAovs("half"), 1);
+  for (std::uint32_t sample = 0; sample < 1024; ++sample) {
+    AddSample(film, sample, 1);
+    const std::uint32_t count = sample + 1;
+    if (count < 8 || (count & sample) != 0) continue;
+    EXPECT_EQ(ByName(film.ResolveAovs(count)).at("half.N")[0], count / 2) << count;
   }
 }
 

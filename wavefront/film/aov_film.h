@@ -106,7 +106,7 @@ class AovFilm {
   std::vector<std::uint32_t> half_samples_;  // in second halves, by pixel
   std::vector<std::uint64_t> half_;          // their sums, three per pixel [1 / scale.units]
   std::vector<Uint128> half_squares_;        // their squares, likewise
-  std::vector<std::uint64_t> direct_;   // three per pixel [1 / scale.units]
+  std::vector<std::uint64_t> direct_;        // three per pixel [1 / scale.units]
   std::vector<std::string> light_groups_;
   std::vector<std::uint64_t> lit_;  // three per pixel and group, group by group [1 / scale.units]
 };

@@ -113,7 +113,13 @@ bool Any(AovSet aovs, const Predicate& holds) {
   return false;
 }
 
+// Layers that belong together have a name too.
+constexpr std::string_view kDenoiser =
+    "albedo,shading-normal,depth,coverage,samples,variance,half,half-variance";
+
 std::optional<AovSet> ParseOne(std::string_view name) {
+  if (name == "all") return AllAovs();
+  if (name == "denoiser") return ParseAovs(kDenoiser);
   for (std::size_t i = 0; i < std::size(kAovs); ++i) {
     if (kAovs[i].name == name) return AovSet{1} << i;
   }
@@ -127,7 +133,6 @@ std::span<const Aov> Aovs() { return kAovs; }
 AovSet AllAovs() { return (AovSet{1} << std::size(kAovs)) - 1; }
 
 std::optional<AovSet> ParseAovs(std::string_view names) {
-  if (names == "all") return AllAovs();
   AovSet aovs = 0;
   for (std::size_t begin = 0; begin <= names.size();) {
     const std::size_t end = std::min(names.find(',', begin), names.size());

@@ -18,16 +18,16 @@ namespace skywave {
 // The samples of a pixel become one value by one of these sums. The first two are read at the first
 // surfaces that camera rays hit, through no mirror and no glass.
 enum class AovSum {
-  kMeanOfHits,   // over the samples whose camera ray hit something
-  kNearestHit,   // of the sample nearest to the pixel's centre, where a mean is meaningless
-  kCoverage,     // share of the samples whose camera ray hit something
-  kSampleCount,  // the same in every pixel
-  kVariance,     // of one sample of the beauty, unbiased if samples are independent
-  kHalf,         // the beauty of the second halves of the samples, and their number
+  kMeanOfHits,    // over the samples whose camera ray hit something
+  kNearestHit,    // of the sample nearest to the pixel's centre, where a mean is meaningless
+  kCoverage,      // share of the samples whose camera ray hit something
+  kSampleCount,   // the same in every pixel
+  kVariance,      // of one sample of the beauty, unbiased if samples are independent
+  kHalf,          // the beauty of the second halves of the samples, and their number
   kHalfVariance,  // of one sample of them
-  kDirect,       // radiance of light that hit at most one surface
-  kIndirect,     // the rest of the beauty
-  kLightGroups,  // the beauty by groups of lights, one layer each (wavefront/film/light_groups.h)
+  kDirect,        // radiance of light that hit at most one surface
+  kIndirect,      // the rest of the beauty
+  kLightGroups,   // the beauty by groups of lights, one layer each (wavefront/film/light_groups.h)
 };
 
 // The range that a mean can hold without being clamped decides the unit of its sums.
@@ -63,7 +63,7 @@ using AovSet = std::uint32_t;
 
 // Returns all lines of the table.
 AovSet AllAovs();
-// Parses names separated by commas, or "all".
+// Parses names separated by commas. "all" is all of them, "denoiser" those that a denoiser reads.
 std::optional<AovSet> ParseAovs(std::string_view names);
 // Returns the names, separated by commas.
 std::string ToString(AovSet aovs);

@@ -206,18 +206,26 @@ std::span<const std::uint64_t> Film::light_group_sums() const {
   return aovs_->light_group_sums();
 }
 
-double Film::Noise(std::uint64_t samples) const {
-  const CropWindow& picture = layout_.area.picture;
-  double variance = 0, mean = 0;  // sums over pixels and channels, in units
-  ForEachRun(picture, layout_.area.width, 0, 0, picture.width,
+NoiseSums Film::SumNoise(const CropWindow& window, const SampleCounts& samples) const {
+  const CropWindow inside = Intersection(window, layout_.area.picture);
+  NoiseSums sums = {.values = 3.0 * inside.width * inside.height};
+  ForEachRun(inside, layout_.area.width, 0, 0, inside.width,
              [&](std::size_t, std::size_t pixel, std::size_t n) {
                for (std::size_t i = 3 * pixel; i < 3 * (pixel + n); ++i) {
-                 variance += aovs_->VarianceOf(i, sums_[i], samples) / double(samples);
-                 mean += value(i) / double(samples);
+                 const std::uint64_t count = samples[i / 3];
+                 const double variance = aovs_->VarianceOf(i, sums_[i], count);
+                 sums.variance += variance;
+                 sums.variance_of_mean += variance / double(count);
+                 sums.mean += value(i) / double(count);
                }
              });
-  const double values = 3.0 * picture.width * picture.height;
-  return mean > 0 ? std::sqrt(variance / values) / (mean / values) : 0;
+  return sums;
+}
+
+double Film::Noise(const SampleCounts& samples) const {
+  const NoiseSums sums = SumNoise(layout_.area.picture, samples);
+  if (!(sums.mean > 0)) return 0;
+  return std::sqrt(sums.variance_of_mean / sums.values) / (sums.mean / sums.values);
 }
 
 Image Film::Resolve(const SampleCounts& samples) const {

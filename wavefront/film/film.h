@@ -44,6 +44,14 @@ struct FilmLayout {
   bool has_signs = false;                      // samples may be negative
 };
 
+// Sums over pixels and channels, from which noise is estimated [units, squared].
+struct NoiseSums {
+  double variance = 0;          // of a sample
+  double variance_of_mean = 0;  // of the picture
+  double mean = 0;
+  double values = 0;  // their number
+};
+
 class Film {
  public:
   explicit Film(FilmLayout layout);
@@ -95,9 +103,12 @@ class Film {
   std::size_t packed_bytes() const;  // of PackPicture
   void UnpackPicture(std::string_view bytes);
 
-  // Returns the noise of the picture of `samples` samples: the root of the mean variance of its
-  // pixels and channels over its mean. The film keeps the variance of samples.
-  double Noise(std::uint64_t samples) const;
+  // Returns what is known of the noise of the picture's pixels within a window of the film. The
+  // film keeps the variance of samples.
+  NoiseSums SumNoise(const CropWindow& window, const SampleCounts& samples) const;
+  // Returns the noise of the picture: the root of the mean variance of its pixels and channels over
+  // its mean.
+  double Noise(const SampleCounts& samples) const;
 
   // Returns the picture: the mean of the samples of every pixel.
   Image Resolve(const SampleCounts& samples) const;

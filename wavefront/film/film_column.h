@@ -1,6 +1,7 @@
 // The sums of a film lie in columns, which know how those of two films become one.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -19,6 +20,8 @@ class SampleCounts {
   std::uint64_t operator[](std::size_t pixel) const {
     return by_pixel_.empty() ? all_ : by_pixel_[pixel];
   }
+  // Returns those of a window of a film that is so wide [pixels].
+  SampleCounts Cut(const CropWindow& window, int width) const;
 
  private:
   std::uint64_t all_ = 0;
@@ -32,6 +35,27 @@ struct FilmColumn {
   std::size_t per_pixel = 1, planes = 1;
   bool of_nearest = false;
 };
+
+// Calls f(to, from, n) for each row of n pixels of the window `from` of a film, which begins at
+// pixel `from` there and at pixel `to` of another film.
+template <class F>
+void ForEachRun(const CropWindow& from, int from_width, int to_x, int to_y, int to_width, F f) {
+  for (int y = 0; y < from.height; ++y) {
+    f(std::size_t(to_y + y) * std::size_t(to_width) + std::size_t(to_x),
+      std::size_t(from.y + y) * std::size_t(from_width) + std::size_t(from.x),
+      std::size_t(from.width));
+  }
+}
+
+inline SampleCounts SampleCounts::Cut(const CropWindow& window, int width) const {
+  if (by_pixel_.empty()) return all_;
+  std::vector<std::uint32_t> cut(std::size_t(window.width) * std::size_t(window.height));
+  ForEachRun(window, width, 0, 0, window.width,
+             [&](std::size_t to, std::size_t from, std::size_t n) {
+               std::copy_n(&by_pixel_[from], n, &cut[to]);
+             });
+  return cut;
+}
 
 // Returns the value of a sum, which may be a signed number in two's complement.
 inline double SumValue(std::uint64_t sum, bool has_signs) {
@@ -49,17 +73,6 @@ inline std::uint64_t CombinedSigned(std::uint64_t a, std::uint64_t b) { return a
 template <class T>
 T CombinedSigned(T a, T b) {
   return Combined(a, b);
-}
-
-// Calls f(to, from, n) for each row of n pixels of the window `from` of a film, which begins at
-// pixel `from` there and at pixel `to` of another film.
-template <class F>
-void ForEachRun(const CropWindow& from, int from_width, int to_x, int to_y, int to_width, F f) {
-  for (int y = 0; y < from.height; ++y) {
-    f(std::size_t(to_y + y) * std::size_t(to_width) + std::size_t(to_x),
-      std::size_t(from.y + y) * std::size_t(from_width) + std::size_t(from.x),
-      std::size_t(from.width));
-  }
 }
 
 }  // namespace skywave

@@ -38,11 +38,12 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
   assert(range.first % kBeamRays == 0 && range.count % kBeamRays == 0);
   assert(range.tile.width % kBeamWidth == 0 && range.tile.height % kBeamHeight == 0);
   const std::uint32_t spp = options.samples_per_pixel;
-  const std::uint64_t block = range.first / kBeamRays / spp;
+  auto number = std::uint32_t(range.first / kBeamRays / spp);
   auto sample = std::uint32_t(range.first / kBeamRays % spp);
   const std::uint32_t across = range.tile.width / kBeamWidth;
-  std::uint32_t block_x = std::uint32_t(block % across), block_y = std::uint32_t(block / across);
-  for (std::uint32_t row = 0; row < range.count; sample = 0) {
+  for (std::uint32_t row = 0; row < range.count; sample = 0, ++number) {
+    const std::uint32_t block = range.blocks.empty() ? number : range.blocks[number];
+    const std::uint32_t block_x = block % across, block_y = block / across;
     std::uint32_t seed[kBeamRays], pixel[kBeamRays];
     for (std::uint32_t i = 0; i < kBeamRays; ++i) {
       const std::uint32_t x = range.tile.x + block_x * kBeamWidth + i % kBeamWidth;
@@ -55,7 +56,6 @@ void StartPaths(const RenderOptions& options, const CameraView& camera, const Wa
       std::copy_n(pixel, kBeamRays, paths.pixel + row);
       std::fill_n(paths.sample + row, kBeamRays, options.first_sample + sample);
     }
-    if (++block_x == across) block_x = 0, ++block_y;
   }
   std::fill_n(paths.r, range.count, 0.0f);
   std::fill_n(paths.g, range.count, 0.0f);

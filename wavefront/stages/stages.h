@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "kernels/sampler.h"
 #include "wavefront/film/film.h"
@@ -23,6 +24,8 @@ struct WaveRange {
   Tile tile;
   std::uint64_t first;  // both are whole beams
   std::uint32_t count;
+  // The blocks of the tile whose samples are numbered, as indices row by row; empty: all.
+  std::span<const std::uint32_t> blocks = {};
 };
 
 // The end of light transport that paths begin at.

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Measures the denoiser, as Markdown tables and strips of pictures.
+
+    bench/denoising/measure.py --data DATA -o OUT
+    bench/denoising/measure.py --data DATA -o OUT --size 80x60 --reference 64   # does it work?
+    bench/denoising/measure.py --data DATA -o OUT --cost                        # its time
+
+Six scenes are rendered with --samples and once with --reference samples. The first table has the
+relative mean squared error of the noisy and of the clean picture, how many times smaller it is, and
+the share of values that lie outside of their 95 % intervals; OUT/SCENE_SAMPLES.png shows the noisy
+picture, the clean one and the reference. --cost renders the bunny with and without --denoise, by
+turns, and tells the medians. Pictures that are in OUT are not rendered again.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+from statistics import median
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "peers"))
+from pictures import read_exr, write_png_strip  # noqa: E402
+from reporting import lines_of_table, number, processor  # noqa: E402
+
+# Scene, flags, and the exposure of the strip.
+SCENES = {
+    "killeroos": ("models/killeroo.pbrt --env probes/latlong/galileo_latlong.exr --env-up z", 1),
+    "metal bunny": ("models/bunny.ply --env probes/latlong/rnl_latlong.exr --ground "
+                    "--material default=conductor:alpha=0.15", 0.5),
+    "Sponza": ("models/sponza.obj --env probes/latlong/galileo_latlong.exr --eye=-12,2,0 "
+               "--target 10,4,0 --fov 60", 2),
+    "gallery": ("gallery", 1),
+    "helmet": ("glb/DamagedHelmet.glb --env probes/latlong/grace_latlong.exr", 2),
+    "lamps": ("lamps", 1),
+}
+COST_SIZES = ["640x480", "1920x1080", "3840x2160"]
+
+
+def words(text, data):
+    """Returns the flags of a scene, with the files that are in `data`."""
+    return [str(data / word) if (data / word).is_file() else word for word in text.split()]
+
+
+def run(*command):
+    subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
+
+
+def render(args, scene, samples, output, *flags):
+    if not output.exists():
+        run(args.program, "render", *words(SCENES[scene][0], args.data), "--size", args.size,
+            "--spp", samples, "--quiet", "-o", output, *flags)
+
+
+def compare(args, picture, reference):
+    file = args.output / "compare.json"
+    run(args.program, "compare", picture, reference, "--json", file)
+    return json.loads(file.read_text())
+
+
+def quality(args):
+    rows = []
+    for scene in args.scenes:
+        stem = args.output / scene.replace(" ", "_")
+        reference = Path(f"{stem}_reference.exr")
+        render(args, scene, args.reference, reference, "--seed", "99", "--aovs", "variance,samples")
+        for samples in args.samples:
+            noisy, clean = Path(f"{stem}_{samples}.exr"), Path(f"{stem}_{samples}_clean.exr")
+            render(args, scene, samples, noisy, "--aovs", "denoiser")
+            run(args.program, "denoise", noisy, "-o", clean, "--quiet")
+            before, after = compare(args, noisy, reference), compare(args, clean, reference)
+            rows.append([scene, str(samples), number(before["relative_mse"]),
+                         number(after["relative_mse"]),
+                         number(before["relative_mse"] / after["relative_mse"]),
+                         number(before["flip"] / after["flip"]) if "flip" in before else "",
+                         f"{100 * after['noise']['exceeding']:.1f} %"])
+            strip = [read_exr(picture) for picture in (noisy, clean, reference)]
+            write_png_strip(Path(f"{stem}_{samples}.png"), strip, exposure=SCENES[scene][1])
+            print(*rows[-1], flush=True)
+    return lines_of_table(["scene", "samples", "noisy", "clean", "times less", "FLIP, times less",
+                           "outside of 95 %"], rows, 1)
+
+
+def cost(args):
+    scene = words(SCENES["metal bunny"][0], args.data)
+    rows = []
+    for size in COST_SIZES:
+        seconds = {"": [], "--denoise": []}
+        memory = {}
+        for _ in range(args.repeats):
+            for flag in seconds:
+                stats = args.output / "cost.json"
+                flags = [flag] if flag else []
+                start = time.monotonic()
+                run(args.program, "render", *scene, "--size", size, "--spp", 16, "--quiet",
+                    "--stats", stats, "-o", args.output / "cost.exr", *flags)
+                seconds[flag].append(time.monotonic() - start)
+                memory[flag] = json.loads(stats.read_text())["peak_memory_mib"]
+        plain, denoised = (median(seconds[flag]) for flag in seconds)
+        rows.append([size, number(plain), number(denoised), f"{100 * (denoised / plain - 1):.1f} %",
+                     *(number(memory[flag]) for flag in seconds)])
+    return lines_of_table(["size", "plain [s]", "denoised [s]", "more", "plain [MiB]",
+                           "denoised [MiB]"], rows, 1)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=Path, required=True, metavar="DATA")
+    parser.add_argument("-o", "--output", type=Path, default=Path("denoising"), metavar="OUT")
+    parser.add_argument("--program", type=Path, default=Path("build/release/skywave"))
+    parser.add_argument("--size", default="640x480", metavar="WxH")
+    parser.add_argument("--samples", type=int, nargs="+", default=[16, 64, 1024])
+    parser.add_argument("--reference", type=int, default=16384)
+    parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
+    parser.add_argument("--cost", action="store_true")
+    parser.add_argument("--repeats", type=int, default=5)
+    args = parser.parse_args()
+    args.output.mkdir(parents=True, exist_ok=True)
+    print(processor())
+    print("\n".join(cost(args) if args.cost else quality(args)))
+
+
+if __name__ == "__main__":
+    main()

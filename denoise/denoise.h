@@ -1,0 +1,50 @@
+// A clean picture from the layers of a noisy one, by the statistics of its samples: no network, no
+// training. kernels/cross_filter.h has the filter; here are the planes that it works on.
+//
+// What is filtered is the light that falls on surfaces: the picture divided by the albedo of what
+// the pixel shows, so textures stay as they are. Single samples that are far too bright are told by
+// the halves of the samples: one half has them, and the other half has nothing like it in the
+// pixels around. Their excess is spread over the surface around them, so energy is kept.
+//
+// All of it is local: a pixel depends on those at most 12 pixels away, and on outliers at most 41
+// pixels away. The bytes do not depend on threads, tiles or instruction sets.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "image/image.h"
+#include "wavefront/film/aovs.h"
+
+namespace skywave {
+
+// Returns the layers that the denoiser reads, and the names of their channels.
+AovSet DenoiserLayers();
+std::vector<std::string> DenoiserChannels();
+
+// Halves of fewer samples know too little of their variance.
+inline constexpr std::uint32_t kFewestDenoiserSamples = 8;
+
+// Returns whether every pixel has enough samples in both halves. The layers are there.
+bool CanDenoise(const Image& image, std::span<const NamedChannel> layers);
+
+struct Denoised {
+  Image image;
+  // Layer "error", R, G and B: the root of the expected squared error of the image. It is
+  // estimated, and 1.96 times as much on both sides makes an interval of about 95 %.
+  std::vector<NamedChannel> error;
+  std::uint64_t outliers = 0;  // half pixels that were too bright
+  double spread_share = 0;     // of the picture's energy, which was spread around them
+};
+
+// Returns the clean picture. `layers` are channels by the names of DenoiserChannels, in any order,
+// and may be others too. Throws InputError about `name` if one is missing or has another size, if
+// a value is not finite, or where a pixel has too few samples.
+Denoised Denoise(const std::string& name, const Image& image, std::span<const NamedChannel> layers);
+
+// Returns one line that tells what was done with outliers, or nothing if there were none.
+std::string OutlierNote(const Denoised& denoised);
+
+}  // namespace skywave

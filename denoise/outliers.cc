@@ -1,0 +1,164 @@
+#include "denoise/outliers.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace skywave {
+namespace {
+
+// A half pixel is an outlier if it is this many times as bright as anything that the other half has
+// in the pixels around, and this many standard deviations brighter.
+constexpr float kTimesBrighter = 4, kDeviations = 4;
+// Its excess is spread by two means over this many pixels on each side, one after the other.
+constexpr int kSpread = 20;
+// Everything gets a share, at least this one.
+constexpr float kLeastShare = 1e-3f;
+
+float Brightness(const HalfPlanes& half, std::size_t at) {
+  return half.r[at] + half.g[at] + half.b[at];
+}
+
+// The largest brightness and noise of the 3 x 3 pixels around one.
+struct Surroundings {
+  float brightness = 0, noise = 0;
+};
+Surroundings Around(const PlaneShape& shape, const HalfPlanes& half, int x, int y) {
+  Surroundings most;
+  for (int dy = -1; dy <= 1; ++dy) {
+    for (int dx = -1; dx <= 1; ++dx) {
+      const std::size_t at = shape.at(x + dx, y + dy);
+      most.brightness = std::max(most.brightness, Brightness(half, at));
+      most.noise = std::max(most.noise, half.noise[at]);
+    }
+  }
+  return most;
+}
+
+bool IsOutlier(float brightness, const Surroundings& others) {
+  return brightness > kTimesBrighter * others.brightness &&
+         brightness > others.brightness + kDeviations * std::sqrt(others.noise);
+}
+
+// Replaces `line`, `count` values `step` apart, by means over 2 * kSpread + 1 of them. The line is
+// mirrored at its ends, so its sum stays.
+void MeanOfLine(float* line, int count, std::size_t step, std::vector<double>& sums) {
+  const auto mirrored = [&](int i) {
+    const int period = 2 * count;
+    i = ((i % period) + period) % period;
+    return i < count ? i : period - 1 - i;
+  };
+  sums.assign(std::size_t(count), 0);
+  double sum = 0;
+  for (int i = -kSpread; i <= kSpread; ++i) sum += line[std::size_t(mirrored(i)) * step];
+  for (int i = 0; i < count; ++i) {
+    sums[std::size_t(i)] = sum;
+    sum += double(line[std::size_t(mirrored(i + kSpread + 1)) * step]) -
+           line[std::size_t(mirrored(i - kSpread)) * step];
+  }
+  for (int i = 0; i < count; ++i) {
+    line[std::size_t(i) * step] = float(std::max(sums[std::size_t(i)], 0.0) / (2 * kSpread + 1));
+  }
+}
+
+void Spread(const PlaneShape& shape, float* plane) {
+  for (int pass = 0; pass < 2; ++pass) {
+    tbb::parallel_for(0, shape.height, [&](int y) {
+      std::vector<double> sums;
+      MeanOfLine(plane + shape.at(0, y), shape.width, 1, sums);
+    });
+    tbb::parallel_for(0, shape.width, [&](int x) {
+      std::vector<double> sums;
+      MeanOfLine(plane + shape.at(x, 0), shape.height, shape.pitch(), sums);
+    });
+  }
+}
+
+// How much of an excess a pixel takes: what it reflects.
+float ShareOf(const DenoiserPlanes& planes, const DenoiserInput& input, int x, int y) {
+  const std::size_t at = planes.shape.at(x, y);
+  const std::size_t pixel = std::size_t(y) * std::size_t(input.image.width) + std::size_t(x);
+  const float texture = planes.texture->r[at] + planes.texture->g[at] + planes.texture->b[at];
+  return std::max(input.coverage[pixel] * texture, kLeastShare);
+}
+
+// A half pixel that is one, and what it is to have instead.
+struct Outlier {
+  int x, y, half;
+  float left;   // of its radiance
+  float noise;  // that of its surroundings
+};
+
+// Returns the outliers of a row.
+std::vector<Outlier> FindOutliers(const DenoiserPlanes& planes, int y) {
+  std::vector<Outlier> found;
+  for (int x = 0; x < planes.shape.width; ++x) {
+    const std::size_t at = planes.shape.at(x, y);
+    for (int h = 0; h < 2; ++h) {
+      const HalfPlanes &half = planes.halves[h], &other = planes.halves[1 - h];
+      const float brightness = Brightness(half, at);
+      // Few are that much brighter than the same pixel of the other half.
+      if (brightness <= kTimesBrighter * Brightness(other, at)) continue;
+      const Surroundings others = Around(planes.shape, other, x, y);
+      if (!IsOutlier(brightness, others)) continue;
+      found.push_back({x, y, h, others.brightness / brightness, others.noise});
+    }
+  }
+  return found;
+}
+
+}  // namespace
+
+OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes) {
+  const PlaneShape& shape = planes.shape;
+  // All are found before any is taken.
+  std::vector<std::vector<Outlier>> rows(std::size_t(shape.height));
+  tbb::parallel_for(0, shape.height, [&](int y) { rows[y] = FindOutliers(planes, y); });
+  OutlierExcess result;
+  for (const std::vector<Outlier>& row : rows) result.outliers += row.size();
+  if (result.outliers == 0) return result;
+
+  soa::Table<TexturePlanes> excess(std::uint32_t(shape.size()));
+  for (const std::vector<Outlier>& row : rows) {
+    for (const Outlier& outlier : row) {
+      const std::size_t at = shape.at(outlier.x, outlier.y);
+      const std::size_t pixel =
+          std::size_t(outlier.y) * std::size_t(shape.width) + std::size_t(outlier.x);
+      const HalfPlanes& half = planes.halves[outlier.half];
+      const float second = input.half_samples[pixel] / input.samples[pixel];
+      const float taken = (1 - outlier.left) * (outlier.half == 0 ? 1 - second : second);
+      excess->r[at] += taken * half.r[at] * planes.texture->r[at];
+      excess->g[at] += taken * half.g[at] * planes.texture->g[at];
+      excess->b[at] += taken * half.b[at] * planes.texture->b[at];
+      half.r[at] *= outlier.left, half.g[at] *= outlier.left, half.b[at] *= outlier.left;
+      half.noise[at] = outlier.noise;
+    }
+  }
+  // Pixel i gives to pixel j in proportion to the share of j. The mean is symmetric, so what i
+  // gives adds up to its excess.
+  soa::Table<TexturePlanes> shares(std::uint32_t(shape.size()));
+  const auto for_each_pixel = [&](const auto& f) {
+    tbb::parallel_for(0, shape.height, [&](int y) {
+      for (int x = 0; x < shape.width; ++x) f(x, y, shape.at(x, y));
+    });
+  };
+  for_each_pixel([&](int x, int y, std::size_t at) {
+    shares->r[at] = shares->g[at] = ShareOf(planes, input, x, y);
+  });
+  Spread(shape, shares->r);
+  for_each_pixel([&](int, int, std::size_t at) {
+    const float scale = 1 / shares->r[at];
+    excess->r[at] *= scale, excess->g[at] *= scale, excess->b[at] *= scale;
+  });
+  for (float* plane : {excess->r, excess->g, excess->b}) Spread(shape, plane);
+  for_each_pixel([&](int, int, std::size_t at) {
+    const float share = shares->g[at];
+    excess->r[at] *= share, excess->g[at] *= share, excess->b[at] *= share;
+  });
+  result.spread = std::move(excess);
+  return result;
+}
+
+}  // namespace skywave

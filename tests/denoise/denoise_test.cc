@@ -1,0 +1,339 @@
+// Pictures whose truth and noise are known: the denoiser has to come nearer to the truth, keep what
+// features and statistics tell apart, keep energy, and know its error.
+#include "denoise/denoise.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "tests/support/targets.h"
+
+namespace skywave {
+namespace {
+
+constexpr int kSide = 96;
+constexpr int kSamples = 16;
+
+// What a pixel shows.
+struct Pixel {
+  double light = 1, deviation = 0.5;  // mean and standard deviation of a sample
+  double albedo = 1, coverage = 1;
+};
+using Truth = std::function<Pixel(int x, int y)>;
+
+// A picture with its layers, as the film resolves them.
+struct Noisy {
+  Image image;
+  std::vector<NamedChannel> layers;
+
+  std::vector<float>& at(const std::string& name) {
+    for (NamedChannel& layer : layers) {
+      if (layer.name == name) return layer.values;
+    }
+    throw std::out_of_range(name);
+  }
+};
+
+double TrueValue(const Pixel& pixel) { return pixel.light * pixel.albedo; }
+
+// Draws the samples of every pixel, the same for all channels, from a normal distribution, or from
+// those that `sample` makes of it.
+Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int height = kSide) {
+  Noisy noisy{.image = Image(width, height), .layers = {}};
+  for (const std::string& name : DenoiserChannels()) {
+    noisy.layers.push_back({name, std::vector<float>(std::size_t(width) * height, 0)});
+  }
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      // The samples of a pixel are its own, however large the picture is.
+      std::mt19937_64 random(seed * 1000003ull + std::uint64_t(y) * 8192 + std::uint64_t(x));
+      std::normal_distribution<double> normal;
+      const Pixel pixel = truth(x, y);
+      double sums[2] = {0, 0}, squares[2] = {0, 0};
+      for (int i = 0; i < kSamples; ++i) {
+        const double value = TrueValue(pixel) + pixel.deviation * pixel.albedo * normal(random);
+        sums[i % 2] += value, squares[i % 2] += value * value;
+      }
+      const auto variance = [](double n, double sum, double square) {
+        return (square - sum * sum / n) / (n - 1);
+      };
+      const std::size_t i = std::size_t(y) * width + x;
+      const double all = sums[0] + sums[1];
+      noisy.at("samples.V")[i] = kSamples;
+      noisy.at("half.N")[i] = kSamples / 2;
+      noisy.at("coverage.V")[i] = float(pixel.coverage);
+      noisy.at("depth.Z")[i] = 4;
+      noisy.at("shading-normal.Z")[i] = 1;
+      for (int c = 0; c < 3; ++c) {
+        const std::string letter(1, "RGB"[c]);
+        noisy.image.rgb[3 * i + std::size_t(c)] = float(all / kSamples);
+        noisy.at("half." + letter)[i] = float(sums[1] / (kSamples / 2));
+        noisy.at("variance." + letter)[i] = float(variance(kSamples, all, squares[0] + squares[1]));
+        noisy.at("half-variance." + letter)[i] = float(variance(kSamples / 2, sums[1], squares[1]));
+        noisy.at("albedo." + letter)[i] = float(pixel.albedo);
+      }
+    }
+  }
+  return noisy;
+}
+
+Denoised Clean(const Noisy& noisy) { return Denoise("noisy.exr", noisy.image, noisy.layers); }
+
+double SquaredError(const Image& image, const Truth& truth) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double error =
+          image.rgb[3 * (std::size_t(y) * image.width + x)] - TrueValue(truth(x, y));
+      sum += error * error;
+    }
+  }
+  return sum / image.width / image.height;
+}
+
+// Returns the share of pixels whose truth is within 1.96 times the estimated error.
+double Coverage(const Denoised& clean, const Truth& truth) {
+  int inside = 0;
+  const int width = clean.image.width;
+  for (int y = 0; y < clean.image.height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = std::size_t(y) * width + x;
+      const double error = std::abs(clean.image.rgb[3 * i] - TrueValue(truth(x, y)));
+      inside += error <= 1.96 * clean.error[0].values[i];
+    }
+  }
+  return double(inside) / width / clean.image.height;
+}
+
+double Sum(const Image& image) {
+  double sum = 0;
+  for (const float value : image.rgb) sum += value;
+  return sum;
+}
+
+std::vector<std::uint32_t> Bits(const Denoised& clean) {
+  std::vector<std::uint32_t> bits;
+  for (const float value : clean.image.rgb) bits.push_back(std::bit_cast<std::uint32_t>(value));
+  for (const NamedChannel& channel : clean.error) {
+    for (const float value : channel.values) bits.push_back(std::bit_cast<std::uint32_t>(value));
+  }
+  return bits;
+}
+
+Pixel Flat(int, int) { return {}; }
+Pixel Steps(int x, int) { return {.light = x < kSide / 2 ? 1.0 : 3.0}; }
+Pixel Checkered(int x, int y) { return {.albedo = (x / 2 + y / 2) % 2 == 0 ? 0.2 : 0.8}; }
+Pixel Slope(int x, int y) { return {.light = 1 + 0.01 * x + 0.005 * y}; }
+
+TEST(Denoise, FlatLightLosesItsNoise) {
+  const Noisy noisy = Draw(Flat, 1);
+  const Denoised clean = Clean(noisy);
+  EXPECT_LT(SquaredError(clean.image, Flat), SquaredError(noisy.image, Flat) / 25);
+  EXPECT_EQ(clean.outliers, 0u);
+}
+
+// The mean of pictures with many seeds is the truth, to within four standard errors.
+TEST(Denoise, FlatLightKeepsItsMean) {
+  double sum = 0, square = 0;
+  constexpr int kRuns = 20;
+  for (std::uint32_t seed = 0; seed < kRuns; ++seed) {
+    const double mean = Sum(Clean(Draw(Flat, 100 + seed)).image) / (3.0 * kSide * kSide);
+    sum += mean, square += mean * mean;
+  }
+  const double mean = sum / kRuns;
+  const double error = std::sqrt((square / kRuns - mean * mean) / (kRuns - 1));
+  EXPECT_NEAR(mean, 1, 4 * error);
+  EXPECT_LT(error, 1e-3);
+}
+
+TEST(Denoise, EdgesThatSamplesTellApartStay) {
+  const Noisy noisy = Draw(Steps, 2);
+  const Denoised clean = Clean(noisy);
+  double left = 0, right = 0;
+  for (int y = 8; y < kSide - 8; ++y) {
+    left += clean.image.rgb[3 * std::size_t(y * kSide + kSide / 2 - 1)];
+    right += clean.image.rgb[3 * std::size_t(y * kSide + kSide / 2)];
+  }
+  EXPECT_NEAR(left / (kSide - 16), 1, 0.03);
+  EXPECT_NEAR(right / (kSide - 16), 3, 0.03);
+  EXPECT_LT(SquaredError(clean.image, Steps), SquaredError(noisy.image, Steps) / 15);
+}
+
+TEST(Denoise, TexturesStay) {
+  const Noisy noisy = Draw(Checkered, 3);
+  const Denoised clean = Clean(noisy);
+  EXPECT_LT(SquaredError(clean.image, Checkered), SquaredError(noisy.image, Checkered) / 8);
+  double dark = 0, bright = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double value = clean.image.rgb[3 * std::size_t(y * kSide + x)];
+      (Checkered(x, y).albedo < 0.5 ? dark : bright) += value;
+    }
+  }
+  EXPECT_NEAR(dark / (kSide * kSide / 2), 0.2, 0.002);
+  EXPECT_NEAR(bright / (kSide * kSide / 2), 0.8, 0.008);
+}
+
+// A thin line of another surface has other features; a pixel that nothing is like stays as it is.
+TEST(Denoise, ThinThingsStay) {
+  const Truth line = [](int x, int) { return Pixel{.light = x == 40 ? 1.2 : 1.0}; };
+  Noisy noisy = Draw(line, 4);
+  for (int y = 0; y < kSide; ++y) noisy.at("shading-normal.X")[std::size_t(y * kSide + 40)] = 1;
+  const Denoised clean = Clean(noisy);
+  double mean = 0, beside = 0;
+  for (int y = 0; y < kSide; ++y) {
+    mean += clean.image.rgb[3 * std::size_t(y * kSide + 40)] / kSide;
+    beside += clean.image.rgb[3 * std::size_t(y * kSide + 41)] / kSide;
+  }
+  EXPECT_NEAR(mean, 1.2, 0.05);
+  EXPECT_NEAR(beside, 1, 0.03);
+}
+
+TEST(Denoise, WithoutNoiseNothingChanges) {
+  const Truth still = [](int x, int y) {
+    return Pixel{.light = 1 + x % 7 + 0.3 * (y % 5), .deviation = 0, .albedo = 0.5};
+  };
+  const Noisy noisy = Draw(still, 5);
+  const Denoised clean = Clean(noisy);
+  for (std::size_t i = 0; i < clean.image.rgb.size(); ++i) {
+    ASSERT_NEAR(clean.image.rgb[i], noisy.image.rgb[i], 2e-6 * noisy.image.rgb[i]) << i;
+  }
+}
+
+TEST(Denoise, ErrorsAreWhatIntervalsSay) {
+  for (const Truth& truth : {Truth(Flat), Truth(Slope), Truth(Steps), Truth(Checkered)}) {
+    const Denoised clean = Clean(Draw(truth, 6));
+    const double coverage = Coverage(clean, truth);
+    EXPECT_GT(coverage, 0.93);
+    EXPECT_LT(coverage, 0.985);
+  }
+}
+
+TEST(Denoise, OutliersAreSpreadAndEnergyIsKept) {
+  Noisy noisy = Draw(Flat, 7);
+  const Denoised before = Clean(noisy);
+  // One sample of the second half was 4000 times as bright as the others.
+  const std::size_t at = 48 * kSide + 50;
+  for (const char* const letter : {"R", "G", "B"}) {
+    const std::string channel(letter);
+    noisy.image.rgb[3 * at + std::size_t(std::string("RGB").find(channel))] += 4000.0f / kSamples;
+    noisy.at("half." + channel)[at] += 4000.0f / (kSamples / 2);
+    noisy.at("variance." + channel)[at] += 4000.0f * 4000 / kSamples;
+    noisy.at("half-variance." + channel)[at] += 4000.0f * 4000 / (kSamples / 2);
+  }
+  const Denoised clean = Clean(noisy);
+  EXPECT_EQ(clean.outliers, 1u);
+  EXPECT_NE(OutlierNote(clean), "");
+  EXPECT_EQ(OutlierNote(before), "");
+  const double given = 3 * 4000.0 / kSamples;
+  EXPECT_NEAR((Sum(clean.image) - Sum(before.image)) / given, 1, 0.01);
+  EXPECT_NEAR(clean.spread_share, given / Sum(noisy.image), 0.01 * given / Sum(noisy.image));
+  EXPECT_LT(clean.image.rgb[3 * at], 6);
+  EXPECT_NEAR(clean.image.rgb[3 * (at + 30)], 1, 0.3);
+}
+
+// The excess goes to what reflects: not to the sky beside the surface.
+TEST(Denoise, OutliersStayOnTheirSurface) {
+  const Truth half_sky = [](int x, int) {
+    return Pixel{.light = 1, .deviation = 0.1, .coverage = x < kSide / 2 ? 1.0 : 0.0};
+  };
+  Noisy noisy = Draw(half_sky, 8);
+  const Denoised before = Clean(noisy);
+  const std::size_t at = 48 * kSide + kSide / 2 - 4;
+  for (const int c : {0, 1, 2}) {
+    const std::string channel(1, "RGB"[c]);
+    noisy.image.rgb[3 * at + std::size_t(c)] += 100;
+    noisy.at("half." + channel)[at] += 200;
+    noisy.at("variance." + channel)[at] += 16 * 10000;
+    noisy.at("half-variance." + channel)[at] += 16 * 20000;
+  }
+  const Denoised clean = Clean(noisy);
+  double surface = 0, sky = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const std::size_t i = 3 * std::size_t(y * kSide + x);
+      (x < kSide / 2 ? surface : sky) += clean.image.rgb[i] - before.image.rgb[i];
+    }
+  }
+  EXPECT_NEAR(surface, 100, 2);
+  EXPECT_LT(sky, 1);
+}
+
+TEST(Denoise, BytesDoNotDependOnThreads) {
+  const Noisy noisy = Draw(Steps, 9, 150, 70);
+  std::vector<std::uint32_t> bits;
+  for (const std::size_t threads : {1, 2, 7}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const std::vector<std::uint32_t> these = Bits(Clean(noisy));
+    if (bits.empty()) bits = these;
+    EXPECT_EQ(these, bits) << threads;
+  }
+}
+
+TEST(Denoise, BytesDoNotDependOnTheInstructionSet) {
+  const Noisy noisy = Draw(Slope, 10, 77, 41);
+  ExpectSameOnEveryTarget([&] { return Bits(Clean(noisy)); });
+}
+
+// A part with a rim has the pixels of the whole.
+TEST(Denoise, APixelDependsOnItsSurroundings) {
+  constexpr int kRim = 12;
+  const Truth whole = [](int x, int y) { return Pixel{.light = 1 + (x > 50) + 0.5 * (y > 40)}; };
+  const Truth part = [&](int x, int y) { return whole(x, y); };
+  const Denoised large = Clean(Draw(whole, 11, 120, 100)), small = Clean(Draw(part, 11, 80, 70));
+  for (int y = 0; y < 70 - kRim; ++y) {
+    for (int x = 0; x < 80 - kRim; ++x) {
+      ASSERT_EQ(small.image.rgb[3 * std::size_t(y * 80 + x)],
+                large.image.rgb[3 * std::size_t(y * 120 + x)])
+          << x << ' ' << y;
+    }
+  }
+}
+
+void ExpectError(const Noisy& noisy, const std::string& words) {
+  try {
+    Clean(noisy);
+    ADD_FAILURE() << "not refused: " << words;
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("noisy.exr"), std::string::npos);
+  }
+}
+
+TEST(Denoise, BadInputIsRefused) {
+  Noisy without = Draw(Flat, 12, 8, 8);
+  std::erase_if(without.layers, [](const NamedChannel& layer) { return layer.name == "half.G"; });
+  ExpectError(without, "half.G");
+
+  Noisy other_size = Draw(Flat, 12, 8, 8);
+  other_size.at("albedo.R").resize(63);
+  ExpectError(other_size, "has 64 pixels, and its channel albedo.R 63");
+
+  Noisy not_a_number = Draw(Flat, 12, 8, 8);
+  not_a_number.at("variance.B")[19] = std::numeric_limits<float>::quiet_NaN();
+  ExpectError(not_a_number, "channel variance.B is nan in pixel (3, 2)");
+
+  Noisy infinite = Draw(Flat, 12, 8, 8);
+  infinite.image.rgb[5] = std::numeric_limits<float>::infinity();
+  ExpectError(infinite, "is inf in pixel (1, 0)");
+
+  Noisy few = Draw(Flat, 12, 8, 8);
+  few.at("samples.V")[10] = 4, few.at("half.N")[10] = 2;
+  ExpectError(few, "pixel (2, 1) has 4 samples");
+
+  Noisy one_half = Draw(Flat, 12, 8, 8);
+  one_half.at("half.N")[0] = 0;
+  ExpectError(one_half, "0 of them in one half");
+}
+
+}  // namespace
+}  // namespace skywave
