@@ -77,7 +77,9 @@ void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
 
 int CompareMain(const CompareFlags& flags) {
   for (const std::string& path : {flags.map, flags.json}) {
-    if (!path.empty()) CheckWritable(path);
+    if (path.empty()) continue;
+    CheckNotInput(path, flags.image), CheckNotInput(path, flags.reference);
+    CheckWritable(path);
   }
   const ComparedPicture a = ReadCompared(flags.image, flags.limits),
                         b = ReadCompared(flags.reference, flags.limits);

@@ -292,7 +292,10 @@ void Print(const std::string& path, const SceneFile& file) {
 }
 
 int InfoMain(const InfoFlags& flags) {
-  if (!flags.json.empty()) CheckWritable(flags.json);
+  if (!flags.json.empty()) {
+    CheckNotInput(flags.json, flags.request.scene);
+    CheckWritable(flags.json);
+  }
   const SceneFile file = Load(flags.request.scene, flags.request.read);
   Print(flags.request.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");

@@ -18,10 +18,11 @@ namespace {
 constexpr int kMaxFilmSide = 32768;
 constexpr std::int64_t kMaxFilmPixels = std::int64_t{1} << 28;
 
-// The window that a scene file gives as fractions of a film of `width` x `height` pixels.
+// The window that a scene file gives as fractions of a film of `width` x `height` pixels. As in
+// pbrt the product is rounded to a float before it is rounded up, so that a tenth of 160 is 16.
 CropWindow PixelsOf(const CropFractions& crop, int width, int height) {
   const auto pixel = [](float fraction, int size) {
-    return int(std::ceil(double(fraction) * size));
+    return int(std::ceil(fraction * float(size)));
   };
   const int x = pixel(crop.left, width), y = pixel(crop.top, height);
   return {x, y, pixel(crop.right, width) - x, pixel(crop.bottom, height) - y};

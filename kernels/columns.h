@@ -37,6 +37,7 @@ constexpr std::uint32_t PaddedRows(std::uint32_t rows) {
   BSDF(Ward)                      \
   BSDF(CoatedMetallicRoughness)   \
   BSDF(CoatedConductor)           \
+  BSDF(CoatedDiffuse)             \
   BSDF(Measured)
 #define SKYWAVE_DELTA_BSDFS(BSDF) \
   BSDF(Mirror)                    \
@@ -259,7 +260,12 @@ enum class MaterialField : std::uint32_t {
   // own file.
   kAlphaAcross = kIor,  // anisotropic BSDFs: width across the tangent; alpha is that along it
   kMetallic = kEta,     // metallic-roughness: share of metal
-  kAbsorption = kK      // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
+  // BSDFs with a table of their coat (kernels/bsdf/coat_tables.h): its index, its width, and
+  // whether its medium makes it coloured.
+  kCoatTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
+  kCoatAlpha = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
+  kCoatMedium = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
+  kAbsorption = kK  // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
 };
 
 // A measured BRDF has the coordinates of the MERL database (Matusik et al. 2003): the half angle

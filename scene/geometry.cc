@@ -31,7 +31,8 @@ MaterialView Geometry::materials() const {
   return {.records = tables_.materials.data(),
           .conductor = tables_.ggx,
           .sheen = tables_.sheen,
-          .measured = tables_.measured.data()};
+          .measured = tables_.measured.data(),
+          .coats = tables_.coats.data()};
 }
 
 NormalMapView Geometry::normal_maps() const {

@@ -74,7 +74,7 @@ void CheckMeshes(const Scene& scene, const std::string& path) {
     CheckMesh(mesh, scene.materials.size(), path);
     triangles += mesh.triangles.size();
   }
-  if (triangles == 0) {
+  if (triangles == 0 && scene.environments.empty()) {
     throw InputError(InputPosition::File(path), "there is no triangle to render");
   }
   if (scene.materials.size() > kMaterialMask || triangles >= kMaxRecords) {

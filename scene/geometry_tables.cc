@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <utility>
 
@@ -219,10 +220,18 @@ void AddNormalMaps(const Scene& scene, GeometryTables& tables) {
   }
 }
 
-// Adds the records of materials and the tables that their BSDFs read.
+// Adds the records of materials and the tables that their BSDFs read. Materials with equal coats
+// share a table.
 void AddMaterials(const Scene& scene, GeometryTables& tables) {
+  std::map<CoatKey, std::uint32_t> coats;
   for (const Material& material : scene.materials) {
     tables.materials.push_back(PackMaterial(material, scene.measured));
+    if (BsdfOf(material).tables.coat) {
+      const auto [coat, is_new] =
+          coats.emplace(CoatKeyOf(material), std::uint32_t(tables.coats.size()));
+      if (is_new) tables.coats.push_back(MakeCoatTable(material));
+      PutField(tables.materials.back(), MaterialField::kCoatTable, coat->second);
+    }
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
     // These take tens of milliseconds, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();
@@ -279,7 +288,7 @@ std::size_t GeometryTables::bytes() const {
     return (... + (table.size() * sizeof table[0]));
   };
   return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, mixed, measured,
-                  normal_maps, map_axes, opacity) +
+                  coats, normal_maps, map_axes, opacity) +
          textures.bytes();
 }
 

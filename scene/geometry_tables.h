@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/coat_tables.h"
 #include "kernels/columns.h"
 #include "kernels/partition.h"
 #include "kernels/surface/normal_map.h"
@@ -43,6 +44,7 @@ struct GeometryTables {
   std::vector<OpacityRecord> opacity;        // by material
   bool absorbs = false;                      // light is lost inside some material
   std::vector<float> measured;
+  std::vector<CoatTable> coats;  // by kCoatTable of the materials that have one
   const ConductorTables* ggx = nullptr;
   const SheenTables* sheen = nullptr;
   TextureTables textures;

@@ -23,8 +23,11 @@ Bounds SceneBounds(const Scene& scene, const std::string& path) {
       }
     }
   }
-  if (!any) throw InputError(InputPosition::File(path), "has no triangle to render");
-  return bounds;
+  if (any) return bounds;
+  if (scene.environments.empty()) {
+    throw InputError(InputPosition::File(path), "has no triangle to render");
+  }
+  return {glm::vec3(-1), glm::vec3(1)};
 }
 
 Camera LookAtCamera(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up,

@@ -18,8 +18,10 @@
 namespace skywave {
 
 // The texels of a texture stand for one of these. A normal has x right in the image, y up and z off
-// the surface, and [0, 1] stands for [-1, 1]. Opacity and heights are the mean of the channels.
-enum class TextureUse : std::uint32_t { kColor, kOpacity, kNormals, kHeights };
+// the surface, and [0, 1] stands for [-1, 1]. pbrt's normals have y along normal x tangent instead,
+// which is down in the image where the coordinates are mirrored. Opacity and heights are the mean
+// of the channels.
+enum class TextureUse : std::uint32_t { kColor, kOpacity, kNormals, kHeights, kPbrtNormals };
 
 // An image as a material uses it. After `transform`, whose columns are the factors of u, v and 1,
 // uv (0, 0) is the top left corner of the image and (1, 1) the bottom right one.
@@ -148,8 +150,8 @@ struct Scene {
 struct Bounds {
   glm::vec3 low, high;
 };
-// Returns the smallest axis-aligned box around all meshes; throws InputError(path) if there is no
-// triangle.
+// Returns the smallest axis-aligned box around all meshes. Where there is no triangle, a file that
+// has an infinite light gets a box around the origin, and another one InputError(path).
 Bounds SceneBounds(const Scene& scene, const std::string& path);
 
 // Returns a camera at `eye` that sees `target` in its centre and `up` (any length, not along the

@@ -1,6 +1,7 @@
 // The subcommands of `skywave probe`, one file each, and their shared helpers that read a map.
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,10 @@ struct MapFlags {
   ReadLimits limits;
 };
 void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags);
+
+// Throws InputError unless every file that is named can be written, and is none that the command
+// reads. Empty names are skipped.
+void CheckOutputs(std::initializer_list<std::string> outputs, const MapFlags& map);
 
 // Reports bad pixels on standard error.
 ProbeMap ReadProbe(const MapFlags& flags);

@@ -44,7 +44,23 @@ void ReadSize(const std::string& text, Projection to, int& width, int& height) {
   }
 }
 
+// Checks the files that are written, which may be six, against those that are read.
+void CheckFiles(const ConvertFlags& flags) {
+  const auto names = [](const std::string& path, bool faces) {
+    if (!faces) return std::vector<std::string>{path};
+    const auto six = CubeFacePaths(path);
+    return std::vector<std::string>(six.begin(), six.end());
+  };
+  for (const std::string& output : names(flags.output, flags.faces_out)) {
+    for (const std::string& input : names(flags.map.path, flags.faces_in)) {
+      CheckNotInput(output, input);
+    }
+    CheckWritable(output);
+  }
+}
+
 int ConvertMain(ConvertFlags& flags) {
+  CheckFiles(flags);
   ProbeMap file;
   if (flags.faces_in) {
     file = {.image = ReadCubeFaces(flags.map.path, flags.map.limits),
@@ -62,7 +78,6 @@ int ConvertMain(ConvertFlags& flags) {
   } else {
     ReadSize(flags.size, flags.to, width, height);
   }
-  if (!flags.faces_out) CheckWritable(flags.output);
   const Image result = Resample(file.image, file.projection, flags.to, width, height);
   if (flags.faces_out) {
     WriteCubeFaces(flags.output, result);

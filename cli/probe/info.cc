@@ -65,6 +65,7 @@ void Print(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& info) {
 }
 
 int InfoMain(const InfoFlags& flags) {
+  CheckOutputs({flags.json}, flags.map);
   ProbeMap map = ReadProbe(flags.map);
   const Image latlong = ToLatLong(map.image, map.projection);
   const ProbeInfo info = DescribeMap(MakeSphereMap(latlong), flags.spots);

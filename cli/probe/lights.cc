@@ -32,9 +32,7 @@ int LightsMain(LightsFlags& flags) {
     throw InputError({}, "--residual needs --strata: without it all light is in the lights",
                      kExitUsage);
   }
-  for (const std::string& path : {flags.output, flags.options.residual}) {
-    if (!path.empty()) CheckWritable(path);
-  }
+  CheckOutputs({flags.output, flags.options.residual}, flags.map);
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const ProbeLights lights = MakeProbeLights(MakeSphereMap(latlong), flags.request);
   flags.options.source = flags.map.path;

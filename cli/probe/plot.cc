@@ -27,7 +27,7 @@ PlotView ViewOf(const PlotFlags& flags) {
 }
 
 int PlotMain(PlotFlags& flags) {
-  CheckWritable(flags.output);
+  CheckOutputs({flags.output}, flags.map);
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   ProbeLights lights;

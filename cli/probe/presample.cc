@@ -43,9 +43,7 @@ nlohmann::ordered_json Json(const PresampleFlags& flags, const SphereMap& map,
 }
 
 int PresampleMain(PresampleFlags& flags) {
-  for (const std::string& path : {flags.output, flags.cells}) {
-    if (!path.empty()) CheckWritable(path);
-  }
+  CheckOutputs({flags.output, flags.cells}, flags.map);
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   const ProbeLights lights = MakeProbeLights(map, flags.request);

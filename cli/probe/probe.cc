@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "base/files.h"
 #include "cli/commands.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
@@ -25,6 +26,14 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   };
   // clang-format on
   AddOptions(command, options, flags);
+}
+
+void CheckOutputs(std::initializer_list<std::string> outputs, const MapFlags& map) {
+  for (const std::string& output : outputs) {
+    if (output.empty()) continue;
+    CheckNotInput(output, map.path);
+    CheckWritable(output);
+  }
 }
 
 ProbeMap ReadProbe(const MapFlags& flags) {

@@ -20,6 +20,7 @@
 
 namespace skywave {
 
+struct CoatTable;
 struct ConductorTables;
 struct Material;
 struct MeasuredBrdf;
@@ -32,6 +33,7 @@ struct MaterialView {
   const ConductorTables* conductor;
   const SheenTables* sheen = nullptr;
   const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
+  const CoatTable* coats = nullptr;
 };
 
 // Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2
@@ -115,6 +117,7 @@ enum class Varying {
 struct BsdfTables {
   bool ggx = false, sheen = false;  // kernels/bsdf/conductor_tables.h
   bool measured = false;            // the MeasuredBrdf that the material names
+  bool coat = false;                // a CoatTable of the material (kernels/bsdf/coat_tables.h)
 };
 
 // A field of Material that a BSDF reads (besides reflectance and textures), and the name under

@@ -1,5 +1,7 @@
-// A conductor under a clear coat (coat-inl.h) of its own index and width. The BSDF leaves out how
-// refraction into the coat changes the metal, and light that is reflected to and fro between them.
+// A conductor under a dielectric coat (tabled_coat-inl.h). The metal meets the coat and not air:
+// its index counts relative to that of the coat, and its lobe is that of the refracted directions.
+// What the coat takes, and what light that goes to and fro between both adds, are factors for both
+// directions, by which directional albedos are exact.
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/pack.h"
 
@@ -7,26 +9,74 @@
 #define HWY_TARGET_INCLUDE "kernels/bsdf/coated_conductor.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/coat-inl.h"
-#include "kernels/bsdf/conductor-inl.h"
+#include "kernels/bsdf/tabled_coat-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-struct ConductorCoat {
-  static constexpr MaterialField kAlpha = kRoughnessTexture;
+struct CoveredMetal {
+  static constexpr MaterialField kCoatWidth = kCoatAlpha;
 
-  HWY_INLINE ConductorCoat(const MaterialView& m, VU fields)
-      : strength(Set(1.0f)), alpha(Clamp(Field(m, fields, kAlpha), 1e-3f, 1.0f)) {
-    const VF ior = Field(m, fields, kIor), one = Set(1.0f);
-    const VF amplitude = hn::Div(hn::Sub(ior, one), hn::Add(ior, one));
-    f0 = hn::Mul(amplitude, amplitude);
+  HWY_INLINE CoveredMetal(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                          std::uint32_t n)
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        ggx(Clamp(Field(m, fields, kAlpha), 1e-3f, 1.0f)),
+        ior(hn::Max(Field(m, fields, kIor), Set(1e-3f))),
+        eta(Field3(m, fields, kEta)),
+        k(Field3(m, fields, kK)) {}
+
+  // Refracts a direction into the coat.
+  HWY_INLINE V3 Inside(const V3& w) const {
+    const VF inverse = hn::Div(Set(1.0f), ior);
+    const VF x = hn::Mul(w.x, inverse), y = hn::Mul(w.y, inverse);
+    const VF sine2 = hn::Add(hn::Mul(x, x), hn::Mul(y, y));
+    return {x, y, SafeSqrt(hn::Sub(Set(1.0f), sine2))};
   }
-  VF strength, alpha, f0;
+  // Refracts a direction out of the coat; what is reflected totally points into the surface.
+  HWY_INLINE V3 Outside(const V3& w) const {
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    const VF x = hn::Mul(w.x, ior), y = hn::Mul(w.y, ior);
+    const VF cosine2 = hn::Sub(one, hn::Add(hn::Mul(x, x), hn::Mul(y, y)));
+    const MF leaves = hn::And(hn::Gt(cosine2, zero), hn::Gt(w.z, zero));
+    return IfThen(leaves, V3{x, y, SafeSqrt(cosine2)}, V3{zero, zero, Set(-1.0f)});
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const CoatLanes& coat, const V3& wo, const V3& wi) const {
+    const VF one = Set(1.0f), tiny = Set(1e-6f);
+    const V3 o = Inside(wo), i = Inside(wi);
+    const V3 h = Ggx::HalfVector(o, i);
+    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lambda_o = ggx.Lambda(o), lambda_i = ggx.Lambda(i);
+    // A solid angle in the coat is this part of that outside.
+    const VF squeezed = hn::Div(wi.z, hn::Mul(hn::Mul(ior, ior), hn::Max(i.z, tiny)));
+    const VF lobe = hn::Mul(hn::Mul(d, squeezed), hn::Div(Set(0.25f), hn::Max(o.z, tiny)));
+    const VF single = hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i));
+    const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(o, h)), one), eta, k);
+    const V3 through = Mul(coat.Look3(offsetof(CoatTable, through), CoatLanes::PlaceOf(wo.z)),
+                           coat.Look3(offsetof(CoatTable, through), CoatLanes::PlaceOf(wi.z)));
+    return {Scale(Mul(Mul(color, fresnel), through), single),
+            hn::Div(lobe, hn::Add(one, lambda_o))};
+  }
+  HWY_INLINE V3 Direction(const V3& wo, VF u, VF v, VF) const {
+    return Outside(ggx.Reflect(Inside(wo), u, v));
+  }
+  // Refraction widens the lobe. The Fresnel reflectance is left out: it is nearly the same for all
+  // wi that matter.
+  HWY_INLINE VF Blurred(const CoatLanes&, const V3& wo, const V3& wi, VF radius) const {
+    const Ggx wide(Clamp(hn::Mul(ggx.alpha, ior), 1e-3f, 1.0f));
+    return hn::Mul(Luminance(color), wide.Blurred(wo, wi, radius));
+  }
+
+  VU fields;
+  V3 color;
+  Ggx ggx;
+  VF ior;
+  V3 eta, k;
 };
 
-using CoatedConductor = Coated<Conductor, ConductorCoat>;
+using CoatedConductor = UnderCoat<CoveredMetal>;
 
 SKYWAVE_BSDF_KERNELS(CoatedConductor)
 
@@ -40,12 +90,15 @@ namespace skywave {
 inline constexpr BsdfTraits CoatedConductorTraits = {
     .name = "coated-conductor",
     .lobed = true,
-    .tables = {.ggx = true},
+    .tables = {.coat = true},
     .parameters = {{"alpha"}, {"eta"}, {"k"}, {"coat_alpha"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PackConductor(m, r);
-      PutField(r, HWY_NAMESPACE::ConductorCoat::kAlpha, MicrofacetWidth(m.coat_alpha));
+      PutField(r, MaterialField::kAlpha, WidthUnderCoat(m.alpha, m.coat_alpha, m.ior));
+      PutField(r, MaterialField::kEta, m.eta / m.ior);
+      PutField(r, MaterialField::kK, m.k / m.ior);
+      PutField(r, MaterialField::kCoatAlpha, MicrofacetWidth(m.coat_alpha));
       PutField(r, MaterialField::kIor, m.ior);
+      PutField(r, MaterialField::kCoatMedium, m.coat_thickness > 0 ? 1.0f : 0.0f);
     }};
 SKYWAVE_BSDF_TABLE(CoatedConductor)
 

@@ -6,53 +6,36 @@
 #include <memory>
 #include <numbers>
 
+#include "kernels/bsdf/visible_normals.h"
+
 namespace skywave {
 namespace {
 
 // Computes the means of G2 / G1(wo) over visible normals (the weight of a sample when F = 1), and
-// of that times (1 - wo . h)^5, by the midpoint rule in the spherical-cap parametrisation of Dupuy
-// and Benyoub 2023.
+// of that times (1 - wo . h)^5.
 struct Albedos {
   double all, grazing;
 };
 Albedos DirectionalAlbedo(double alpha, double mu) {
   constexpr int kTurns = 32, kHeights = 128;
   mu = std::max(mu, 1e-4);
-  const double sine = std::sqrt(1 - mu * mu);
-  double x = alpha * sine, z = mu;
-  const double norm = std::hypot(x, z);
-  x /= norm, z /= norm;
-  const auto lambda = [&](double cosine) {
-    const double tan2 = (1 - cosine * cosine) / (cosine * cosine);
-    return 0.5 * (std::sqrt(1 + alpha * alpha * tan2) - 1);
-  };
   double sum = 0, grazing = 0;
-  for (int turn = 0; turn < kTurns; ++turn) {
-    const double phi = std::numbers::pi * (turn + 0.5) / kTurns;  // the other half mirrors it
-    for (int height = 0; height < kHeights; ++height) {
-      const double cap = 1 - (height + 0.5) / kHeights * (1 + z);
-      const double radius = std::sqrt(std::max(0.0, 1 - cap * cap));
-      double hx = (radius * std::cos(phi) + x) * alpha, hy = radius * std::sin(phi) * alpha;
-      double hz = std::max(0.0, cap + z);
-      const double length = std::sqrt(hx * hx + hy * hy + hz * hz);
-      if (length == 0) continue;
-      hx /= length, hz /= length;
-      const double toward = hx * sine + hz * mu;
-      const double cosine = 2 * toward * hz - mu;
-      if (cosine <= 0) continue;
-      const double out = lambda(mu), in = lambda(std::min(cosine, 1.0));
-      const double weight = (1 + out) / (1 + out + in);
-      const double away = std::max(0.0, 1 - toward), away2 = away * away;
-      sum += weight, grazing += weight * away2 * away2 * away;
-    }
-  }
+  ForEachVisibleFacet(alpha, mu, kTurns, kHeights, [&](const VisibleFacet& facet) {
+    const double cosine = 2 * facet.toward * facet.z - mu;
+    if (cosine <= 0) return;
+    const double out = GgxLambda(alpha, mu), in = GgxLambda(alpha, std::min(cosine, 1.0));
+    const double weight = (1 + out) / (1 + out + in);
+    const double away = std::max(0.0, 1 - facet.toward), away2 = away * away;
+    sum += weight, grazing += weight * away2 * away2 * away;
+  });
   return {sum / (kTurns * kHeights), grazing / (kTurns * kHeights)};
 }
 
 using Column = std::array<double, kAlbedoColumns>;
 
-// Returns 2 * integral of E(mu) mu dmu with mu = s^2: E is linear in s between nodes.
-double MeanOverCosine(const Column& column) {
+}  // namespace
+
+double MeanOverCosine(const std::array<double, kAlbedoColumns>& column) {
   constexpr int kSteps = 1024;
   double mean = 0;
   for (int i = 0; i < kSteps; ++i) {
@@ -65,6 +48,8 @@ double MeanOverCosine(const Column& column) {
   }
   return mean;
 }
+
+namespace {
 
 void StoreRow(const Column& column, std::uint32_t row, float* table) {
   for (std::uint32_t c = 0; c <= kAlbedoColumns; ++c) {

@@ -3,6 +3,7 @@
 // ("Revisiting Physically Based Shading at Imageworks") returns the rest.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 namespace skywave {
@@ -24,6 +25,10 @@ struct ConductorTables {
   float padded_mean_albedo[kAlbedoRows + 1];
   float mean_grazing[kAlbedoRows + 1];
 };
+
+// Returns the mean over the cosine-weighted hemisphere of a column of such a table, as kernels
+// interpolate it.
+double MeanOverCosine(const std::array<double, kAlbedoColumns>& column);
 
 // Returns the tables, which the first call computes in double, by quadrature over the visible
 // normals; that takes tens of milliseconds.

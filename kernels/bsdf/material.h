@@ -36,6 +36,7 @@ enum class MaterialPart {
   kOpacity,
   kNormalMap,
   kAbsorption,
+  kCoatMedium,
   kEmission
 };
 
@@ -59,6 +60,12 @@ struct Material {
   glm::vec3 second_color{0.0f};
   // Coated conductor (strength 1; `ior` is the coat's), coated metallic-roughness (index 1.5).
   float coat = 1, coat_alpha = 1e-3f;
+  // Coated conductor, coated diffuse: the medium of the coat, which is clear at thickness 0.
+  // Optical thickness, share of the light that is scattered there and not lost, and its mean cosine
+  // (Henyey and Greenstein 1941).
+  float coat_thickness = 0;
+  glm::vec3 coat_albedo{0.0f};
+  float coat_asymmetry = 0;
   glm::vec3 sheen{0.0f};  // coated metallic-roughness: colour and width
   float sheen_alpha = 0.1f;
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
@@ -101,6 +108,8 @@ struct Material {
         return normal_texture.has_value();
       case MaterialPart::kAbsorption:
         return absorption != glm::vec3(0);
+      case MaterialPart::kCoatMedium:
+        return coat_thickness > 0;
       case MaterialPart::kEmission:
         return emission != glm::vec3(0);
     }
@@ -113,9 +122,10 @@ struct Material {
   static void ForEachField(Self& self, F f) {
     // A new member does not compile until it is named here; a test counts that all are visited.
     auto& [name, bsdf, reflectance, eta, k, alpha, alpha_across, ior, metallic, second_color, coat,
-           coat_alpha, sheen, sheen_alpha, measured, absorption, color_texture, roughness_texture,
-           opacity, opacity_cutoff, opacity_texture, normal_texture, normal_scale, height_in_texels,
-           mixture, emission, emits_on_both_sides, emission_texture] = self;
+           coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen, sheen_alpha, measured,
+           absorption, color_texture, roughness_texture, opacity, opacity_cutoff, opacity_texture,
+           normal_texture, normal_scale, height_in_texels, mixture, emission, emits_on_both_sides,
+           emission_texture] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -130,6 +140,9 @@ struct Material {
     f("second_color", kBsdf, second_color);
     f("coat", kBsdf, coat);
     f("coat_alpha", kBsdf, coat_alpha);
+    f("coat_thickness", kCoatMedium, coat_thickness);
+    f("coat_albedo", kCoatMedium, coat_albedo);
+    f("coat_asymmetry", kCoatMedium, coat_asymmetry);
     f("sheen", kBsdf, sheen);
     f("sheen_alpha", kBsdf, sheen_alpha);
     f("measured", kBsdf, measured);

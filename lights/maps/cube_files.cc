@@ -9,26 +9,27 @@
 #include "base/files.h"
 
 namespace skywave {
-namespace {
 
-constexpr const char* kFaceNames[6] = {"right", "left", "up", "down", "front", "back"};
-
-std::string FacePath(const std::string& path, int face) {
+std::array<std::string, 6> CubeFacePaths(const std::string& path) {
+  constexpr const char* kFaceNames[6] = {"right", "left", "up", "down", "front", "back"};
   const std::filesystem::path whole(path);
-  const std::string name =
-      fmt::format("{}-{}{}", whole.stem().string(), kFaceNames[face], whole.extension().string());
-  return (whole.parent_path() / name).string();
+  std::array<std::string, 6> paths;
+  for (std::size_t f = 0; f < paths.size(); ++f) {
+    const std::string name =
+        fmt::format("{}-{}{}", whole.stem().string(), kFaceNames[f], whole.extension().string());
+    paths[f] = (whole.parent_path() / name).string();
+  }
+  return paths;
 }
 
-}  // namespace
-
 Image ReadCubeFaces(const std::string& path, const ReadLimits& limits) {
+  const std::array<std::string, 6> paths = CubeFacePaths(path);
   Image strip;
   for (int f = 0; f < 6; ++f) {
-    const Image face = ReadImage(FacePath(path, f), limits);
+    const Image face = ReadImage(paths[std::size_t(f)], limits);
     if (f == 0) strip = Image(6 * face.height, face.height);
     if (face.width != strip.height || face.height != strip.height) {
-      throw InputError(InputPosition::File(FacePath(path, f)),
+      throw InputError(InputPosition::File(paths[std::size_t(f)]),
                        fmt::format("{} x {} pixels; all six faces must be squares of one size",
                                    face.width, face.height));
     }
@@ -41,13 +42,14 @@ Image ReadCubeFaces(const std::string& path, const ReadLimits& limits) {
 
 void WriteCubeFaces(const std::string& path, const Image& strip) {
   const int side = strip.height;
-  for (int f = 0; f < 6; ++f) CheckWritable(FacePath(path, f));
+  const std::array<std::string, 6> paths = CubeFacePaths(path);
+  for (const std::string& face : paths) CheckWritable(face);
   for (int f = 0; f < 6; ++f) {
     Image face(side, side);
     for (int y = 0; y < side; ++y) {
       std::copy_n(strip.Pixel(f * side, y), 3 * side, face.Pixel(0, y));
     }
-    WriteImage(FacePath(path, f), face);
+    WriteImage(paths[std::size_t(f)], face);
   }
 }
 

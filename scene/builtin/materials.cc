@@ -64,6 +64,7 @@ std::vector<Material> OneOfEachBsdf() {
       {.name = "glass", .bsdf = kDielectric, .reflectance = white},
       {.name = "frosted glass", .bsdf = kRoughDielectric, .reflectance = white, .alpha = 0.15f},
       {.name = "soap bubble", .bsdf = kThinDielectric, .reflectance = white},
+      {.name = "enamel", .bsdf = kCoatedDiffuse, .reflectance = {0.1f, 0.3f, 0.7f}, .alpha = 0.05f},
   };
   list[8].alpha_across = 0.05f;
   return list;

@@ -26,11 +26,13 @@ struct Range {
   float low, high;
 };
 constexpr float kLargest = std::numeric_limits<float>::max();
-constexpr Range kRanges[] = {
-    {"reflectance", 0, 1},    {"second_color", 0, 1}, {"alpha", 0, 1},
-    {"alpha_across", 0, 1},   {"coat_alpha", 0, 1},   {"sheen_alpha", 0, 1},
-    {"metallic", 0, 1},       {"coat", 0, 1},         {"opacity", 0, 1},
-    {"opacity_cutoff", 0, 1}, {"ior", 1e-3f, 1e3f},   {"normal_scale", -kLargest, kLargest}};
+constexpr Range kRanges[] = {{"reflectance", 0, 1},     {"second_color", 0, 1},
+                             {"alpha", 0, 1},           {"alpha_across", 0, 1},
+                             {"coat_alpha", 0, 1},      {"sheen_alpha", 0, 1},
+                             {"metallic", 0, 1},        {"coat", 0, 1},
+                             {"opacity", 0, 1},         {"coat_albedo", 0, 1},
+                             {"coat_asymmetry", -1, 1}, {"opacity_cutoff", 0, 1},
+                             {"ior", 1e-3f, 1e3f},      {"normal_scale", -kLargest, kLargest}};
 
 Range RangeOf(std::string_view field) {
   for (const Range& range : kRanges) {

@@ -116,6 +116,7 @@ Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables&
       pyramid.count = AppendLevels(Grey(image), PackTexel, tables, path);
       break;
     case TextureUse::kNormals:
+    case TextureUse::kPbrtNormals:
       pyramid.count = AppendLevels(SignedNormals(image), PackNormalTexel, tables, path);
       break;
     case TextureUse::kHeights:
@@ -234,7 +235,7 @@ TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corner
     return record;
   }
   std::fill_n(record.tangent, 3, pack(x));
-  record.side = side < 0 ? -1.0f : 1.0f;
+  record.side = side < 0 && texture.use != TextureUse::kPbrtNormals ? -1.0f : 1.0f;
   return record;
 }
 

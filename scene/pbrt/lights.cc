@@ -73,6 +73,18 @@ glm::vec3 Direction(PbrtParameters& parameters, const glm::dvec3& from, const gl
   return glm::vec3((to - from) / length);
 }
 
+// Returns whether a transform changes angles: its axes are not at right angles or not equally long.
+bool Stretches(const glm::dmat3& linear) {
+  const double lengths[] = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
+  double skew = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    skew += std::abs(glm::dot(linear[i], linear[j])) / (lengths[i] * lengths[j]);
+  }
+  const auto [least, most] = std::minmax({lengths[0], lengths[1], lengths[2]});
+  return skew > 1e-4 || most > 1.001 * least;
+}
+
 void PointLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kPoint};
   light.emission = Emission(reader, parameters, "I");
@@ -100,6 +112,11 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   if (const auto power = Strength(parameters, "power")) {
     light.emission *= *power / SpotSolidAngle(light.cos_full, light.cos_dark);
   }
+  if (Stretches(glm::dmat3(reader.state.to_world))) {
+    AddWarning(
+        reader.warnings, parameters.position,
+        parameters.directive + ": its transform stretches the cone: rendered as a round one");
+  }
   reader.scene.lights.push_back(light);
 }
 
@@ -120,13 +137,7 @@ glm::mat3 MapFrame(PbrtReader& reader, const PbrtParameters& parameters) {
   const glm::dmat3 linear(reader.state.to_world);
   glm::dmat3 frame(-linear[1], -linear[0], linear[2]);
   for (int i = 0; i < 3; ++i) frame[i] = glm::normalize(frame[i]);
-  const double skew = std::abs(glm::dot(frame[0], frame[1])) +
-                      std::abs(glm::dot(frame[1], frame[2])) +
-                      std::abs(glm::dot(frame[2], frame[0]));
-  const double lengths[] = {glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])};
-  const bool even = std::max({lengths[0], lengths[1], lengths[2]}) <=
-                    1.001 * std::min({lengths[0], lengths[1], lengths[2]});
-  if (skew > 1e-4 || !even) {
+  if (Stretches(linear)) {
     AddWarning(
         reader.warnings, parameters.position,
         parameters.directive + ": its transform stretches the map: only the rotation is used");
@@ -175,6 +186,14 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
     if (!file || file->empty()) continue;
     light.map_path = ResolvePbrtPath(reader, *file, parameters.position);
     light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3: lat-long
+  }
+  if (const auto lux = Strength(parameters, "illuminance")) {
+    if (light.map_path.empty()) {
+      light.scale *= *lux / float(kPi);
+    } else {
+      AddWarning(reader.warnings, parameters.position,
+                 parameters.directive + ": the \"illuminance\" of an image is ignored");
+    }
   }
   light.world_from_map = MapFrame(reader, parameters);
   Portals(reader, parameters);

@@ -7,10 +7,11 @@
 //   metal, conductor      GGX conductor: eta and k as rgb or by name (metal-Cu-eta, Cu.eta.spd), or
 //                         reflectance; anisotropic if uroughness and vroughness differ; mirror
 //                         if roughness is (close to) zero
-//   coatedconductor       a conductor under a coat; the metal receives what the coat lets through
+//   coatedconductor       a conductor under a dielectric coat
+//   coateddiffuse         a diffuse body under a dielectric coat
 //   glass, dielectric     dielectric, smooth or rough: eta or index, as a number or by name
 //   thindielectric        both faces of a pane at once: eta
-//   plastic, substrate, uber, coateddiffuse
+//   plastic, substrate, uber
 //                         metallic-roughness without metal, from Kd or reflectance, roughness and
 //                         eta: the same model, a specular coat over a diffuse body; Ks and other
 //                         parameters are left out, with a warning

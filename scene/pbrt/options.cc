@@ -169,6 +169,13 @@ void ReadFilm(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   // effect here.
   FindFloat(parameters, "diagonal");
   FindBool(parameters, "savefp16");
+  if (const auto iso = FindFloat(parameters, "iso")) {
+    if (!(*iso > 0 && *iso <= 1e6f)) {
+      throw InputError(parameters.position,
+                       fmt::format("{}: \"iso\" is {}", parameters.directive, *iso));
+    }
+    reader.film_gain = *iso / 100;
+  }
   if (const auto sensor = FindString(parameters, "sensor"); sensor && *sensor != "cie1931") {
     Warn(reader, parameters,
          fmt::format("sensor \"{}\" is not supported: cie1931 is used", *sensor));

@@ -86,6 +86,12 @@ void ReadDirectives(PbrtReader& reader) {
   }
 }
 
+void ScaleLight(float factor, Scene& scene) {
+  for (EnvironmentLight& light : scene.environments) light.scale *= factor;
+  for (PunctualLight& light : scene.lights) light.emission *= factor;
+  for (Material& material : scene.materials) material.emission *= factor;
+}
+
 }  // namespace
 
 std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
@@ -137,6 +143,7 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
     const PbrtScope& open = reader.scopes.back();
     throw InputError(open.position, open.begin + " is never closed");
   }
+  if (reader.film_gain != 1) ScaleLight(reader.film_gain, reader.scene);
   reader.scene.warnings = WarningLines(reader.warnings);
   return std::move(reader.scene);
 }

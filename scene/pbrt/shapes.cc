@@ -97,7 +97,7 @@ std::vector<glm::vec2> FindUvs(PbrtParameters& parameters) {
   return uvs;
 }
 
-Mesh TriangleMesh(PbrtParameters& parameters) {
+Mesh TriangleMesh(PbrtParameters& parameters, bool corner_uvs) {
   Mesh mesh;
   mesh.positions = RequirePositions(parameters);
   mesh.triangles = RequireTriangles(parameters, mesh.positions.size());
@@ -106,6 +106,7 @@ Mesh TriangleMesh(PbrtParameters& parameters) {
   CheckPerVertex(parameters, "N", mesh.normals.size(), mesh.positions.size());
   CheckPerVertex(parameters, "uv", mesh.uvs.size(), mesh.positions.size());
   NormalizeNormals(mesh);
+  if (corner_uvs && mesh.uvs.empty()) GiveCornersUvs(mesh);
   // pbrt too turns the geometric normal to the side of the shading normals.
   AlignWindingWithNormals(mesh);
   return mesh;
@@ -232,11 +233,13 @@ std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& param
   const std::size_t limit = std::min(options.max_triangles, kMaxSubdividedTriangles);
   std::optional<Mesh> mesh;
   if (type == "trianglemesh") {
-    mesh = TriangleMesh(parameters);
+    mesh = TriangleMesh(parameters, options.corner_uvs);
   } else if (type == "plymesh") {
     mesh = PlyMesh(parameters, resolve);
+    if (options.corner_uvs && mesh->uvs.empty()) GiveCornersUvs(*mesh);
   } else if (type == "loopsubdiv") {
     mesh = LoopSubdivisionSurface(parameters, limit, warnings);
+    if (options.corner_uvs) GiveCornersUvs(*mesh);
   } else if (type == "sphere") {
     mesh = PbrtSphere(parameters, options.needs_uvs);
   } else if (type == "disk") {

@@ -15,7 +15,8 @@
 namespace skywave {
 
 struct PbrtShapeOptions {
-  bool needs_uvs = false;  // gives round shapes texture coordinates, at the price of a seam
+  bool needs_uvs = false;   // gives round shapes texture coordinates, at the price of a seam
+  bool corner_uvs = false;  // gives coordinates to the corners of meshes that have none
   std::size_t max_triangles = kMaxSubdividedTriangles;  // limit for one shape
 };
 

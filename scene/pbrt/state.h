@@ -67,10 +67,13 @@ struct PbrtReader {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
   std::map<std::string, std::vector<Mesh>> objects;
   std::vector<Mesh>* object = nullptr;  // the one being defined
+  float film_gain = 1;                  // factor of all light, by the speed of the film
   bool in_world = false;
   bool ended = false;         // WorldEnd has been read
   std::size_t triangles = 0;  // total of all meshes, objects included
   int includes = 0;
+  // Textures whose values are clamped, by texture and factor.
+  std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> clamped_textures;
   std::optional<std::uint32_t> checker_image;  // index into Scene::images
   std::size_t baked_texels = 0;
 };
@@ -97,6 +100,10 @@ struct PbrtDirective {
 };
 // Returns the handler of the directive `word`, or null if it is none of `directives`.
 PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::string_view word);
+
+// Returns the texture with every value at most 1, as reflectances are in pbrt: the image is copied
+// if any of its texels exceeds that (textures.cc).
+PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture);
 
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);

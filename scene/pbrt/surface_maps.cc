@@ -53,7 +53,7 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
   if (const auto file = FindString(parameters, "normalmap")) {
     const std::string path = ResolvePbrtPath(reader, *file, parameters.position);
     Texture texture;
-    texture.use = TextureUse::kNormals;
+    texture.use = TextureUse::kPbrtNormals;
     texture.image = AddTextureImage(reader.texture_files, path, Encoding::kLinear);
     texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
     reader.scene.textures.push_back(texture);

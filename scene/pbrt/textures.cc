@@ -1,4 +1,4 @@
-// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), and scale, mix and
+// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), bilerp, and scale, mix and
 // checkerboard, which become images (texture_baking.h) unless all their operands are constant.
 // Others are known by name only: parameters that use them take their default, with a warning.
 #include <fmt/format.h>
@@ -112,7 +112,8 @@ PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
   return AddTexture(reader, *baked, glm::vec3(1));
 }
 
-PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters) {
+// pbrt clamps colours at the image, too.
+PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color) {
   const auto filename = FindString(parameters, "filename");
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
@@ -133,7 +134,9 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters) {
   const bool invert = FindBool(parameters, "invert").value_or(false);
   texture.image = AddTextureImage(reader.texture_files, path, encoding.encoding);
   const PbrtTexture plain = AddTexture(reader, texture, scale);
-  if (encoding.gamma == 1 && !invert) return plain;
+  if (encoding.gamma == 1 && !invert) {
+    return color ? ClampedPbrtTexture(reader, plain) : plain;
+  }
   return Combine(reader, parameters, {{.value = glm::vec3(1), .image = plain.image}},
                  [&](std::span<const glm::vec3> values) {
                    const glm::vec3 decoded = scale * glm::pow(values[0], glm::vec3(encoding.gamma));
@@ -194,7 +197,52 @@ PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const P
                  MixTexels);
 }
 
+// The four colours are texels, and (u, v) from 0 to 1 goes from centre to centre. pbrt goes on in a
+// straight line beyond.
+PbrtTexture Bilerp(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  const auto mapping = MappingOf(reader, parameters);
+  if (!mapping) return {};
+  Image corners(2, 2);
+  for (const auto& [name, x, y, otherwise] : {std::tuple("v00", 0, 1, 0.0f),
+                                              {"v01", 0, 0, 1.0f},
+                                              {"v10", 1, 1, 0.0f},
+                                              {"v11", 1, 0, 1.0f}}) {
+    const glm::vec3 color =
+        FindColor(parameters, name, same, reader.warnings).value_or(glm::vec3(otherwise));
+    for (int c = 0; c < 3; ++c) corners.Pixel(x, y)[c] = color[c];
+  }
+  Texture texture;
+  texture.image = AddTextureImage(reader.scene, std::move(corners));
+  texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
+  texture.transform = UpwardTextureTransform(0.5f * mapping->scale, 0.5f * mapping->offset + 0.25f);
+  return AddTexture(reader, texture, glm::vec3(1));
+}
+
 }  // namespace
+
+PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
+  if (!texture.image) return texture;
+  const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
+  const Texture source = reader.scene.textures[*texture.image];
+  const Image& image = reader.scene.images[source.image];
+  bool exceeds = false;
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    exceeds = exceeds || factor[int(i % 3)] * image.rgb[i] > 1;
+  }
+  if (!exceeds) return texture;
+  const auto key = std::tuple(*texture.image, factor.x, factor.y, factor.z);
+  const auto [known, is_new] = reader.clamped_textures.try_emplace(key, 0);
+  if (is_new) {
+    Image clamped = image;
+    for (std::size_t i = 0; i < clamped.rgb.size(); ++i) {
+      clamped.rgb[i] = std::min(factor[int(i % 3)] * clamped.rgb[i], 1.0f);
+    }
+    Texture copy = source;
+    copy.image = AddTextureImage(reader.scene, std::move(clamped));
+    known->second = *AddTexture(reader, copy, glm::vec3(1)).image;
+  }
+  return {.value = glm::vec3(1), .image = known->second};
+}
 
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
@@ -214,11 +262,13 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
   } else if (kind == "scale") {
     texture = Scale(reader, parameters, textures);
   } else if (kind == "imagemap") {
-    texture = ImageMap(reader, parameters);
+    texture = ImageMap(reader, parameters, type != "float");
   } else if (kind == "mix") {
     texture = Mix(reader, parameters, textures);
   } else if (kind == "checkerboard") {
     texture = Checkerboard(reader, parameters, textures);
+  } else if (kind == "bilerp") {
+    texture = Bilerp(reader, parameters, textures);
   } else {
     textures[name] = {};
     AddWarning(reader.warnings, position,

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "kernels/bsdf/bsdf.h"
 #include "scene/pbrt/materials.h"
 #include "scene/pbrt/reader.h"
 #include "scene/pbrt/shapes.h"
@@ -118,6 +119,18 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   }
 }
 
+// Returns true if the material, or one that it is mixed of, depends on (u, v): it has a texture, or
+// a tangent.
+bool UsesUvs(const Scene& scene, std::uint32_t index) {
+  const Material& material = scene.materials[index];
+  bool uses = Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
+  ForEachTexture(material, [&](std::uint32_t) { uses = true; });
+  if (const auto& mixture = material.mixture) {
+    uses = uses || UsesUvs(scene, mixture->first) || UsesUvs(scene, mixture->second);
+  }
+  return uses;
+}
+
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Shape");
@@ -128,10 +141,12 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   };
   std::optional<std::uint32_t> material = reader.state.material;
   if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
-  std::optional<Mesh> mesh = MakePbrtShape(
-      type, parameters, resolve,
-      {.needs_uvs = !reader.scene.textures.empty(), .max_triangles = reader.options.max_triangles},
-      reader.warnings);
+  const bool uses_uvs = material && UsesUvs(reader.scene, *material);
+  std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
+                                           {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
+                                            .corner_uvs = uses_uvs,
+                                            .max_triangles = reader.options.max_triangles},
+                                           reader.warnings);
   if (!mesh) return;
   if (!material) {
     AddWarning(reader.warnings, position,

@@ -36,6 +36,21 @@ void FlipOrientation(Mesh& mesh) {
   for (glm::vec4& t : mesh.tangents) t.w = -t.w;
 }
 
+void GiveCornersUvs(Mesh& mesh) {
+  Mesh corners;
+  for (glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      corners.positions.push_back(mesh.positions[t[i]]);
+      if (!mesh.normals.empty()) corners.normals.push_back(mesh.normals[t[i]]);
+      corners.uvs.emplace_back(i > 0, i > 1);
+      t[i] = std::uint32_t(corners.positions.size() - 1);
+    }
+  }
+  mesh.positions = std::move(corners.positions);
+  mesh.normals = std::move(corners.normals);
+  mesh.uvs = std::move(corners.uvs);
+}
+
 void AlignWindingWithNormals(Mesh& mesh) {
   if (mesh.normals.empty()) return;
   for (glm::uvec3& t : mesh.triangles) {

@@ -16,6 +16,10 @@ void TransformMesh(const glm::dmat4& to, Mesh& mesh);
 // Swaps inside and outside by reversing winding and normals.
 void FlipOrientation(Mesh& mesh);
 
+// Gives every triangle three vertices of its own, with the coordinates (0, 0), (1, 0) and (1, 1),
+// as pbrt does for meshes without any. The mesh has no colours and no tangents.
+void GiveCornersUvs(Mesh& mesh);
+
 // Winds every triangle so that its geometric normal is on the side of its vertex normals (if any).
 void AlignWindingWithNormals(Mesh& mesh);
 

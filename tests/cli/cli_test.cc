@@ -47,7 +47,7 @@ class Cli : public Program {
     Put("dark.pbrt", kTriangle);
     Put("scene.pbrt", std::string("WorldBegin\n") + kLight + (kTriangle + 11));
     Put("unknown.pbrt", std::string("# a comment\n\nFrobnicate 3\n") + kTriangle);
-    Put("empty.pbrt", std::string("WorldBegin\n") + kLight + "WorldEnd\n");
+    Put("empty.pbrt", "WorldBegin\nLightSource \"point\"\nWorldEnd\n");
     Put("range.pbrt", std::string("WorldBegin\n") + kLight +
                           "\nShape \"trianglemesh\" \"integer indices\" [0 1 3]\n"
                           "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
@@ -372,6 +372,12 @@ TEST_F(Cli, AnInputIsNeverOverwritten) {
   EXPECT_EQ(result.exit_code, 64);
   EXPECT_NE(result.err.find("sky.exr: is an input"), std::string::npos) << result.err;
   EXPECT_EQ(Bytes("sky.exr"), before);
+  for (const char* command :
+       {"compare sky.exr map.exr --map sky.exr", "compare map.exr sky.exr --map sky.exr",
+        "compare sky.exr map.exr --json sky.exr"}) {
+    EXPECT_EQ(Run(command).exit_code, kExitUsage) << command;
+    EXPECT_EQ(Bytes("sky.exr"), before) << command;
+  }
 }
 
 TEST_F(Cli, LinksAndPipesSurviveBeingWrittenTo) {

@@ -162,6 +162,12 @@ TEST_F(Info, AnEmptySceneHasNoBounds) {
   EXPECT_FALSE(json.contains("bounds"));
 }
 
+TEST_F(Info, ASceneIsNeverOverwritten) {
+  const std::string before = Bytes("a.obj");
+  EXPECT_EQ(Run("info a.obj --json ./a.obj").exit_code, kExitUsage);
+  EXPECT_EQ(Bytes("a.obj"), before);
+}
+
 TEST_F(Info, BadInputIsToldClearlyAndLeavesNoFile) {
   const std::set<std::string> before = Files();
   const Result bad = Run("info bad.obj --json i.json");

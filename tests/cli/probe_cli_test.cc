@@ -108,6 +108,27 @@ TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   EXPECT_NEAR(map.Pixel(10, 0)[2], 1, 0.01);     // up is blue
 }
 
+TEST_F(ProbeCommand, AMapIsNeverOverwritten) {
+  const std::string before = ReadFile(File("sun.exr"));
+  for (const char* name : {"right", "left", "up", "down", "front", "back"}) {
+    WriteExr(File(std::string("cube-") + name + ".exr"), Image(4, 4));
+  }
+  const std::string face = ReadFile(File("cube-left.exr"));
+  for (const char* command :
+       {"convert sun.exr sun.exr --to angular", "convert sun.exr ./sun.exr --to octahedral",
+        "convert cube.exr cube-left.exr --from-faces --to latlong",
+        "convert cube.exr cube.exr --from-faces --to cube-faces",
+        "convert cube-left.exr cube.exr --projection latlong --to cube-faces",
+        "info sun.exr --json sun.exr", "presample sun.exr -n 10 -o sun.exr",
+        "presample sun.exr -n 10 -o set.json --cells sun.exr", "plot sun.exr -o sun.exr",
+        "lights sun.exr -n 8 -o sun.exr", "lights sun.exr -n 8 --strata 0.5 --residual sun.exr"}) {
+    EXPECT_EQ(Probe(command), kExitUsage) << command << out_;
+    EXPECT_NE(out_.find("is an input"), std::string::npos) << command << out_;
+    EXPECT_EQ(ReadFile(File("sun.exr")), before) << command;
+    EXPECT_EQ(ReadFile(File("cube-left.exr")), face) << command;
+  }
+}
+
 TEST_F(ProbeCommand, BadInputIsNamed) {
   EXPECT_EQ(Probe("info missing.exr"), kExitIo);
   EXPECT_NE(out_.find("missing.exr"), std::string::npos) << out_;

@@ -221,6 +221,19 @@ TEST(Resolve, IsAFixedPoint) {
   EXPECT_EQ(twice.options.film_width, 9);
 }
 
+// A tenth of 160 pixels is 16, although a tenth is not a float. pbrt rounds the product up.
+TEST(Resolve, CropsTheWholePixelsThatAFileMeans) {
+  RenderSettings scene;
+  scene.crop = CropFractions{0.1f, 0.9f, 0.1f, 0.9f};
+  JobRequest request;
+  request.width = 160, request.height = 120;
+  const RenderOptions options = Resolve(request, scene).options;
+  EXPECT_EQ(options.crop_x, 16);
+  EXPECT_EQ(options.crop_y, 12);
+  EXPECT_EQ(options.width, 128);
+  EXPECT_EQ(options.height, 96);
+}
+
 TEST(Resolve, LowersADepthThatNoPathCanHave) {
   RenderSettings scene;
   scene.max_depth = 100000;

@@ -23,8 +23,8 @@ TEST(Material, VisitsEveryMemberButTheName) {
   // There are as many names as members: a new member compiles neither here nor without its line
   // below.
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
-               m19, m20, m21, m22, m23, m24, m25, m26, m27] = m;
-  constexpr std::size_t kMembers = 28;
+               m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30] = m;
+  constexpr std::size_t kMembers = 31;
   const std::map<std::string_view, const void*> members = {
       {"bsdf", &m.bsdf},
       {"reflectance", &m.reflectance},
@@ -37,6 +37,9 @@ TEST(Material, VisitsEveryMemberButTheName) {
       {"second_color", &m.second_color},
       {"coat", &m.coat},
       {"coat_alpha", &m.coat_alpha},
+      {"coat_thickness", &m.coat_thickness},
+      {"coat_albedo", &m.coat_albedo},
+      {"coat_asymmetry", &m.coat_asymmetry},
       {"sheen", &m.sheen},
       {"sheen_alpha", &m.sheen_alpha},
       {"measured", &m.measured},

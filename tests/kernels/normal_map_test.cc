@@ -12,10 +12,12 @@
 #include "kernels/surface/surface.h"
 #include "scene/geometry.h"
 #include "scene/materials/texture_tables.h"
+#include "scene/pbrt/reader.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/targets.h"
+#include "tests/support/temporary_folder.h"
 #include "wavefront/soa.h"
 
 namespace skywave {
@@ -104,6 +106,32 @@ TEST(NormalMaps, AConstantOneTiltsAlongTheAxesOfTheImage) {
         ExpectNear(relief.Bent(-up), -bent);
       }
     }
+  }
+}
+
+// In pbrt y of a normal map points along normal x tangent, even where v grows the other way.
+TEST(NormalMaps, OfPbrtFollowTheNormalAndNotV) {
+  const TemporaryFolder folder;
+  WritePfm(folder.Path("normal.pfm"), Plain(NormalColor(kTilt)));
+  const std::string map = "Material \"diffuse\" \"string normalmap\" \"normal.pfm\"\n";
+  const std::string square =
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
+      "\"point3 P\" [-1 -1 0 1 -1 0 1 1 0 -1 1 0] ";
+  const std::string plain = "\"point2 uv\" [0 0 1 0 1 1 0 1] ";
+  for (const std::string& shape :
+       {square + plain, "ReverseOrientation " + square + plain, "Scale -1 1 1 " + square + plain,
+        "ReverseOrientation Scale -1 1 1 " + square + plain,
+        square + "\"point2 uv\" [1 0 0 0 0 1 1 1]",
+        square + plain + "\"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1]"}) {
+    SCOPED_TRACE(shape);
+    Relief relief(TextureUse::kColor, Plain({1, 1, 1}));
+    relief.scene = ParsePbrt("WorldBegin\n" + map + shape, folder.Path("t.pbrt"));
+    const Mesh& mesh = relief.scene.meshes.at(0);
+    const glm::uvec3& t = mesh.triangles[0];
+    const glm::vec3 up = glm::normalize(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                                   mesh.positions[t.z] - mesh.positions[t.x]));
+    const glm::vec3 x = Relief::Axis(mesh, {1, 0}), y = glm::cross(up, x);
+    ExpectNear(relief.Bent(up), glm::normalize(kTilt.x * x + kTilt.y * y + kTilt.z * up));
   }
 }
 

@@ -67,6 +67,39 @@ TEST(PbrtLights, Spots) {
   EXPECT_NEAR(plain.emission.x * sr, 5, 1e-4);
 }
 
+// A uniform sky of radiance 1 gives every surface pi.
+TEST(PbrtLights, SkiesHaveTheirIlluminance) {
+  const std::string sky = "LightSource \"infinite\" \"rgb L\" [1 2 3] \"float scale\" 2 ";
+  const Scene scene = Parse(sky + "\"float illuminance\" 6");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ExpectNear(scene.environments.at(0).scale, glm::vec3(2, 4, 6) * float(6 / kPi));
+  ExpectNear(Parse(sky + "\"float illuminance\" -1").environments.at(0).scale, {2, 4, 6});
+}
+
+// The speed of the film makes all light brighter.
+TEST(PbrtLights, FollowTheSpeedOfTheFilm) {
+  const Scene scene = ParsePbrt(
+      "Film \"rgb\" \"float iso\" 250\nWorldBegin\n"
+      "LightSource \"infinite\" \"rgb L\" [1 2 4] LightSource \"point\" \"rgb I\" [2 4 6]\n"
+      "AreaLightSource \"diffuse\" \"rgb L\" [4 0 2] Shape \"disk\"",
+      "t.pbrt", {.strict = true});
+  ExpectNear(scene.environments.at(0).scale, {2.5f, 5, 10});
+  ExpectNear(scene.lights.at(0).emission, {5, 10, 15});
+  ExpectNear(scene.materials.at(scene.meshes.at(0).material).emission, {10, 0, 5});
+  EXPECT_THROW(ParsePbrt("Film \"rgb\" \"float iso\" 0", "t.pbrt"), InputError);
+}
+
+// A cone that its transform stretches is no cone of a circle any more.
+TEST(PbrtLights, StretchedSpotsAreNamed) {
+  const std::string spot = "LightSource \"spot\" \"point3 from\" [0 4 0] \"point3 to\" [0 0 0]";
+  const auto warnings = [&](const std::string& transform) {
+    return ParsePbrt("WorldBegin\n" + transform + spot, "t.pbrt").warnings;
+  };
+  EXPECT_EQ(warnings("Scale 1 1 3 ").size(), 1u);
+  EXPECT_NE(warnings("Scale 1 1 3 ").at(0).find("t.pbrt:2: "), std::string::npos);
+  EXPECT_EQ(warnings("Rotate 30 1 2 3 Scale 3 3 -3 ").size(), 0u);
+}
+
 TEST(PbrtLights, DistantOnes) {
   const PunctualLight light = OnlyLight(
       "Rotate 90 1 0 0 LightSource \"distant\" \"rgb L\" [1 2 3] \"float scale\" 2 \"point3 from\" "

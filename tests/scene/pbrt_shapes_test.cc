@@ -101,6 +101,18 @@ TEST(RoundShapes, WholeSpheresHaveCoordinatesWhereTexturesAre) {
   EXPECT_NEAR(Area(mesh) / (4 * M_PI), 1, 5e-4);
 }
 
+// The grain of an anisotropic metal follows (u, v), so a sphere of it needs them.
+TEST(RoundShapes, WholeSpheresHaveCoordinatesWhereTheGrainFollowsThem) {
+  const std::string metal =
+      "\"conductor\" \"float uroughness\" .02 \"float vroughness\" .3 "
+      "\"bool remaproughness\" false ";
+  EXPECT_FALSE(Shape("Material " + metal + "Shape \"sphere\"").uvs.empty());
+  EXPECT_FALSE(Shape("MakeNamedMaterial \"a\" \"string type\" " + metal +
+                     "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" "
+                     "Material \"mix\" \"string materials\" [\"b\" \"a\"] Shape \"sphere\"")
+                   .uvs.empty());
+}
+
 TEST(BilinearMesh, IsExactAndCutOnlyWhereItBends) {
   const Mesh flat = Shape("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 2 0 0 1 3 0 3 3 0]");
   EXPECT_EQ(flat.triangles.size(), 2u);

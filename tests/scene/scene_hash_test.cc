@@ -49,7 +49,9 @@ TEST(SceneHash, DoesNotKnowNames) {
 // Pictures carry hashes in their files, so those of existing scenes must not change.
 TEST(SceneHash, StaysWhatItWas) {
   EXPECT_EQ(HashOf({}), 0x6261c5dbb102e218u);
-  EXPECT_EQ(HashOf(MaterialOfAllParts(BsdfKind::kConductor)), 0x3029de41f722c611u);
+  Material conductor = MaterialOfAllParts(BsdfKind::kConductor);
+  conductor.coat_thickness = 0;  // younger than these hashes: coats without a medium do not have it
+  EXPECT_EQ(HashOf(conductor), 0x3029de41f722c611u);
 }
 
 }  // namespace

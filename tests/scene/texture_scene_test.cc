@@ -86,11 +86,21 @@ TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
                            "Material \"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] "
                            "\"float roughness\" 0.25 \"float eta\" 1.7");
   const Material& material = scene.materials.at(scene.meshes.at(0).material);
-  EXPECT_EQ(material.bsdf, BsdfKind::kMetallicRoughness);
+  EXPECT_EQ(material.bsdf, BsdfKind::kCoatedDiffuse);
   EXPECT_FLOAT_EQ(material.alpha, 0.5f);
   EXPECT_FLOAT_EQ(material.ior, 1.7f);
-  EXPECT_EQ(material.metallic, 0);
-  EXPECT_EQ(scene.warnings.size(), 1u);
+  EXPECT_EQ(material.coat_thickness, 0);
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Scene misty =
+      Read("", "Material \"coateddiffuse\" \"rgb albedo\" [.1 .2 .3] \"float g\" .4");
+  const Material& mist = misty.materials.at(misty.meshes.at(0).material);
+  EXPECT_FLOAT_EQ(mist.coat_thickness, 0.01f);  // pbrt's default
+  EXPECT_FLOAT_EQ(mist.coat_asymmetry, 0.4f);
+  EXPECT_EQ(mist.coat_albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+  EXPECT_EQ(misty.warnings, std::vector<std::string>{});
+  const Scene dark = Read("", "Material \"coateddiffuse\" \"float thickness\" 2");
+  EXPECT_EQ(dark.materials.at(dark.meshes.at(0).material).coat_thickness, 2);
+  EXPECT_THROW(Read("", "Material \"coateddiffuse\" \"float g\" 1"), InputError);
 }
 
 // One name may denote two textures; the parameter that uses it determines which.
@@ -149,7 +159,7 @@ TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   const Material& material = scene.materials.at(scene.meshes.at(0).material);
   ASSERT_TRUE(material.normal_texture);
-  EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kNormals);
+  EXPECT_EQ(scene.textures[*material.normal_texture].use, TextureUse::kPbrtNormals);
   EXPECT_THROW(Read("", "Material \"diffuse\" \"string normalmap\" \"no.png\""), InputError);
 }
 
@@ -260,6 +270,78 @@ TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
          {0.04, 0.16, 1});
   Expect("Texture \"x\" \"color\" " + kImage + "\"bool gamma\" \"false\"", {0.5, 0.5},
          {0.2, 0.4, 1});
+}
+
+TEST_F(ComputedTextures, FourColoursAreInterpolated) {
+  const std::string corners =
+      "Texture \"x\" \"color\" \"bilerp\" \"rgb v00\" [0 0 0] \"rgb v10\" [1 0 0] "
+      "\"rgb v01\" [0 .5 0] \"rgb v11\" [1 1 1]";
+  for (const double u : {0.0, 0.25, 0.6, 1.0}) {
+    for (const double v : {0.0, 0.5, 0.9, 1.0}) {
+      Expect(corners, {u, v}, {u, (1 - u) * v * 0.5 + u * v, u * v});
+    }
+  }
+  // The coordinates are scaled and moved, and end at the corners.
+  Expect(corners + " \"float uscale\" .5 \"float udelta\" .25", {0.5, 0}, {0.5, 0, 0});
+  Expect("Texture \"x\" \"color\" \"bilerp\"", {0.25, 0.5}, glm::dvec3(0.5));
+}
+
+// No surface reflects more light than it gets, whatever the factor of its image is.
+TEST_F(ComputedTextures, ReflectanceEndsAtOne) {
+  WritePng(folder_.Path("t.png"), 1, 1, {51, 102, 255});
+  const std::string bright = kImage + "\"string encoding\" \"linear\" \"float scale\" 3 ";
+  Expect("Texture \"x\" \"color\" " + bright, {0.5, 0.5}, {0.6, 1, 1});
+  Expect("Texture \"t\" \"color\" " + bright +
+             "Texture \"x\" \"color\" \"scale\" \"texture tex\" \"t\" \"float scale\" .5",
+         {0.5, 0.5}, {0.3, 0.5, 0.5});
+  const Scene scene = Read("Texture \"x\" \"color\" " + bright,
+                           "Material \"diffusetransmission\" \"texture reflectance\" \"x\" "
+                           "\"rgb transmittance\" [0 0 0] \"float scale\" .25");
+  const Material& leaf = scene.materials.at(scene.meshes.at(0).material);
+  EXPECT_EQ(leaf.reflectance, glm::vec3(0.25f));
+  ASSERT_TRUE(leaf.color_texture);
+  EXPECT_LT(
+      glm::length(LookUpTexture(scene, *leaf.color_texture, {0.5, 0.5}) - glm::dvec3(0.6, 1, 1)),
+      1e-6);
+}
+
+// Without coordinates every triangle has the lower right half of the unit square.
+TEST_F(PbrtTextureFiles, LieOnTrianglesWithoutCoordinates) {
+  const std::string textures =
+      "Texture \"c\" \"color\" \"imagemap\" \"string filename\" \"t.png\"\n"
+      "Texture \"a\" \"float\" \"imagemap\" \"string filename\" \"t.png\"\n";
+  const std::string square =
+      "\"point P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 0 2 3] ";
+  folder_.Write("m.ply",
+                "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  const Scene scene = ReadScene(folder_.Write(
+      "s.pbrt", "WorldBegin\n" + textures + "Shape \"trianglemesh\" " + square +
+                    "Shape \"trianglemesh\" \"texture alpha\" \"a\" " + square +
+                    "Material \"diffuse\" \"texture reflectance\" \"c\"\n"
+                    "Shape \"trianglemesh\" \"normal N\" [0 0 -1 0 0 -1 0 0 -1 0 0 -1] " +
+                    square +
+                    "Shape \"plymesh\" \"string filename\" \"m.ply\"\n"
+                    "Shape \"loopsubdiv\" \"integer levels\" 1 " +
+                    square));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ASSERT_EQ(scene.meshes.size(), 5u);
+  EXPECT_TRUE(scene.meshes[0].uvs.empty());
+  EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
+  for (std::size_t i = 1; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    SCOPED_TRACE(mesh.name);
+    ASSERT_EQ(mesh.uvs.size(), 3 * mesh.triangles.size());
+    ASSERT_EQ(mesh.positions.size(), mesh.uvs.size());
+    for (const glm::uvec3& t : mesh.triangles) {
+      // A mesh is turned to the side of its normals, and the coordinates stay with their corners.
+      const bool turned = i == 2;
+      EXPECT_EQ(mesh.uvs[t.x], glm::vec2(0, 0));
+      EXPECT_EQ(mesh.uvs[turned ? t.z : t.y], glm::vec2(1, 0));
+      EXPECT_EQ(mesh.uvs[turned ? t.y : t.z], glm::vec2(1, 1));
+    }
+  }
 }
 
 TEST_F(ComputedTextures, WhatDoesNotFitTogetherIsNamed) {

@@ -7,6 +7,9 @@
 #include <cstring>
 #include <utility>
 
+#include "kernels/bsdf/coat_tables.h"
+#include "kernels/bsdf/material.h"
+#include "kernels/bsdf/pack.h"
 #include "tests/support/oracle_bsdf.h"
 
 namespace skywave {
@@ -33,11 +36,31 @@ MaterialRecord CoatedVarnish(float strength, float coat_alpha, float sheen, floa
   return record;
 }
 
-MaterialRecord CoatedGold(float alpha, float coat_alpha) {
-  MaterialRecord record = GoldConductor(alpha);
-  record.ior = 1.5f;
-  record.roughness_texture = std::bit_cast<std::uint32_t>(coat_alpha);
-  return record;
+Material CoatedGold(float alpha, float coat_alpha) {
+  Material material = {.bsdf = BsdfKind::kCoatedConductor,
+                       .reflectance = glm::vec3(1),
+                       .alpha = alpha,
+                       .coat_alpha = coat_alpha};
+  for (int c = 0; c < 3; ++c) material.eta[c] = kGoldEta[c], material.k[c] = kGoldK[c];
+  return material;
+}
+
+Material Lacquered(float alpha, float ior) {
+  return {.bsdf = BsdfKind::kCoatedDiffuse,
+          .reflectance = {0.8f, 0.5f, 0.2f},
+          .alpha = alpha,
+          .ior = ior};
+}
+
+Material Misty(Material material) {
+  material.coat_thickness = 0.8f, material.coat_asymmetry = 0.4f;
+  material.coat_albedo = {0.9f, 0.5f, 0.1f};
+  return material;
+}
+
+std::vector<CoatTable>& Coats() {
+  static std::vector<CoatTable> coats;
+  return coats;
 }
 
 std::vector<MaterialCase> MakeDenseCases() {
@@ -98,7 +121,11 @@ std::vector<MaterialCase> MakeDenseCases() {
   list.push_back({"Lacquer", kCoatedMetallicRoughness, CoatedVarnish(1, 0.1f, 0, 0.3f)});
   list.push_back({"Velvet", kCoatedMetallicRoughness, CoatedVarnish(0, 0.1f, 1, 0.2f)});
   list.push_back({"Both", kCoatedMetallicRoughness, CoatedVarnish(0.5f, 0.3f, 0.6f, 0.6f)});
-  list.push_back({"CoatedGold", kCoatedConductor, CoatedGold(0.3f, 0.05f)});
+  list.push_back({"CoatedGold", kCoatedConductor, RecordWithCoat(CoatedGold(0.3f, 0.05f))});
+  list.push_back({"MistyGold", kCoatedConductor, RecordWithCoat(Misty(CoatedGold(0.1f, 0.2f)))});
+  list.push_back({"Enamel", kCoatedDiffuse, RecordWithCoat(Lacquered(0.05f, 1.5f))});
+  list.push_back({"Satin", kCoatedDiffuse, RecordWithCoat(Lacquered(0.4f, 1.8f))});
+  list.push_back({"Misty", kCoatedDiffuse, RecordWithCoat(Misty(Lacquered(0.2f, 1.33f)))});
   list.push_back({"Measured", kMeasured, {.color = {1, 1, 1}, .alpha = 0.3f, .ior = 0.6f}});
   return list;
 }
@@ -294,6 +321,57 @@ FormulaValue CoatFormula(const FormulaValue& below, double strength, double alph
   return LayerOver(below, {value, value, value}, lobe / (1 + lo), albedo(wo.z), albedo(wi.z));
 }
 
+double ColumnAt(const CoatColumn& column, double cosine) {
+  const double at = std::sqrt(std::clamp(cosine, 0.0, 1.0)) * (kAlbedoColumns - 1);
+  const auto low = std::min(std::size_t(at), std::size_t(kAlbedoColumns - 1));
+  return std::lerp(double(column[low]), double(column[low + 1]), at - double(low));
+}
+
+// The formulae of kernels/bsdf/coat_tables.h, with the tables of the record.
+FormulaValue TabledCoatFormula(const MaterialCase& material, Vec wo, Vec wi) {
+  const MaterialRecord& m = material.record;
+  const bool metal = material.kind == BsdfKind::kCoatedConductor;
+  const CoatTable& table = CoatsForTests()[std::bit_cast<std::uint32_t>(m.multiscatter[0])];
+  const double ior = m.ior;
+  FormulaValue below;
+  below.pdf = wi.z / kPi;
+  double lobe = 1;
+  Vec h = {0, 0, 1}, o = h;
+  if (metal) {
+    const auto inside = [&](Vec w) {
+      const double x = w.x / ior, y = w.y / ior;
+      return Vec{x, y, std::sqrt(1 - x * x - y * y)};
+    };
+    o = inside(wo);
+    const Vec i = inside(wi);
+    h = HalfOf(o, i);
+    const double lo = GgxLambda(o, m.alpha, m.alpha), li = GgxLambda(i, m.alpha, m.alpha);
+    const double d = GgxDensity(h, m.alpha, m.alpha) / (4 * o.z) * wi.z / (ior * ior * i.z);
+    below.pdf = d / (1 + lo);
+    lobe = d / (1 + lo + li);
+  }
+  for (int c = 0; c < 3; ++c) {
+    const double both = ColumnAt(table.through[c], wo.z) * ColumnAt(table.through[c], wi.z);
+    const double medium = ColumnAt(table.medium[c], wo.z) * ColumnAt(table.medium[c], wi.z) * wi.z;
+    const double body =
+        metal ? m.color[c] * lobe * FresnelReflectance(std::min(1.0, Dot(o, h)), {m.eta[c], m.k[c]})
+              : m.color[c] / (1 - m.color[c] * double(table.returned[c])) * wi.z;
+    below.rgb[c] = body * both + medium;
+  }
+  const double alpha = metal ? m.multiscatter[1] : m.alpha;
+  const Vec up = HalfOf(wo, wi);
+  const double own = GgxDensity(up, alpha, alpha) / (4 * wo.z);
+  const double lo = GgxLambda(wo, alpha, alpha), li = GgxLambda(wi, alpha, alpha);
+  const double value = RealFresnel(std::min(1.0, Dot(wo, up)), 1 / ior) * own / (1 + lo + li);
+  const double albedo = ColumnAt(table.own, wo.z);
+  // LayerOver takes from below what the layer reflects, and here that is in the tables.
+  const double half = 0.5 * (1 - albedo), share = std::clamp(albedo / (albedo + half), 0.1, 0.9);
+  FormulaValue out;
+  out.pdf = share * own / (1 + lo) + (1 - share) * below.pdf;
+  for (int c = 0; c < 3; ++c) out.rgb[c] = value + below.rgb[c];
+  return out;
+}
+
 FormulaValue SheenFormula(const FormulaValue& below, const MaterialRecord& m, Vec wo, Vec wi) {
   const double alpha = m.k[2], power = 1 / alpha;
   const Vec h = HalfOf(wo, wi);
@@ -410,7 +488,7 @@ double LobeWidth(const MaterialCase& material) {
     case BsdfKind::kCoatedMetallicRoughness:
       return std::min(m.alpha, m.k[1]);
     case BsdfKind::kCoatedConductor:
-      return std::min(m.alpha, std::bit_cast<float>(m.roughness_texture));
+      return std::min(m.alpha, m.multiscatter[1]);
     default:
       return m.alpha;
   }
@@ -434,6 +512,15 @@ std::vector<float> SyntheticMeasuredTable() {
   }
   return table;
 }
+
+MaterialRecord RecordWithCoat(const Material& material) {
+  MaterialRecord record = PackMaterial(material, {});
+  PutField(record, MaterialField::kCoatTable, std::uint32_t(Coats().size()));
+  Coats().push_back(MakeCoatTable(material));
+  return record;
+}
+
+const CoatTable* CoatsForTests() { return Coats().data(); }
 
 const float* MeasuredForTests() {
   static const std::vector<float> table = SyntheticMeasuredTable();
@@ -467,9 +554,8 @@ FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi) {
           SheenFormula(BaseFormula(BsdfKind::kMetallicRoughness, m, wo, wi), m, wo, wi), m.k[0],
           m.k[1], 0.04, wo, wi);
     case BsdfKind::kCoatedConductor:
-      return CoatFormula(BaseFormula(BsdfKind::kConductor, m, wo, wi), 1,
-                         double(std::bit_cast<float>(m.roughness_texture)),
-                         Square((m.ior - 1) / (m.ior + 1)), wo, wi);
+    case BsdfKind::kCoatedDiffuse:
+      return TabledCoatFormula(material, wo, wi);
     case BsdfKind::kMeasured:
       return MeasuredFormula(m, wo, wi);
     default:

@@ -20,6 +20,7 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .second_color = {0.1f, 0.2f, 0.3f},
           .coat = 0.5f,
           .coat_alpha = 0.2f,
+          .coat_thickness = 0.5f,
           .sheen = {0.3f, 0.2f, 0.1f},
           .sheen_alpha = 0.25f,
           .absorption = {1, 2, 3},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/coat_tables.h"
 #include "kernels/bsdf/conductor_tables.h"
 #include "tests/support/random_rows.h"
 
@@ -39,6 +40,10 @@ inline MaterialRecord MetallicRoughness(float alpha, float metallic) {
 
 const float* MeasuredForTests();  // SyntheticMeasuredTable, built once
 
+// Returns the record of a material with a coat, and the tables of all such records.
+MaterialRecord RecordWithCoat(const Material& material);
+const CoatTable* CoatsForTests();
+
 // One surface in all rows. Its material is record 1, so that ignoring the index is detected.
 struct ShadingRows {
   ShadingRows(const MaterialCase& material, std::uint32_t rows, Vec normal, Vec wo)
@@ -67,7 +72,7 @@ struct ShadingRows {
     s.varying_1[i] = tangent ? float(std::sin(turn)) : records[1].eta[0];
   }
   MaterialView materials() const {
-    return {records.data(), &GgxTables(), &GetSheenTables(), measured};
+    return {records.data(), &GgxTables(), &GetSheenTables(), measured, CoatsForTests()};
   }
 
   // Returns the value and density of one direction per row.

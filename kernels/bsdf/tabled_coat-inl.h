@@ -1,0 +1,126 @@
+// A dielectric coat over a BSDF that knows it, by tables of the material (coat_tables.h): the lobe
+// of the coat itself, by exact Fresnel reflectance, the light that its medium returns, and `Below`,
+// whose value has what the coat lets through in both directions.
+#if defined(SKYWAVE_KERNELS_TABLED_COAT_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SKYWAVE_KERNELS_TABLED_COAT_INL_H_
+#undef SKYWAVE_KERNELS_TABLED_COAT_INL_H_
+#else
+#define SKYWAVE_KERNELS_TABLED_COAT_INL_H_
+#endif
+
+#include "kernels/bsdf/coat-inl.h"
+#include "kernels/bsdf/coat_tables.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace skywave {
+namespace HWY_NAMESPACE {
+
+// One vector of tables.
+struct CoatLanes {
+  HWY_INLINE CoatLanes(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
+      : words(reinterpret_cast<const float*>(m.coats)) {
+    // Rows behind the end have another material.
+    const VU index = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kCoatTable));
+    first = hn::Mul(index, SetU(kCoatWords));
+    medium = hn::And(hn::RebindMask(F(), RowsBelow(i, n)),
+                     hn::Gt(Field(m, fields, kCoatMedium), hn::Zero(F())));
+    has_medium = !hn::AllFalse(F(), medium);
+  }
+
+  // The place of a cosine in the columns.
+  struct Place {
+    VU column;
+    VF share;
+  };
+  static HWY_INLINE Place PlaceOf(VF cosine) {
+    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VU column = hn::Min(ToUnsigned(at), SetU(kAlbedoColumns - 1));
+    return {column, hn::Sub(at, ToFloat(column))};
+  }
+  HWY_INLINE VF Look(std::size_t member, const Place& place) const {
+    const VU at =
+        hn::Add(hn::Add(first, place.column), SetU(std::uint32_t(member / sizeof(float))));
+    const VF low = Gather(words, at), high = Gather(words, hn::Add(at, SetU(1)));
+    return hn::Add(low, hn::Mul(place.share, hn::Sub(high, low)));
+  }
+  HWY_INLINE V3 Look3(std::size_t member, const Place& place) const {
+    return {Look(member, place), Look(member + sizeof(CoatColumn), place),
+            Look(member + 2 * sizeof(CoatColumn), place)};
+  }
+  HWY_INLINE V3 Constants(std::size_t member) const {
+    const VU at = hn::Add(first, SetU(std::uint32_t(member / sizeof(float))));
+    return {Gather(words, at), Gather(words, hn::Add(at, SetU(1))),
+            Gather(words, hn::Add(at, SetU(2)))};
+  }
+
+  HWY_INLINE VF Own(VF cosine) const { return Look(offsetof(CoatTable, own), PlaceOf(cosine)); }
+  // Returns the light that the medium returns without touching what lies below.
+  HWY_INLINE V3 Medium(const V3& wo, const V3& wi) const {
+    const VF zero = hn::Zero(F());
+    if (!has_medium) return {zero, zero, zero};
+    const V3 o = Look3(offsetof(CoatTable, medium), PlaceOf(wo.z));
+    const V3 i = Look3(offsetof(CoatTable, medium), PlaceOf(wi.z));
+    return IfThen(medium, Scale(Mul(o, i), wi.z), V3{zero, zero, zero});
+  }
+
+  const float* words;
+  VU first;
+  MF medium;
+  bool has_medium;
+};
+
+template <class Below>
+struct UnderCoat {
+  HWY_INLINE UnderCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                       std::uint32_t n)
+      : below(s, m, i, n),
+        coat(m, below.fields, i, n),
+        ggx(Clamp(Field(m, below.fields, Below::kCoatWidth), 1e-3f, 1.0f)),
+        ratio(hn::Div(Set(1.0f), hn::Max(Field(m, below.fields, kIor), Set(1e-3f)))) {}
+
+  HWY_INLINE VF Reflectance(const V3& wo, const V3& h) const {
+    return FresnelDielectric(Clamp(Dot(wo, h), 0.0f, 1.0f), ratio).reflectance;
+  }
+  HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
+    const VF own = hn::Mul(Reflectance(wo, Ggx::HalfVector(wo, wi)), ggx.Blurred(wo, wi, radius));
+    return hn::Add(own, below.Blurred(coat, wo, wi, radius));
+  }
+
+  HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const VF one = Set(1.0f);
+    const V3 h = Ggx::HalfVector(wo, wi);
+    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
+    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
+    const VF own =
+        hn::Mul(Reflectance(wo, h), hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i)));
+    const VF own_pdf = hn::Div(lobe, hn::Add(one, lambda_o));
+    const BsdfValue base = below.Evaluate(coat, wo, wi);
+    const V3 rest = Add(base.value, coat.Medium(wo, wi));
+    const VF share = LayerShare(coat.Own(wo.z));
+    return {Add({own, own, own}, rest),
+            hn::Add(base.pdf, hn::Mul(share, hn::Sub(own_pdf, base.pdf)))};
+  }
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF share = LayerShare(coat.Own(wo.z));
+    const V3 wi = IfThen(hn::Lt(lobe, share), ggx.Reflect(wo, u, v),
+                         below.Direction(wo, u, v, BelowLayer(lobe, share)));
+    return SampleOf(wi, Evaluate(wo, wi));
+  }
+  template <class Base = Below>
+  HWY_INLINE auto Diffuse(const V3& wo) const
+      -> decltype(std::declval<const Base&>().Diffuse(std::declval<const CoatLanes&>(), wo)) {
+    return below.Diffuse(coat, wo);
+  }
+
+  Below below;
+  CoatLanes coat;
+  Ggx ggx;
+  VF ratio;  // index outside over that of the coat
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace skywave
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,158 @@
+// Compares coated surfaces with light that walks through their layers, and with figures in closed
+// form.
+#include "kernels/bsdf/coat_tables.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "kernels/bsdf/material.h"
+#include "tests/support/bsdf_albedo.h"
+#include "tests/support/layered_walk.h"
+
+namespace skywave {
+namespace {
+
+MaterialCase CaseOf(const std::string& name, const Material& material) {
+  return {name, material.bsdf, RecordWithCoat(material)};
+}
+
+Material Body(float reflectance, float alpha = 0, float ior = 1.5f) {
+  return {.bsdf = BsdfKind::kCoatedDiffuse,
+          .reflectance = glm::vec3(reflectance),
+          .alpha = alpha,
+          .ior = ior};
+}
+Material Metal(float eta, float k, float alpha, float coat_alpha = 0, float ior = 1.5f) {
+  return {.bsdf = BsdfKind::kCoatedConductor,
+          .reflectance = glm::vec3(1),
+          .eta = glm::vec3(eta),
+          .k = glm::vec3(k),
+          .alpha = alpha,
+          .ior = ior,
+          .coat_alpha = coat_alpha};
+}
+Material Misty(Material material, float thickness, float albedo, float g) {
+  material.coat_thickness = thickness, material.coat_albedo = glm::vec3(albedo);
+  material.coat_asymmetry = g;
+  return material;
+}
+
+struct Layered {
+  std::string name;
+  Material material;
+};
+const std::vector<Layered>& Cases() {
+  static const std::vector<Layered> cases = {
+      {"dim", Body(0.2f)},
+      {"grey", Body(0.5f)},
+      {"bright", Body(0.8f)},
+      {"white", Body(1)},
+      {"water", Body(0.6f, 0, 1.33f)},
+      {"glass", Body(0.6f, 0.1f, 1.8f)},
+      {"satin", Body(0.5f, 0.3f)},
+      {"rough", Body(0.7f, 0.7f)},
+      {"dark", Misty(Body(0.5f), 1, 0, 0)},
+      {"milk", Misty(Body(0.3f), 1, 0.9f, 0)},
+      {"haze", Misty(Body(0.5f, 0.2f), 0.3f, 0.6f, 0.7f)},
+      {"backward", Misty(Body(0.5f), 3, 0.8f, -0.5f)},
+      {"thin", Misty(Body(0.8f), 0.01f, 0.5f, 0)},
+      {"steel", Metal(1, 3.0550505f, 0.05f)},
+      {"silver", Metal(0.2f, 3.9f, 0.05f)},
+      {"brushed", Metal(0.2f, 3.9f, 0.3f, 0.1f)},
+      {"dull", Metal(1, 2, 0.5f, 0.3f, 1.8f)},
+      {"narrow", Metal(0.2f, 3.9f, 0.01f, 0.3f)},
+      {"tarnished", Misty(Metal(0.2f, 3.9f, 0.2f, 0.05f), 0.5f, 0.7f, 0.3f)},
+      {"smoked", Misty(Metal(0.2f, 3.9f, 0.1f), 0.4f, 0, 0)},
+  };
+  return cases;
+}
+
+class Coats : public testing::TestWithParam<std::size_t> {
+ protected:
+  const Layered& layered_ = Cases()[GetParam()];
+};
+
+constexpr int kWalks = 100000;
+
+// The directional albedo is within 2 % of that of the layers, which has an error of its own.
+TEST_P(Coats, ReflectWhatTheirLayersReflect) {
+  const MaterialCase material = CaseOf(layered_.name, layered_.material);
+  for (const double cosine : {1.0, 0.75, 0.5, 0.3, 0.15}) {
+    Random random(7);
+    double sum = 0, squares = 0;
+    for (int i = 0; i < kWalks; ++i) {
+      const Vec wo = {std::sqrt(1 - cosine * cosine), 0, cosine};
+      const double weight = WalkLayers(layered_.material, 1, wo, random).weight;
+      sum += weight, squares += weight * weight;
+    }
+    const double exact = sum / kWalks;
+    const double error = std::sqrt((squares / kWalks - exact * exact) / kWalks);
+    EXPECT_NEAR(Albedo(material, cosine)[1], exact, 0.02 * exact + 3 * error) << cosine;
+  }
+}
+
+// The light leaves in the same directions: the cosines have the same distribution. Metals under
+// rough coats have a lobe of the right width and not quite of the right shape.
+TEST_P(Coats, ScatterWhereTheirLayersScatter) {
+  constexpr int kBins = 5;
+  constexpr std::uint32_t kSamples = 1 << 16;
+  const MaterialCase material = CaseOf(layered_.name, layered_.material);
+  const double tolerance = material.kind == BsdfKind::kCoatedConductor ? 0.05 : 0.01;
+  const Vec normal = {0, 0, 1};
+  for (const double cosine : {0.9, 0.5}) {
+    const Vec wo = AtAngle(normal, cosine);
+    const ShadingRows rows(material, kSamples, normal, wo);
+    const ScatterRows uniforms(kSamples, 3);
+    soa::Table<RayColumns> rays(kSamples);
+    const std::uint32_t alive = rows.kernels.scatter(rows.surfaces, rows.materials(),
+                                                     uniforms.view(), kSamples, {}, rays, 0);
+    double engine[kBins] = {}, exact[kBins] = {};
+    const auto bin = [](double z) { return std::clamp(int(z * kBins), 0, kBins - 1); };
+    for (std::uint32_t i = 0; i < alive; ++i) {
+      engine[bin(rays->dir_z[i])] += double(rays->throughput_g[i]) / kSamples;
+    }
+    Random random(8);
+    for (int i = 0; i < kWalks; ++i) {
+      const LayeredPath path = WalkLayers(layered_.material, 1, wo, random);
+      if (path.weight > 0) exact[bin(path.direction.z)] += path.weight / kWalks;
+    }
+    for (int b = 0; b < kBins; ++b) {
+      EXPECT_NEAR(engine[b], exact[b], tolerance) << cosine << ", bin " << b;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Coats, testing::Range(std::size_t{0}, Cases().size()),
+                         [](const auto& test) { return Cases()[test.param].name; });
+
+// Balls in a white furnace, seen from far away through a square of 0.7 of their radius. A body
+// shows r (1 - F) / (1 - r F) of what enters, F = 0.596 being the mean reflectance of the coat from
+// inside; a smooth metal shows R (1 - f) / (1 - R f) of it, with the reflectances for its
+// direction.
+TEST(CoatedBalls, HaveTheirBrightnessInAFurnace) {
+  const struct {
+    const char* name;
+    Material material;
+    double exact;
+  } balls[] = {{"0.2", Body(0.2f), 0.1359},
+               {"0.5", Body(0.5f), 0.3222},
+               {"0.8", Body(0.8f), 0.6361},
+               {"steel", Metal(1, 3.0550505f, 0), 0.623},
+               {"silver", Metal(0.2f, 3.9f, 0), 0.934}};
+  for (const auto& ball : balls) {
+    const MaterialCase material = CaseOf(ball.name, ball.material);
+    double sum = 0;
+    constexpr int kSide = 8;
+    for (int i = 0; i < kSide * kSide; ++i) {
+      const double x = 0.7 * (i % kSide + 0.5) / kSide, y = 0.7 * (i / kSide + 0.5) / kSide;
+      sum += Albedo(material, std::sqrt(1 - x * x - y * y))[1];
+    }
+    EXPECT_NEAR(sum / (kSide * kSide), ball.exact, 0.005 * ball.exact) << ball.name;
+  }
+}
+
+}  // namespace
+}  // namespace skywave
