@@ -77,9 +77,8 @@ class Parts {
     const RenderJob job = JobOf(request_);
     const PictureIdentity identity = IdentityOf(job, exposure_, true);
     const RenderedFilm rendered = RunSession(job, identity, {});
-    return BytesOf(folder_,
-                   ResolvePicture(rendered.film, rendered.part.samples.count(), job.options().aovs,
-                                  identity, rendered.part));
+    return BytesOf(folder_, ResolvePicture(rendered.film, rendered.part.samples.count(),
+                                           job.options().aovs, identity, rendered.part));
   }
 
   // Adds some films to one.

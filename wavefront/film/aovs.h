@@ -21,7 +21,7 @@ enum class AovSum {
   kMeanOfHits,    // over the samples whose camera ray hit something
   kNearestHit,    // of the sample nearest to the pixel's centre, where a mean is meaningless
   kCoverage,      // share of the samples whose camera ray hit something
-  kSampleCount,   // the same in every pixel
+  kSampleCount,   // of the pixel
   kVariance,      // of one sample of the beauty, unbiased if samples are independent
   kHalf,          // the beauty of the second halves of the samples, and their number
   kHalfVariance,  // of one sample of them
