@@ -51,7 +51,8 @@ def run(*command):
 def render(args, scene, samples, output, *flags):
     if not output.exists():
         run(args.program, "render", *words(SCENES[scene][0], args.data), "--size", args.size,
-            "--spp", samples, "--quiet", "-o", output, *flags)
+            *(["--crop", args.crop] if args.crop else []), "--spp", samples, "--quiet", "-o", output,
+            *flags)
 
 
 def compare(args, picture, reference):
@@ -112,6 +113,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, default=Path("denoising"), metavar="OUT")
     parser.add_argument("--program", type=Path, default=Path("build/release/skywave"))
     parser.add_argument("--size", default="640x480", metavar="WxH")
+    parser.add_argument("--crop", metavar="WxH+X+Y", help="of the pictures, not of the cost")
     parser.add_argument("--samples", type=int, nargs="+", default=[16, 64, 1024])
     parser.add_argument("--reference", type=int, default=16384)
     parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
