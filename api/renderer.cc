@@ -57,7 +57,8 @@ RenderReport Report(const Renderer::State& state) {
 // Returns the picture of `film`, whose samples are those of `part` or, while it is rendered, fewer.
 Picture PictureOf(const Renderer::State& state, const Film& film, const SampleCounts& samples,
                   const PicturePart& part) {
-  Picture picture = ResolvePicture(film, samples, state.job->options().aovs, state.identity, part);
+  Picture picture = ResolvePicture(film, samples, state.job->options().aovs, state.identity, part,
+                                   state.job->options().threads);
   picture.format = state.format;
   picture.format.threads = state.job->options().threads;
   return picture;

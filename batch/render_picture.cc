@@ -23,7 +23,10 @@ namespace {
 // Returns the words of the limits under which a render may end early; empty without any.
 std::string LimitWords(const RenderLimits& limits) {
   std::string words;
-  for (const OptionOf<RenderLimits>& option : LimitOptions()) words += CommandWords(option, limits);
+  static const RenderLimits defaults;
+  for (const OptionOf<RenderLimits>& option : LimitOptions()) {
+    if (option.get(limits) != option.get(defaults)) words += CommandWords(option, limits);
+  }
   return words;
 }
 
@@ -146,7 +149,8 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     const std::shared_ptr<void> held = std::move(room);
     const RenderedFilm source = std::move(rendered);
     const Clock::time_point start = Clock::now();
-    Picture resolved = ResolvePicture(source.film, source.samples, aovs, identity, source.part);
+    Picture resolved =
+        ResolvePicture(source.film, source.samples, aovs, identity, source.part, threads);
     resolved.format = format;
     resolved.format.threads = threads;
     result.notes.insert(result.notes.end(), resolved.notes.begin(), resolved.notes.end());

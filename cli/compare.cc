@@ -33,6 +33,7 @@ struct ComparedPicture {
   Image image;
   bool of_screen = false;  // PNG or JPEG
   std::optional<PictureNoise> noise = {};
+  bool denoised = false;       // its noise is the layer error
   bool lacks_samples = false;  // it has the layer variance, but not the layer samples
 };
 
@@ -48,7 +49,9 @@ ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) 
   // The layer variance of a picture that was denoised is that of the noisy one.
   if (has(ErrorChannels())) {
     LayeredImage picture = ReadLayeredImage(path, ErrorChannels(), limits);
-    return {.image = std::move(picture.image), .noise = NoiseOfErrors(picture.layers)};
+    return {.image = std::move(picture.image),
+            .noise = NoiseOfErrors(picture.layers),
+            .denoised = true};
   }
   if (has(NoiseChannels())) {
     LayeredImage picture = ReadLayeredImage(path, NoiseChannels(), limits);
@@ -65,8 +68,11 @@ void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
                                             : "the reference; the image is taken to be exact");
   const char* const kNames[] = {"red", "green", "blue"};
   for (int i = 0; i < 3; ++i) {
-    fmt::print("  {:<16}{:.4g} +- {:.2g}\n", fmt::format("mean {}", kNames[i]),
-               c.mean_difference[i], c.half_width[i]);
+    fmt::print("  {:<16}{:.4g}", fmt::format("mean {}", kNames[i]), c.mean_difference[i]);
+    // Errors of neighbours are alike where a denoiser has averaged them, and add up as nobody
+    // knows.
+    if (!image.denoised && !reference.denoised) fmt::print(" +- {:.2g}", c.half_width[i]);
+    fmt::print("\n");
   }
   fmt::print("  {:<16}{:.2f} % of {} values; at most 5 % if noise is all\n", "outside of 95 %",
              100 * c.exceeding, c.values);

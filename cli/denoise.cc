@@ -1,11 +1,14 @@
 // Implements skywave denoise: a clean picture from the layers of a noisy one.
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "base/granted.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
 #include "denoise/denoise.h"
@@ -18,8 +21,26 @@ namespace {
 struct DenoiseFlags {
   std::string input, output;
   ExposureRequest exposure;
+  ReadLimits limits;
+  int threads = 0;
   bool quiet = false;
 };
+
+// Returns the metadata of the noisy picture for the clean one, which its command does not repeat.
+Metadata MetadataOf(const std::string& path, const ReadLimits& limits) {
+  Metadata metadata = ReadExrMetadata(path, limits);
+  for (auto& [name, text] : metadata) {
+    if (name == "command") name = "noisyCommand";
+  }
+  return metadata;
+}
+
+void CheckNoisy(const std::string& path, const ReadLimits& limits) {
+  const std::vector<std::string> names = ReadLayerNames(path, limits);
+  if (std::any_of(names.begin(), names.end(), IsOfDenoiser)) {
+    throw InputError(InputPosition::File(path), "this picture was denoised already");
+  }
+}
 
 int DenoiseMain(const DenoiseFlags& flags) {
   if (std::filesystem::path(flags.output).extension() != ".exr") {
@@ -30,13 +51,15 @@ int DenoiseMain(const DenoiseFlags& flags) {
     CheckNotInput(path, flags.input);
     CheckWritable(path);
   }
-  LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels());
-  Denoised clean = Denoise(flags.input, noisy.image, noisy.layers);
+  CheckNoisy(flags.input, flags.limits);
+  const LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels(), flags.limits);
+  tbb::task_arena arena(ThreadsFor(flags.threads));
+  Denoised clean = arena.execute([&] { return Denoise(flags.input, noisy.image, noisy.layers); });
   Picture picture = {.image = std::move(clean.image),
                      .layers = std::move(clean.error),
-                     .metadata = ReadExrMetadata(flags.input)};
+                     .metadata = MetadataOf(flags.input, flags.limits)};
   if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
-  ExposureRequest exposure = flags.exposure;
+  ExposureRequest exposure = ResolveExposure(flags.exposure, JobRequest());
   if (!exposure.exposure && exposure.photo.shutter_seconds <= 0 &&
       IsExposedAutomatically(picture.metadata)) {
     exposure.exposure = ExposureChoice{.automatic = true};
@@ -60,6 +83,8 @@ std::vector<OptionOf<DenoiseFlags>> DenoiseOptions() {
   return {
     option({.name = "input", .help = "EXR with the layers of --aovs denoiser", .scope = OptionScope::kInput, .metavar = "EXR", .positional = true, .required = true}, FIELD(input), Texts("EXR")),
     option({.name = "output", .help = "EXR file with the layer error, and a PNG of the same name", .metavar = "EXR", .letter = 'o', .required = true}, FIELD(output), Texts("EXR")),
+    option({.name = "threads", .help = "0: as many as the process may use", .scope = OptionScope::kSpeed}, FIELD(threads), Numbers(0, 4096)),
+    option({.name = "trust-input", .help = "also decode EXR features with known holes in Debian's OpenEXR", .scope = OptionScope::kInput}, FIELD(limits.trust_input), Switches()),
     option({.name = "quiet", .help = "print errors only", .letter = 'q'}, FIELD(quiet), Switches()),
   };
   // clang-format on
@@ -79,6 +104,8 @@ Command DenoiseCommand() {
                      .run = [flags](const GivenOptions&) { return DenoiseMain(*flags); }};
   AddOptions(command, DenoiseOptions(), flags);
   AddOptions(command, ExposureOptions(), std::shared_ptr<ExposureRequest>(flags, &flags->exposure));
+  OptionCalled(command, "exposure").printed_default =
+      "auto if that of the noisy picture was, else 0";
   return command;
 }
 

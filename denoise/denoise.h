@@ -6,8 +6,8 @@
 // the halves of the samples: one half has them, and the other half has nothing like it in the
 // pixels around. Their excess is spread over the surface around them, so energy is kept.
 //
-// All of it is local: a pixel depends on those at most 12 pixels away, and on outliers at most 41
-// pixels away. The bytes do not depend on threads, tiles or instruction sets.
+// All of it is local: a pixel depends on those at most 12 pixels away, and near outliers on those
+// at most 84 pixels away. The bytes do not depend on threads, tiles or instruction sets.
 #pragma once
 
 #include <cstdint>

@@ -59,7 +59,7 @@ void MeanOfLine(float* line, int count, std::size_t step, std::vector<double>& s
            line[std::size_t(mirrored(i - kSpread)) * step];
   }
   for (int i = 0; i < count; ++i) {
-    line[std::size_t(i) * step] = float(std::max(sums[std::size_t(i)], 0.0) / (2 * kSpread + 1));
+    line[std::size_t(i) * step] = float(sums[std::size_t(i)] / (2 * kSpread + 1));
   }
 }
 
@@ -76,12 +76,22 @@ void Spread(const PlaneShape& shape, float* plane) {
   }
 }
 
-// How much of an excess a pixel takes: what it reflects.
+// How much of an excess pixels take: each, and all that an excess is spread over.
+struct SharePlanes {
+  float *own, *around;
+
+  template <class Self, class F>
+  static constexpr void ForEachColumn(Self& self, F f) {
+    f(self.own), f(self.around);
+  }
+};
+
+// Returns the share of a pixel: what it reflects.
 float ShareOf(const DenoiserPlanes& planes, const DenoiserInput& input, int x, int y) {
   const std::size_t at = planes.shape.at(x, y);
   const std::size_t pixel = std::size_t(y) * std::size_t(input.image.width) + std::size_t(x);
   const float texture = planes.texture->r[at] + planes.texture->g[at] + planes.texture->b[at];
-  return std::max(input.coverage[pixel] * texture, kLeastShare);
+  return std::max(input.coverage[pixel] * texture / input.brightness, kLeastShare);
 }
 
 // A half pixel that is one, and what it is to have instead.
@@ -138,23 +148,23 @@ OutlierExcess TakeOutliers(const DenoiserInput& input, DenoiserPlanes& planes) {
   }
   // Pixel i gives to pixel j in proportion to the share of j. The mean is symmetric, so what i
   // gives adds up to its excess.
-  soa::Table<TexturePlanes> shares(std::uint32_t(shape.size()));
+  soa::Table<SharePlanes> shares(std::uint32_t(shape.size()));
   const auto for_each_pixel = [&](const auto& f) {
     tbb::parallel_for(0, shape.height, [&](int y) {
       for (int x = 0; x < shape.width; ++x) f(x, y, shape.at(x, y));
     });
   };
   for_each_pixel([&](int x, int y, std::size_t at) {
-    shares->r[at] = shares->g[at] = ShareOf(planes, input, x, y);
+    shares->own[at] = shares->around[at] = ShareOf(planes, input, x, y);
   });
-  Spread(shape, shares->r);
+  Spread(shape, shares->around);
   for_each_pixel([&](int, int, std::size_t at) {
-    const float scale = 1 / shares->r[at];
+    const float scale = 1 / shares->around[at];
     excess->r[at] *= scale, excess->g[at] *= scale, excess->b[at] *= scale;
   });
   for (float* plane : {excess->r, excess->g, excess->b}) Spread(shape, plane);
   for_each_pixel([&](int, int, std::size_t at) {
-    const float share = shares->g[at];
+    const float share = shares->own[at];
     excess->r[at] *= share, excess->g[at] *= share, excess->b[at] *= share;
   });
   result.spread = std::move(excess);

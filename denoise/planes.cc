@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "base/error.h"
 #include "denoise/denoise.h"
@@ -18,6 +19,16 @@ constexpr float kAlbedoUnit = 0.1f;  // of reflectance
 constexpr float kDepthUnit = 0.02f;  // of the distance
 // Black surfaces can be lit as well: light is not divided by less than this.
 constexpr float kDarkest = 0.02f;
+
+// A power of two scales without rounding, so a part of a picture has the bits of the whole.
+float BrightnessOf(const Image& image) {
+  double sum = 0;
+  for (const float value : image.rgb) sum += std::abs(value);
+  const double mean = sum / double(image.rgb.size());
+  int exponent = 0;
+  std::frexp(std::max(mean, 1e-30), &exponent);
+  return std::ldexp(1.0f, exponent);
+}
 
 std::span<const float> Find(const std::string& name, const Image& image,
                             std::span<const NamedChannel> layers, std::string_view channel) {
@@ -99,6 +110,7 @@ DenoiserInput FindInput(const std::string& name, const Image& image,
   CheckFinite(name, image, "RGB", image.rgb, 3);
   const DenoiserInput input = {
       .image = image,
+      .brightness = BrightnessOf(image),
       .samples = find("samples.V"),
       .variance = {find("variance.R"), find("variance.G"), find("variance.B")},
       .half = {find("half.R"), find("half.G"), find("half.B")},
@@ -137,7 +149,8 @@ void ReadRow(const DenoiserInput& input, int y, DenoiserPlanes& planes) {
     float noise0 = 0, noise1 = 0;
     for (std::size_t c = 0; c < 3; ++c) {
       const float albedo = input.albedo[c][pixel];
-      const float texture = coverage * (albedo + kDarkest) + (1 - coverage);
+      // Colours are in units of the picture's own, as the scale of a map is arbitrary.
+      const float texture = input.brightness * (coverage * (albedo + kDarkest) + (1 - coverage));
       const float all = input.image.rgb[3 * pixel + c], second = input.half[c][pixel];
       const float first = (n * all - n1 * second) / n0;
       // The squares around the mean of all samples are those around the means of the halves and
@@ -157,9 +170,10 @@ void ReadRow(const DenoiserInput& input, int y, DenoiserPlanes& planes) {
     }
     planes.halves[0]->noise[at] = noise0;
     planes.halves[1]->noise[at] = noise1;
-    f.depth[at] = std::log(std::max(input.depth[pixel], 1e-30f)) * (1 / kDepthUnit);
+    f.depth[at] = std::max(input.depth[pixel], 1e-30f);
     f.coverage[at] = coverage * (1 / kCoverageUnit);
   }
+  TakeLogarithms(planes.shape, y, 1 / kDepthUnit, f.depth);
 }
 
 void FindSlopes(const PlaneShape& shape, int y, const FeaturePlanes& features) {
@@ -170,8 +184,9 @@ void FindSlopes(const PlaneShape& shape, int y, const FeaturePlanes& features) {
     };
     if (!is_surface(here)) return 0.0f;
     const float depth = features.depth[here];
-    const float forward = is_surface(after) ? features.depth[after] - depth : 0;
-    const float backward = is_surface(before) ? depth - features.depth[before] : 0;
+    const float forward = features.depth[after] - depth, backward = depth - features.depth[before];
+    if (!is_surface(before)) return is_surface(after) ? forward : 0;
+    if (!is_surface(after)) return backward;
     // The smaller one does not leave the surface.
     return std::abs(forward) < std::abs(backward) ? forward : backward;
   };

@@ -14,6 +14,7 @@ namespace skywave {
 // The values of the channels that the denoiser reads, one per pixel.
 struct DenoiserInput {
   const Image& image;
+  float brightness;  // a power of two near the mean magnitude of its values
   std::span<const float> samples;
   std::span<const float> variance[3];
   std::span<const float> half[3], half_samples, half_variance[3];

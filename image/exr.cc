@@ -134,12 +134,16 @@ struct WrittenChannel {
   bool half;
 };
 
-// Colours need no more than the digits of 16 bits; what is measured in other units might.
+// Colours need no more than the digits of 16 bits; what is measured in other units might, and so
+// does what is subtracted from a colour.
 bool MayBeHalf(const std::string& name) {
   const std::size_t dot = name.rfind('.');
   const std::string letter = dot == std::string::npos ? name : name.substr(dot + 1);
   const bool is_color = letter == "R" || letter == "G" || letter == "B";
-  return is_color && !name.starts_with("variance.");
+  for (const std::string_view exact : {"variance.", "half.", "half-variance."}) {
+    if (name.starts_with(exact)) return false;
+  }
+  return is_color;
 }
 
 Imf::Header HeaderOf(const Image& image, const Metadata& metadata,

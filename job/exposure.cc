@@ -5,6 +5,8 @@
 #include <charconv>
 #include <optional>
 
+#include "base/error.h"
+
 namespace skywave {
 namespace {
 
@@ -66,7 +68,9 @@ std::vector<OptionOf<ExposureRequest>> ExposureOptions() {
 ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job) {
   const bool has_map = !job.environment.path.empty() || job.environment.image != nullptr;
   if (request.photo.shutter_seconds > 0) {
-    if (request.exposure && request.exposure->automatic) request.exposure.reset();
+    if (request.exposure && request.exposure->automatic) {
+      throw OptionError("exposure", "auto", "is what `shutter` decides; give stops, or neither");
+    }
   } else if (!request.exposure && has_map) {
     request.exposure = ExposureChoice{.automatic = true};
   }

@@ -26,7 +26,8 @@ struct ExposureRequest {
 std::vector<OptionOf<ExposureRequest>> ExposureOptions();
 
 // Returns the request with what it leaves open: it is automatic where `job` brings a map of its
-// own, whose scale is arbitrary, and no camera is simulated. With a camera it is never automatic.
+// own, whose scale is arbitrary, and no camera is simulated. Throws OptionError for a
+// camera whose exposure is to be automatic.
 ExposureRequest ResolveExposure(ExposureRequest request, const JobRequest& job);
 
 // Returns the exposure and curve of the PNG of `image`, with the exposure of the camera added.

@@ -57,13 +57,16 @@ ExposureRequest ExposureOf(const PictureIdentity& identity) {
 }
 
 // Replaces the picture by a clean one, by the layers that the denoiser reads.
-void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Picture& picture) {
+void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, int threads,
+           Picture& picture) {
   if (!CanDenoise(picture.image, layers)) {
     picture.notes.push_back(
-        fmt::format("not denoised: pixels have fewer than {} samples", kFewestDenoiserSamples));
+        fmt::format("not denoised: pixels have fewer than {} samples, or too few in one half",
+                    kFewestDenoiserSamples));
     return;
   }
-  Denoised clean = Denoise(scene, picture.image, layers);
+  tbb::task_arena arena(ThreadsFor(threads));
+  Denoised clean = arena.execute([&] { return Denoise(scene, picture.image, layers); });
   for (const std::size_t c : {0, 1, 2}) {
     NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
     noisy.values.reserve(picture.image.rgb.size() / 3);
@@ -169,13 +172,17 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
   return "";
 }
 
+bool IsOfDenoiser(std::string_view channel) {
+  return channel.starts_with("noisy.") || channel.starts_with("error.");
+}
+
 bool IsDenoised(const PictureIdentity& identity) {
   const RecordedOption* const option = Find(identity.options, "denoise");
   return option != nullptr && !option->words.empty();
 }
 
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part) {
+                       const PictureIdentity& identity, const PicturePart& part, int threads) {
   Metadata metadata = {{"software", identity.software},
                        {"samples", fmt::format("{}", part.samples.count())},
                        {"seed", fmt::format("{}", identity.seed)},
@@ -186,7 +193,7 @@ Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet lay
                      .notes = {},
                      .metadata = std::move(metadata)};
   if (IsDenoised(identity)) {
-    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
+    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), threads, picture);
   }
   Expose(ExposureOf(identity), picture);
   return picture;

@@ -58,6 +58,9 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
 // Returns whether the picture is denoised.
 bool IsDenoised(const PictureIdentity& identity);
 
+// Returns whether a channel is one that denoising adds to a picture: "noisy" and "error".
+bool IsOfDenoiser(std::string_view channel);
+
 struct Picture {
   Image image;
   std::vector<NamedChannel> layers;
@@ -70,8 +73,9 @@ struct Picture {
 // Returns the picture of what `film` holds. `part` names its samples; `samples` counts them.
 // `layers` are those to show. A picture that is denoised has the layers "noisy" and "error" too;
 // one of too few samples, as a look at a render that has only begun, stays noisy, with a note.
+// `threads` are those of the denoiser; 0: as many as the process may use.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
-                       const PictureIdentity& identity, const PicturePart& part);
+                       const PictureIdentity& identity, const PicturePart& part, int threads = 0);
 
 // Exposes the PNG. An automatic exposure is told by a note and by the metadata, and by these
 // IsExposedAutomatically knows the pictures that have one.

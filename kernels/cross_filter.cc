@@ -56,6 +56,14 @@ void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* 
   }
 }
 
+void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane) {
+  const int lanes = static_cast<int>(hn::Lanes(F()));
+  for (int x = 0; x < shape.width; x += lanes) {
+    float* const at = plane + shape.at(x, y);
+    Store(hn::Mul(Log(hn::Max(Load(at), Set(1e-30f))), Set(scale)), at);
+  }
+}
+
 // Writes the squared distances z between the pixels of a tile, one more on each side, and those at
 // `offset`; sums of three in a row go to `sums`.
 HWY_INLINE void Distances(const PlaneShape& shape, const HalfPlanes& half, const FilterTile& tile,
@@ -246,11 +254,15 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(SmoothNoise);
+HWY_EXPORT(TakeLogarithms);
 HWY_EXPORT(CrossFilter);
 HWY_EXPORT(EstimateError);
 
 void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise) {
   HWY_DYNAMIC_DISPATCH(SmoothNoise)(shape, half, y, noise);
+}
+void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane) {
+  HWY_DYNAMIC_DISPATCH(TakeLogarithms)(shape, y, scale, plane);
 }
 void CrossFilter(const PlaneShape& shape, const FeaturePlanes& features, const HalfPlanes (&in)[2],
                  const FilterLevel& level, const FilterTile& tile, const HalfPlanes (&out)[2]) {

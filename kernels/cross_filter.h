@@ -68,7 +68,7 @@ struct FilterLevel {
 };
 inline constexpr FilterLevel kFilterLevels[] = {{2, 1}, {1, 4}};
 
-// A part of the picture, small enough for the nearest cache.
+// A part of the picture, small enough for the second-level cache.
 struct FilterTile {
   static constexpr int kWidth = 64, kHeight = 8;
   int x, y, width, height;
@@ -79,6 +79,10 @@ struct FilterTile {
 // the 3 x 3 pixels around it; one without any noise, as where no sample found light, their mean.
 // `noise` is a plane.
 void SmoothNoise(const PlaneShape& shape, const HalfPlanes& half, int y, float* noise);
+
+// Replaces the values of row `y` of a plane, all positive, by `scale` times their natural
+// logarithms.
+void TakeLogarithms(const PlaneShape& shape, int y, float scale, float* plane);
 
 // Filters a tile: writes the average of both halves, each weighted by what the other one tells, and
 // its noise. The rim of `out` is not written.

@@ -103,6 +103,7 @@ NoiseComparison CompareNoise(const Image& image, const std::optional<PictureNois
     result.mean_difference[c] /= pixels;
     result.half_width[c] = kNormalQuantile * std::sqrt(variances[c]) / pixels;
   }
+  if (result.values == 0) return result;
   result.exceeding = double(exceeding) / double(result.values);
   result.mean_squared_z = squared_z / double(result.values);
   return result;

@@ -14,7 +14,7 @@
 
 namespace skywave {
 
-// Returns the names of the channels that ReadNoise needs.
+// Returns the names of the channels that NoiseOf needs.
 std::vector<std::string> NoiseChannels();
 
 // The noise of a picture, pixel by pixel, rows from the top.
@@ -26,7 +26,8 @@ struct PictureNoise {
 // Returns the noise in layers that were read by the names of NoiseChannels.
 PictureNoise NoiseOf(std::span<const NamedChannel> layers);
 
-// The same for a picture that was denoised, whose layer "error" holds standard deviations.
+// The same for a picture that was denoised, whose layer "error" holds standard deviations. Those of
+// neighbours are of the same samples, so half_width below is too small for such a picture.
 std::vector<std::string> ErrorChannels();
 PictureNoise NoiseOfErrors(std::span<const NamedChannel> layers);
 

@@ -69,11 +69,12 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
                        ToString(options.integrator)));
   }
   if (integrator.has_splats &&
-      (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kDirect) ||
+      (Sums(options.aovs, AovSum::kVariance) || Sums(options.aovs, AovSum::kHalf) ||
+       Sums(options.aovs, AovSum::kHalfVariance) || Sums(options.aovs, AovSum::kDirect) ||
        Sums(options.aovs, AovSum::kIndirect))) {
     refuse(
-        fmt::format("variance, direct and indirect are of samples of a pixel, which the splats "
-                    "of `integrator {}` are not",
+        fmt::format("variance, halves, direct and indirect are of samples of a pixel, which the "
+                    "splats of `integrator {}` are not",
                     ToString(options.integrator)));
   }
 }

@@ -4,12 +4,15 @@
     bench/denoising/measure.py --data DATA -o OUT
     bench/denoising/measure.py --data DATA -o OUT --size 80x60 --reference 64   # does it work?
     bench/denoising/measure.py --data DATA -o OUT --cost                        # its time
+    bench/denoising/measure.py --data DATA -o OUT --until 0.001                 # time to an error
 
 Six scenes are rendered with --samples and once with --reference samples. The first table has the
 relative mean squared error of the noisy and of the clean picture, how many times smaller it is, and
 the share of values that lie outside of their 95 % intervals; OUT/SCENE_SAMPLES.png shows the noisy
 picture, the clean one and the reference. --cost renders the bunny with and without --denoise, by
-turns, and tells the medians. Pictures that are in OUT are not rendered again.
+turns, and tells the medians. --until doubles the samples, or lowers the error of --adaptive, until
+a picture has this relative mean squared error, plain and denoised, and tells the time of the whole
+command. Pictures that are in OUT are not rendered again.
 """
 
 import argparse
@@ -75,7 +78,7 @@ def quality(args):
             rows.append([scene, str(samples), number(before["relative_mse"]),
                          number(after["relative_mse"]),
                          number(before["relative_mse"] / after["relative_mse"]),
-                         number(before["flip"] / after["flip"]) if "flip" in before else "",
+                         number(before["flip"] / after["flip"]),
                          f"{100 * after['noise']['exceeding']:.1f} %"])
             strip = [read_exr(picture) for picture in (noisy, clean, reference)]
             write_png_strip(Path(f"{stem}_{samples}.png"), strip, exposure=SCENES[scene][1])
@@ -106,6 +109,43 @@ def cost(args):
                            "denoised [MiB]"], rows, 1)
 
 
+# Flags of a render, and their values from the cheapest picture on.
+WAYS = {
+    "plain": ("--spp {}", [8 << i for i in range(10)]),
+    "denoised": ("--spp {} --denoise", [8 << i for i in range(10)]),
+    "adaptive": ("--spp 4096 --adaptive {}", [0.8 / 2**(i / 2) for i in range(12)]),
+    "adaptive, denoised": ("--spp 4096 --denoise --adaptive {}",
+                           [0.8 / 2**(i / 2) for i in range(12)]),
+}
+
+
+def until(args):
+    rows = []
+    for scene in args.scenes:
+        reference = Path(f"{args.output / scene.replace(' ', '_')}_reference.exr")
+        render(args, scene, args.reference, reference, "--seed", "99", "--aovs", "variance,samples")
+        row = [scene]
+        for flags, values in WAYS.values():
+            found = "more"
+            for value in values:
+                picture = args.output / "until.exr"
+                picture.unlink(missing_ok=True)
+                start = time.monotonic()
+                run(args.program, "render", *words(SCENES[scene][0], args.data), "--size", args.size,
+                    *(["--crop", args.crop] if args.crop else []), "--quiet", "-o", picture,
+                    *flags.format(value).split())
+                seconds = time.monotonic() - start
+                if compare(args, picture, reference)["relative_mse"] <= args.until:
+                    found = f"{number(seconds)} ({number(value)})"
+                    break
+                if seconds > args.patience:
+                    break
+            row.append(found)
+        rows.append(row)
+        print(*row, flush=True)
+    return lines_of_table(["scene", *(f"{way} [s]" for way in WAYS)], rows, 1)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -118,11 +158,14 @@ def main():
     parser.add_argument("--reference", type=int, default=16384)
     parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
     parser.add_argument("--cost", action="store_true")
-    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--repeats", type=int, default=5, help="of --cost")
+    parser.add_argument("--until", type=float, metavar="ERROR")
+    parser.add_argument("--patience", type=float, default=30, help="longest render of --until [s]")
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
     print(processor())
-    print("\n".join(cost(args) if args.cost else quality(args)))
+    table = cost if args.cost else until if args.until else quality
+    print("\n".join(table(args)))
 
 
 if __name__ == "__main__":

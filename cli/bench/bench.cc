@@ -207,7 +207,8 @@ Command BenchCommand() {
           "over the render's.\n\n"
           "Examples:\n  skywave bench --json b.json --report b.html\n"
           "  skywave bench gallery --repetitions 9"};
-  AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request), {"aovs"});
+  AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request),
+             {"aovs", "denoise"});
   OptionInfo& scene = OptionCalled(command, "scene");
   scene.required = false;
   scene.printed_default = "the suite";

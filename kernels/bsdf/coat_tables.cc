@@ -49,6 +49,7 @@ class Operator {
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] += other.values_[i];
     return *this;
   }
+  double Largest() const { return *std::max_element(values_.begin(), values_.end()); }
 
  private:
   std::size_t rows_, columns_;
@@ -63,7 +64,7 @@ struct Nodes {
   // densely above it.
   explicit Nodes(double ior) {
     constexpr int kBelow = 24, kAbove = 40;
-    const double critical = ior > 1 ? std::sqrt(1 - 1 / (ior * ior)) : 0;
+    const double critical = ior > 1.001 ? std::sqrt(1 - 1 / (ior * ior)) : 0;
     for (int i = 0; critical > 0 && i < kBelow; ++i) cosines.push_back(critical * i / kBelow);
     for (int i = 0; i <= kAbove; ++i) {
       const double s = double(i) / kAbove;
@@ -206,7 +207,8 @@ double MeanPhase(double g, double a, double b) {
 
 // A layer so thin that it scatters once is doubled until it has its thickness (van de Hulst 1980).
 Slab MakeSlab(double thickness, double albedo, double g, const Nodes& nodes) {
-  constexpr int kDoublings = 12, kSteps = 256;
+  constexpr int kDoublings = 12, kSteps = 256, kMostSquares = 16;
+  constexpr double kNegligible = 1e-9;
   const std::size_t n = nodes.size();
   const double thin = std::ldexp(thickness, -kDoublings);
   Slab slab = {Operator(n, n), Operator(n, n)};
@@ -227,7 +229,7 @@ Slab MakeSlab(double thickness, double albedo, double g, const Nodes& nodes) {
     // Light between two equal layers goes to and fro: 1 + R^2 + R^4 + ... = (1 + R^2) (1 + R^4) ...
     Operator power = slab.back * slab.back;
     Operator once = slab.through;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < kMostSquares && power.Largest() > kNegligible; ++k) {
       once += power * once;
       power = power * power;
     }

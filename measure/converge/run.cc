@@ -149,7 +149,8 @@ std::vector<OptionOf<ConvergeRequest>> ConvergeOptions() {
 #undef FIELD
 
 bool HasOwnFormInConverge(const OptionInfo& option) {
-  return option.name == "strategy" || option.name == "spp" || option.name == "aovs";
+  return option.name == "strategy" || option.name == "spp" || option.name == "aovs" ||
+         option.name == "denoise";
 }
 
 void CheckSavedReference(const ConvergeRequest& request) {

@@ -82,7 +82,8 @@ std::vector<NamedField> FieldsOf(const BsdfTraits& traits) {
   const Material material;
   Material::ForEachField(material, [&](std::string_view name, MaterialPart part, const auto&) {
     const bool inside = part != MaterialPart::kAbsorption || traits.inside;
-    if (part != MaterialPart::kBsdf && inside) fields.push_back({name, name});
+    const bool coat = part != MaterialPart::kCoatMedium || traits.tables.coat;
+    if (part != MaterialPart::kBsdf && inside && coat) fields.push_back({name, name});
   });
   return fields;
 }

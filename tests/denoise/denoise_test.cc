@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -297,6 +299,54 @@ TEST(Denoise, APixelDependsOnItsSurroundings) {
           << x << ' ' << y;
     }
   }
+}
+
+// A floor that recedes by 6 % of its distance a pixel is one surface, whose noise is averaged.
+TEST(Denoise, SlantedSurfacesAreAveraged) {
+  Noisy noisy = Draw(Flat, 13);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      noisy.at("depth.Z")[std::size_t(y * kSide + x)] = 4 * std::exp(0.06f * float(x));
+    }
+  }
+  const double slanted = SquaredError(Clean(noisy).image, Flat);
+  EXPECT_LT(slanted, SquaredError(noisy.image, Flat) / 25);
+  // Steps are edges, on both sides of which there is less to average.
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      noisy.at("depth.Z")[std::size_t(y * kSide + x)] = x % 4 < 2 ? 4.0f : 5.0f;
+    }
+  }
+  EXPECT_GT(SquaredError(Clean(noisy).image, Flat), 1.4 * slanted);
+}
+
+TEST(Denoise, SmallPicturesAndNegativeValues) {
+  const Truth below_zero = [](int x, int) { return Pixel{.light = x % 2 == 0 ? -1.0 : 0.5}; };
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {1, 40}, {65, 9}}) {
+    const Noisy noisy = Draw(below_zero, 14, width, height);
+    const Denoised clean = Clean(noisy);
+    double most = 0;
+    for (const float value : noisy.image.rgb) most = std::max(most, double(std::abs(value)));
+    for (const float value : clean.image.rgb) {
+      EXPECT_LE(std::abs(value), 2 * most) << width << ' ' << height;
+    }
+    for (const NamedChannel& channel : clean.error) {
+      for (const float value : channel.values) EXPECT_TRUE(value >= 0 && std::isfinite(value));
+    }
+  }
+}
+
+// Radiance has no scale of its own.
+TEST(Denoise, DarkPicturesAreDenoisedAlike) {
+  const Truth dark = [](int x, int y) {
+    Pixel pixel = Steps(x, y);
+    pixel.light *= 1e-7, pixel.deviation *= 1e-7;
+    return pixel;
+  };
+  const Noisy noisy = Draw(Steps, 15), faint = Draw(dark, 15);
+  const double gain = SquaredError(noisy.image, Steps) / SquaredError(Clean(noisy).image, Steps);
+  EXPECT_NEAR(SquaredError(faint.image, dark) / SquaredError(Clean(faint).image, dark) / gain, 1,
+              0.01);
 }
 
 void ExpectError(const Noisy& noisy, const std::string& words) {

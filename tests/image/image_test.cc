@@ -94,17 +94,19 @@ TEST_F(ImageFiles, ExrIsThatOfTheLibrary) {
 TEST_F(ImageFiles, HalfRoundsColoursAlone) {
   Image image(2, 1);
   image.rgb = {0.1f, 1e6f, -1e6f, kInf, 2049, 6e-8f};
-  const std::vector<NamedChannel> layers = {
-      {"albedo.G", {0.3f, 1}}, {"depth.Z", {0.3f, 1e10f}}, {"variance.R", {1e-12f, 1e9f}}};
+  const std::vector<NamedChannel> layers = {{"albedo.G", {0.3f, 1}},
+                                            {"depth.Z", {0.3f, 1e10f}},
+                                            {"variance.R", {1e-12f, 1e9f}},
+                                            {"half.G", {0.3f, 1}},
+                                            {"half-variance.B", {1e-12f, 1}}};
   for (const ExrCompression compression : {ExrCompression::kZip, ExrCompression::kPiz}) {
     WriteExr(Path("a.exr"), image, {}, layers, {.compression = compression, .half = true});
-    const LayeredImage back =
-        ReadLayeredImage(Path("a.exr"), {"albedo.G", "depth.Z", "variance.R"});
+    const LayeredImage back = ReadLayeredImage(
+        Path("a.exr"), {"albedo.G", "depth.Z", "variance.R", "half.G", "half-variance.B"});
     EXPECT_EQ(back.image.rgb, (std::vector<float>{float(half(0.1f)), 65504, -65504, kInf, 2048,
                                                   float(half(6e-8f))}));
     EXPECT_EQ(back.layers[0].values, (std::vector<float>{float(half(0.3f)), 1}));
-    EXPECT_EQ(back.layers[1].values, layers[1].values);
-    EXPECT_EQ(back.layers[2].values, layers[2].values);
+    for (const std::size_t i : {1, 2, 3, 4}) EXPECT_EQ(back.layers[i].values, layers[i].values);
   }
 }
 

@@ -1,0 +1,105 @@
+// Tests the denoiser from the outside: two commands and one, batches, refusals.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "base/error.h"
+#include "image/image.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+constexpr char kRender[] = "render spheres --size 32x24 --spp 16 -q ";
+
+std::string ValueOf(const Metadata& metadata, const std::string& name) {
+  for (const auto& [key, text] : metadata) {
+    if (key == name) return text;
+  }
+  return "";
+}
+
+class DenoiseProgram : public Program {
+ protected:
+  void Make(const std::string& arguments) {
+    const Result result = Run(arguments);
+    ASSERT_EQ(result.exit_code, 0) << arguments << ": " << result.err;
+  }
+  void ExpectRefused(const std::string& arguments, int exit_code, const std::string& words) {
+    const std::set<std::string> before = Files();
+    const Result result = Run(arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << arguments;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+    EXPECT_EQ(Files(), before);
+  }
+};
+
+TEST_F(DenoiseProgram, TwoCommandsMakeThePictureOfOne) {
+  Make(kRender + std::string("--denoise -o one.exr"));
+  Make(kRender + std::string("--aovs denoiser -o noisy.exr"));
+  Make("denoise noisy.exr -q -o two.exr");
+  const Image clean = ReadImage(Path("one.exr")), noisy = ReadImage(Path("noisy.exr"));
+  EXPECT_EQ(ReadImage(Path("two.exr")).rgb, clean.rgb);
+  EXPECT_EQ(Bytes("two.png"), Bytes("one.png"));
+  EXPECT_NE(clean.rgb, noisy.rgb);
+  const LayeredImage one = ReadLayeredImage(Path("one.exr"), {"noisy.G", "error.G"});
+  const LayeredImage two = ReadLayeredImage(Path("two.exr"), {"error.G"});
+  EXPECT_EQ(one.layers[1].values, two.layers[0].values);
+  for (std::size_t i = 0; i < one.layers[0].values.size(); ++i) {
+    ASSERT_EQ(one.layers[0].values[i], noisy.rgb[3 * i + 1]);
+  }
+  // The command of the noisy picture does not make the clean one.
+  const Metadata metadata = ReadExrMetadata(Path("two.exr"));
+  EXPECT_EQ(ValueOf(metadata, "command"), "");
+  EXPECT_EQ(ValueOf(metadata, "noisyCommand"),
+            ValueOf(ReadExrMetadata(Path("noisy.exr")), "command"));
+}
+
+TEST_F(DenoiseProgram, ThreadsDoNotChangeABatchOrABlockThatEndsEarly) {
+  Make(kRender + std::string("--denoise --threads 1 --adaptive 0.4 --adaptive-min 8 -o one.exr"));
+  Make(kRender + std::string("--denoise --threads 2 --adaptive 0.4 --adaptive-min 8 -o two.exr"));
+  EXPECT_EQ(Bytes("one.exr"), Bytes("two.exr"));
+  Put("job.toml",
+      "[base]\nscene = \"spheres\"\nsize = \"32x24\"\nspp = 16\ndenoise = true\n"
+      "[axes]\nseed = \"0-1\"\n[output]\npath = \"{seed}.exr\"\n");
+  Make("batch job.toml -q");
+  Make(kRender + std::string("--denoise -o alone.exr"));
+  EXPECT_EQ(ReadImage(Path("0.exr")).rgb, ReadImage(Path("alone.exr")).rgb);
+}
+
+TEST_F(DenoiseProgram, WhatCannotBeDenoisedIsRefused) {
+  Make(kRender + std::string("--denoise --aovs denoiser -o clean.exr"));
+  Make(kRender + std::string("--aovs albedo -o albedo.exr"));
+  Make(kRender + std::string("--aovs denoiser --sample-range 4:12 -o half.exr"));
+  Make(kRender + std::string("--aovs denoiser -o noisy.exr"));
+  ExpectRefused("denoise clean.exr -o a.exr", kExitBadInput, "was denoised already");
+  ExpectRefused("denoise albedo.exr -o a.exr", kExitBadInput, "shading-normal.X");
+  ExpectRefused("denoise half.exr -o a.exr", kExitBadInput, "of them in one half");
+  ExpectRefused("denoise nothing.exr -o a.exr", kExitIo, "nothing.exr");
+  ExpectRefused("denoise noisy.exr -o a.png", kExitUsage, "has to end in .exr");
+  ExpectRefused("denoise noisy.exr -o no/such/folder.exr", kExitIo, "no/such");
+  const std::string before = Bytes("noisy.exr");
+  ExpectRefused("denoise noisy.exr -o noisy.exr", kExitUsage, "noisy.exr");
+  EXPECT_EQ(Bytes("noisy.exr"), before);
+  ExpectRefused("render spheres --size 8x6 --spp 4 --denoise -o a.exr", kExitUsage,
+                "--spp 8 or more");
+  ExpectRefused("render spheres --size 8x6 --spp 8 --denoise --integrator bdpt -o a.exr",
+                kExitUsage, "--integrator bdpt");
+  ExpectRefused("render spheres --size 8x6 --spp 8 --denoise --max-depth 0 -o a.exr", kExitUsage,
+                "--max-depth 0");
+  ExpectRefused("render spheres --size 8x6 --spp 8 --aovs half --integrator bdpt -o a.exr",
+                kExitUsage, "halves");
+}
+
+// A film of too few samples for a denoiser keeps what it reads all the same.
+TEST_F(DenoiseProgram, ALookAtTooFewSamplesStaysNoisy) {
+  const Result result =
+      Run("render spheres --size 32x24 --spp 16 --sample-range 0:4 --denoise -o a.exr");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("not denoised"), std::string::npos) << result.err;
+  Make(kRender + std::string("--sample-range 0:4 -o b.exr"));
+  EXPECT_EQ(ReadImage(Path("a.exr")).rgb, ReadImage(Path("b.exr")).rgb);
+}
+
+}  // namespace
+}  // namespace skywave
