@@ -200,6 +200,54 @@ TEST(Denoise, ThinThingsStay) {
   EXPECT_NEAR(beside, 1, 0.03);
 }
 
+// A highlight is noisier than what lies beside it by far. It says nothing about that.
+TEST(Denoise, HighlightsDoNotLeak) {
+  const Truth highlight = [](int x, int) {
+    return x < kSide / 2 ? Pixel{.light = 0.14, .deviation = 0.08}
+                         : Pixel{.light = 1000, .deviation = 1500};
+  };
+  const Denoised clean = Clean(Draw(highlight, 16));
+  double most = 0;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = kSide / 2 - 6; x < kSide / 2; ++x) {
+      most = std::max(most, double(clean.image.rgb[3 * std::size_t(y * kSide + x)]));
+    }
+  }
+  EXPECT_LT(most, 0.3);
+}
+
+// Single pixels that stand out by seven standard deviations of a half are no accident: no neighbour
+// is averaged with them, though the pixels around are alike.
+TEST(Denoise, DotsStay) {
+  const Truth dots = [](int x, int y) {
+    return Pixel{.light = x % 8 == 4 && y % 8 == 4 ? 2.2 : 1.0};
+  };
+  const Denoised clean = Clean(Draw(dots, 17));
+  double mean = 0;
+  for (int y = 4; y < kSide; y += 8) {
+    for (int x = 4; x < kSide; x += 8) {
+      mean += clean.image.rgb[3 * std::size_t(y * kSide + x)] / (kSide / 8 * kSide / 8);
+    }
+  }
+  EXPECT_GT(mean, 2.1);
+}
+
+// Pixels that an object covers in part keep their value, though half of what they show is sky.
+TEST(Denoise, PartialCoverageStays) {
+  const Truth edge = [](int x, int) {
+    const double coverage = std::clamp((kSide / 2 + 1 - x) / 2.0, 0.0, 1.0);
+    return Pixel{.light = 1 + 0.2 * coverage, .deviation = 0.4, .coverage = coverage};
+  };
+  const Denoised clean = Clean(Draw(edge, 18));
+  for (const int x : {kSide / 2 - 1, kSide / 2, kSide / 2 + 1}) {
+    double mean = 0;
+    for (int y = 0; y < kSide; ++y) {
+      mean += clean.image.rgb[3 * std::size_t(y * kSide + x)] / kSide;
+    }
+    EXPECT_NEAR(mean, edge(x, 0).light, 0.03) << x;
+  }
+}
+
 TEST(Denoise, WithoutNoiseNothingChanges) {
   const Truth still = [](int x, int y) {
     return Pixel{.light = 1 + x % 7 + 0.3 * (y % 5), .deviation = 0, .albedo = 0.5};

@@ -280,7 +280,7 @@ TEST(LightTracing, RefusesWhatCannotStartALightPath) {
   request.strategy = "importance";
   EXPECT_NO_THROW(RenderJob(scene, request));
   request.options.aovs = *ParseAovs("normal,variance");
-  ExpectRefused(scene, request, "variance, direct and indirect");
+  ExpectRefused(scene, request, "variance, halves, direct and indirect are of samples of a pixel");
   request.options.aovs = *ParseAovs("normal,depth");
   EXPECT_NO_THROW(RenderJob(scene, request));
   request.options.aovs = 0;
