@@ -1,0 +1,225 @@
+#!/usr/bin/env python3
+"""Seeds the one-line faults of tests/mutations.toml, one after the other, and tells which of them the
+tests do not see:
+
+  scripts/mutation_test.py                        # all of them: hours without ccache
+  scripts/mutation_test.py --only 'kernels/*'     # those whose name or file matches the pattern
+  scripts/mutation_test.py --share commit/40      # a fortieth, another one at every commit
+  scripts/mutation_test.py --check                # only whether the list still fits the sources
+
+Each fault is made in a copy of the tree (build/mutations/tree), in which only the programs of its
+tests are built; the tree itself is never touched. The tests first have to pass without any fault.
+Ends with 1 if a fault survives that the list does not call unseen, if one does not compile, or if
+the list does not fit the sources; with 77 if nothing can be built here."""
+
+import argparse
+import fcntl
+import fnmatch
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parent.parent
+LIST = SOURCE / "tests" / "mutations.toml"
+KEYS = {"name", "file", "find", "put", "tests", "why"}
+
+
+def split_test(test):
+    """A test is a program of ctest, and after a colon a filter of GoogleTest."""
+    program, _, cases = test.partition(":")
+    return program, cases
+
+
+def test_source(program):
+    return next(SOURCE.glob(f"tests/*/{program}.cc"), None)
+
+
+def complaints(mutation, names):
+    """What makes an entry of the list useless."""
+    if not KEYS <= set(mutation) <= KEYS | {"unseen"}:
+        yield f"needs {', '.join(sorted(KEYS))}"
+        return
+    if mutation["name"] in names:
+        yield "has the name of another entry"
+    path = SOURCE / mutation["file"]
+    count = path.read_text().count(mutation["find"]) if path.exists() else 0
+    if count != 1:
+        yield f"{mutation['file']} has its text {count} times instead of once"
+    if mutation["find"] == mutation["put"] or not mutation["tests"]:
+        yield "changes nothing or names no test"
+    for program, cases in map(split_test, mutation["tests"]):
+        source = test_source(program)
+        if not source:
+            if f"NAME {program}\n" not in (SOURCE / "tests/CMakeLists.txt").read_text():
+                yield f"there is no test {program}"
+            continue
+        known = "\n".join(
+            f"{suite}.{case}" for suite, case in
+            re.findall(r"^TEST(?:_[FP])?\((\w+),\s*(\w+)\)", source.read_text(), re.M))
+        # Instances and parameters of a case are not in the source, the rest of a pattern is.
+        for pattern in filter(None, cases.split(":")):
+            if not any(piece in known for piece in re.split(r"[*?/]+", pattern) if piece):
+                yield f"{program} has no case {pattern}"
+
+
+def read_list():
+    """The entries, and what is wrong with them, a line each."""
+    mutations = tomllib.loads(LIST.read_text())["mutation"]
+    problems, names = [], set()
+    for mutation in mutations:
+        name = mutation.get("name", "an entry without a name")
+        problems += [f"{name}: {text}" for text in complaints(mutation, names)]
+        names.add(name)
+    return mutations, problems
+
+
+def choose(mutations, only, share):
+    if only:
+        mutations = [m for m in mutations if fnmatch.fnmatch(m["name"], only)
+                     or fnmatch.fnmatch(m["file"], only)]
+    if share:
+        index, count = share.split("/")
+        if index == "commit":
+            commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=SOURCE, check=True, text=True,
+                                    capture_output=True).stdout
+            index = 1 + int(commit[:8], 16) % int(count)
+            print(f"share {index}/{count}, by the commit {commit[:8]}")
+        mutations = mutations[int(index) - 1::int(count)]
+    return mutations
+
+
+def copy_tree(tree):
+    """Makes `tree` what the sources are, and leaves files alone that have not changed, so that an
+    earlier fault is undone and little is compiled again."""
+    listed = subprocess.run(["git", "ls-files", "-zco", "--exclude-standard"], cwd=SOURCE, check=True,
+                            capture_output=True, text=True).stdout.split("\0")
+    files = {name for name in listed if name and (SOURCE / name).is_file()}
+    for name in files:
+        source, target = SOURCE / name, tree / name
+        if not target.exists() or target.read_bytes() != source.read_bytes():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, target)
+        shutil.copymode(source, target)
+    for path in [p for p in tree.rglob("*") if not p.is_dir()]:
+        if str(path.relative_to(tree)) not in files:
+            path.unlink()
+
+
+def run(command, **options):
+    return subprocess.run(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          **options)
+
+
+class Build:
+    """The copy of the tree and what is built of it."""
+
+    def __init__(self, folder, jobs):
+        self.tree, self.binaries, self.jobs = folder / "tree", folder / "release", jobs
+        self.tree.mkdir(parents=True, exist_ok=True)
+
+    def configure(self):
+        return run(["cmake", "--preset", "release", "-B", str(self.binaries), "-DSKYWAVE_BENCH=OFF",
+                    "-DSKYWAVE_PYTHON=OFF"], cwd=self.tree)
+
+    def make(self, tests):
+        targets = {program if test_source(program) else "skywave"
+                   for program, _ in map(split_test, tests)}
+        return run(["cmake", "--build", str(self.binaries), f"-j{self.jobs}", "--target",
+                    *sorted(targets)])
+
+    def test(self, test):
+        """"passed", "failed" or why it says nothing."""
+        program, cases = split_test(test)
+        environment = dict(os.environ, GTEST_FILTER=cases or "*")
+        ended = run(["ctest", "--test-dir", str(self.binaries), "-R", f"^{program}$", "-V",
+                     "--no-tests=error", "--timeout", "600"], env=environment)
+        if "Skipped" in ended.stdout or "[  PASSED  ] 0 tests" in ended.stdout:
+            return "skipped"
+        return "failed" if ended.returncode else "passed"
+
+
+def without_faults(build, mutations):
+    """Builds the tree as it is; returns the tests that do not pass even there."""
+    tests = sorted({test for mutation in mutations for test in mutation["tests"]})
+    print(f"{len(mutations)} faults, {len(tests)} tests, which pass without them:", flush=True)
+    made = build.make(tests)
+    if made.returncode:
+        sys.exit(made.stdout + "the tree does not build")
+    broken = [f"{test}: {outcome}" for test in tests if (outcome := build.test(test)) != "passed"]
+    print("  all" if not broken else "\n".join(f"  not {line}" for line in broken), flush=True)
+    return {line.rsplit(": ", 1)[0] for line in broken}
+
+
+def seed(build, mutation, broken):
+    """Makes one fault; returns "seen", "survived" or "does not build", and by what."""
+    path = build.tree / mutation["file"]
+    text = path.read_text()
+    try:
+        path.write_text(text.replace(mutation["find"], mutation["put"]))
+        made = build.make(mutation["tests"])
+        if made.returncode:
+            return "does not build", "\n" + made.stdout[-3000:]
+        for test in mutation["tests"]:
+            if test not in broken and build.test(test) == "failed":
+                return "seen", f"by {test}"
+        return "survived", ""
+    finally:
+        path.write_text(text)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__,
+                                        formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("--only", metavar="PATTERN", help="faults whose name or file matches")
+    arguments.add_argument("--share", metavar="K/N",
+                           help="each N-th fault from the K-th on; `commit` as K goes by the commit")
+    arguments.add_argument("--list", action="store_true", help="print the faults and end")
+    arguments.add_argument("--check", action="store_true", help="compare the list with the sources")
+    arguments.add_argument("--folder", type=Path, default=SOURCE / "build" / "mutations")
+    arguments.add_argument("--jobs", type=int, default=os.cpu_count())
+    given = arguments.parse_args()
+
+    mutations, problems = read_list()
+    for problem in problems:
+        print(f"{LIST.relative_to(SOURCE)}: {problem}")
+    if given.check or problems:
+        print(f"{len(mutations)} faults, {len(problems)} that the sources do not have")
+        return 1 if problems else 0
+    mutations = choose(mutations, given.only, given.share)
+    if given.list:
+        for mutation in mutations:
+            print(f"{mutation['name']}  [{mutation['file']}]\n    {mutation['why']}\n    seen by "
+                  + ", ".join(mutation["tests"]))
+        return 0
+
+    build = Build(given.folder, given.jobs)
+    lock = open(given.folder / "lock", "w")
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    copy_tree(build.tree)
+    configured = build.configure()
+    if configured.returncode:
+        print(configured.stdout + "skipped: the tests cannot be configured here")
+        return 77
+    broken = without_faults(build, mutations)
+    outcomes = {"seen": [], "survived": [], "does not build": []}
+    for mutation in mutations:
+        start = time.monotonic()
+        outcome, detail = seed(build, mutation, broken)
+        outcomes[outcome].append(mutation)
+        print(f"{outcome:9} {time.monotonic() - start:4.0f} s  {mutation['name']}  {detail}", flush=True)
+    for mutation in outcomes["survived"]:
+        print(f"survived: {mutation['name']} [{mutation['file']}]: {mutation['why']}"
+              + (f" Known: {mutation['unseen']}" if "unseen" in mutation else ""))
+    share = 100 * len(outcomes["seen"]) / max(1, len(mutations))
+    print(f"{len(outcomes['seen'])} of {len(mutations)} faults are seen: {share:.0f} %")
+    surprising = [m for m in outcomes["survived"] if "unseen" not in m]
+    return 1 if surprising or outcomes["does not build"] or broken else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
