@@ -74,12 +74,8 @@ TEST(BsdfReference, ValuesAndDensities) {
 TEST(BsdfReference, Formulae) {
   const Vec normal = {0, 0, 1};  // its frame is the world's
   for (const MaterialCase& material : DenseCases()) {
-    // The oracle has unrounded albedos for these (ValuesAndDensities).
     using enum BsdfKind;
-    if (material.kind == kLambert || material.kind == kConductor ||
-        material.kind == kMetallicRoughness) {
-      continue;
-    }
+    if (material.kind == kLambert || material.kind == kConductor) continue;  // ValuesAndDensities
     ShadingRows rows(material, kRows, normal, normal);
     Random random(23);
     std::vector<Vec> wos(kRows), wis(kRows);
@@ -170,14 +166,18 @@ TEST(BsdfReference, DirectionsDrawn) {
   }
 }
 
-// Computes E(mu) with half vectors distributed as D(h) cos: the integral of G2 (wo.h) / (cos_o
+// Albedos of the lobe where F is 1, and where it is (1 - wo.h)^5.
+struct LobeAlbedos {
+  double all = 0, grazing = 0;
+};
+// Computes E(mu) with half vectors distributed as D(h) cos: the integral of F G2 (wo.h) / (cos_o
 // h.z).
-double Albedo(double alpha, double mu, int radii, int turns) {
+LobeAlbedos Albedo(double alpha, double mu, int radii, int turns) {
   const Vec wo = {std::sqrt(1 - mu * mu), 0, mu};
   const auto lambda = [&](double z) {
     return 0.5 * (std::sqrt(1 + alpha * alpha * (1 - z * z) / (z * z)) - 1);
   };
-  double sum = 0;
+  LobeAlbedos sum;
   for (int i = 0; i < radii; ++i) {
     const double u = (i + 0.5) / radii, tangent = alpha * std::sqrt(u / (1 - u));
     const double hz = 1 / std::sqrt(1 + tangent * tangent), sine = tangent * hz;
@@ -186,29 +186,73 @@ double Albedo(double alpha, double mu, int radii, int turns) {
       const Vec h = {sine * std::cos(phi), sine * std::sin(phi), hz};
       const double facing = Dot(wo, h), wiz = 2 * facing * hz - mu;
       if (facing <= 0 || wiz <= 0) continue;
-      sum += facing / (mu * hz) / (1 + lambda(mu) + lambda(std::min(wiz, 1.0)));
+      const double kept = facing / (mu * hz) / (1 + lambda(mu) + lambda(std::min(wiz, 1.0)));
+      const double away = std::max(1 - facing, 0.0), away2 = away * away;
+      sum.all += kept, sum.grazing += kept * away2 * away2 * away;
     }
   }
-  return sum / (double(radii) * turns);
+  const double count = double(radii) * turns;
+  return {sum.all / count, sum.grazing / count};
 }
 
-TEST(BsdfReference, AlbedoOfTheConductor) {
+TEST(BsdfReference, AlbedosOfTheFacets) {
   const ConductorTables& tables = GgxTables();
   for (const std::uint32_t row : {6u, 12u, 18u, 25u, 31u}) {
     const double alpha = std::pow(row / double(kAlbedoRows - 1), 2);
     for (const std::uint32_t column : {6u, 10u, 16u, 24u, 31u}) {
       const double mu = std::pow(column / double(kAlbedoColumns - 1), 2);
-      EXPECT_NEAR(tables.albedo[row * (kAlbedoColumns + 1) + column],
-                  Albedo(alpha, mu, alpha < 0.1 ? 40000 : 8000, 400), 1.5e-3)
+      const LobeAlbedos exact = Albedo(alpha, mu, alpha < 0.1 ? 40000 : 8000, 400);
+      const std::uint32_t at = row * (kAlbedoColumns + 1) + column;
+      EXPECT_NEAR(tables.albedo[at], exact.all, 1.5e-3) << "alpha " << alpha << ", cosine " << mu;
+      EXPECT_NEAR(tables.grazing[at], exact.grazing, 1.5e-3)
           << "alpha " << alpha << ", cosine " << mu;
     }
-    double mean = 0;
+    LobeAlbedos mean;
     constexpr int kSteps = 40;
     for (int i = 0; i < kSteps; ++i) {
       const double mu = (i + 0.5) / kSteps;
-      mean += 2 * mu / kSteps * Albedo(alpha, mu, 2000, 100);
+      const LobeAlbedos exact = Albedo(alpha, mu, 2000, 100);
+      mean.all += 2 * mu / kSteps * exact.all, mean.grazing += 2 * mu / kSteps * exact.grazing;
     }
-    EXPECT_NEAR(tables.mean_albedo[row], mean, 1.5e-3) << "alpha " << alpha;
+    EXPECT_NEAR(tables.mean_albedo[row], mean.all, 1.5e-3) << "alpha " << alpha;
+    EXPECT_NEAR(tables.mean_grazing[row], mean.grazing, 1.5e-3) << "alpha " << alpha;
+  }
+}
+
+// Integrates Charlie's lobe (Estevez and Kulla 2017) with Neubelt's visibility over wi.
+double SheenIntegral(double alpha, double mu) {
+  constexpr int kHeights = 400, kTurns = 200;
+  const Vec wo = {std::sqrt(1 - mu * mu), 0, mu};
+  double sum = 0;
+  for (int i = 0; i < kHeights; ++i) {
+    // The step is in the root of the height, which resolves grazing directions.
+    const double root = (i + 0.5) / kHeights, z = root * root, step = 2 * root / kHeights;
+    for (int j = 0; j < kTurns; ++j) {
+      const double phi = 2 * kPi * (j + 0.5) / kTurns, r = std::sqrt(1 - z * z);
+      const Vec wi = {r * std::cos(phi), r * std::sin(phi), z};
+      const Vec h = Unit(wo + wi);
+      const double d = (2 + 1 / alpha) / (2 * kPi) * std::pow(std::hypot(h.x, h.y), 1 / alpha);
+      sum += d / (4 * (mu + z - mu * z)) * z * step * 2 * kPi / kTurns;
+    }
+  }
+  return sum;
+}
+
+TEST(BsdfReference, AlbedoOfTheSheen) {
+  const SheenTables& tables = GetSheenTables();
+  for (const std::uint32_t row : {8u, 14u, 20u, 31u}) {
+    const double alpha = std::pow(row / double(kAlbedoRows - 1), 2);
+    double largest = 1;
+    for (std::uint32_t column = 1; column < kAlbedoColumns; ++column) {
+      const double mu = std::pow(column / double(kAlbedoColumns - 1), 2);
+      const double albedo = SheenIntegral(alpha, mu);
+      largest = std::max(largest, albedo);
+      EXPECT_NEAR(tables.albedo[row * (kAlbedoColumns + 1) + column], albedo * tables.scale[row],
+                  0.01)
+          << "alpha " << alpha << ", cosine " << mu;
+    }
+    EXPECT_LE(tables.scale[row] * largest, 1.01) << "alpha " << alpha;
+    EXPECT_GE(tables.scale[row] * largest, 0.95) << "alpha " << alpha;
   }
 }
 

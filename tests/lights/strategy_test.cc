@@ -131,10 +131,10 @@ soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {
   return surfaces;
 }
 
-// Evaluates rays along `directions` that compete with a light sample; ray i left row i of
+// Evaluates rays along `directions` that compete with light samples; ray i left row i of
 // `surfaces`.
 soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceColumns& surfaces,
-                                   const std::vector<Vec>& directions) {
+                                   const std::vector<Vec>& directions, float light_samples = 1) {
   const auto count = std::uint32_t(directions.size());
   soa::Table<EscapeColumns> rows(count);
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -145,7 +145,7 @@ soa::Table<EscapeColumns> Evaluate(const EnvStrategy& strategy, const SurfaceCol
   const LambertPoints points(surfaces, count);
   soa::Table<LightColumns> samples(count);
   strategy.Sample(points, RandomUniforms(count, 1), count, {}, samples);
-  strategy.EvaluateEscaped(points, count, 1, rows);
+  strategy.EvaluateEscaped(points, count, light_samples, rows);
   return rows;
 }
 
@@ -331,6 +331,38 @@ TEST_P(StrategyOnMap, DensitiesOfThePlanAddUpToItsSamples) {
   EXPECT_NEAR(integral, samples, QuadratureError() * samples);
 }
 
+// Strategies of lights and random samples together have a density for the latter. BSDF samples are
+// weighted against it, so it is the same from both sides.
+TEST_P(StrategyOnMap, RandomSamplesAmongLightsAreWhatEvaluationSees) {
+  if (subject_.has_density || !strategy_->shines_on_bsdf_samples()) GTEST_SKIP();
+  constexpr std::uint32_t kRequested = 3, kRows = 2000;
+  const auto surfaces = SurfacesWith(kNormal, kRows);
+  const std::uint32_t all = strategy_->Plan(kRequested).total();
+  std::uint32_t exceptions = 0;
+  for (std::uint32_t index = 0; index < all; ++index) {
+    soa::Table<LightColumns> samples(kRows);
+    strategy_->Sample(LambertPoints(surfaces, kRows), RandomUniforms(kRows, 200 + index), kRows,
+                      {.index = index, .requested = kRequested}, samples);
+    std::vector<Vec> directions(kRows);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      directions[i] = Get(i, samples->dir_x, samples->dir_y, samples->dir_z);
+    }
+    const auto seen = Evaluate(*strategy_, surfaces, directions, kRequested);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      const float pdf = samples->pdf[i];
+      if (!(pdf > 0) || std::isinf(pdf)) continue;
+      if (std::fabs(pdf - seen->light_pdf[i]) <= 1e-5f * pdf) continue;
+      ++exceptions;
+      double u, v;
+      MapPosition(map_.map_from_world, directions[i], u, v);
+      ASSERT_LT(BorderDistance(map_.latlong.width, map_.latlong.height, u, v), kRounding)
+          << "sample " << index << ", row " << i << ": drawn with " << pdf << ", seen with "
+          << seen->light_pdf[i];
+    }
+  }
+  EXPECT_LE(exceptions, all * kRows / 500);
+}
+
 TEST_P(StrategyOnMap, SamplesAreWhatEvaluationSees) {
   if (!subject_.has_density) GTEST_SKIP();
   soa::Table<SurfaceColumns> surfaces(kSamples);
@@ -388,23 +420,28 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
   constexpr std::uint32_t kRequested = 2;
   const LightPlan plan = strategy_->Plan(kRequested);
   EXPECT_EQ(strategy_->unbiased(), subject_.unbiased);
-  if (plan.total() == 0 || !subject_.whole_sphere || !subject_.complete) GTEST_SKIP();
+  if (plan.total() == 0 || !subject_.complete) GTEST_SKIP();
   const Image image = HeldMap(map_);
   double exact[2] = {}, whole = 0;
   const MapCells cells(map_);  // densities do not matter
-  const auto response = [&](Vec w) { return 0.5 + std::max(0.0, Dot(w, kNormal)); };
+  // Both responses vanish where the strategy has no samples.
+  const auto share = [&](Vec w) {
+    return subject_.whole_sphere ? 1 : std::max(0.0, Dot(w, kNormal));
+  };
+  const auto response = [&](Vec w) { return share(w) * (0.5 + std::max(0.0, Dot(w, kNormal))); };
   for (std::uint32_t i = 0; i < cells.size(); ++i) {
     double u, v;
     MapPosition(map_.map_from_world, cells.directions()[i], u, v);
     const float* texel = image.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
                                      std::clamp(int(v * image.height), 0, image.height - 1));
     const double light = Weighted(texel[0], texel[1], texel[2]) * cells.solid_angle(i);
-    exact[0] += light;
+    exact[0] += light * share(cells.directions()[i]);
     exact[1] += light * response(cells.directions()[i]);
     const float* original =
         map_.latlong.Pixel(std::clamp(int(u * image.width), 0, image.width - 1),
                            std::clamp(int(v * image.height), 0, image.height - 1));
-    whole += Weighted(original[0], original[1], original[2]) * cells.solid_angle(i);
+    whole += Weighted(original[0], original[1], original[2]) * cells.solid_angle(i) *
+             share(cells.directions()[i]);
   }
   constexpr std::uint32_t kRows = 4096;
   const auto surfaces = SurfacesWith(kNormal, kRows);
@@ -420,7 +457,7 @@ TEST_P(StrategyOnMap, ThePlanAddsUpToTheMap) {
       const double light = Weighted(out->r[i], out->g[i], out->b[i]) * worth;
       const Vec direction = Get(i, out->dir_x, out->dir_y, out->dir_z);
       ASSERT_NEAR(Length(direction), 1, 2e-6) << "sample " << index << ", row " << i;
-      sums[0][i] += light;
+      sums[0][i] += light * share(direction);
       sums[1][i] += light * response(direction);
     }
   }

@@ -1,8 +1,11 @@
 // Compares photon mapping with closed forms, path tracing and itself.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <string>
 
 #include "base/error.h"
@@ -184,6 +187,67 @@ TEST(Photon, MapsAreDividedByTheSurfacesThatPhotonsHit) {
       EXPECT_EQ(FluxOf(maps.indirect, 0, 2), 0);
     } else {
       EXPECT_GT(FluxOf(maps.indirect, 0, 1), 0);
+    }
+  }
+}
+
+// Returns where the photons of a map came from and arrived, which tells light paths apart.
+std::set<std::array<float, 3>> PlacesOf(const PhotonMap& map) {
+  const PointTreeView tree = map.view().tree;
+  std::set<std::array<float, 3>> places;
+  for (std::uint32_t i = 0; i < map.size(); ++i) places.insert({tree.x[i], tree.y[i], tree.z[i]});
+  return places;
+}
+std::size_t InBoth(const std::set<std::array<float, 3>>& a,
+                   const std::set<std::array<float, 3>>& b) {
+  return std::size_t(std::count_if(a.begin(), a.end(), [&](const auto& p) { return b.count(p); }));
+}
+
+// Both maps are looked up at every surface, so a photon in both would count twice.
+TEST(Photon, LiesInOneMapOnly) {
+  Scene scene = UnderGlass();
+  SetLight(scene, SkyWithSun(64, 32, 40, 0.2));
+  JobRequest request = Request(8, 8, 1, 6);
+  request.options.photons.gather = 0;
+  const PhotonMaps maps = MapsOf(RenderJob(scene, request));
+  const auto caustic = PlacesOf(maps.caustic), indirect = PlacesOf(maps.indirect);
+  ASSERT_GT(caustic.size(), 1000u);
+  ASSERT_GT(indirect.size(), 1000u);
+  EXPECT_EQ(InBoth(caustic, indirect), 0u);
+}
+
+// The mean of all passes only converges if each of them has new photons.
+TEST(Photon, PassesHavePhotonsOfTheirOwn) {
+  JobRequest request = Request(8, 8, 4, 3);
+  request.options.photons.indirect = 2000;
+  request.options.photons.passes = 4;
+  const RenderJob job(ShiningCave(), request);
+  const FrameView frame = job.frame();
+  WorkerPool pool = TwoThreads(frame);
+  std::set<std::array<float, 3>> before;
+  pool.Run([&] {
+    for (const PhotonPass& pass : PhotonPasses(frame.options)) {
+      const auto places = PlacesOf(TracePhotons(frame, pass, pool).indirect);
+      EXPECT_GE(places.size(), 1900u);
+      EXPECT_EQ(InBoth(places, before), 0u) << "from sample " << pass.samples.first;
+      before.insert(places.begin(), places.end());
+    }
+  });
+}
+
+// The product of Knaus and Zwicker 2011, eq. 15, is a quotient of gamma functions.
+TEST(Photon, RadiiShrinkAsTheyShould) {
+  for (const float alpha : {0.3f, 2.0f / 3, 0.9f}) {
+    JobRequest request = Request(8, 8, 400, 3);
+    request.options.photons.passes = 200;
+    request.options.photons.alpha = alpha;
+    const RenderJob job(ShiningCave(), request);
+    const std::vector<PhotonPass> passes = PhotonPasses(job.options());
+    ASSERT_EQ(passes.size(), 200u);
+    for (std::size_t i = 0; i < passes.size(); ++i) {
+      const double n = double(i);
+      const double log2 = std::lgamma(n + 1 + alpha) - std::lgamma(1 + alpha) - std::lgamma(n + 2);
+      ASSERT_NEAR(passes[i].shrink, std::exp(log2 / 2), 1e-5) << "pass " << i;
     }
   }
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -11,12 +12,14 @@
 #include "base/error.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/matt_room.h"
+#include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/refused.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
+#include "wavefront/photons/merging_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -185,6 +188,28 @@ TEST(Vcm, MirrorsShowWhatTheyLight) {
   std::printf("vcm %.4f, photon %.4f, bdpt %.4f\n", vcm, photon, bdpt);
   EXPECT_NEAR(vcm / photon, 1, 0.02);
   EXPECT_LT(bdpt, 0.85 * photon) << "the mirror's light is no small part";
+}
+
+// The vertices of a cave are even on its surface, so the distance within which there are so many of
+// them follows from their number.
+TEST(Vcm, RadiusIsHalfOfTheDistanceToTheNeighbors) {
+  for (const std::uint32_t samples : {4u, 64u}) {
+    for (const std::uint32_t neighbors : {100u, 400u}) {
+      JobRequest request = Request(1, 0);
+      request.samples_per_pixel = samples;
+      request.options.photons.neighbors = neighbors;
+      const RenderJob job(ShiningCave(), request);
+      const FrameView frame = job.frame();
+      WorkerPool pool = TwoThreads(frame);
+      MergePlan plan = {};
+      pool.Run([&] { plan = PlanMerging(frame, pool); });
+      EXPECT_EQ(plan.light_paths, 24u * 18 * samples);  // each of them has one vertex
+      const double area = 4 * std::numbers::pi;
+      const double reach = std::sqrt(neighbors * area / (std::numbers::pi * plan.light_paths));
+      // The sphere is curved and faceted, and the middle of 255 distances is not their mean.
+      EXPECT_NEAR(plan.radius / (0.5 * reach), 1, 0.04) << samples << ", " << neighbors;
+    }
+  }
 }
 
 // Radii shrink, and with them the blur of a large first radius.

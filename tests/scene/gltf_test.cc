@@ -167,6 +167,31 @@ TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   EXPECT_EQ(scene.images.size(), 2u) << "once as colours, once as numbers";
 }
 
+// Colours are encoded as sRGB, numbers and normals are not (glTF 2.0, 3.9.2 and 3.9.3).
+TEST_F(Gltf, TexturesAreEncodedAsTheirUseSays) {
+  WritePng(folder_.Write("a.png", ""), 1, 1, {128, 64, 255});
+  json document = Document();
+  document["images"] = {{{"uri", "a.png"}}};
+  document["textures"] = {{{"source", 0}}};
+  json& material = document["materials"][0];
+  material["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  material["pbrMetallicRoughness"]["metallicRoughnessTexture"] = {{"index", 0}};
+  material["normalTexture"] = {{"index", 0}};
+  material["emissiveFactor"] = {1, 1, 1};
+  material["emissiveTexture"] = {{"index", 0}};
+  const Scene scene = Read(document);
+  const Material& paint = scene.materials[0];
+  const auto seen = [&](const std::optional<std::uint32_t>& texture) {
+    const std::vector<float>& rgb = scene.images[scene.textures.at(texture.value()).image].rgb;
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  };
+  const glm::vec3 decoded(0.2158605f, 0.0512695f, 1), plain(128 / 255.0f, 64 / 255.0f, 1);
+  ExpectNear(seen(paint.color_texture), decoded);
+  ExpectNear(seen(paint.emission_texture), decoded);
+  ExpectNear(seen(paint.roughness_texture), plain);
+  ExpectNear(seen(paint.normal_texture), plain);
+}
+
 // The extension's own example selects the lower left quadrant of the image.
 TEST_F(Gltf, TransformsTurnAsTheExtensionSays) {
   WritePng(folder_.Write("a.png", ""), 1, 1, {255, 0, 0});

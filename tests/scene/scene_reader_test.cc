@@ -325,6 +325,49 @@ TEST(Materials, Conductors) {
   ExpectNear(coated.k, {3.98316f, 2.38572f, 1.60322f});
 }
 
+// The indices n_d of Schott's catalogue, to all of its digits.
+TEST(Materials, NamedGlasses) {
+  const std::pair<const char*, double> glasses[] = {
+      {"BK7", 1.51680}, {"BAF10", 1.67003}, {"FK51A", 1.48656}, {"LASF9", 1.85025},
+      {"F5", 1.60342},  {"F10", 1.62283},   {"SF10", 1.72825},  {"SF11", 1.78472}};
+  for (const auto& [name, index] : glasses) {
+    const std::string material =
+        "Material \"dielectric\" \"spectrum eta\" \"glass-" + std::string(name) + "\"";
+    EXPECT_NEAR(OnlyMaterial(material).ior, index, 1e-4) << name;
+  }
+}
+
+// Under both of pbrt's spellings; and about the reflectances at normal incidence that are published
+// for these metals (Akenine-Moeller et al. 2018, table 9.2, where gold's red is above 1).
+TEST(Materials, NamedMetals) {
+  struct Metal {
+    std::string name;
+    glm::vec3 eta, k, reflectance;
+  };
+  const Metal metals[] = {
+      {"Ag", {0.15526f, 0.11672f, 0.13838f}, {4.82834f, 3.12225f, 2.14695f}, {0.97f, 0.96f, 0.92f}},
+      {"Al", {1.65746f, 0.88037f, 0.52123f}, {9.22387f, 6.26952f, 4.83700f}, {0.91f, 0.92f, 0.92f}},
+      {"Au", {0.14312f, 0.37496f, 1.44248f}, {3.98316f, 2.38572f, 1.60322f}, {0.97f, 0.78f, 0.34f}},
+      {"Cu", {0.20044f, 0.92403f, 1.10221f}, {3.91295f, 2.45285f, 2.14219f}, {0.95f, 0.64f, 0.54f}},
+  };
+  for (const Metal& metal : metals) {
+    SCOPED_TRACE(metal.name);
+    const auto read = [&](const std::string& eta, const std::string& k) {
+      const Material material = OnlyMaterial(
+          "Material \"conductor\" \"float roughness\" 0.1 "
+          "\"spectrum eta\" \"" +
+          eta + "\" \"spectrum k\" \"" + k + "\"");
+      ExpectNear(material.eta, metal.eta);
+      ExpectNear(material.k, metal.k);
+    };
+    read("metal-" + metal.name + "-eta", "metal-" + metal.name + "-k");
+    read("spds/" + metal.name + ".eta.spd", "spds/" + metal.name + ".k.spd");
+    const glm::vec3 k2 = metal.k * metal.k, less = metal.eta - 1.0f, more = metal.eta + 1.0f;
+    const glm::vec3 reflectance = (less * less + k2) / (more * more + k2);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(reflectance[c], metal.reflectance[c], 0.03);
+  }
+}
+
 TEST(Materials, DiffuseOnes) {
   const Material clay = OnlyMaterial("Material \"matte\" \"float sigma\" 20");
   EXPECT_EQ(clay.bsdf, BsdfKind::kOrenNayar);

@@ -1,6 +1,7 @@
 // Surfaces in the form that strategies need, for tests that have nothing but surfaces.
 #pragma once
 
+#include "kernels/sampler.h"
 #include "lights/strategies/strategy.h"
 #include "tests/support/random_rows.h"
 
@@ -13,11 +14,13 @@ inline SurfaceRanges RangesOf(BsdfKind kind, std::uint32_t rows) {
   return ranges;
 }
 
-// Rows [0, rows) of `surfaces`, all of them Lambert.
+// Rows [0, rows) of `surfaces`, all of them Lambert, each on a path of its own.
 class LambertPoints {
  public:
   LambertPoints(const SurfaceColumns& surfaces, std::uint32_t rows)
-      : surfaces_(surfaces), ranges_(RangesOf(BsdfKind::kLambert, rows)) {}
+      : surfaces_(surfaces), ranges_(RangesOf(BsdfKind::kLambert, rows)), paths_(rows) {
+    for (std::uint32_t i = 0; i < rows; ++i) paths_->seed[i] = PixelSeed(i, 3, 5);
+  }
   operator ShadePoints() const {
     return {.surfaces = surfaces_, .ranges = ranges_, .materials = materials_, .paths = paths_};
   }
@@ -26,7 +29,7 @@ class LambertPoints {
   SurfaceColumns surfaces_;
   SurfaceRanges ranges_;
   MaterialView materials_ = {};
-  soa::Table<PathColumns> paths_{1};  // shared by all rows
+  soa::Table<PathColumns> paths_;  // row by row
 };
 
 // Sets a grey surface of the unit sphere about the origin, which faces the eye.
@@ -36,9 +39,10 @@ inline void PutSurface(Vec normal, std::uint32_t i, const SurfaceColumns& surfac
   Put(normal, i, surfaces.ng_x, surfaces.ng_y, surfaces.ng_z);
   Put(normal, i, surfaces.wo_x, surfaces.wo_y, surfaces.wo_z);
   Put({0.5, 0.5, 0.5}, i, surfaces.color_r, surfaces.color_g, surfaces.color_b);
+  Put({1, 1, 1}, i, surfaces.throughput_r, surfaces.throughput_g, surfaces.throughput_b);
   surfaces.lift[i] = 0;
   surfaces.material[i] = 0;
-  surfaces.path[i] = 0;
+  surfaces.path[i] = i;
 }
 
 // Returns portals around the origin: two that overlap, one beside them in another wall, and one

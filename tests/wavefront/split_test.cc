@@ -119,6 +119,30 @@ TEST(Split, IntoOneIsThePathItself) {
   }
 }
 
+// On a plane under a map, radiance depends on nothing but the direction drawn. So N samples that go
+// on as S paths each are N S samples: continuations take that many points of one sequence, each of
+// them once.
+TEST(Split, ContinuationsAreStratifiedAsSamplesAre) {
+  Scene scene;
+  Place(scene, Quad(50), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
+  scene.camera = LookAtCamera({0, 2, 0}, {0, 0, 0}, {0, 0, 1}, 40, false);
+  SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
+  const auto picture = [&](std::uint32_t split, std::uint32_t samples) {
+    JobRequest request = Request(split, 1, 1);
+    request.strategy = "bsdf";  // all light comes by what is drawn at the surface
+    request.samples_per_pixel = samples;
+    const RenderJob job(scene, request);
+    return Render(job, job.frame()).Resolve(samples);
+  };
+  const Image path = picture(0, 16);
+  for (const std::uint32_t split : {2u, 4u, 16u}) {
+    const Image image = picture(split, 16 / split);
+    for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+      ASSERT_NEAR(image.rgb[i], path.rgb[i], 1e-5f * path.rgb[i]) << split << ", value " << i;
+    }
+  }
+}
+
 // Sums over the picture: the variance of a sample of the beauty, and the variance over seeds of its
 // direct light.
 struct Noise {
