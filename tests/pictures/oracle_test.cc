@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 #include <ostream>
+#include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -132,6 +134,76 @@ INSTANTIATE_TEST_SUITE_P(Oracle, EveryMaterial,
                          testing::Values(kLambert, kRoughGold, kShinyGold, kSharpGold, kWhiteMetal,
                                          kVarnish, kHalfMetal, kCopper, kMirror, kGlass),
                          [](const auto& test) { return test.param.name; });
+
+// Returns two tiles with coordinates, which the grain of anisotropic materials follows, in place of
+// the balls.
+Scene TwoTiles(const Material& material) {
+  Scene scene;
+  Place(scene, Quad(8), AddLambert(scene, "floor", {0.5f, 0.55f, 0.6f}), glm::vec3(0));
+  scene.materials.push_back(material);
+  const auto index = std::uint32_t(scene.materials.size() - 1);
+  Place(scene, Quad(0.7f), index, {-0.8f, 0.6f, 0.3f}, 35);
+  Mesh wall = Quad(0.7f);
+  for (glm::vec3& p : wall.positions) p = {p.x, 0.5f * p.z, -p.z};
+  wall.normals.clear();
+  Place(scene, wall, index, {0.8f, 0.8f, 0}, -20);
+  scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.65f, 0}, {0, 1, 0}, 36, false);
+  return scene;
+}
+
+// Returns one of each BSDF that has no picture above, but for measured ones: their value jumps from
+// texel to texel.
+std::vector<Material> OtherBsdfs() {
+  std::vector<Material> all = OneOfEachBsdf();
+  using enum BsdfKind;
+  std::erase_if(all, [](const Material& m) {
+    return m.bsdf == kLambert || m.bsdf == kConductor || m.bsdf == kMetallicRoughness ||
+           m.bsdf == kMirror || m.bsdf == kDielectric || m.bsdf == kMeasured;
+  });
+  return all;
+}
+
+TEST(OraclePictures, OtherBsdfsAgree) {
+  std::set<BsdfKind> seen;
+  for (Material material : OtherBsdfs()) {
+    seen.insert(material.bsdf);
+    const BsdfTraits& bsdf = Bsdfs()[std::size_t(material.bsdf)];
+    SCOPED_TRACE(std::string(bsdf.name));
+    material.coat_alpha = std::max(material.coat_alpha, 0.1f);  // narrower coats flare
+    Scene scene = bsdf.varying == Varying::kTangent
+                      ? TwoTiles(material)
+                      : TwoBalls({std::string(bsdf.name), [&](Scene& s) {
+                                    s.materials.push_back(material);
+                                    return std::uint32_t(s.materials.size() - 1);
+                                  }});
+    SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
+    ExpectSame(scene, Request(Integrator::kPath, 6));
+  }
+  EXPECT_EQ(seen.size(), kBsdfKinds - 6u);
+}
+
+TEST(OracleItself, RefusesWhatItDoesNotKnow) {
+  Scene scene = TwoBalls(kLambert);
+  SetConstantLight(scene, 1);
+  Material& material = scene.materials.back();
+  material.bsdf = BsdfKind::kMeasured;
+  EXPECT_THROW(Oracle{scene}, std::logic_error);
+  material.bsdf = BsdfKind::kWard;
+  EXPECT_THROW(Oracle{scene}, std::logic_error) << "no coordinates, no grain";
+  material.bsdf = BsdfKind::kPhong;
+  EXPECT_NO_THROW(Oracle{scene});
+  material.color_texture = 0;
+  EXPECT_THROW(Oracle{scene}, std::logic_error);
+  material = {.bsdf = BsdfKind::kDielectric, .absorption = glm::vec3(1)};
+  EXPECT_THROW(Oracle{scene}, std::logic_error);
+  material = {};
+  EXPECT_NO_THROW(Oracle{scene});
+  JobRequest request = Request(Integrator::kBdpt, 2);
+  const RenderJob job(scene, request);
+  EXPECT_THROW(Oracle(scene).Render(job.options()), std::logic_error);
+  scene.environments.push_back(scene.environments[0]);
+  EXPECT_THROW(Oracle{scene}, std::logic_error);
+}
 
 // Images of a few texels, with different wraps, rotations and scales, are applied to every kind of
 // parameter.
@@ -361,6 +433,26 @@ TEST(OraclePictures, AlphaInLightsAgrees) {
     JobRequest request = Request(integrator, 3);
     request.options.light_samples = 2;
     ExpectSame(scene, request);
+  }
+}
+
+TEST(OraclePictures, EveryCameraAgrees) {
+  for (const CameraKind kind : kCameraKinds) {
+    for (const float lens : {0.0f, 0.15f}) {
+      if (lens > 0 && !HasPlaneFilm(kind)) continue;  // these have none
+      SCOPED_TRACE(std::string(ToString(kind)) + (lens > 0 ? " with a lens" : ""));
+      Scene scene = TwoBalls(kShinyGold);
+      SetLight(scene, SkyWithSun(64, 32, 8, 0.4));
+      scene.camera = LookAtCamera({0.4f, 1.9f, 2.5f}, {0.2f, 0.65f, 0}, {0, 1, 0}, 60, false);
+      scene.camera->kind = kind;
+      scene.camera->lens_radius = lens;
+      scene.camera->focal_distance = 1.7f;
+      if (kind == CameraKind::kFisheye) scene.camera->fov_degrees = 200;
+      if (kind == CameraKind::kOrthographic) scene.camera->window = {-1.5f, 2, -1, 1.2f};
+      JobRequest request = Request(Integrator::kPath, 3);
+      if (kind == CameraKind::kEqualArea) request.height = request.width;
+      ExpectSame(scene, request);
+    }
   }
 }
 

@@ -212,6 +212,25 @@ TEST(Vcm, RadiusIsHalfOfTheDistanceToTheNeighbors) {
   }
 }
 
+// By Knaus and Zwicker 2011, eq. 15, the square of the radius has shrunk by a quotient of gamma
+// functions.
+TEST(Vcm, LastPassHasTheRadiusThatIsLeft) {
+  constexpr double kAlpha = 2.0 / 3, kFirst = 0.2;
+  for (const std::uint32_t passes : {1u, 16u}) {
+    JobRequest request = Request(2, float(kFirst));
+    request.samples_per_pixel = passes;
+    request.options.photons.passes = 0;
+    const RenderJob job(ShiningCave(), request);
+    const FrameView frame = job.frame();
+    WorkerPool pool = TwoThreads(frame);
+    PhotonCounts counts;
+    pool.Run([&] { ForEachPass(frame, pool, counts, [](const FrameView&) { return true; }); });
+    const double n = passes - 1.0;
+    const double log2 = std::lgamma(n + 1 + kAlpha) - std::lgamma(1 + kAlpha) - std::lgamma(n + 2);
+    EXPECT_NEAR(counts.radius, kFirst * std::exp(log2 / 2), 1e-5) << passes << " passes";
+  }
+}
+
 // Radii shrink, and with them the blur of a large first radius.
 TEST(Vcm, PassesConverge) {
   const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kLamp);

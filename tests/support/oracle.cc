@@ -4,6 +4,10 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "base/clock.h"
@@ -16,6 +20,7 @@ namespace {
 using glm::dvec3;
 
 constexpr std::uint32_t kFirstRouletteBounce = 3;
+constexpr double kPi = std::numbers::pi;
 
 double MaxComponent(const dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
@@ -42,6 +47,7 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
       environment_(
           has_environment_ ? scene.environments[0] : EnvironmentLight{.scale = glm::vec3(0)},
           lights) {
+  if (scene.environments.size() > 1) throw std::logic_error("the oracle knows one environment");
   for (const Material& material : scene.materials) {
     materials_.push_back(MakeOracleMaterial(material));
     has_alpha_ = has_alpha_ || !material.opaque();
@@ -76,6 +82,7 @@ void Oracle::AddMesh(const Mesh& mesh) {
                   .uv = {},
                   .material = mesh.material,
                   .smooth = false,
+                  .tangent = {},
                   .light = {}};
     for (int i = 0; i < 3; ++i) {
       t.corner[i] = mesh.positions[corners[i]];
@@ -83,6 +90,7 @@ void Oracle::AddMesh(const Mesh& mesh) {
       if (!mesh.uvs.empty()) t.uv[i] = mesh.uvs[corners[i]];
     }
     t.smooth = !mesh.normals.empty();
+    t.tangent = TangentOf(t);
     // The outside is the side to which the vertex normals point.
     const glm::vec3 face = glm::cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0]);
     if (t.smooth && glm::dot(face, t.normal[0] + t.normal[1] + t.normal[2]) < 0) {
@@ -92,6 +100,18 @@ void Oracle::AddMesh(const Mesh& mesh) {
     }
     triangles_.push_back(t);
   }
+}
+
+// Returns the direction in which u grows and v does not.
+dvec3 Oracle::TangentOf(const Triangle& t) const {
+  const std::string name = scene_textures_.materials[t.material].name;
+  if (Bsdfs()[std::size_t(materials_[t.material].bsdf)].varying != Varying::kTangent)
+    return dvec3(0);
+  const dvec3 a = t.corner[1] - t.corner[0], b = t.corner[2] - t.corner[0];
+  const glm::dvec2 p = t.uv[1] - t.uv[0], q = t.uv[2] - t.uv[0];
+  const double area = p.x * q.y - q.x * p.y;
+  if (area == 0) throw std::logic_error("the oracle needs coordinates for the grain of " + name);
+  return glm::normalize((q.y * a - p.y * b) / area);
 }
 
 void Oracle::BuildEmbreeScene() {
@@ -181,7 +201,7 @@ bool Oracle::Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const {
   hit.emission = Emission(query.hit.primID, u, v);
   hit.light_cosine = (back ? -1 : 1) * glm::dot(ng, wo);
   if (t.light.two_sided) hit.light_cosine = std::abs(hit.light_cosine);
-  hit.surface = {&materials_[t.material], wo, ng, ns, back};
+  hit.surface = {&materials_[t.material], wo, ng, ns, back, t.tangent};
   ApplyTextures(t, {w, u, v}, hit);
   hit.point = w * a + u * b + v * c;
   const double extent = MaxComponent(glm::abs(hit.point));
@@ -317,11 +337,68 @@ dvec3 Oracle::Radiance(Ray ray, const RenderOptions& options, OracleRandom& rand
   }
 }
 
+// Directions of the square are those of Clarberg 2008, "Fast Equal-Area Mapping of the
+// (Hemi)Sphere", whose pole is up in camera space.
+dvec3 EqualAreaDirection(double x, double y) {
+  // Beyond a side of the square, the same side follows in reverse.
+  if (x < 0 || x > 1) x = x < 0 ? -x : 2 - x, y = 1 - y;
+  if (y < 0 || y > 1) y = y < 0 ? -y : 2 - y, x = 1 - x;
+  const double a = 2 * x - 1, b = 2 * y - 1, inside = 1 - std::abs(a) - std::abs(b);
+  const double r = 1 - std::abs(inside);
+  const double turn = kPi / 4 * (r == 0 ? 1 : (std::abs(b) - std::abs(a)) / r + 1);
+  const double side = r * std::sqrt(2 - r * r);
+  return {std::copysign(std::cos(turn), a) * side, std::copysign(1 - r * r, inside),
+          std::copysign(std::sin(turn), b) * side};
+}
+
+std::optional<Oracle::Ray> Oracle::CameraRay(const glm::dvec2& film, const RenderOptions& options,
+                                             OracleRandom& random) const {
+  const double width = options.width, height = options.height, shorter = std::min(width, height);
+  const double fov = glm::radians(double(camera_.fov_degrees));
+  dvec3 origin(0), direction(0, 0, 1);
+  // Camera space has x to the right, y up and z ahead.
+  glm::dvec2 screen = {(2 * film.x - width) / shorter, (height - 2 * film.y) / shorter};
+  if (const std::optional<ScreenWindow>& w = camera_.window) {
+    screen = {w->left + (double(w->right) - w->left) * film.x / width,
+              w->top - (double(w->top) - w->bottom) * film.y / height};
+  }
+  switch (camera_.kind) {
+    case CameraKind::kPerspective:
+      direction = {screen * std::tan(fov / 2), 1};
+      break;
+    case CameraKind::kOrthographic:
+      origin = {screen, 0};
+      break;
+    case CameraKind::kLatLong: {
+      const double polar = kPi * film.y / height, turn = 2 * kPi * (film.x / width - 0.5);
+      direction = {std::sin(polar) * std::sin(turn), std::cos(polar),
+                   std::sin(polar) * std::cos(turn)};
+      break;
+    }
+    case CameraKind::kEqualArea:
+      direction = EqualAreaDirection(film.x / width, film.y / height);
+      break;
+    case CameraKind::kFisheye: {
+      const glm::dvec2 off = {film.x - width / 2, height / 2 - film.y};
+      const double radius = glm::length(off), angle = fov * radius / shorter;
+      if (angle > fov / 2) return std::nullopt;
+      if (radius > 0) direction = {off * (std::sin(angle) / radius), std::cos(angle)};
+      break;
+    }
+  }
+  if (camera_.lens_radius > 0) {
+    const dvec3 sharp = origin + direction * double(camera_.focal_distance);
+    const double radius = camera_.lens_radius * std::sqrt(random()), turn = 2 * kPi * random();
+    origin += dvec3(radius * std::cos(turn), radius * std::sin(turn), 0);
+    direction = sharp - origin;
+  }
+  const glm::dmat4 world(camera_.world_from_camera);
+  return Ray{dvec3(world * glm::dvec4(origin, 1)),
+             glm::normalize(dvec3(world * glm::dvec4(direction, 0)))};
+}
+
 void Oracle::RenderRow(int y, const RenderOptions& options, const std::vector<float>& filter,
                        OraclePicture& picture) const {
-  const glm::dmat4 world(camera_.world_from_camera);
-  const double shorter = std::min(options.width, options.height);
-  const double slope = 2 * std::tan(glm::radians(double(camera_.fov_degrees)) / 2) / shorter;
   const double n = options.samples_per_pixel;
   for (int x = 0; x < options.width; ++x) {
     OracleRandom random(std::uint64_t{options.seed} << 32 | options.first_sample,
@@ -330,10 +407,8 @@ void Oracle::RenderRow(int y, const RenderOptions& options, const std::vector<fl
     for (std::uint32_t i = 0; i < options.samples_per_pixel; ++i) {
       const double film_x = x + 0.5 + FilterOffset(filter, random());
       const double film_y = y + 0.5 + FilterOffset(filter, random());
-      const glm::dvec4 through((film_x - 0.5 * options.width) * slope,
-                               (0.5 * options.height - film_y) * slope, 1, 0);
-      const dvec3 value =
-          Radiance({dvec3(world[3]), glm::normalize(dvec3(world * through))}, options, random);
+      const std::optional<Ray> ray = CameraRay({film_x, film_y}, options, random);
+      const dvec3 value = ray ? Radiance(*ray, options, random) : dvec3(0);
       const dvec3 difference = value - mean;
       mean += difference / double(i + 1);
       squares += difference * (value - mean);
@@ -347,6 +422,11 @@ void Oracle::RenderRow(int y, const RenderOptions& options, const std::vector<fl
 }
 
 OraclePicture Oracle::Render(const RenderOptions& options) const {
+  if (options.integrator != Integrator::kPath && options.integrator != Integrator::kDirect) {
+    throw std::logic_error("the oracle knows the integrators path and direct");
+  }
+  if (options.crop_x != 0 || options.crop_y != 0)
+    throw std::logic_error("the oracle crops nothing");
   OraclePicture picture;
   picture.mean = Image(options.width, options.height);
   picture.variance.resize(picture.mean.rgb.size());

@@ -2,7 +2,9 @@
 // traces one path at a time with single rays of Embree and shades in double, with its own BSDFs,
 // environment, light samples, camera and random numbers. It shares with the engine only the meaning
 // of the scene (the conventions of kernels/bsdf/bsdf.h, kernels/lights/environment.h and
-// wavefront/integrators/{path,direct}.cc) and the tables FilterOffsets() and GgxTables().
+// wavefront/integrators/{path,direct}.cc) and tables: FilterOffsets(), GgxTables(), and those of
+// sheen and coats, which tests of their own hold to quadrature and to random walks in the layers.
+// What it does not know it refuses.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +30,8 @@ struct OraclePicture {
 
 class Oracle {
  public:
-  // The scene needs a camera; its first environment is used, with its map in memory.
+  // The scene needs a camera; its only environment is used, with its map in memory. Throws
+  // std::logic_error for what the oracle does not know.
   explicit Oracle(const Scene& scene, OracleLights lights = OracleLights::kImportance);
   ~Oracle();
   Oracle(const Oracle&) = delete;
@@ -44,6 +47,7 @@ class Oracle {
     glm::vec2 uv[3];
     std::uint32_t material;
     bool smooth;
+    glm::dvec3 tangent;                 // 0 unless the BSDF is anisotropic
     OracleLocalLights::Triangle light;  // radiance 0: no light
   };
   struct Ray {
@@ -61,6 +65,7 @@ class Oracle {
   };
 
   void AddMesh(const Mesh& mesh);
+  glm::dvec3 TangentOf(const Triangle& triangle) const;
   void BuildEmbreeScene();
   bool FindHit(const Ray& ray, double reach, OracleRandom& random, RTCRayHit& query) const;
   bool Intersect(const Ray& ray, OracleRandom& random, Hit& hit) const;
@@ -76,6 +81,9 @@ class Oracle {
                              OracleRandom& random) const;
   double LocalShare() const;
   glm::dvec3 Radiance(Ray ray, const RenderOptions& options, OracleRandom& random) const;
+  // Returns the ray that a point of the film [pixels] sees along, or nothing outside of a fisheye.
+  std::optional<Ray> CameraRay(const glm::dvec2& film, const RenderOptions& options,
+                               OracleRandom& random) const;
   void RenderRow(int y, const RenderOptions& options, const std::vector<float>& filter,
                  OraclePicture& picture) const;
 

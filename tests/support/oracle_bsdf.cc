@@ -1,16 +1,19 @@
 #include "tests/support/oracle_bsdf.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <stdexcept>
+#include <string>
 
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/pack.h"
+#include "tests/support/bsdf_cases.h"
 
 namespace skywave {
 namespace {
 
 using glm::dvec3;
-constexpr double kPi = glm::pi<double>();
 
 double Square(double x) { return x * x; }
 
@@ -68,6 +71,10 @@ dvec3 MultiscatterFactor(const OracleMaterial& m) {
 struct Basis {
   explicit Basis(const dvec3& n) : z(n) {
     x = glm::normalize(glm::cross(std::fabs(n.x) > 0.7 ? dvec3(0, 1, 0) : dvec3(1, 0, 0), n));
+    y = glm::cross(n, x);
+  }
+  Basis(const dvec3& n, const dvec3& tangent) : z(n) {
+    x = glm::normalize(tangent - n * glm::dot(n, tangent));
     y = glm::cross(n, x);
   }
   dvec3 Local(const dvec3& w) const { return {glm::dot(x, w), glm::dot(y, w), glm::dot(z, w)}; }
@@ -178,6 +185,75 @@ double SpecularProbability(const OracleMaterial& m, double cosine) {
                                         : SpecularShare(m, cosine);
 }
 
+// BSDFs with formulae are drawn by lobes of which none has to fit: their densities are known.
+bool Transmits(const OracleMaterial& m) {
+  return m.bsdf == BsdfKind::kDiffuseTransmission || m.bsdf == BsdfKind::kRoughDielectric;
+}
+double VisibleDensity(double alpha, const dvec3& wo, const dvec3& wi) {
+  const dvec3 h = glm::normalize(wo + wi);
+  const double a2 = alpha * alpha;
+  const double d = a2 / (kPi * Square(a2 * h.z * h.z + h.x * h.x + h.y * h.y));
+  return d / (4 * wo.z * (1 + Lambda(alpha, wo)));
+}
+// Returns the widths of lobes about the mirror direction.
+std::array<double, 2> LobeWidths(const OracleMaterial& m) {
+  return {std::max(LobeWidth(*m.formula), 0.02), std::max(m.alpha, 0.1)};
+}
+
+OracleValue EvaluateFormula(const OracleMaterial& m, bool back, const dvec3& wo, const dvec3& wi) {
+  const FormulaValue exact =
+      BsdfFormula(back ? *m.formula_of_back : *m.formula, {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
+  OracleValue out = {{exact.rgb[0], exact.rgb[1], exact.rgb[2]}, exact.pdf};
+  if (m.bsdf == BsdfKind::kRoughDielectric) return out;  // its density is that of its draws
+  out.pdf = std::abs(wi.z) / kPi;
+  if (m.bsdf == BsdfKind::kDiffuseTransmission) {
+    out.pdf /= 2;
+  } else {
+    for (const double width : LobeWidths(m)) out.pdf += VisibleDensity(width, wo, wi);
+    out.pdf /= 3;
+  }
+  return out;
+}
+
+dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRandom& random) {
+  if (m.bsdf == BsdfKind::kDiffuseTransmission) {
+    const dvec3 up = CosineDirection(random);
+    return random() < 0.5 ? up : -up;
+  }
+  if (m.bsdf == BsdfKind::kRoughDielectric) {
+    const dvec3 h = VisibleNormal(m.alpha, wo, random);
+    const double c = std::min(glm::dot(wo, h), 1.0), ratio = back ? m.ior : 1 / m.ior;
+    const double sine2 = ratio * ratio * (1 - c * c), inside = std::sqrt(std::max(0.0, 1 - sine2));
+    const double across = (ratio * c - inside) / (ratio * c + inside);
+    const double along = (c - ratio * inside) / (c + ratio * inside);
+    const double reflectance = sine2 >= 1 ? 1 : 0.5 * (Square(across) + Square(along));
+    if (random() < reflectance) return 2 * c * h - wo;
+    return ratio * (c * h - wo) - inside * h;
+  }
+  const double lobe = 3 * random();
+  if (lobe < 1) return CosineDirection(random);
+  const dvec3 h = VisibleNormal(LobeWidths(m)[lobe < 2 ? 0 : 1], wo, random);
+  return 2 * glm::dot(wo, h) * h - wo;
+}
+
+OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleRandom& random) {
+  const OracleMaterial& m = *s.material;
+  const dvec3 wo = basis.Local(s.wo), wi = DrawFormula(m, s.back, wo, random);
+  OracleScatter out;
+  out.wi = basis.World(wi);
+  const double side = glm::dot(s.ng, out.wi);
+  if (!(wi.z * side > 0) || (wi.z < 0 && !Transmits(m))) return out;
+  const OracleValue value = EvaluateFormula(m, s.back, wo, wi);
+  if (!(value.pdf > 0)) return out;
+  out.weight = value.value / value.pdf, out.pdf = value.pdf;
+  out.alive = true;
+  return out;
+}
+
+Basis BasisOf(const OracleSurface& s) {
+  return s.tangent == dvec3(0) ? Basis(s.ns) : Basis(s.ns, s.tangent);
+}
+
 // Returns the normal about which a delta BSDF acts: the shading normal unless its reflection enters
 // the surface.
 dvec3 DeltaNormal(const OracleSurface& s) {
@@ -196,7 +272,9 @@ OracleScatter ScatterMirror(const OracleSurface& s) {
 OracleScatter ScatterGlass(const OracleSurface& s, OracleRandom& random) {
   const OracleMaterial& m = *s.material;
   const dvec3 n = DeltaNormal(s);
-  const double near = s.back ? m.ior : 1, far = s.back ? 1 : m.ior;
+  const bool thin = m.bsdf == BsdfKind::kThinDielectric;
+  const bool inside = s.back && !thin;
+  const double near = inside ? m.ior : 1, far = inside ? 1 : m.ior;
   const double c = std::clamp(glm::dot(n, s.wo), 0.0, 1.0);
   const double sine_inside = near / far * std::sqrt(1 - c * c);
   double reflectance = 1, cosine_inside = 0;
@@ -207,10 +285,16 @@ OracleScatter ScatterGlass(const OracleSurface& s, OracleRandom& random) {
     const double parallel = (far * c - near * cosine_inside) / (far * c + near * cosine_inside);
     reflectance = 0.5 * (Square(perpendicular) + Square(parallel));
   }
+  // Between its two sides, a pane reflects R + T^2 R + T^2 R^3 and so on.
+  if (thin) {
+    const double through = 1 - reflectance;
+    reflectance += through * through * reflectance / (1 - reflectance * reflectance);
+  }
   if (random() < reflectance) {
     const dvec3 wi = 2 * c * n - s.wo;
     return {wi, m.reflectance, 0, glm::dot(s.ng, wi) > 0};
   }
+  if (thin) return {-s.wo, m.reflectance, 0, glm::dot(s.ng, -s.wo) < 0};
   // By Snell's law, the tangential part is scaled by the ratio of the indices. Radiance spreads
   // over a wider cone on the side of the smaller index.
   const dvec3 wi = glm::normalize(near / far * (c * n - s.wo) - cosine_inside * n);
@@ -220,6 +304,17 @@ OracleScatter ScatterGlass(const OracleSurface& s, OracleRandom& random) {
 }  // namespace
 
 OracleMaterial MakeOracleMaterial(const Material& material) {
+  using enum BsdfKind;
+  const std::string name(Bsdfs()[std::size_t(material.bsdf)].name);
+  if (material.bsdf == kMeasured || material.mixture || material.absorption != glm::vec3(0)) {
+    throw std::logic_error("the oracle knows no measured, mixed or absorbing material: " + name);
+  }
+  const bool own = material.bsdf == kLambert || material.bsdf == kConductor ||
+                   material.bsdf == kMetallicRoughness ||
+                   std::uint32_t(material.bsdf) >= kFirstDeltaBsdf;
+  if (!own && (material.color_texture || material.roughness_texture)) {
+    throw std::logic_error("the oracle knows no textures of " + name);
+  }
   OracleMaterial m = {.bsdf = material.bsdf,
                       .reflectance = material.reflectance,
                       .eta = material.eta,
@@ -228,12 +323,28 @@ OracleMaterial MakeOracleMaterial(const Material& material) {
                       .ior = material.ior,
                       .metallic = material.metallic,
                       .multiscatter = dvec3(0)};
-  if (m.bsdf == BsdfKind::kConductor) m.multiscatter = MultiscatterFactor(m);
+  if (m.bsdf == kConductor) m.multiscatter = MultiscatterFactor(m);
+  if (!own) {
+    const bool coated = material.bsdf == kCoatedConductor || material.bsdf == kCoatedDiffuse;
+    MaterialCase packed = {name, material.bsdf,
+                           coated ? RecordWithCoat(material) : PackMaterial(material, {})};
+    m.formula = std::make_shared<MaterialCase>(packed);
+    packed.back = true;
+    m.formula_of_back = std::make_shared<MaterialCase>(packed);
+    if (!BsdfFormula(*m.formula, {0, 0, 1}, {0, 0.6, 0.8}).known) {
+      throw std::logic_error("the oracle does not know " + name);
+    }
+  }
   return m;
 }
 
 OracleValue EvaluateBsdf(const OracleSurface& s, const dvec3& wi) {
   const double cosine = glm::dot(s.ns, wi);
+  if (s.material->formula && cosine * glm::dot(s.ng, wi) > 0 &&
+      (cosine > 0 || Transmits(*s.material))) {
+    const Basis basis = BasisOf(s);
+    return EvaluateFormula(*s.material, s.back, basis.Local(s.wo), basis.Local(wi));
+  }
   if (!(cosine > 0) || !(glm::dot(s.ng, wi) > 0)) return {dvec3(0), 0};
   if (s.material->bsdf == BsdfKind::kLambert) {
     return {s.material->reflectance * cosine / kPi, cosine / kPi};
@@ -245,7 +356,8 @@ OracleValue EvaluateBsdf(const OracleSurface& s, const dvec3& wi) {
 OracleScatter ScatterBsdf(const OracleSurface& s, OracleRandom& random) {
   const OracleMaterial& m = *s.material;
   if (m.bsdf == BsdfKind::kMirror) return ScatterMirror(s);
-  if (m.bsdf == BsdfKind::kDielectric) return ScatterGlass(s, random);
+  if (m.delta()) return ScatterGlass(s, random);
+  if (m.formula) return ScatterFormula(s, BasisOf(s), random);
   const Basis basis(s.ns);
   const dvec3 wo = basis.Local(s.wo);
   OracleScatter out;

@@ -3,26 +3,33 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 
 #include "scene/scene.h"
 #include "tests/support/oracle_random.h"
 
 namespace skywave {
 
+struct MaterialCase;
+
 struct OracleMaterial {
   BsdfKind bsdf;
   glm::dvec3 reflectance, eta, k;
   double alpha, ior, metallic;
   glm::dvec3 multiscatter;  // conductor: factor of (1 - E(wo)) (1 - E(wi)) cos [1/sr]
-  bool delta() const { return bsdf == BsdfKind::kMirror || bsdf == BsdfKind::kDielectric; }
+  // Those BSDFs that are evaluated by the formulae of bsdf_cases.h have this, and no textures.
+  std::shared_ptr<const MaterialCase> formula, formula_of_back;
+  bool delta() const { return std::uint32_t(bsdf) >= kFirstDeltaBsdf; }
 };
+// Throws std::logic_error for a material that the oracle does not know in all of its parts.
 OracleMaterial MakeOracleMaterial(const Material& material);
 
 // A point to shade; directions are unit vectors in the world, and normals are on wo's side.
 struct OracleSurface {
   const OracleMaterial* material;
   glm::dvec3 wo, ng, ns;
-  bool back;  // seen from the side opposite to the triangle's normal
+  bool back;              // seen from the side opposite to the triangle's normal
+  glm::dvec3 tangent{0};  // anisotropic ones: direction of the first width
 };
 
 struct OracleValue {
