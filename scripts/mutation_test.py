@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
-"""Seeds the one-line faults of tests/mutations.toml, one after the other, and tells which of them the
-tests do not see:
+"""Seeds the one-line faults of tests/mutations.toml, one after the other, and tells which of them
+the tests do not see:
 
-  scripts/mutation_test.py                        # all of them: hours without ccache
+  scripts/mutation_test.py                        # all of them: half an hour
   scripts/mutation_test.py --only 'kernels/*'     # those whose name or file matches the pattern
-  scripts/mutation_test.py --share commit/40      # a fortieth, another one at every commit
+  scripts/mutation_test.py --share commit/50      # a fiftieth, another one at every commit
   scripts/mutation_test.py --check                # only whether the list still fits the sources
+  scripts/mutation_test.py -DSKYWAVE_WERROR=ON    # options of CMake, as those of the last build
 
 Each fault is made in a copy of the tree (build/mutations/tree), in which only the programs of its
 tests are built; the tree itself is never touched. The tests first have to pass without any fault.
 Ends with 1 if a fault survives that the list does not call unseen, if one does not compile, or if
-the list does not fit the sources; with 77 if nothing can be built here."""
+the list does not fit the sources; with 77 if nothing can be built here. The tree without faults
+comes out of ccache if it was built with the same options; a share is skipped where there is no
+ccache whose base_dir (CCACHE_BASEDIR) is the tree or above it."""
 
 import argparse
 import fcntl
@@ -26,6 +29,9 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent
 LIST = SOURCE / "tests" / "mutations.toml"
+# A fault may leave a variable without use, which is no reason to refuse it.
+QUIET = "".join(f'#pragma GCC diagnostic ignored "-Wunused-{kind}"\n'
+                for kind in ("variable", "but-set-variable", "parameter", "function"))
 KEYS = {"name", "file", "find", "put", "tests", "why"}
 
 
@@ -96,8 +102,8 @@ def choose(mutations, only, share):
 def copy_tree(tree):
     """Makes `tree` what the sources are, and leaves files alone that have not changed, so that an
     earlier fault is undone and little is compiled again."""
-    listed = subprocess.run(["git", "ls-files", "-zco", "--exclude-standard"], cwd=SOURCE, check=True,
-                            capture_output=True, text=True).stdout.split("\0")
+    listed = subprocess.run(["git", "ls-files", "-zco", "--exclude-standard"], cwd=SOURCE,
+                            check=True, capture_output=True, text=True).stdout.split("\0")
     files = {name for name in listed if name and (SOURCE / name).is_file()}
     for name in files:
         source, target = SOURCE / name, tree / name
@@ -118,6 +124,15 @@ def run(command, **options):
                           **options)
 
 
+def shares_objects():
+    """Whether ccache compares paths below the tree relative to where the compiler runs, so that the
+    copy gets what the tree has compiled."""
+    if not shutil.which("ccache"):
+        return False
+    base = os.environ.get("CCACHE_BASEDIR") or run(["ccache", "--get-config", "base_dir"]).stdout
+    return bool(base.strip()) and SOURCE.is_relative_to(base.strip())
+
+
 class Build:
     """The copy of the tree and what is built of it."""
 
@@ -127,8 +142,9 @@ class Build:
         self.binaries = self.tree / "build" / "release"
         self.tree.mkdir(parents=True, exist_ok=True)
 
-    def configure(self):
-        return run(["cmake", "--preset", "release", "-DSKYWAVE_BENCH=OFF", "-DSKYWAVE_PYTHON=OFF"], cwd=self.tree)
+    def configure(self, definitions):
+        return run(["cmake", "--preset", "release", "-DSKYWAVE_BENCH=OFF", "-DSKYWAVE_PYTHON=OFF",
+                    *(f"-D{definition}" for definition in definitions)], cwd=self.tree)
 
     def make(self, tests):
         targets = {program if test_source(program) else "skywave"
@@ -165,7 +181,7 @@ def seed(build, mutation, broken):
     path = build.tree / mutation["file"]
     text = path.read_text()
     try:
-        path.write_text(text.replace(mutation["find"], mutation["put"]))
+        path.write_text(QUIET + text.replace(mutation["find"], mutation["put"]))
         made = build.make(mutation["tests"])
         if made.returncode:
             return "does not build", "\n" + made.stdout[-3000:]
@@ -182,9 +198,11 @@ def main():
                                         formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("--only", metavar="PATTERN", help="faults whose name or file matches")
     arguments.add_argument("--share", metavar="K/N",
-                           help="each N-th fault from the K-th on; `commit` as K goes by the commit")
+                           help="each N-th fault from the K-th on; `commit` as K: by the commit")
     arguments.add_argument("--list", action="store_true", help="print the faults and end")
     arguments.add_argument("--check", action="store_true", help="compare the list with the sources")
+    arguments.add_argument("-D", action="append", default=[], dest="definitions",
+                           metavar="NAME=VALUE", help="option of CMake")
     arguments.add_argument("--folder", type=Path, default=SOURCE / "build" / "mutations")
     arguments.add_argument("--jobs", type=int, default=os.cpu_count())
     given = arguments.parse_args()
@@ -202,11 +220,14 @@ def main():
                   + ", ".join(mutation["tests"]))
         return 0
 
+    if given.share and not shares_objects():
+        print("skipped: without ccache and its base_dir the whole tree would be compiled again")
+        return 77
     build = Build(given.folder, given.jobs)
     lock = open(given.folder / "lock", "w")
     fcntl.flock(lock, fcntl.LOCK_EX)
     copy_tree(build.tree)
-    configured = build.configure()
+    configured = build.configure(given.definitions)
     if configured.returncode:
         print(configured.stdout + "skipped: the tests cannot be configured here")
         return 77
@@ -216,7 +237,8 @@ def main():
         start = time.monotonic()
         outcome, detail = seed(build, mutation, broken)
         outcomes[outcome].append(mutation)
-        print(f"{outcome:9} {time.monotonic() - start:4.0f} s  {mutation['name']}  {detail}", flush=True)
+        seconds = time.monotonic() - start
+        print(f"{outcome:9} {seconds:4.0f} s  {mutation['name']}  {detail}", flush=True)
     for mutation in outcomes["survived"]:
         print(f"survived: {mutation['name']} [{mutation['file']}]: {mutation['why']}"
               + (f" Known: {mutation['unseen']}" if "unseen" in mutation else ""))

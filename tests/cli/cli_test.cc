@@ -680,6 +680,49 @@ TEST_F(Cli, CompareFindsTheDifference) {
   EXPECT_NEAR(json.at("mse").get<double>(), 0.25 / 3 / 32, 1e-9);
 }
 
+// The map shows an error of `full-scale` in the brightest colour, and smaller ones in darker
+// colours.
+TEST_F(Cli, TheFullScaleOfAnErrorMapIsItsBrightestColour) {
+  Image other = Map(1), reference = Map(1);
+  for (float& value : reference.rgb) value = 1;
+  other = reference;
+  for (int c = 0; c < 3; ++c) other.Pixel(3, 2)[c] += 0.25f;
+  WriteExr(Path("other.exr"), other);
+  WriteExr(Path("reference.exr"), reference);
+  const auto brightest = [&](const std::string& scale) {
+    EXPECT_EQ(Run("compare other.exr reference.exr --map e.png --full-scale " + scale).exit_code,
+              0);
+    const Image map = DecodeTexture("e.png", Bytes("e.png"), Encoding::kLinear);
+    return Luminance(map.Pixel(3, 2));
+  };
+  const double full = brightest("0.2");
+  EXPECT_NEAR(full, 0.2126 * 0.99 + 0.7152 * 0.99 + 0.0722 * 0.65, 0.01);
+  EXPECT_NEAR(brightest("0.1"), full, 1e-6);
+  EXPECT_LT(brightest("0.5"), 0.6 * full);
+  EXPECT_LT(brightest("100"), 0.05 * full);
+}
+
+// What options of the command line decide is what a render has counted.
+TEST_F(Cli, OptionsOfSplitPathsArrive) {
+  const auto rays = [&](const std::string& kind, const std::string& options) {
+    const Result result =
+        Run("render good.ply --env map.exr --ground --size 16x12 --spp 4 -q "
+            "--max-depth 2 --stats s.json -o a.exr " +
+            options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(Bytes("s.json"));
+    return json.at("rays").at(kind).at("count").get<double>();
+  };
+  const double bounces = rays("bounce", "");
+  EXPECT_NEAR(rays("bounce", "--split 3") / bounces, 3, 0.3);
+  // Light samples behind the split cost shadow rays, which the BSDF alone does not need.
+  const double by_map = rays("shadow", "--split 3 --strategy importance");
+  const double by_bsdf =
+      rays("shadow", "--split 3 --strategy importance --continuation-strategy bsdf");
+  EXPECT_GT(by_bsdf, 0);
+  EXPECT_LT(by_bsdf, 0.9 * by_map);
+}
+
 TEST_F(Cli, BenchReportsItsSummary) {
   const Result result =
       Run("bench scene.pbrt --size 16x16 --spp 2 --repetitions 3 --json b.json --threads 1");

@@ -111,6 +111,31 @@ TEST_F(Converge, FiguresAgreeWithEachOther) {
   }
 }
 
+TEST_F(Converge, TimesAreComparedAtTheErrorThatIsAskedFor) {
+  ASSERT_EQ(
+      Run(std::string(kSmall) + "--strategies importance uniform --budgets 1,4,16 --repeats 2 "
+                                "--reference-spp 1024 --json j.json -q")
+          .exit_code,
+      0);
+  const double noise = ReadJson("j.json").at("reference").at("mse");
+  const Json first = ReadJson("j.json").at("strategies").at(0).at("budgets");
+  // The mean of the errors of two rungs is crossed between them.
+  const double wanted =
+      0.5 * (first.at(0).at("error").get<double>() + first.at(1).at("error").get<double>());
+  ASSERT_EQ(Run(std::string(kSmall) +
+                "--strategies importance uniform --budgets 1,4,16 --repeats 2 "
+                "--reference-spp 1024 --json k.json -q --reference-strategy "
+                "uniform --target-error " +
+                std::to_string(wanted))
+                .exit_code,
+            0);
+  const Json json = ReadJson("k.json");
+  EXPECT_NEAR(json.at("target").at("error").get<double>() / wanted, 1, 1e-3);
+  EXPECT_EQ(json.at("strategies").at(0).at("time_to_target").at("place"), "inside");
+  // Uniform samples are noisier than the default ones.
+  EXPECT_GT(json.at("reference").at("mse").get<double>(), 1.3 * noise);
+}
+
 TEST_F(Converge, IntegratorsAreComparedByTheLightThatPathSees) {
   const Result result =
       Run("converge spheres --env sky.pfm --size 32x24 --threads 2 --integrators path direct "

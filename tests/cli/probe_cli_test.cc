@@ -3,10 +3,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -83,6 +88,89 @@ TEST_F(ProbeCommand, LightsComeInEveryFormat) {
   EXPECT_EQ(ReadImage(File("rest.exr")).width, 64);
   ASSERT_EQ(Probe("lights sun.exr -n 40 --clusters 7 --cluster F1 --lloyd 2"), 0) << out_;
   EXPECT_NE(out_.find("7 lights"), std::string::npos) << out_;
+}
+
+// A bright texel on a dim sky: the energy of the only cell is there, and the middle of its area is
+// the origin, from which no light comes.
+TEST_F(ProbeCommand, LightsLieWhereTheirPositionSays) {
+  const auto direction = [&](const std::string& position) {
+    EXPECT_EQ(Probe("lights sun.exr -n 1 --method median-cut --format json -o l.json --position " +
+                    position),
+              0)
+        << out_;
+    const auto json = nlohmann::json::parse(ReadFile(File("l.json")));
+    const auto d = json["lights"][0]["direction"].get<std::vector<double>>();
+    return Vector3{d[0], d[1], d[2]};
+  };
+  ASSERT_EQ(Probe("info sun.exr --json info.json --spots 3"), 0) << out_;
+  const auto spots = nlohmann::json::parse(ReadFile(File("info.json")))["spots"];
+  EXPECT_EQ(spots.size(), 3u);
+  const auto s = spots[0]["direction"].get<std::vector<double>>();
+  const Vector3 sun = {s[0], s[1], s[2]};
+  EXPECT_GT(Dot(direction("centroid"), sun), 0.99);
+  EXPECT_LT(Dot(direction("center"), sun), 0.9);
+}
+
+TEST_F(ProbeCommand, LightsAreAsFarApartAsAsked) {
+  const auto lights = [&](const std::string& options) {
+    EXPECT_EQ(Probe("lights sun.exr -n 40 --format json -o l.json " + options), 0) << out_;
+    return nlohmann::json::parse(ReadFile(File("l.json")));
+  };
+  const auto all = lights(""), apart = lights("--separation 50");
+  EXPECT_EQ(all["lights"].size(), 40u);
+  EXPECT_GT(apart["lights"].size(), 2u);
+  EXPECT_LT(apart["lights"].size(), 40u);
+  EXPECT_NEAR(apart["total_energy"].get<double>() / all["total_energy"].get<double>(), 1, 1e-6);
+  for (const auto& a : apart["lights"]) {
+    for (const auto& b : apart["lights"]) {
+      if (&a == &b) continue;
+      double cosine = 0;
+      for (int i = 0; i < 3; ++i) {
+        cosine += a["direction"][i].get<double>() * b["direction"][i].get<double>();
+      }
+      EXPECT_LT(cosine, std::cos(50 * std::numbers::pi / 180) + 1e-9);
+    }
+  }
+}
+
+// The lights of a map whose upper half alone shines come from above, along the axis that is up.
+TEST_F(ProbeCommand, LightsComeFromTheAxisThatIsUp) {
+  Image map(32, 16);
+  std::fill_n(map.rgb.begin(), map.rgb.size() / 2, 1.0f);
+  WriteExr(File("half.exr"), map);
+  for (const std::size_t up : {0u, 1u, 2u}) {
+    ASSERT_EQ(Probe(std::string("lights half.exr -n 1 --format pbrt -o l.pbrt --up ") + "xyz"[up]),
+              0)
+        << out_;
+    std::istringstream text(ReadFile(File("l.pbrt")));
+    std::string line;
+    while (std::getline(text, line) && line.find("\"point3 from\"") == std::string::npos) continue;
+    std::istringstream from(line.substr(line.find("\"point3 from\"") + 16));
+    double direction[3] = {};
+    from >> direction[0] >> direction[1] >> direction[2];
+    EXPECT_GT(direction[up], 0.9) << line;
+  }
+}
+
+// A grey map stays grey by its tone, and is coloured by its luminance.
+TEST_F(ProbeCommand, PlotsAreColouredAsAsked) {
+  Image map(32, 16);
+  for (std::size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = i < map.rgb.size() / 2 ? 0.5f : 4;
+  WriteExr(File("grey.exr"), map);
+  const auto coloured = [&](const std::string& color) {
+    EXPECT_EQ(Probe("plot grey.exr -o p.png --what map --height 64 --color " + color), 0) << out_;
+    const Image picture = DecodeTexture("p.png", ReadFile(File("p.png")), Encoding::kLinear);
+    std::size_t count = 0;
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x) {
+        const float* const rgb = picture.Pixel(x, y);
+        count += std::abs(rgb[0] - rgb[1]) > 0.05f || std::abs(rgb[1] - rgb[2]) > 0.05f;
+      }
+    }
+    return double(count) / (double(picture.width) * picture.height);
+  };
+  EXPECT_EQ(coloured("tone"), 0);
+  EXPECT_GT(coloured("log"), 0.4);
 }
 
 TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {

@@ -82,6 +82,31 @@ TEST(Spectrum, IlluminantsHaveTheirWhite) {
   EXPECT_FALSE(RgbOfIlluminant("stdillum-D66"));
 }
 
+// Chromaticities of CIE 15:2004 (table T.8), and of ACES (TB-2018-001), found again from the
+// colour.
+TEST(Spectrum, IlluminantsHaveTheirChromaticity) {
+  const struct {
+    const char* name;
+    double x, y;
+  } list[] = {{"stdillum-A", 0.44758, 0.40745},   {"stdillum-D50", 0.34567, 0.35851},
+              {"stdillum-D65", 0.31272, 0.32903}, {"illum-acesD60", 0.32168, 0.33767},
+              {"stdillum-F1", 0.3131, 0.3371},    {"stdillum-F2", 0.3721, 0.3751},
+              {"stdillum-F3", 0.4091, 0.3941},    {"stdillum-F4", 0.4402, 0.4031},
+              {"stdillum-F5", 0.3138, 0.3452},    {"stdillum-F6", 0.3779, 0.3882},
+              {"stdillum-F7", 0.3129, 0.3292},    {"stdillum-F8", 0.3458, 0.3586},
+              {"stdillum-F9", 0.3741, 0.3727},    {"stdillum-F10", 0.3458, 0.3588},
+              {"stdillum-F11", 0.3805, 0.3769},   {"stdillum-F12", 0.4370, 0.4042}};
+  for (const auto& known : list) {
+    const glm::dvec3 rgb(RgbOfIlluminant(known.name).value());
+    // IEC 61966-2-1, from linear Rec. 709 to XYZ.
+    const double x = 0.4124 * rgb.x + 0.3576 * rgb.y + 0.1805 * rgb.z;
+    const double y = 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z;
+    const double z = 0.0193 * rgb.x + 0.1192 * rgb.y + 0.9505 * rgb.z;
+    EXPECT_NEAR(x / (x + y + z), known.x, 5e-4) << known.name;
+    EXPECT_NEAR(y / (x + y + z), known.y, 5e-4) << known.name;
+  }
+}
+
 TEST(Spectrum, FilesAreReadOrRefusedAtTheirLine) {
   const auto pairs = ParseSpectrumFile("# nm value\n400 .1\r\n500\t.2 # mid\n\n600, 3e-1", "a.spd");
   ASSERT_EQ(pairs.size(), 3u);
