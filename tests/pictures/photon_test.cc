@@ -359,7 +359,8 @@ TEST(Photon, ProgressiveRadiiFitWhatPixelsSee) {
   for (const std::uint32_t gather : {0u, 1u}) {
     request.options.photons.gather = gather;
     const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
-    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1, 0.01) << "gather " << gather;
+    for (std::size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(mean[c] / expected[c], 1, 0.01) << "gather " << gather;
   }
 }
 

@@ -207,8 +207,8 @@ TEST(Vcm, MirrorsShowWhatTheyLight) {
 // The vertices of a cave are even on its surface, so the distance within which there are so many of
 // them follows from their number.
 TEST(Vcm, RadiusIsHalfOfTheDistanceToTheNeighbors) {
-  for (const std::uint32_t samples : {4u, 64u}) {
-    for (const std::uint32_t neighbors : {100u, 400u}) {
+  for (const std::uint32_t samples : {32u, 256u}) {
+    for (const std::uint32_t neighbors : {50u, 200u}) {  // smaller than what pixels see
       JobRequest request = Request(1, 0);
       request.samples_per_pixel = samples;
       request.options.photons.neighbors = neighbors;

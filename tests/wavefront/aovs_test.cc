@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,18 @@ Scene TwoWalls() {
   scene.camera = LookAtCamera({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 2 * 14.0362435f, false);
   SetConstantLight(scene, 0.5f);
   return scene;
+}
+
+// Seen from behind, a wall has the numbers that it has from the front.
+TEST(Aovs, IdsAreThoseOfBothSides) {
+  Scene scene = TwoWalls();
+  scene.camera = LookAtCamera({0, 0, -4}, {0, 0, 0}, {0, 1, 0}, 2 * 14.0362435f, false);
+  const Layers layers = Resolve(MakeJob(scene, SmallRequest(20, 20, 4), "object-id,material-id"));
+  std::set<float> objects, materials;
+  for (const float id : layers.at("object-id.V")) objects.insert(id);
+  for (const float id : layers.at("material-id.V")) materials.insert(id);
+  EXPECT_EQ(objects, (std::set<float>{0, 1}));
+  EXPECT_EQ(materials, (std::set<float>{0, 1}));
 }
 
 TEST(Aovs, SayWhatTheCameraSees) {
