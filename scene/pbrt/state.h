@@ -26,9 +26,11 @@ struct PbrtAreaLight {
   glm::vec3 radiance;    // radiance, or with `power` its relative colour
   bool two_sided;
   std::optional<float> power;  // power of each shape
+  // Index into the scene's textures: a factor of the radiance, over (u, v) of the shape.
+  std::optional<std::uint32_t> image;
 };
-// Parameters that Attribute gives to all later directives of a kind ("shape", "material",
-// "texture"). The map is shared between scopes and replaced as a whole.
+// Parameters that Attribute gives to all later directives of a kind ("shape", "light",
+// "material", "texture"). The map is shared between scopes and replaced as a whole.
 using PbrtAttributeMap = std::map<std::string, std::vector<PbrtParameter>, std::less<>>;
 using PbrtAttributes = std::shared_ptr<const PbrtAttributeMap>;
 

@@ -141,7 +141,8 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   };
   std::optional<std::uint32_t> material = reader.state.material;
   if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
-  const bool uses_uvs = material && UsesUvs(reader.scene, *material);
+  const auto& lamp = reader.state.area_light;
+  const bool uses_uvs = material && (UsesUvs(reader.scene, *material) || (lamp && lamp->image));
   std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
                                            {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
                                             .corner_uvs = uses_uvs,
@@ -155,6 +156,8 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   }
   TransformMesh(reader.state.to_world, *mesh);
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
+  MirrorPbrtTangents(reader.scene, type, parameters, glm::dmat3(reader.state.to_world), *material,
+                     *mesh);
   mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
   AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
@@ -213,11 +216,11 @@ void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string kind = ExpectString(source, "the kind of Attribute");
   const PbrtParameters given =
       ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind));
-  if (kind == "light" || kind == "medium") {
+  if (kind == "medium") {
     AddWarning(reader.warnings, position, given.directive + " is not supported: ignored");
     return;
   }
-  if (kind != "shape" && kind != "material" && kind != "texture") {
+  if (kind != "shape" && kind != "light" && kind != "material" && kind != "texture") {
     throw InputError(
         position, given.directive + ": the kinds are shape, light, material, medium and texture");
   }
