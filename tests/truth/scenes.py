@@ -272,12 +272,13 @@ UP = "Translate 0 1 0"
 LIGHTS_UP = 'Translate 1.2 2.4 1'
 DISK = 'Shape "disk" "float radius" .5'
 CYLINDER = 'Shape "cylinder" "float radius" .3 "float zmin" -.5 "float zmax" .5'
-MIRRORED = "pbrt contradicts itself on lamps that are mirrored or parts of quadrics"
-COMPENSATED = ("rough conductors keep the light that facets reflect twice; compared with "
+MIRRORED = ("pbrt contradicts itself on lamps that are mirrored or parts of quadrics; held to the "
+            "same lamp without that")
+COMPENSATED = ("rough conductors keep the light that facets reflect twice; with "
                "`--no-energy-compensation`")
 SINGLE = ("--no-energy-compensation",)
 THICK = '"float thickness" .01'
-COAT = "pbrt's coat absorbs by default; compared with its thickness of 0.01 asked for"
+COAT = "pbrt's coat absorbs by default; with its thickness of 0.01 asked for"
 NOT_YET = "reported, not rendered"
 SOFT = "edges of checks are as soft as 1/64 of a check, and images are filtered"
 SPECTRA = "pbrt renders spectra, Skywave the three means of each over its channel"
@@ -287,7 +288,8 @@ SCENES = [
     Scene("14_textures", "image, invert, checkerboard, scale, mix; wraps and encodings",
           all_textures(), block=7.5, reason=SOFT),
     Scene("15_bump_normal", "normal maps and displacement; mirrored, reversed, on spheres",
-          all_reliefs()),
+          all_reliefs(), reason="light from below a triangle does not count, however its normal is "
+          "bent; pbrt lets it through"),
     Scene("18_saturated", "a room of saturated walls", coloured_box(),
           total=(-1, 1), reason=SPECTRA),
     Scene("alpha_nouv", "alpha by an image on triangles without uv",
