@@ -434,6 +434,12 @@ Material Mix(Context& context) {
     materials.push_back(std::move(copy));
     rows[i] = std::uint32_t(materials.size() - 1);
   }
+  Material material;
+  if (const auto shares = FindImageTexture(parameters, "amount", context.reader.float_textures)) {
+    material.mixture = {rows[0], rows[1], 0.5f};
+    material.mixture_texture = PbrtShareTexture(context.reader, *shares, list == nullptr);
+    return material;
+  }
   // The amount is a colour in version 3 and a float in version 4.
   const PbrtParameter* const texture = Find(context.parameters, {"texture"}, "amount");
   const bool scalar = texture != nullptr && texture->strings.size() == 1 &&
@@ -445,7 +451,6 @@ Material Mix(Context& context) {
     Warn(context, "\"amount\" is a colour: its mean is used");
   }
   const float mean = (amount.x + amount.y + amount.z) / 3;
-  Material material;
   material.mixture = {rows[0], rows[1], list != nullptr ? mean : 1 - mean};
   return material;
 }

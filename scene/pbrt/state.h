@@ -115,6 +115,10 @@ PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::st
 // if any of its texels exceeds that (textures.cc).
 PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture);
 
+// Returns the index of a texture whose channels are all the mean of those of `texture`, between 0
+// and 1, or 1 less that if `inverted` (textures.cc).
+std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted);
+
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 

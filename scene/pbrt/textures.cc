@@ -248,6 +248,20 @@ PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
   return {.value = glm::vec3(1), .image = known->second};
 }
 
+std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted) {
+  const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
+  Texture copy = reader.scene.textures[*texture.image];
+  Image shares = reader.scene.images[copy.image];
+  for (std::size_t i = 0; i < shares.rgb.size(); i += 3) {
+    float* const rgb = &shares.rgb[i];
+    const float mean = (factor.x * rgb[0] + factor.y * rgb[1] + factor.z * rgb[2]) / 3;
+    const float share = std::clamp(mean, 0.0f, 1.0f);
+    std::fill_n(rgb, 3, inverted ? 1 - share : share);
+  }
+  copy.image = AddTextureImage(reader.scene, std::move(shares));
+  return *AddTexture(reader, copy, glm::vec3(1)).image;
+}
+
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a texture");

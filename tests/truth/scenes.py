@@ -112,8 +112,8 @@ def highlight(*textures):
     at = "-.5 -.5 {0}", ".5 -.5 {0}", ".5 .5 {0}", "-.5 .5 {0}"
     lamp = (quad(*(corner.format("0") for corner in at)) +
             quad(*(at[i].format(".01") for i in (0, 3, 2, 1))))
-    return ('LookAt 0 1.5 -4  0 0 0  0 1 0\nCamera "perspective" "float fov" 32\n' + film(160, 120) +
-            BOX + path(2) + "WorldBegin\n" + "".join(textures) +
+    return ('LookAt 0 1.5 -4  0 0 0  0 1 0\nCamera "perspective" "float fov" 32\n' +
+            film(160, 120) + BOX + path(2) + "WorldBegin\n" + "".join(textures) +
             'LightSource "infinite" "rgb L" [.1 .1 .1]\n' +
             within('AreaLightSource "diffuse" "rgb L" [8 8 8]', "Translate 2 3 -3",
                    "Rotate 45 1 0 0 Rotate 30 0 1 0", lamp) +
@@ -203,7 +203,8 @@ def all_reliefs():
         within("ReverseOrientation", tile(2, 0)),
         within("Translate -2 0 0", "Rotate -90 1 0 0 Rotate 40 0 0 1",
                'Shape "sphere" "float radius" .7'),
-        body + '"texture displacement" "hs"\n', tile(1, 1), within("ReverseOrientation", tile(2, 1)),
+        body + '"texture displacement" "hs"\n', tile(1, 1),
+        within("ReverseOrientation", tile(2, 1)),
         within("Translate 0 -1.55 0 Scale 1 -1 1 Translate 0 1.55 0", tile(0, 2)),
         body + '"texture displacement" "hs2"\n', tile(1, 2),
         within("Translate 2 -1.5 0", "Rotate -90 1 0 0", 'Shape "sphere" "float radius" .6'))
@@ -418,8 +419,7 @@ SCENES = [
     Scene("mixtex", "mix by an image",
           room(mixture('"texture amount" "a"', '"diffuse" "rgb reflectance" [.9 .9 .9]',
                        '"diffuse" "rgb reflectance" [.1 .1 .1]'), tile(1, 0),
-               before=image("a", "mask.pfm", type="float")),
-          total=(-3.3, -2.4), reason=NOT_YET + ": a half of each"),
+               before=image("a", "mask.pfm", type="float"))),
     Scene("mixuv", "mix of an image and a rough conductor",
           room(mixture('"float amount" .6', '"diffuse" "texture reflectance" "img"',
                        '"conductor" "float roughness" .2 "rgb reflectance" [.8 .8 .8]'),

@@ -1,4 +1,4 @@
-"""The textures of the truth test, computed: what pbrt saw is given by these formulas and numbers."""
+"""The textures of the truth test, by the formulas and numbers of those that pbrt saw."""
 
 import math
 
