@@ -42,36 +42,45 @@ bool IsOutlier(float brightness, const Surroundings& others) {
          brightness > others.brightness + kDeviations * std::sqrt(others.noise);
 }
 
-// Replaces `line`, `count` values `step` apart, by means over 2 * kSpread + 1 of them. The line is
-// mirrored at its ends, so its sum stays.
-void MeanOfLine(float* line, int count, std::size_t step, std::vector<double>& sums) {
-  const auto mirrored = [&](int i) {
-    const int period = 2 * count;
-    i = ((i % period) + period) % period;
-    return i < count ? i : period - 1 - i;
+// Replaces each of kLines lines that lie side by side, `count` values `step` apart, by means over
+// 2 * kSpread + 1 of them. A line is mirrored at its ends, so its sum stays.
+template <std::size_t kLines>
+void MeanOfLines(float* lines, int count, std::size_t step) {
+  const auto value = [&](int i) {
+    if (i < 0 || i >= count) {
+      const int period = 2 * count;
+      i = ((i % period) + period) % period;
+      i = i < count ? i : period - 1 - i;
+    }
+    return lines + std::size_t(i) * step;
   };
-  sums.assign(std::size_t(count), 0);
-  double sum = 0;
-  for (int i = -kSpread; i <= kSpread; ++i) sum += line[std::size_t(mirrored(i)) * step];
-  for (int i = 0; i < count; ++i) {
-    sums[std::size_t(i)] = sum;
-    sum += double(line[std::size_t(mirrored(i + kSpread + 1)) * step]) -
-           line[std::size_t(mirrored(i - kSpread)) * step];
+  std::vector<double> sums(std::size_t(count) * kLines);
+  double sum[kLines] = {};
+  for (int i = -kSpread; i <= kSpread; ++i) {
+    for (std::size_t l = 0; l < kLines; ++l) sum[l] += value(i)[l];
   }
   for (int i = 0; i < count; ++i) {
-    line[std::size_t(i) * step] = float(sums[std::size_t(i)] / (2 * kSpread + 1));
+    const float *const enters = value(i + kSpread + 1), *const leaves = value(i - kSpread);
+    for (std::size_t l = 0; l < kLines; ++l) {
+      sums[std::size_t(i) * kLines + l] = sum[l];
+      sum[l] += double(enters[l]) - leaves[l];
+    }
+  }
+  for (int i = 0; i < count; ++i) {
+    for (std::size_t l = 0; l < kLines; ++l) {
+      value(i)[l] = float(sums[std::size_t(i) * kLines + l] / (2 * kSpread + 1));
+    }
   }
 }
 
 void Spread(const PlaneShape& shape, float* plane) {
+  // A row ends with room for whole groups of columns.
+  constexpr int kColumns = 16;
   for (int pass = 0; pass < 2; ++pass) {
-    tbb::parallel_for(0, shape.height, [&](int y) {
-      std::vector<double> sums;
-      MeanOfLine(plane + shape.at(0, y), shape.width, 1, sums);
-    });
-    tbb::parallel_for(0, shape.width, [&](int x) {
-      std::vector<double> sums;
-      MeanOfLine(plane + shape.at(x, 0), shape.height, shape.pitch(), sums);
+    tbb::parallel_for(0, shape.height,
+                      [&](int y) { MeanOfLines<1>(plane + shape.at(0, y), shape.width, 1); });
+    tbb::parallel_for(0, (shape.width + kColumns - 1) / kColumns, [&](int group) {
+      MeanOfLines<kColumns>(plane + shape.at(group * kColumns, 0), shape.height, shape.pitch());
     });
   }
 }

@@ -57,16 +57,14 @@ ExposureRequest ExposureOf(const PictureIdentity& identity) {
 }
 
 // Replaces the picture by a clean one, by the layers that the denoiser reads.
-void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, int threads,
-           Picture& picture) {
+void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Picture& picture) {
   if (!CanDenoise(picture.image, layers)) {
     picture.notes.push_back(
         fmt::format("not denoised: pixels have fewer than {} samples, or too few in one half",
                     kFewestDenoiserSamples));
     return;
   }
-  tbb::task_arena arena(ThreadsFor(threads));
-  Denoised clean = arena.execute([&] { return Denoise(scene, picture.image, layers); });
+  Denoised clean = Denoise(scene, picture.image, layers);
   for (const std::size_t c : {0, 1, 2}) {
     NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
     noisy.values.reserve(picture.image.rgb.size() / 3);
@@ -188,13 +186,14 @@ Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet lay
                        {"seed", fmt::format("{}", identity.seed)},
                        {"sceneHash", fmt::format("{:016x}", identity.scene_hash)}};
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
-  Picture picture = {.image = film.Resolve(samples),
-                     .layers = film.ResolveAovs(samples, layers),
-                     .notes = {},
-                     .metadata = std::move(metadata)};
-  if (IsDenoised(identity)) {
-    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), threads, picture);
-  }
+  Picture picture;
+  picture.metadata = std::move(metadata);
+  tbb::task_arena(ThreadsFor(threads)).execute([&] {
+    picture.image = film.Resolve(samples);
+    picture.layers = film.ResolveAovs(samples, layers);
+    if (!IsDenoised(identity)) return;
+    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
+  });
   Expose(ExposureOf(identity), picture);
   return picture;
 }

@@ -11,12 +11,13 @@ relative mean squared error of the noisy and of the clean picture, how many time
 the share of values that lie outside of their 95 % intervals; OUT/SCENE_SAMPLES.png shows the noisy
 picture, the clean one and the reference. --cost renders the bunny with and without --denoise, by
 turns, and tells the medians. --until doubles the samples, or lowers the error of --adaptive, until
-a picture has this relative mean squared error, plain and denoised, and tells the time of the whole
-command. Pictures that are in OUT are not rendered again.
+a picture has this relative mean squared error, plain and denoised, and tells the processor time of
+the whole command, which other work on the machine changes little. Pictures that are in OUT are not rendered again.
 """
 
 import argparse
 import json
+import resource
 import subprocess
 import sys
 import time
@@ -119,6 +120,12 @@ WAYS = {
 }
 
 
+def processor_seconds():
+    """Returns the processor time of all commands that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def until(args):
     rows = []
     for scene in args.scenes:
@@ -130,11 +137,11 @@ def until(args):
             for value in values:
                 picture = args.output / "until.exr"
                 picture.unlink(missing_ok=True)
-                start = time.monotonic()
+                before = processor_seconds()
                 run(args.program, "render", *words(SCENES[scene][0], args.data), "--size", args.size,
                     *(["--crop", args.crop] if args.crop else []), "--quiet", "-o", picture,
                     *flags.format(value).split())
-                seconds = time.monotonic() - start
+                seconds = processor_seconds() - before
                 if compare(args, picture, reference)["relative_mse"] <= args.until:
                     found = f"{number(seconds)} ({number(value)})"
                     break
@@ -143,7 +150,7 @@ def until(args):
             row.append(found)
         rows.append(row)
         print(*row, flush=True)
-    return lines_of_table(["scene", *(f"{way} [s]" for way in WAYS)], rows, 1)
+    return lines_of_table(["scene", *(f"{way} [processor s]" for way in WAYS)], rows, 1)
 
 
 def main():
@@ -160,7 +167,7 @@ def main():
     parser.add_argument("--cost", action="store_true")
     parser.add_argument("--repeats", type=int, default=5, help="of --cost")
     parser.add_argument("--until", type=float, metavar="ERROR")
-    parser.add_argument("--patience", type=float, default=30, help="longest render of --until [s]")
+    parser.add_argument("--patience", type=float, default=30, help="longest render of --until [processor s]")
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
     print(processor())

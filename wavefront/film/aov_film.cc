@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "wavefront/film/resolve_rows.h"
 #include "wavefront/frame.h"
 
 namespace skywave {
@@ -174,7 +175,7 @@ double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t sampl
   return Variance(squares_[i], Magnitude(sum, has_signs_), samples);
 }
 
-std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted,
+std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted, const FilmArea& area,
                                            const std::vector<std::uint64_t>& radiance,
                                            const FilmScale& scale,
                                            const SampleCounts& samples) const {
@@ -221,25 +222,36 @@ std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted,
     }
     return 0;
   };
+  struct Source {
+    const Aov* aov;
+    std::size_t group, channel;
+  };
+  std::vector<Source> sources;
   std::vector<NamedChannel> resolved;
+  const auto pixels = std::size_t(area.picture.width) * std::size_t(area.picture.height);
   for (std::size_t k = 0; k < Aovs().size(); ++k) {
     if ((wanted >> k & 1) == 0) continue;
     const Aov& aov = Aovs()[k];
-    const std::size_t channels = aov.channels.size();
     const bool split = aov.sum == AovSum::kLightGroups;
     for (std::size_t group = 0; group < (split ? light_groups_.size() : 1); ++group) {
       const std::string layer =
           std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
-      for (std::size_t c = 0; c < channels; ++c) {
-        NamedChannel channel = {layer + "." + aov.channels[c], {}};
-        channel.values.resize(pixels_);
-        for (std::size_t pixel = 0; pixel < pixels_; ++pixel) {
-          channel.values[pixel] = ToFloat(value(aov, group, pixel, pixel * channels + c));
-        }
-        resolved.push_back(std::move(channel));
+      for (std::size_t c = 0; c < aov.channels.size(); ++c) {
+        sources.push_back({&aov, group, c});
+        resolved.push_back({layer + "." + aov.channels[c], std::vector<float>(pixels)});
       }
     }
   }
+  ResolveRows(area, [&](std::size_t to, std::size_t from, std::size_t n) {
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      const auto& [aov, group, channel] = sources[k];
+      const std::size_t channels = aov->channels.size();
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t pixel = from + i;
+        resolved[k].values[to + i] = ToFloat(value(*aov, group, pixel, pixel * channels + channel));
+      }
+    }
+  });
   return resolved;
 }
 

@@ -79,9 +79,10 @@ class AovFilm {
   // Returns the keys of the nearest samples, by pixel; empty where no layer asks for them.
   const std::vector<std::uint64_t>& nearest() const { return nearest_; }
 
-  // Returns one entry per channel of every layer of `wanted`, which are kept. `radiance` holds the
-  // film's own sums, three per pixel [1 / scale.units].
-  std::vector<NamedChannel> Resolve(AovSet wanted, const std::vector<std::uint64_t>& radiance,
+  // Returns one entry per channel of every layer of `wanted`, which are kept, with the pixels of
+  // the picture of `area`. `radiance` holds the film's own sums, three per pixel [1 / scale.units].
+  std::vector<NamedChannel> Resolve(AovSet wanted, const FilmArea& area,
+                                    const std::vector<std::uint64_t>& radiance,
                                     const FilmScale& scale, const SampleCounts& samples) const;
 
  private:

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "kernels/accumulate.h"
+#include "wavefront/film/resolve_rows.h"
 
 namespace skywave {
 namespace {
@@ -15,21 +16,6 @@ namespace {
 // Doubles count units exactly up to the first.
 constexpr double kSampleUnits = 0x1p52, kSignedSampleUnits = 0x1p42;
 constexpr double kHeadroom = 64;  // range of a sample over the brightest texel
-
-// Cuts the values of the picture out of those of all pixels.
-template <class T>
-std::vector<T> CutPicture(const FilmArea& area, const std::vector<T>& values,
-                          std::size_t per_pixel) {
-  const CropWindow& picture = area.picture;
-  std::vector<T> cut;
-  cut.reserve(std::size_t(picture.width) * picture.height * per_pixel);
-  for (int y = 0; y < picture.height; ++y) {
-    const std::size_t first = std::size_t(picture.y + y) * area.width + picture.x;
-    const auto row = values.begin() + std::ptrdiff_t(first * per_pixel);
-    cut.insert(cut.end(), row, row + std::ptrdiff_t(picture.width * per_pixel));
-  }
-  return cut;
-}
 
 }  // namespace
 
@@ -194,11 +180,7 @@ void Film::UnpackPicture(std::string_view bytes) {
 
 std::vector<NamedChannel> Film::ResolveAovs(const SampleCounts& samples, AovSet wanted) const {
   if (!aovs_) return {};
-  std::vector<NamedChannel> channels = aovs_->Resolve(wanted, sums_, scale(), samples);
-  for (NamedChannel& channel : channels) {
-    channel.values = CutPicture(layout_.area, channel.values, 1);
-  }
-  return channels;
+  return aovs_->Resolve(wanted, layout_.area, sums_, scale(), samples);
 }
 
 std::span<const std::uint64_t> Film::light_group_sums() const {
@@ -231,16 +213,15 @@ double Film::Noise(const SampleCounts& samples) const {
 Image Film::Resolve(const SampleCounts& samples) const {
   const FilmArea& area = layout_.area;
   Image image(area.picture.width, area.picture.height);
-  ForEachRun(area.picture, area.width, 0, 0, area.picture.width,
-             [&](std::size_t to, std::size_t from, std::size_t n) {
-               for (std::size_t i = 0; i < n; ++i) {
-                 const double count = double(std::max<std::uint64_t>(samples[from + i], 1));
-                 const double scale = unit_ / count;
-                 for (std::size_t c = 0; c < 3; ++c) {
-                   image.rgb[(to + i) * 3 + c] = float(value((from + i) * 3 + c) * scale);
-                 }
-               }
-             });
+  ResolveRows(area, [&](std::size_t to, std::size_t from, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const double count = double(std::max<std::uint64_t>(samples[from + i], 1));
+      const double scale = unit_ / count;
+      for (std::size_t c = 0; c < 3; ++c) {
+        image.rgb[(to + i) * 3 + c] = float(value((from + i) * 3 + c) * scale);
+      }
+    }
+  });
   return image;
 }
 

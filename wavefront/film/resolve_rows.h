@@ -1,0 +1,24 @@
+// The picture of a film is resolved row by row, by many threads.
+#pragma once
+
+#include <tbb/parallel_for.h>
+
+#include <cstddef>
+
+#include "wavefront/film/film_area.h"
+
+namespace skywave {
+
+// Calls f(to, from, n) for each row of n pixels of the picture of a film, on the threads of the
+// arena: the row begins at pixel `to` of the picture and at pixel `from` of the film.
+template <class F>
+void ResolveRows(const FilmArea& area, F f) {
+  const CropWindow& picture = area.picture;
+  tbb::parallel_for(0, picture.height, [&](int y) {
+    f(std::size_t(y) * std::size_t(picture.width),
+      std::size_t(picture.y + y) * std::size_t(area.width) + std::size_t(picture.x),
+      std::size_t(picture.width));
+  });
+}
+
+}  // namespace skywave
