@@ -30,13 +30,13 @@ glm::dmat4 TextureFromWorld(const PbrtReader& reader) {
   return glm::inverse(reader.state.to_world);
 }
 
-// Returns the colours "tex1" and "tex2", or nothing if one of them varies.
+// Returns the colours "tex1" and "tex2", or nothing if one of them varies; `pair` has those that
+// the file does not give.
 struct Pair {
   glm::vec3 first, second;
 };
 std::optional<Pair> ConstantPair(PbrtReader& reader, PbrtParameters& parameters,
-                                 const PbrtTextures& same) {
-  Pair pair = {glm::vec3(1), glm::vec3(0)};
+                                 const PbrtTextures& same, Pair pair) {
   for (const auto& [name, color] : {std::pair("tex1", &pair.first), {"tex2", &pair.second}}) {
     const bool given =
         Find(parameters, {"rgb", "color", "xyz", "float", "texture", "spectrum"}, name) != nullptr;
@@ -157,7 +157,7 @@ glm::dvec3 Bezier(const glm::dvec3* points, double t) {
 
 PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters,
                                   const PbrtTextures& same) {
-  const auto pair = ConstantPair(reader, parameters, same);
+  const auto pair = ConstantPair(reader, parameters, same, {glm::vec3(1), glm::vec3(0)});
   if (!pair) return {};
   return SolidTexture([pair = *pair, to_texture = TextureFromWorld(reader)](const glm::dvec3& place,
                                                                             const glm::dvec3&) {
@@ -179,7 +179,7 @@ PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
   if (!std::isfinite(direction.x)) {
     throw InputError(parameters.position, parameters.directive + ": \"dir\" is no direction");
   }
-  const auto pair = ConstantPair(reader, parameters, same);
+  const auto pair = ConstantPair(reader, parameters, same, {glm::vec3(0), glm::vec3(1)});
   if (!pair) return {};
   return SolidTexture([pair = *pair, direction](const glm::dvec3&, const glm::dvec3& normal) {
     return glm::mix(pair.second, pair.first, float(std::abs(glm::dot(normal, direction))));

@@ -90,6 +90,24 @@ TEST(SolidTextures, ChecksInSpace) {
   }
 }
 
+// As in pbrt, the first of two colours is black by default where textures are mixed, and white in
+// checks.
+TEST(SolidTextures, HaveDefaults) {
+  const std::string ball = " Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
+  const Scene mixed = Parse("Texture \"t\" \"spectrum\" \"directionmix\"" + ball);
+  for (const Place& place : Places(mixed, 1)) {
+    ASSERT_NEAR(place.color.x, 1 - std::abs(place.normal.y), 0.02f);
+  }
+  const Scene checks =
+      Parse("Texture \"t\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3" + ball);
+  for (const Place& place : Places(checks, 1)) {
+    const glm::vec3 away = glm::abs(place.position);
+    if (std::min({away.x, away.y, away.z}) < 0.02f) continue;
+    const glm::ivec3 cell(glm::floor(place.position));
+    ASSERT_EQ(place.color.x, (cell.x + cell.y + cell.z) % 2 == 0 ? 1 : 0);
+  }
+}
+
 TEST(SolidTextures, MixByDirection) {
   const Scene scene = Parse(
       "Rotate 90 0 0 1 Texture \"d\" \"spectrum\" \"directionmix\" \"rgb tex1\" [1 .5 0] "
