@@ -270,7 +270,7 @@ std::vector<JobOption> MakeJobOptions() {
           FIELD(options.photons.neighbors), Numbers(2u, 1u << 16)),
     Resolved(MakeOption<JobRequest>({.name = "progressive", .group = kPhotons, .help = "passes over --spp, each with photons of its own and a smaller radius", .scope = kPixels, .example = "--spp 6 --integrator vcm --progressive 3", .default_text = "photon 1, vcm one per sample", .applies = HasPhotons},
           FIELD(options.photons.passes), Unless(0u, Numbers(1u, 1u << 20))), ResolvePasses),
-    Resolved(MakeOption<JobRequest>({.name = "photon-distance", .group = kPhotons, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons", .scope = kPixels, .example = "--integrator photon --photon-distance 0.5", .applies = HasPhotons},
+    Resolved(MakeOption<JobRequest>({.name = "photon-distance", .group = kPhotons, .help = "largest distance of a lookup; progressive, vcm: radius of the first pass; 0: by the photons and pixels", .scope = kPixels, .example = "--integrator photon --photon-distance 0.5", .applies = HasPhotons},
           FIELD(options.photons.distance), Floats(0, 1e12)), ResolvePhotonDistance),
     Plain({.name = "photon-kernel", .group = kPhotons, .help = "weights of the photons of a lookup", .scope = kPixels, .example = "--integrator photon --photon-kernel cone", .applies = HasPhotons},
           FIELD(options.photons.kernel), NamesOfEnum<PhotonKernel>()),

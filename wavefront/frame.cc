@@ -65,6 +65,22 @@ LightShares FrameView::light_shares() const {
   return shares;
 }
 
+float PixelAngle(const CameraView& camera) {
+  constexpr float kTurn = 6.28318531f;
+  if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
+  if (camera.kind != CameraKind::kPerspective) return 0;
+  const auto length = [](const float* v) {
+    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  };
+  return length(camera.right) / length(camera.forward);
+}
+
+float PixelSize(const CameraView& camera, const SceneSphere& sphere, float distance) {
+  const float angle = PixelAngle(camera);
+  return angle > 0 ? distance * angle
+                   : 2 * sphere.radius / float(std::max(camera.width, camera.height));
+}
+
 float DefaultFilterRadius(PixelFilter filter) {
   switch (filter) {
     case PixelFilter::kBox:

@@ -185,6 +185,12 @@ struct FrameView {
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }
 };
 
+// Returns the angle that a pixel in the middle of the film takes up; 0 where it has none.
+float PixelAngle(const CameraView& camera);
+// Returns the size of a pixel at a distance along a camera path; where rays do not spread, a share
+// of the scene that is as wide as the film.
+float PixelSize(const CameraView& camera, const SceneSphere& sphere, float distance);
+
 // Returns the radius of a filter for which the user gave none [pixels].
 float DefaultFilterRadius(PixelFilter filter);
 

@@ -8,6 +8,7 @@ import json
 import re
 import shutil
 import subprocess
+import time
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -73,20 +74,29 @@ def skywave_strategy(job):
     return f"median-cut:lights={job.lights},position=centroid"
 
 
-def skywave(session, job, seed, samples=None, control="irradiance"):
+def skywave(session, job, seed, samples=None, control="irradiance", layers=None):
     # Lights have no density, so a control variate is for maps only.
     control = "none" if job.lights else control
     picture = session.file(f"{job.name}_skywave_{control}.exr")
     stats = session.file("stats.json")
     run([session.program, "render", session.file("bunny.pbrt"), "--env", session.map,
          "--integrator", job.integrator, "--max-depth", job.depth, "--strategy",
-         skywave_strategy(job), "--control", control, "--spp", samples or job.samples, "--filter", "box", "--size",
-         "{}x{}".format(*session.size), "--threads", session.threads, "--seed", seed,
+         skywave_strategy(job), "--control", control, "--spp", samples or job.samples, "--filter",
+         "box", "--size", "{}x{}".format(*session.size), "--threads", session.threads, "--seed", seed,
+         *(["--aovs", layers] if layers else []),
          "--stats", stats, "-o", picture, "-q"])
     read = json.loads(stats.read_text())
     rays = sum(kind["count"] for kind in read["rays"].values())
     return {"seconds": read["seconds"]["render"], "picture": picture,
             "rays_per_sample": rays / read["samples"]}
+
+
+def skywave_denoised(session, job, seed):
+    result = skywave(session, job, seed, layers="denoiser")
+    clean = session.file(f"{job.name}_skywave_clean.exr")
+    start = time.monotonic()
+    run([session.program, "denoise", result["picture"], "-o", clean, "-q"])
+    return {"seconds": result["seconds"] + time.monotonic() - start, "picture": clean}
 
 
 def cycles_seconds(text, samples):
@@ -201,6 +211,9 @@ PROGRAMS = [
             "roulette from the fourth surface"),
     Program("Skywave without control", None, None, ("map",), partial(skywave, control="none"),
             "the same", "the same but for `--control`"),
+    Program("Skywave, denoised", None, None, ("map",), skywave_denoised,
+            "the same, with the layers of the denoiser, plus all of `skywave denoise`, files included",
+            "the same; a denoiser for Cycles is not in Debian's Blender"),
     Program("Cycles", "blender", "blender", ("map",), cycles,
             "the render of all samples less that of one, in one process, times n / (n - 1)",
             "CPU; no denoising, adaptive sampling, clamping or caustics; map sampled at its full "

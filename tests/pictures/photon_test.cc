@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "scene/builtin/builtin.h"
 #include "scene/shapes/mesh.h"
+#include "tests/support/matt_room.h"
 #include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/refused.h"
@@ -103,19 +104,22 @@ Scene ShiningRoom(glm::vec3 half_sides, glm::vec3 middle, float turn, const Came
   return scene;
 }
 
-// Compares photons of the walls, looked up at visible points with the given number of neighbours,
-// with the closed form.
+// Compares photons of the walls with the closed form: looked up with the given number of neighbours
+// at visible points, and at those that these see.
 void ExpectCaveRadiance(const Scene& scene, int side, std::uint32_t neighbors, double tolerance) {
-  for (const std::uint32_t passes : {1u, 4u}) {
-    JobRequest request = Request(side, side, 16, 4);
-    request.options.photons.gather = 0;
-    request.options.photons.passes = passes;
-    request.options.photons.neighbors = neighbors;
-    request.options.photons.indirect = 60000;
-    const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
-    for (int c = 0; c < 3; ++c) {
-      const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
-      EXPECT_NEAR(ratio, 1, tolerance) << "passes " << passes << ", channel " << c;
+  for (const std::uint32_t gather : {0u, 1u}) {
+    for (const std::uint32_t passes : {1u, 4u}) {
+      JobRequest request = Request(side, side, 16, 4);
+      request.options.photons.gather = gather;
+      request.options.photons.passes = passes;
+      request.options.photons.neighbors = neighbors;
+      request.options.photons.indirect = 60000;
+      const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
+      for (int c = 0; c < 3; ++c) {
+        const double ratio = mean[std::size_t(c)] / CaveRadiance(c, 4);
+        EXPECT_NEAR(ratio, 1, tolerance)
+            << "gather " << gather << ", passes " << passes << ", channel " << c;
+      }
     }
   }
 }
@@ -263,7 +267,7 @@ TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
     double before = 0;
     for (const std::uint32_t photons : {500u, 8000u, 128000u}) {
       SCOPED_TRACE("gather " + std::to_string(gather) + ", photons " + std::to_string(photons));
-      JobRequest request = Request(kSide, kSide, 64, 5);
+      JobRequest request = Request(kSide, kSide, 256, 5);
       request.options.photons.gather = gather;
       request.options.photons.indirect = photons;
       request.options.photons.caustic = photons / 4;
@@ -275,6 +279,23 @@ TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
       before = difference;
     }
     EXPECT_LT(before, 0.03);
+  }
+}
+
+// Most photons are far away on a wide floor. Radii that fit them would blur the whole picture.
+TEST(Photon, ProgressiveRadiiFitWhatPixelsSee) {
+  Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment);
+  Mesh floor = Quad(40);
+  for (glm::vec3& p : floor.positions) p.y -= 0.01f;
+  Place(scene, floor, 0, glm::vec3(0));
+  JobRequest request = Request(160, 120, 8, 4);
+  request.options.photons.indirect = 100000;
+  const std::array<double, 3> expected = MeanOf(PathTraced(scene, request, 64));
+  request.options.photons.passes = 8;
+  for (const std::uint32_t gather : {0u, 1u}) {
+    request.options.photons.gather = gather;
+    const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(mean[c] / expected[c], 1, 0.01) << "gather " << gather;
   }
 }
 

@@ -85,6 +85,20 @@ INSTANTIATE_TEST_SUITE_P(Vcm, VcmBsdfs,
                            return name;
                          });
 
+// Most light vertices are far away on a wide floor. A radius that fits them would blur the whole
+// picture.
+TEST(Vcm, TheRadiusFitsWhatPixelsSee) {
+  Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
+  Mesh floor = Quad(40);
+  for (glm::vec3& p : floor.positions) p.y -= 0.01f;
+  Place(scene, floor, 0, glm::vec3(0));
+  JobRequest request = Request(4, 0);
+  request.width = 640, request.height = 480;
+  request.crop = CropWindow{300, 220, 24, 24};
+  request.options.photons.passes = 0;
+  EXPECT_TRUE(SameAsPaths(scene, request, kRuns, kLevel));
+}
+
 TEST(Vcm, LensesSeeWhatPathsSee) {
   JobRequest request = Request(4, kSmallRadius);
   request.camera.lens_radius = 0.3f;
@@ -234,6 +248,7 @@ TEST(Vcm, PhotonsBoundWhatAPassStores) {
     request.samples_per_pixel = 4;
     request.options.photons.passes = 0;
     request.options.photons.indirect = photons;
+    request.options.photons.neighbors = 3;
     const RenderJob job(scene, request);
     Film film = job.MakeFilm();
     return RenderFrame(job.frame(), film).photons;

@@ -71,6 +71,30 @@ void FollowPilotPaths(const FrameView& pilot, const WaveRange& range, Worker& w,
   }
 }
 
+// Follows camera paths `range` to their first surfaces of the kinds below `first_kind`, through at
+// most `most` of the others, and calls see(length) when surfaces are at hand in w.surfaces:
+// length[i] is that of path i so far.
+template <class See>
+void FollowToSurfaces(const FrameView& pilot, const WaveRange& range, std::uint32_t first_kind,
+                      std::uint32_t most, Worker& w, const See& see) {
+  StageClock clock(w.stats);
+  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
+  GenerateRays(pilot, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
+  std::vector<float> length(range.count, 0.0f);
+  std::uint32_t n = range.count;
+  for (std::uint32_t bounce = 0; n > 0 && bounce < most; ++bounce) {
+    PrepareHits(pilot, kCameraEnd, *rays, n,
+                TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock),
+                w, clock);
+    const SurfaceColumns& s = w.surfaces;
+    for (std::uint32_t i = 0; i < w.ranges.total(); ++i) length[s.path[i]] += s.t[i];
+    see(length);
+    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, first_kind, bounce,
+                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
+    std::swap(rays, next);
+  }
+}
+
 // Calls trace(range, worker, found) for all paths of the pilot, wave by wave, and returns all that
 // it has appended to `found`. Statistics of the workers stay as they are.
 template <class Found, class Trace>

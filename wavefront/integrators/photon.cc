@@ -4,12 +4,15 @@
 // where the rays of a final gather hit the next surfaces. BSDFs with a density count as diffuse,
 // however narrow their lobe, and mirrors and glass as specular. There are no more than max_depth
 // surfaces on both sides of a photon together.
+#include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "wavefront/integrators/integrators.h"
+#include "wavefront/photons/footprint.h"
 #include "wavefront/photons/photon_pass.h"
 #include "wavefront/stages/path_stages.h"
 #include "wavefront/stages/photon_stages.h"
@@ -34,11 +37,11 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const std::uint32_t left = frame.options.max_depth - bounce;
-    AddPhotons(frame, frame.photons->caustic, AreaCorrection::kVisibleCells, left, 1, w, clock);
+    AddPhotons(frame, frame.photons->caustic, left, 1, w, clock);
     if (frame.options.photons.gather > 0) {
       GatherPhotons(frame, bounce, w, clock);
     } else {
-      AddPhotons(frame, frame.photons->indirect, AreaCorrection::kVisibleCells, left, 1, w, clock);
+      AddPhotons(frame, frame.photons->indirect, left, 1, w, clock);
     }
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);
@@ -72,8 +75,10 @@ void AddTables(const RenderOptions& options, Worker& worker) {
 // follow. A part of a picture may begin with a later pass, so earlier ones are asked too.
 class FirstRadii {
  public:
-  FirstRadii(const RenderOptions& options, const Geometry& geometry)
-      : passes_(PhotonPasses(options)),
+  // None is larger than `largest`.
+  FirstRadii(const RenderOptions& options, const Geometry& geometry, float largest)
+      : largest_(largest),
+        passes_(PhotonPasses(options)),
         missing_caustic_(options.photons.caustic > 0 && HasCaustics(geometry)),
         missing_indirect_(options.photons.indirect > 0) {}
 
@@ -83,8 +88,8 @@ class FirstRadii {
     std::optional<PhotonMaps> maps;
     for (; missing() && passes_[asked_].samples.first <= pass.samples.first; ++asked_) {
       maps = trace(passes_[asked_]);
-      Take(maps->caustic.radius, missing_caustic_, caustic_);
-      Take(maps->indirect.radius, missing_indirect_, indirect_);
+      Take(std::min(maps->caustic.radius, largest_), missing_caustic_, caustic_);
+      Take(std::min(maps->indirect.radius, largest_), missing_indirect_, indirect_);
       if (passes_[asked_].samples != pass.samples) maps.reset();
     }
     if (!maps) maps = trace(pass);
@@ -101,6 +106,7 @@ class FirstRadii {
     if (is_missing && found > 0) radius = found, is_missing = false;
   }
 
+  float largest_;
   std::vector<PhotonPass> passes_;
   std::size_t asked_ = 0;
   bool missing_caustic_, missing_indirect_;
@@ -109,7 +115,10 @@ class FirstRadii {
 
 void ForEachPass(const FrameView& frame, WorkerPool& pool, PhotonCounts& counts,
                  const RenderPass& render) {
-  FirstRadii radii(frame.options, *frame.geometry);
+  const PhotonOptions& photons = frame.options.photons;
+  const bool bounded = photons.progressive() && photons.distance <= 0;
+  FirstRadii radii(frame.options, *frame.geometry,
+                   bounded ? PixelRadius(frame, pool) : std::numeric_limits<float>::infinity());
   const auto trace = [&](const FrameView& view, const PhotonPass& pass) {
     return radii.MapsOf(pass, [&](const PhotonPass& one) { return TracePhotons(view, one, pool); });
   };

@@ -53,34 +53,14 @@ std::uint32_t RoundOf(std::uint32_t x, std::uint32_t y, std::uint32_t sample) {
   return halvings == kGrids ? 0 : 3 * (kGrids - 1 - halvings) + odd;
 }
 
-// Returns the size of a pixel of the pilot at a distance along its camera path.
-float PixelSize(const FrameView& pilot, float distance) {
-  const CameraView& camera = pilot.camera;
-  if (camera.kind != CameraKind::kPerspective) {
-    return 2 * pilot.sphere.radius / float(std::max(camera.width, camera.height));
-  }
-  const auto length = [](const float* v) {
-    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  };
-  return distance * length(camera.right) / length(camera.forward);
-}
-
 // Follows camera paths `range` of the pilot to the first diffuse surfaces.
 void SeePoints(const FrameView& pilot, const WaveRange& range, Worker& w,
                std::vector<SeenPoint>& points) {
-  StageClock clock(w.stats);
-  soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  GenerateRays(pilot, range, FilmUniforms(w.scratch), LensUniforms(w.scratch), w.paths, *rays);
-  std::vector<float> length(range.count, 0.0f);
   constexpr auto kDiffuse = std::uint32_t(BsdfKind::kLambert);
-  std::uint32_t n = range.count;
   // Indirect light needs another surface.
-  for (std::uint32_t bounce = 0; n > 0 && bounce + 1 < pilot.options.max_depth; ++bounce) {
-    PrepareHits(pilot, kCameraEnd, *rays, n,
-                TraceAndSort(pilot, kCameraEnd, *rays, n, bounce, /*only_delta=*/false, w, clock),
-                w, clock);
+  const std::uint32_t most = std::max(pilot.options.max_depth, 1u) - 1;
+  FollowToSurfaces(pilot, range, kDiffuse + 1, most, w, [&](const std::vector<float>& length) {
     const SurfaceColumns& s = w.surfaces;
-    for (std::uint32_t i = 0; i < w.ranges.total(); ++i) length[s.path[i]] += s.t[i];
     const std::uint32_t begin = w.ranges.begin[kDiffuse];
     for (std::uint32_t i = begin; i < begin + w.ranges.count(kDiffuse); ++i) {
       const std::uint32_t path = s.path[i], pixel = w.paths->pixel[path];
@@ -89,14 +69,11 @@ void SeePoints(const FrameView& pilot, const WaveRange& range, Worker& w,
           {.origin = {s.org_x[i], s.org_y[i], s.org_z[i]},
            .geometric = {s.ng_x[i], s.ng_y[i], s.ng_z[i]},
            .shading = {s.ns_x[i], s.ns_y[i], s.ns_z[i]},
-           .pixel = PixelSize(pilot, length[path]),
+           .pixel = PixelSize(pilot.camera, pilot.sphere, length[path]),
            .round = RoundOf(pixel % pilot.camera.width, pixel / pilot.camera.width, sample),
            .index = pixel * pilot.options.samples_per_pixel + sample});
     }
-    n = Scatter(pilot, kCameraEnd, w.paths, w.surfaces, w.ranges, kDiffuse + 1, bounce,
-                DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
-    std::swap(rays, next);
-  }
+  });
 }
 
 // Traces rows [first, first + count) of the rays of `points`, grid.count() each, and what they see

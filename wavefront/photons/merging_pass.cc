@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "wavefront/photons/footprint.h"
 #include "wavefront/photons/photon_collector.h"
 #include "wavefront/stages/bidirectional.h"
 #include "wavefront/stages/light_stages.h"
@@ -84,7 +85,9 @@ MergePlan PlanMerging(const FrameView& frame, WorkerPool& pool) {
   }
   if (plan.radius <= 0) {
     const float more = float(double(plan.light_paths) / double(traced));
-    plan.radius = kMergedDistance * map.TypicalDistance(wanted.neighbors) / std::sqrt(more);
+    plan.radius =
+        std::min(kMergedDistance * map.TypicalDistance(wanted.neighbors) / std::sqrt(more),
+                 PixelRadius(frame, pool));
   }
   return plan;
 }

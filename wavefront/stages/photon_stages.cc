@@ -111,8 +111,8 @@ void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, P
   clock.Lap(Stage::kPhotons);
 }
 
-void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection treatment,
-                std::uint32_t max_depth, float scale, Worker& w, StageClock& clock) {
+void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
+                Worker& w, StageClock& clock) {
   if (map.size() == 0) return;
   const PhotonOptions& options = frame.options.photons;
   const PhotonMapView view = map.view();
@@ -145,9 +145,8 @@ void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection tre
           // A disk that looks whole needs no rays. The first part of a range search is no fair
           // sample.
           const bool doubtful =
-              treatment == AreaCorrection::kVisibleCells &&
-              (options.progressive() || count[i] < options.neighbors ||
-               !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]));
+              options.progressive() || count[i] < options.neighbors ||
+              !LooksWhole(disk, options.kernel, view.photons, view.tree, found, count[i]);
           if (doubtful) {
             disks[cut] = disk, row[cut++] = i;
           } else {
@@ -201,8 +200,8 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       PrepareHits(frame, end, *rays, n,
                   TraceAndSort(frame, end, *rays, n, scattered, /*only_delta=*/false, w, clock), w,
                   clock);
-      AddPhotons(frame, frame.photons->indirect, AreaCorrection::kFullDisk,
-                 frame.options.max_depth - scattered, 1.0f / float(gather), w, clock);
+      AddPhotons(frame, frame.photons->indirect, frame.options.max_depth - scattered,
+                 1.0f / float(gather), w, clock);
       n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, kFirstDeltaBsdf, scattered,
                   DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
       clock.Lap(Stage::kScatter);

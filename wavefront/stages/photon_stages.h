@@ -38,14 +38,11 @@ Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 
-// Photons are divided by the area of their whole disk, or by that of the part of it that is
-// surface, which rays measure where photons leave a doubt.
-enum class AreaCorrection { kFullDisk, kVisibleCells };
-
 // Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
-// those that have met at most `max_depth` surfaces, theirs included.
-void AddPhotons(const FrameView& frame, const PhotonMap& map, AreaCorrection treatment,
-                std::uint32_t max_depth, float scale, Worker& w, StageClock& clock);
+// those that have met at most `max_depth` surfaces, theirs included. Photons are divided by the
+// area of the part of their disk that is surface, which rays measure where photons leave a doubt.
+void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
+                Worker& w, StageClock& clock);
 
 // Gathers (final gather, Jensen 1996): traces rays from every surface at hand that has a density,
 // over mirrors and glass to the next that has one, and adds what those reflect of photons. Rays of

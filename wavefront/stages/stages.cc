@@ -15,17 +15,6 @@
 namespace skywave {
 namespace {
 
-// Returns the angle that a pixel in the middle of the film takes up; 0 where it has none.
-float PixelAngle(const CameraView& camera) {
-  constexpr float kTurn = 6.28318531f;
-  if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
-  if (camera.kind != CameraKind::kPerspective) return 0;
-  const auto length = [](const float* v) {
-    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  };
-  return length(camera.right) / length(camera.forward);
-}
-
 // Returns the column from `row` on; null stays null.
 const float* At(const float* column, std::uint32_t row) {
   return column == nullptr ? nullptr : column + row;
