@@ -69,7 +69,8 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
                            const JobRequest& request) {
   PreparedScene prepared = {.scene = {loaded, &loaded->scene}};
   const char up_axis = request.environment.up_axis.value_or(loaded->scene.up_axis);
-  const bool changes = !request.materials.empty() || !request.portals.empty() || request.ground ||
+  const bool changes = !request.materials.empty() || !request.energy_compensation ||
+                       !request.portals.empty() || request.ground ||
                        up_axis != loaded->scene.up_axis;
   if (!changes) prepared.bounds = SceneBounds(loaded->scene, request.scene);
   prepared.whole_bounds = prepared.bounds;
@@ -78,6 +79,7 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
     AddPortals(request.portals, *scene);
     prepared.bounds = prepared.whole_bounds = SceneBounds(*scene, request.scene);
     ChangeMaterials(request.materials, *scene);
+    if (!request.energy_compensation) LeaveOutCompensation(*scene);
     scene->up_axis = up_axis;
     if (request.ground) {
       AddGround(*scene, prepared.bounds);
@@ -135,7 +137,8 @@ JobParts::JobParts(Scene scene)
     : cache_(nullptr), loaded_(std::make_shared<LoadedScene>(std::move(scene))) {}
 
 void JobParts::Prepare(const JobRequest& request) {
-  static constexpr std::string_view kChanges[] = {"material", "portal", "ground", "env-up"};
+  static constexpr std::string_view kChanges[] = {"material", "energy-compensation", "portal",
+                                                  "ground", "env-up"};
   prepared_key_ = scene_key_ + " prepared" + WordsOf(request, kChanges);
   prepared_ = Get<PreparedScene>(prepared_key_, [&] {
     return std::make_shared<PreparedScene>(PrepareScene(loaded_, request));

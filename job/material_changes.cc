@@ -131,4 +131,13 @@ void ChangeMaterials(const std::vector<std::string>& changes, Scene& scene) {
   }
 }
 
+void LeaveOutCompensation(Scene& scene) {
+  for (Material& material : scene.materials) {
+    if (material.bsdf != BsdfKind::kConductor) continue;
+    // With equal widths the anisotropic one has the same facets, and no lobe but theirs.
+    material.bsdf = BsdfKind::kAnisotropicConductor;
+    material.alpha_across = material.alpha;
+  }
+}
+
 }  // namespace skywave

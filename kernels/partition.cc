@@ -83,8 +83,24 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfS
   count[kMissQueue] += CountQueue(queue, n, kMissQueue);
 }
 
-void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
-                     const HitColumns& hits) {
+// Puts the shares of lanes in `textured`, whose words `share` name textures, in their place. These
+// lookups are rare and read a few texels each, so they are scalar.
+HWY_INLINE VF TexturedShares(const TextureView& textures, MU textured, VU triangle, VU share,
+                             const HitColumns& hits, std::uint32_t i) {
+  alignas(kColumnAlignment) std::uint32_t lanes[kPadRows], triangles[kPadRows], shares[kPadRows];
+  Store(hn::IfThenElseZero(textured, SetU(1)), lanes);
+  Store(triangle, triangles), Store(share, shares);
+  for (std::uint32_t lane = 0; lane < hn::Lanes(U()); ++lane) {
+    if (lanes[lane] == 0) continue;
+    shares[lane] = std::bit_cast<std::uint32_t>(
+        FirstChannel(textures, shares[lane] & ~kShareOfTexture, triangles[lane], hits.u[i + lane],
+                     hits.v[i + lane]));
+  }
+  return AsFloat(Load(shares));
+}
+
+void ChooseMaterials(const TriangleRecord* triangles, const TextureView& textures, const float* u,
+                     std::uint32_t n, const HitColumns& hits) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   const VF one = Set(1.0f);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(U())) {
@@ -97,7 +113,12 @@ void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint3
       const VU tag = Gather(words, hn::Add(record, SetU(3)));
       const MU mixed = hn::And(hit, hn::TestBit(tag, SetU(kMixedTriangle)));
       if (hn::AllFalse(U(), mixed)) break;
-      const VF share = AsFloat(Gather(words, hn::Add(record, SetU(1))));
+      const VU bits = Gather(words, hn::Add(record, SetU(1)));
+      VF share = AsFloat(bits);
+      const MU textured = hn::And(mixed, hn::TestBit(bits, SetU(kShareOfTexture)));
+      if (!hn::AllFalse(U(), textured)) {
+        share = TexturedShares(textures, textured, triangle, bits, hits, i);
+      }
       const MF second = hn::Lt(uniform, share);
       const VU first = Gather(words, record);
       const VU chosen = hn::Add(first, hn::IfThenElseZero(hn::RebindMask(U(), second), SetU(1)));
@@ -215,9 +236,9 @@ void ClassifyHits(const HitColumns& hits, const TriangleRecord* triangles, BsdfS
                   std::uint32_t* count) {
   HWY_DYNAMIC_DISPATCH(ClassifyHits)(hits, triangles, present, ray_pdf, n, queue, count);
 }
-void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
-                     const HitColumns& hits) {
-  HWY_DYNAMIC_DISPATCH(ChooseMaterials)(triangles, u, n, hits);
+void ChooseMaterials(const TriangleRecord* triangles, const TextureView& textures, const float* u,
+                     std::uint32_t n, const HitColumns& hits) {
+  HWY_DYNAMIC_DISPATCH(ChooseMaterials)(triangles, textures, u, n, hits);
 }
 std::uint32_t ClassifyEscapes(const HitColumns& hits, std::uint32_t n, std::uint32_t* queue) {
   return HWY_DYNAMIC_DISPATCH(ClassifyEscapes)(hits, n, queue);

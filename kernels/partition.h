@@ -7,6 +7,7 @@
 
 #include "kernels/columns.h"
 #include "kernels/lights/irradiance.h"
+#include "kernels/surface/texture.h"
 
 namespace skywave {
 
@@ -16,11 +17,15 @@ inline constexpr std::uint32_t kMissQueue = kBsdfKinds;  // follows those of the
 using BsdfSet = std::uint32_t;
 static_assert(kBsdfKinds <= 32);
 
+// A mixture whose share has this bit (the sign of a float) has the first channel of a texture, at
+// level 0, in place of a number; the other bits are its row in the texture table.
+inline constexpr std::uint32_t kShareOfTexture = 1u << 31;
+
 // Replaces the triangle of hits [0, n) on a mixture of materials (kMixedTriangle) by its record
 // with one of them: the second one where u[i] is below its share, and so on for mixtures of
 // mixtures.
-void ChooseMaterials(const TriangleRecord* triangles, const float* u, std::uint32_t n,
-                     const HitColumns& hits);
+void ChooseMaterials(const TriangleRecord* triangles, const TextureView& textures, const float* u,
+                     std::uint32_t n, const HitColumns& hits);
 
 // Writes queue[i] for rows [0, n): the BSDF of the triangle that row i hit, which is one of
 // `present`, or kMissQueue. Adds the length of every queue to count[kBsdfKinds + 1]. `queue` is a

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "kernels/bsdf/conductor_tables.h"
 #include "kernels/bsdf/pack.h"
+#include "kernels/partition.h"
 #include "kernels/surface/surface.h"
 #include "scene/geometry_checks.h"
 #include "scene/materials/opacity.h"
@@ -164,8 +165,10 @@ void ResolveMaterial(const Scene& scene, std::uint32_t i, GeometryTables& tables
   const auto first = std::uint32_t(tables.triangles.size());
   AppendVariant(i, mixture->first, tables);
   AppendVariant(i, mixture->second, tables);
-  tables.triangles[i] = {.normal = {first, std::bit_cast<std::uint32_t>(mixture->share), material},
-                         .tag = kMixedTriangle};
+  const auto& texture = scene.materials[material].mixture_texture;
+  const std::uint32_t share =
+      texture ? kShareOfTexture | *texture : std::bit_cast<std::uint32_t>(mixture->share);
+  tables.triangles[i] = {.normal = {first, share, material}, .tag = kMixedTriangle};
 }
 
 // Variants come behind all triangles, and variants of variants behind those.

@@ -33,6 +33,7 @@ enum class MaterialPart {
   kBsdf,
   kTextures,
   kMixture,
+  kMixtureTexture,
   kOpacity,
   kNormalMap,
   kAbsorption,
@@ -86,6 +87,7 @@ struct Material {
   bool height_in_texels = false;
   // A hit has one of two other materials: of this one only opacity and emission count then.
   std::optional<Mixture> mixture;
+  std::optional<std::uint32_t> mixture_texture;  // its first channel, in place of the share
   // The radiance of the surface itself, on the side of its normals or on both; the texture is a
   // factor.
   glm::vec3 emission{0.0f};
@@ -102,6 +104,8 @@ struct Material {
         return true;
       case MaterialPart::kMixture:
         return mixture.has_value();
+      case MaterialPart::kMixtureTexture:
+        return mixture && mixture_texture;
       case MaterialPart::kOpacity:
         return !opaque();
       case MaterialPart::kNormalMap:
@@ -124,8 +128,8 @@ struct Material {
     auto& [name, bsdf, reflectance, eta, k, alpha, alpha_across, ior, metallic, second_color, coat,
            coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen, sheen_alpha, measured,
            absorption, color_texture, roughness_texture, opacity, opacity_cutoff, opacity_texture,
-           normal_texture, normal_scale, height_in_texels, mixture, emission, emits_on_both_sides,
-           emission_texture] = self;
+           normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
+           emits_on_both_sides, emission_texture] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -147,6 +151,7 @@ struct Material {
     f("sheen_alpha", kBsdf, sheen_alpha);
     f("measured", kBsdf, measured);
     f("mixture", kMixture, mixture);
+    f("mixture_texture", kMixtureTexture, mixture_texture);
     f("opacity", kOpacity, opacity);
     f("opacity_cutoff", kOpacity, opacity_cutoff);
     f("opacity_texture", kOpacity, opacity_texture);

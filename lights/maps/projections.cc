@@ -97,7 +97,7 @@ ImagePoint PointOfCube(const CubeLayout& layout, const Vector3& d) {
 ImagePoint PointOfOctahedral(const Vector3& d) {
   const double lx = -d.y, ly = -d.x;
   // This is sqrt(1 - |z|) without cancellation near the poles.
-  const double r = std::hypot(lx, ly) / std::sqrt(1 + std::abs(d.z));
+  const double r = std::sqrt((lx * lx + ly * ly) / (1 + std::abs(d.z)));
   const double phi = std::abs(lx) + std::abs(ly) > 0
                          ? std::atan2(std::abs(ly), std::abs(lx)) * 2 / std::numbers::pi
                          : 0;

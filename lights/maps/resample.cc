@@ -46,6 +46,16 @@ class Source {
     const int x0 = int(std::floor(px)), y0 = int(std::floor(py));
     const double fx = px - x0, fy = py - y0;
     const Range columns = Bounds(point.u, image_.width), rows = Bounds(point.v, image_.height);
+    if (x0 >= columns.begin && x0 + 1 < columns.end && y0 >= rows.begin && y0 + 1 < rows.end) {
+      // Nothing wraps around.
+      const float *const above = image_.Pixel(x0, y0), *const below = image_.Pixel(x0, y0 + 1);
+      for (int c = 0; c < 3; ++c) {
+        const double upper = (1 - fx) * above[c] + fx * above[c + 3];
+        const double lower = (1 - fx) * below[c] + fx * below[c + 3];
+        sum[c] += weight * ((1 - fy) * upper + fy * lower);
+      }
+      return;
+    }
     AddTexel(x0, y0, columns, rows, weight * (1 - fx) * (1 - fy), sum);
     AddTexel(x0 + 1, y0, columns, rows, weight * fx * (1 - fy), sum);
     AddTexel(x0, y0 + 1, columns, rows, weight * (1 - fx) * fy, sum);
@@ -101,26 +111,70 @@ bool IsWhole(const Image& image, int x, int y) {
   return true;
 }
 
-// Returns the number of samples along each side of a target pixel: four, or three for each source
-// pixel along it if both were uniform over the sphere.
+// Returns the number of samples along each side of a target pixel: three for each source pixel along
+// it if both were uniform over the sphere, and at least four, or two where source pixels are twice as
+// large and more.
 int SamplesAlongSide(const Image& image, int width, int height) {
-  constexpr int kLeast = 4, kMost = 64;
+  constexpr int kMost = 64;
   const double ratio = std::sqrt(double(image.width) * image.height / (double(width) * height));
-  return std::clamp(int(std::ceil(3 * ratio)), kLeast, kMost);
+  return std::clamp(int(std::ceil(3 * ratio)), ratio > 0.5 ? 4 : 2, kMost);
 }
 
-void FillPixel(const Source& source, Projection from, Projection to, int side, int x, int y,
-               Image& target) {
+// The directions of samples on a grid of `side` x `side` in each pixel of a picture, and the solid
+// angles that they stand for.
+class SampleGrid {
+ public:
+  SampleGrid(Projection projection, int width, int height, int side)
+      : projection_(projection), columns_(width * side), rows_(height * side) {
+    if (projection != Projection::kLatLong) return;
+    // Sines and cosines are those of columns and rows.
+    for (int x = 0; x < columns_; ++x) {
+      meridians_.push_back(*DirectionOfPoint(projection, {(x + 0.5) / columns_, 0.5}));
+    }
+    for (int y = 0; y < rows_; ++y) {
+      const ImagePoint point = {0.5, (y + 0.5) / rows_};
+      parallels_.push_back({std::sin(std::numbers::pi * point.v),
+                            DirectionOfPoint(projection, point)->z,
+                            SolidAngleDensity(projection, point)});
+    }
+  }
+
+  // Returns the weight of a sample and writes its direction; 0: there is none.
+  double Sample(int x, int y, Vector3& direction) const {
+    if (!parallels_.empty()) {
+      const Parallel& at = parallels_[std::size_t(y)];
+      const Vector3& meridian = meridians_[std::size_t(x)];
+      direction = {at.radius * meridian.x, at.radius * meridian.y, at.z};
+      return at.weight;
+    }
+    const ImagePoint point = {(x + 0.5) / columns_, (y + 0.5) / rows_};
+    const double weight = SolidAngleDensity(projection_, point);
+    if (!(weight > 0)) return 0;
+    const std::optional<Vector3> there = DirectionOfPoint(projection_, point);
+    if (!there) return 0;
+    direction = *there;
+    return weight;
+  }
+
+ private:
+  struct Parallel {
+    double radius, z, weight;
+  };
+  Projection projection_;
+  int columns_, rows_;
+  std::vector<Vector3> meridians_;   // of a lat-long map, one a column of samples
+  std::vector<Parallel> parallels_;  // likewise, one a row
+};
+
+void FillPixel(const Source& source, Projection from, const SampleGrid& grid, int side, int x,
+               int y, Image& target) {
   Rgb sum = {};
   double weights = 0;
   for (int s = 0; s < side * side; ++s) {
-    const ImagePoint point = {(x + (s % side + 0.5) / side) / target.width,
-                              (y + (s / side + 0.5) / side) / target.height};
-    const double weight = SolidAngleDensity(to, point);
+    Vector3 direction;
+    const double weight = grid.Sample(x * side + s % side, y * side + s / side, direction);
     if (!(weight > 0)) continue;
-    const std::optional<Vector3> direction = DirectionOfPoint(to, point);
-    if (!direction) continue;
-    source.Add(PointOfDirection(from, *direction), weight, sum);
+    source.Add(PointOfDirection(from, direction), weight, sum);
     weights += weight;
   }
   if (!(weights > 0)) return;
@@ -177,8 +231,9 @@ Image Resample(const Image& image, Projection from, Projection to, int width, in
   Image target(width, height);
   const Source source(image, from);
   const int side = SamplesAlongSide(image, width, height);
+  const SampleGrid grid(to, width, height, side);
   tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) FillPixel(source, from, to, side, x, y, target);
+    for (int x = 0; x < width; ++x) FillPixel(source, from, grid, side, x, y, target);
   });
 
   const Rgb wanted = SphereIntegral(image, from);

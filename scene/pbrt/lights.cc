@@ -209,13 +209,25 @@ double Area(const Mesh& mesh) {
   return area;
 }
 
+const Image& ImageOf(const Scene& scene, std::uint32_t texture) {
+  return scene.images[scene.textures[texture].image];
+}
+
+double MeanLuminance(const Image& image) {
+  double sum = 0;
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    sum += double(kLuminance[i % 3]) * double(image.rgb[i]);
+  }
+  return sum / (double(image.rgb.size()) / 3);
+}
+
 }  // namespace
 
 void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of LightSource");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("LightSource \"{}\"", type));
+  PbrtParameters parameters = ReadParametersAndAttributes(reader, source, position, "light",
+                                                          fmt::format("LightSource \"{}\"", type));
   if (type == "infinite" || type == "exinfinite") {
     InfiniteLight(reader, parameters);
   } else if (type == "point") {
@@ -234,8 +246,8 @@ void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken
 void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of AreaLightSource");
-  PbrtParameters parameters =
-      ReadParameters(source, position, fmt::format("AreaLightSource \"{}\"", type));
+  PbrtParameters parameters = ReadParametersAndAttributes(
+      reader, source, position, "light", fmt::format("AreaLightSource \"{}\"", type));
   if (type != "diffuse" && type != "area") {
     AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
     reader.state.area_light.reset();
@@ -245,6 +257,18 @@ void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
   light.radiance = Emission(reader, parameters, "L");
   light.two_sided = FindBool(parameters, "twosided").value_or(false);
   light.power = Strength(parameters, "power");
+  if (const auto file = FindString(parameters, "filename"); file && !file->empty()) {
+    if (Find(parameters, {"rgb", "color", "xyz", "spectrum", "blackbody"}, "L")) {
+      throw InputError(position, parameters.directive + " has both \"L\" and an image");
+    }
+    Texture texture{.image =
+                        AddTextureImage(reader.texture_files,
+                                        ResolvePbrtPath(reader, *file, position), Encoding::kSrgb)};
+    texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
+    texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
+    reader.scene.textures.push_back(texture);
+    light.image = std::uint32_t(reader.scene.textures.size() - 1);
+  }
   // The command line sets the number of light samples.
   for (const char* name : {"samples", "nsamples"}) FindInt(parameters, name);
   ReportUnused(parameters, reader.warnings);
@@ -264,11 +288,16 @@ std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const
     AddWarning(reader.warnings, position, "a shape of alpha 0 gives no light");
   }
   material.emission = light.radiance;
+  material.emission_texture = light.image;
   material.emits_on_both_sides = light.two_sided;
   if (light.power) {
-    const double area = Area(mesh) * (light.two_sided ? 2 : 1);
+    // The power of an image is that of its mean over the whole shape.
+    const double area = Area(mesh) * (light.two_sided ? 2 : 1) *
+                        (light.image ? MeanLuminance(ImageOf(reader.scene, *light.image)) : 1.0);
     if (!(area > 0)) {
-      throw InputError(position, "an area light with a power needs a shape with an area");
+      throw InputError(position,
+                       "an area light with a power needs a shape with an area, and an "
+                       "image that is not black");
     }
     material.emission *= float(*light.power / (kPi * area));
   }

@@ -68,6 +68,13 @@ void SetReflectance(Context& context, float fallback, Material& material, float 
     material.color_texture = fraction.image;
     return;
   }
+  for (const std::string_view name : {"reflectance", "Kd"}) {
+    const auto solid = FindSolidTexture(context.parameters, name, context.reader.color_textures);
+    if (!solid) continue;
+    context.reader.solid = {.color = solid, .fallback = fallback};
+    material.reflectance = glm::vec3(scale);
+    return;
+  }
   material.reflectance = scale * FractionOr(context, {"reflectance", "Kd"}, glm::vec3(fallback));
 }
 
@@ -416,6 +423,22 @@ Material Mix(Context& context) {
                                                         parameters.directive, names[i]));
     }
     rows[i] = *found->second;
+    const auto solid = context.reader.solid_materials.find(rows[i]);
+    if (solid == context.reader.solid_materials.end()) continue;
+    Warn(context,
+         "a texture that varies in space is not supported in a mixture: the default of "
+         "its parameter is used");
+    std::vector<Material>& materials = context.reader.scene.materials;
+    Material copy = materials[rows[i]];
+    copy.reflectance *= solid->second.fallback;
+    materials.push_back(std::move(copy));
+    rows[i] = std::uint32_t(materials.size() - 1);
+  }
+  Material material;
+  if (const auto shares = FindImageTexture(parameters, "amount", context.reader.float_textures)) {
+    material.mixture = {rows[0], rows[1], 0.5f};
+    material.mixture_texture = PbrtShareTexture(context.reader, *shares, list == nullptr);
+    return material;
   }
   // The amount is a colour in version 3 and a float in version 4.
   const PbrtParameter* const texture = Find(context.parameters, {"texture"}, "amount");
@@ -428,7 +451,6 @@ Material Mix(Context& context) {
     Warn(context, "\"amount\" is a colour: its mean is used");
   }
   const float mean = (amount.x + amount.y + amount.z) / 3;
-  Material material;
   material.mixture = {rows[0], rows[1], list != nullptr ? mean : 1 - mean};
   return material;
 }

@@ -17,7 +17,7 @@
 //                         parameters are left out, with a warning
 //   measured              a BRDF of the MERL database: filename (.binary)
 //   mix                   one of two named materials, chosen at every hit: materials or
-//                         namedmaterial1 and 2, amount
+//                         namedmaterial1 and 2, amount (also a float image)
 //   shinymetal, disney    Lambert, with a warning
 //   anything else         grey Lambert, with a warning
 //

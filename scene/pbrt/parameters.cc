@@ -302,6 +302,14 @@ std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::str
   return texture->second;
 }
 
+std::shared_ptr<const PbrtSolid> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
+                                                  const PbrtTextures& textures) {
+  const PbrtParameter* found = Find(parameters, {"texture"}, name);
+  if (!found) return nullptr;
+  const auto texture = textures.find(Single(*found, found->strings));
+  return texture == textures.end() ? nullptr : texture->second.solid;
+}
+
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings) {
   for (const PbrtParameter& parameter : parameters.list) {
     if (parameter.used) continue;

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <initializer_list>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,9 +36,13 @@ struct PbrtParameters {
   std::vector<PbrtParameter> list;
 };
 
+// A colour that depends on the place and the unit normal, both in world space.
+using PbrtSolid = std::function<glm::vec3(const glm::dvec3& place, const glm::dvec3& normal)>;
+
 struct PbrtTexture {
   std::optional<glm::vec3> value;      // its constant value, or the factor of the image
   std::optional<std::uint32_t> image;  // index into Scene::textures
+  std::shared_ptr<const PbrtSolid> solid = nullptr;
 };
 // Textures by name; unsupported ones are present without a value.
 using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
@@ -73,6 +79,10 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
 // Returns the texture with an image that the parameter names, or nothing if it names none.
 std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::string_view name,
                                             const PbrtTextures& textures);
+
+// Returns the texture in space that the parameter names, or null if it names none.
+std::shared_ptr<const PbrtSolid> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
+                                                  const PbrtTextures& textures);
 
 // Adds one warning for each parameter that was never looked up.
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings);

@@ -26,11 +26,19 @@ struct PbrtAreaLight {
   glm::vec3 radiance;    // radiance, or with `power` its relative colour
   bool two_sided;
   std::optional<float> power;  // power of each shape
+  // Index into the scene's textures: a factor of the radiance, over (u, v) of the shape.
+  std::optional<std::uint32_t> image;
 };
-// Parameters that Attribute gives to all later directives of a kind ("shape", "material",
-// "texture"). The map is shared between scopes and replaced as a whole.
+// Parameters that Attribute gives to all later directives of a kind ("shape", "light",
+// "material", "texture"). The map is shared between scopes and replaced as a whole.
 using PbrtAttributeMap = std::map<std::string, std::vector<PbrtParameter>, std::less<>>;
 using PbrtAttributes = std::shared_ptr<const PbrtAttributeMap>;
+
+// The reflectance of a material that varies in space.
+struct PbrtSolidReflectance {
+  std::shared_ptr<const PbrtSolid> color;
+  float fallback;  // what shapes get on which it cannot be
+};
 
 // The state that AttributeBegin saves and AttributeEnd restores.
 struct PbrtGraphicsState {
@@ -62,6 +70,8 @@ struct PbrtReader {
   TextureFiles texture_files{&scene};
   // The copy of a material for shapes with alpha, by material, opacity and opacity texture.
   std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;
+  std::optional<PbrtSolidReflectance> solid;  // of the material that is being read
+  std::map<std::uint32_t, PbrtSolidReflectance> solid_materials;  // by material
   std::uint32_t area_lights = 0;
   // The emitting copy of a material, by material and area light.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
@@ -104,6 +114,10 @@ PbrtHandler FindPbrtDirective(std::span<const PbrtDirective> directives, std::st
 // Returns the texture with every value at most 1, as reflectances are in pbrt: the image is copied
 // if any of its texels exceeds that (textures.cc).
 PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture);
+
+// Returns the index of a texture whose channels are all the mean of those of `texture`, between 0
+// and 1, or 1 less that if `inverted` (textures.cc).
+std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted);
 
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);

@@ -1,5 +1,6 @@
 // Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), bilerp, and scale, mix and
-// checkerboard, which become images (texture_baking.h) unless all their operands are constant.
+// checkerboard, which become images (texture_baking.h) unless all their operands are constant;
+// those that vary in space are in solid_textures.h.
 // Others are known by name only: parameters that use them take their default, with a warning.
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 
 #include "base/error.h"
 #include "scene/materials/texture_baking.h"
+#include "scene/pbrt/solid_textures.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -179,7 +181,9 @@ PbrtTexture Mix(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextur
 
 PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   FindString(parameters, "aamode");  // pbrt-v3's filter
-  if (const int dimension = FindInt(parameters, "dimension").value_or(2); dimension != 2) {
+  const int dimension = FindInt(parameters, "dimension").value_or(2);
+  if (dimension == 3) return ReadSolidCheckerboard(reader, parameters, same);
+  if (dimension != 2) {
     Warn(reader, parameters,
          fmt::format("dimension {} is not supported: its users take their default", dimension));
     return {};
@@ -244,6 +248,20 @@ PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture) {
   return {.value = glm::vec3(1), .image = known->second};
 }
 
+std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted) {
+  const glm::vec3 factor = texture.value.value_or(glm::vec3(1));
+  Texture copy = reader.scene.textures[*texture.image];
+  Image shares = reader.scene.images[copy.image];
+  for (std::size_t i = 0; i < shares.rgb.size(); i += 3) {
+    float* const rgb = &shares.rgb[i];
+    const float mean = (factor.x * rgb[0] + factor.y * rgb[1] + factor.z * rgb[2]) / 3;
+    const float share = std::clamp(mean, 0.0f, 1.0f);
+    std::fill_n(rgb, 3, inverted ? 1 - share : share);
+  }
+  copy.image = AddTextureImage(reader.scene, std::move(shares));
+  return *AddTexture(reader, copy, glm::vec3(1)).image;
+}
+
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a texture");
@@ -269,6 +287,10 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     texture = Checkerboard(reader, parameters, textures);
   } else if (kind == "bilerp") {
     texture = Bilerp(reader, parameters, textures);
+  } else if (kind == "directionmix") {
+    texture = ReadDirectionMix(reader, parameters, textures);
+  } else if (kind == "marble" && type != "float") {
+    texture = ReadMarble(reader, parameters);
   } else {
     textures[name] = {};
     AddWarning(reader.warnings, position,

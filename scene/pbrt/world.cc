@@ -8,6 +8,7 @@
 #include "scene/pbrt/materials.h"
 #include "scene/pbrt/reader.h"
 #include "scene/pbrt/shapes.h"
+#include "scene/pbrt/solid_textures.h"
 #include "scene/pbrt/state.h"
 #include "scene/pbrt/surface_maps.h"
 #include "scene/shapes/mesh.h"
@@ -140,8 +141,17 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     return ResolvePbrtPath(reader, name, position);
   };
   std::optional<std::uint32_t> material = reader.state.material;
-  if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
-  const bool uses_uvs = material && UsesUvs(reader.scene, *material);
+  const PbrtSolidReflectance* solid = nullptr;
+  if (material) {
+    if (const auto found = reader.solid_materials.find(*material);
+        found != reader.solid_materials.end()) {
+      solid = &found->second;
+    }
+    material = MaterialWithPbrtAlpha(reader, parameters, *material);
+  }
+  const auto& lamp = reader.state.area_light;
+  const bool uses_uvs =
+      material && (UsesUvs(reader.scene, *material) || (lamp && lamp->image) || solid != nullptr);
   std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
                                            {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
                                             .corner_uvs = uses_uvs,
@@ -155,6 +165,9 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   }
   TransformMesh(reader.state.to_world, *mesh);
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
+  MirrorPbrtTangents(reader.scene, type, parameters, glm::dmat3(reader.state.to_world), *material,
+                     *mesh);
+  if (solid) material = MaterialWithSolid(reader, *solid, type, *material, position, *mesh);
   mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
   AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
@@ -168,12 +181,15 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
   }
   Material relief;
   if (type != "mix") ReadPbrtRelief(reader, parameters, relief);
+  reader.solid.reset();
   Material material = MakePbrtMaterial(type, parameters, reader);
   material.name = name;
   material.normal_texture = relief.normal_texture;
   material.normal_scale = relief.normal_scale;
   reader.scene.materials.push_back(std::move(material));
-  return static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
+  const auto index = static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
+  if (reader.solid) reader.solid_materials.emplace(index, *reader.solid);
+  return index;
 }
 
 void ReadMaterial(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -213,11 +229,11 @@ void Attribute(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string kind = ExpectString(source, "the kind of Attribute");
   const PbrtParameters given =
       ReadParameters(source, position, fmt::format("Attribute \"{}\"", kind));
-  if (kind == "light" || kind == "medium") {
+  if (kind == "medium") {
     AddWarning(reader.warnings, position, given.directive + " is not supported: ignored");
     return;
   }
-  if (kind != "shape" && kind != "material" && kind != "texture") {
+  if (kind != "shape" && kind != "light" && kind != "material" && kind != "texture") {
     throw InputError(
         position, given.directive + ": the kinds are shape, light, material, medium and texture");
   }

@@ -23,8 +23,8 @@ TEST(Material, VisitsEveryMemberButTheName) {
   // There are as many names as members: a new member compiles neither here nor without its line
   // below.
   const auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18,
-               m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30] = m;
-  constexpr std::size_t kMembers = 31;
+               m19, m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31] = m;
+  constexpr std::size_t kMembers = 32;
   const std::map<std::string_view, const void*> members = {
       {"bsdf", &m.bsdf},
       {"reflectance", &m.reflectance},
@@ -53,6 +53,7 @@ TEST(Material, VisitsEveryMemberButTheName) {
       {"normal_scale", &m.normal_scale},
       {"height_in_texels", &m.height_in_texels},
       {"mixture", &m.mixture},
+      {"mixture_texture", &m.mixture_texture},
       {"emission", &m.emission},
       {"emits_on_both_sides", &m.emits_on_both_sides},
       {"emission_texture", &m.emission_texture}};

@@ -8,6 +8,8 @@
 #include <array>
 #include <bit>
 
+#include "scene/materials/texture_tables.h"
+#include "scene/scene.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/targets.h"
 
@@ -145,7 +147,7 @@ TEST(Mixtures, AreChosenByTheirShares) {
         hits->geom[i] = i % 8 == 0 ? kNoHit : 0;
         hits->triangle[i] = i % 8 == 0 ? kFar : i % 8 == 1 ? 1 : 2;
       }
-      ChooseMaterials(triangles.data(), u.data(), n, hits);
+      ChooseMaterials(triangles.data(), {}, u.data(), n, hits);
       for (std::uint32_t i = 0; i < kFullWave; ++i) {
         const double x = u[i];
         std::uint32_t expected = x >= 0.75 ? 3 : x >= 0.75 * 0.25 ? 5 : 6;
@@ -154,6 +156,34 @@ TEST(Mixtures, AreChosenByTheirShares) {
         if (i >= n && i % 8 > 1) expected = 2;
         ASSERT_EQ(hits->triangle[i], expected) << "row " << i << " of " << n;
       }
+    }
+  });
+}
+
+// The left half of the texture is .25 and the right one .75, read at their middles.
+TEST(Mixtures, MayHaveTheShareOfATexture) {
+  Scene scene;
+  Image image(2, 1);
+  std::fill_n(image.Pixel(0, 0), 3, 0.25f), std::fill_n(image.Pixel(1, 0), 3, 0.75f);
+  scene.images = {image};
+  scene.textures.resize(2);
+  TextureTables tables = MakeTextureTables(scene, "test");
+  tables.uvs.resize(5);
+  tables.uvs[2] = {.uv = {{0, 0}, {1, 0}, {0, 1}}, .density = 1, .unused = 0};
+  std::vector<TriangleRecord> triangles(5);
+  triangles[2] = {.normal = {3, kShareOfTexture | 1, 0}, .tag = kMixedTriangle};
+  soa::Table<HitColumns> hits(kFullWave);
+  std::vector<float> u(PaddedRows(kFullWave));
+  ForEachTarget([&] {
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      u[i] = (float(i / 2) + 0.5f) / (kFullWave / 2);
+      hits->geom[i] = 0, hits->triangle[i] = 2;
+      hits->u[i] = i % 2 == 0 ? 0.25f : 0.75f, hits->v[i] = 0;
+    }
+    ChooseMaterials(triangles.data(), tables.view(), u.data(), kFullWave, hits);
+    for (std::uint32_t i = 0; i < kFullWave; ++i) {
+      const float share = i % 2 == 0 ? 0.25f : 0.75f;
+      ASSERT_EQ(hits->triangle[i], u[i] < share ? 4u : 3u) << i;
     }
   });
 }

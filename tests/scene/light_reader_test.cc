@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "image/image.h"
 #include "scene/geometry.h"
 #include "scene/gltf/reader.h"
 #include "scene/local_lights.h"
@@ -152,6 +153,46 @@ TEST(PbrtLights, PowerIsThatOfEachShape) {
     EXPECT_EQ(lights.totals()[0].count, 2u);
     EXPECT_NEAR(lights.totals()[0].power, 60, 1e-3);
   }
+}
+
+// v points upwards on the image, and the power is that of the mean of the whole image.
+TEST(PbrtLights, AreaLightsHaveImages) {
+  const TemporaryFolder folder;
+  Image image(1, 2);
+  for (int c = 0; c < 3; ++c) image.Pixel(0, 0)[c] = 1, image.Pixel(0, 1)[c] = 3;
+  WriteImage(folder.Path("image.pfm"), image);
+  const auto parse = [&](const std::string& more) {
+    return ParsePbrt("WorldBegin AreaLightSource \"diffuse\" \"string filename\" \"image.pfm\" " +
+                         more + kTriangle,
+                     folder.Path("t.pbrt"));
+  };
+  const Scene scene = parse("\"float scale\" 2");
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+  const Material& material = scene.materials[scene.meshes.at(0).material];
+  ExpectNear(material.emission, glm::vec3(2));
+  const Texture& texture = scene.textures[material.emission_texture.value()];
+  EXPECT_EQ(texture.wrap_v, TextureWrap::kClamp);
+  // v = 0 is the lower row of the image, the last one.
+  EXPECT_EQ(texture.transform * glm::vec3(0.5f, 0, 1), glm::vec2(0.5f, 1));
+  ASSERT_EQ(scene.meshes[0].uvs.size(), 3u);
+  // The mean of the image is 2, and so is the area of the triangle.
+  const Scene powerful = parse("\"float power\" 5");
+  ExpectNear(powerful.materials[powerful.meshes.at(0).material].emission,
+             glm::vec3(float(5 / (kPi * 2 * 2))));
+  EXPECT_THROW(parse("\"rgb L\" [1 1 1]"), InputError);
+}
+
+TEST(PbrtLights, AttributesGiveParametersToLights) {
+  const Scene scene = Parse(
+      std::string("AttributeBegin Attribute \"light\" \"float scale\" 3 LightSource \"point\" "
+                  "LightSource \"point\" \"float scale\" 2 AreaLightSource \"diffuse\"") +
+      kTriangle + "AttributeEnd LightSource \"point\"");
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+  ASSERT_EQ(scene.lights.size(), 3u);
+  ExpectNear(scene.lights[0].emission, glm::vec3(3));
+  ExpectNear(scene.lights[1].emission, glm::vec3(2));
+  ExpectNear(scene.lights[2].emission, glm::vec3(1));
+  ExpectNear(scene.materials[scene.meshes.at(0).material].emission, glm::vec3(3));
 }
 
 // The side of the normals emits: that of the winding, or the opposite one if it is reversed; a

@@ -610,7 +610,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "TransformTimes 0 1",
                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"",
                            "MediumInterface \"m\" \"\"",
-                           "Attribute \"light\" \"float scale\" 2",
+                           "Attribute \"medium\" \"float scale\" 2",
                            "Attribute \"shape\" \"float bulge\" 2 Shape \"sphere\"",
                            "LightSource \"projection\"",
                            "LightSource \"point\" \"float bulge\" 1",
@@ -628,7 +628,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Shape \"curve\"",
                            "Shape \"sphere\" \"integer radius\" 2",
                            "Material \"none\" Shape \"sphere\"",
-                           "AreaLightSource \"diffuse\" \"string filename\" \"a.png\""}) {
+                           "AreaLightSource \"goniometric\""}) {
     const Scene scene = Parse(std::string("\n") + text);
     ASSERT_FALSE(scene.warnings.empty()) << text;
     for (const std::string& warning : scene.warnings) {

@@ -71,7 +71,7 @@ TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
   const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
   for (const std::string& texture :
        {image + " \"string mapping\" \"planar\"", image + " \"string wrap\" \"black\"",
-        std::string("\"checkerboard\" \"integer dimension\" 3"), std::string("\"fbm\"")}) {
+        std::string("\"checkerboard\" \"integer dimension\" 4"), std::string("\"fbm\"")}) {
     const Scene scene =
         Read("Texture \"t\" \"spectrum\" " + texture, "Material \"matte\" \"texture Kd\" \"t\"");
     EXPECT_FALSE(scene.warnings.empty()) << texture;
@@ -79,6 +79,30 @@ TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
   EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"no.png\"", ""),
                InputError);
   EXPECT_THROW(Read("Texture \"t\" \"spectrum\" \"imagemap\"", ""), InputError);
+}
+
+// The amount is the share of the second material in version 4 and of the first one in version 3.
+TEST_F(PbrtTextureFiles, AreSharesOfMixtures) {
+  const std::string two =
+      "MakeNamedMaterial \"a\" \"string type\" \"matte\" MakeNamedMaterial \"b\" \"string "
+      "type\" \"mirror\" Material \"mix\" \"texture amount\" \"t\" ";
+  const std::string map =
+      "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" .5";
+  const auto shares = [&](const std::string& names) {
+    const Scene scene = Read(map, two + names);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    return scene.images[scene.textures[material.mixture_texture.value()].image];
+  };
+  const Image v4 = shares("\"string materials\" [\"a\" \"b\"]");
+  const Image v3 = shares("\"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\"");
+  const Image plain = Read(map, "").images.at(0);
+  ASSERT_EQ(v4.rgb.size(), plain.rgb.size());
+  for (std::size_t i = 0; i < v4.rgb.size(); i += 3) {
+    const float mean = 0.5f * (plain.rgb[i] + plain.rgb[i + 1] + plain.rgb[i + 2]) / 3;
+    EXPECT_NEAR(v4.rgb[i], mean, 1e-6);
+    EXPECT_NEAR(v3.rgb[i + 1], 1 - mean, 1e-6);
+  }
 }
 
 TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {

@@ -32,6 +32,7 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .normal_texture = 4,
           .normal_scale = 2,
           .mixture = Mixture{1, 2, 0.5f},
+          .mixture_texture = 6,
           .emission = {3, 2, 1},
           .emission_texture = 5};
 }

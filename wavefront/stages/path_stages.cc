@@ -117,7 +117,7 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
   if (frame.geometry->has_mixtures()) {
     const MixtureUniforms mixture(w.scratch);
     DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, mixture);
-    ChooseMaterials(frame.geometry->triangles(), mixture->u, n, w.hits);
+    ChooseMaterials(frame.geometry->triangles(), frame.geometry->textures(), mixture->u, n, w.hits);
   }
   SortedHits sorted = {.queues = RayQueues(w.scratch), .ranges = {}, .escaped = 0};
   sorted.escaped =

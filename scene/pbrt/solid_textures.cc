@@ -1,0 +1,241 @@
+#include "scene/pbrt/solid_textures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "scene/materials/noise.h"
+#include "scene/materials/texture_baking.h"
+#include "scene/shapes/mesh.h"
+
+namespace skywave {
+namespace {
+
+constexpr int kPatchWidth = 1024, kPatchHeight = 512;  // texels over (u, v) of a round shape
+constexpr int kAtlasSide = 2048;                       // most texels per side over all triangles
+constexpr std::size_t kMostSquares = 4096;
+constexpr int kMargin = 2;  // texels around a triangle, which are beyond its edges
+
+PbrtTexture SolidTexture(PbrtSolid color) {
+  PbrtTexture texture;
+  texture.solid = std::make_shared<const PbrtSolid>(std::move(color));
+  return texture;
+}
+
+// The space of a texture is the one in which it is defined.
+glm::dmat4 TextureFromWorld(const PbrtReader& reader) {
+  return glm::inverse(reader.state.to_world);
+}
+
+// Returns the colours "tex1" and "tex2", or nothing if one of them varies; `pair` has those that
+// the file does not give.
+struct Pair {
+  glm::vec3 first, second;
+};
+std::optional<Pair> ConstantPair(PbrtReader& reader, PbrtParameters& parameters,
+                                 const PbrtTextures& same, Pair pair) {
+  for (const auto& [name, color] : {std::pair("tex1", &pair.first), {"tex2", &pair.second}}) {
+    const bool given =
+        Find(parameters, {"rgb", "color", "xyz", "float", "texture", "spectrum"}, name) != nullptr;
+    const auto found = FindColor(parameters, name, same, reader.warnings);
+    if (given && !found) return std::nullopt;
+    *color = found.value_or(*color);
+  }
+  return pair;
+}
+
+// A mesh of which each triangle has its own square of the image.
+struct Atlas {
+  int squares, side;  // squares per side of the image, texels per side of a square
+};
+Atlas AtlasOf(std::size_t triangles) {
+  const int squares = int(std::ceil(std::sqrt(double(triangles))));
+  return {squares, std::min(kAtlasSide / squares, 512)};
+}
+
+// Gives each triangle three vertices and their place in its square.
+void LayOut(const Atlas& atlas, Mesh& mesh) {
+  GiveCornersUvs(mesh);
+  const double image = double(atlas.squares) * atlas.side;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::dvec2 corner =
+        glm::dvec2(int(t) % atlas.squares, int(t) / atlas.squares) * double(atlas.side) +
+        double(kMargin);
+    for (int i = 0; i < 3; ++i) {
+      glm::vec2& uv = mesh.uvs[mesh.triangles[t][i]];
+      uv = glm::vec2((corner + glm::dvec2(uv) * double(atlas.side - 2 * kMargin)) / image);
+    }
+  }
+}
+
+// Evaluates the texture at texels of triangle `t` whose barycentric coordinates are at least
+// `least`, which may be beyond its edges.
+void BakeTriangle(const Mesh& mesh, const glm::uvec3& t, const PbrtSolid& color, double least,
+                  const glm::ivec2& begin, const glm::ivec2& end, Image& image,
+                  std::vector<bool>& done) {
+  const glm::dvec2 size(image.width, image.height);
+  std::array<glm::dvec2, 3> at;
+  for (int i = 0; i < 3; ++i) {
+    const glm::vec2& uv = mesh.uvs[t[i]];
+    at[std::size_t(i)] = glm::dvec2(uv.x, 1 - double(uv.y)) * size;
+  }
+  const glm::dmat2 edges(at[1] - at[0], at[2] - at[0]);
+  if (!(std::abs(glm::determinant(edges)) > 0)) return;
+  const glm::dmat2 inverse = glm::inverse(edges);
+  const glm::dvec3 p[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
+  const glm::dvec3 flat = glm::cross(p[1] - p[0], p[2] - p[0]);
+  for (int y = begin.y; y < end.y; ++y) {
+    for (int x = begin.x; x < end.x; ++x) {
+      const glm::dvec2 b = inverse * (glm::dvec2(x + 0.5, y + 0.5) - at[0]);
+      if (!(b.x >= least && b.y >= least && 1 - b.x - b.y >= least)) continue;
+      const glm::dvec3 weights(1 - b.x - b.y, b.x, b.y);
+      glm::dvec3 place(0), normal(0);
+      for (int i = 0; i < 3; ++i) {
+        place += weights[i] * p[i];
+        if (!mesh.normals.empty()) normal += weights[i] * glm::dvec3(mesh.normals[t[i]]);
+      }
+      if (mesh.normals.empty()) normal = flat;
+      const glm::vec3 value = color(place, glm::normalize(normal));
+      for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = std::clamp(value[c], 0.0f, 1.0f);
+      done[std::size_t(y) * std::size_t(image.width) + std::size_t(x)] = true;
+    }
+  }
+}
+
+// (u, v) of the shape cover the unit square, except for slivers at poles.
+Image BakePatch(const Mesh& mesh, const PbrtSolid& color) {
+  Image image(kPatchWidth, kPatchHeight);
+  std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
+  const glm::ivec2 size(image.width, image.height);
+  for (const glm::uvec3& t : mesh.triangles) {
+    glm::dvec2 low(1), high(0);
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec2 at(mesh.uvs[t[i]].x, 1 - double(mesh.uvs[t[i]].y));
+      low = glm::min(low, at), high = glm::max(high, at);
+    }
+    const glm::ivec2 begin = glm::max(glm::ivec2(glm::floor(low * glm::dvec2(size))) - 1, 0);
+    const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high * glm::dvec2(size))) + 1, size);
+    BakeTriangle(mesh, t, color, -1e-6, begin, end, image, done);
+  }
+  // A texel that no triangle has gets the value of the one before it in its row.
+  for (int y = 0; y < image.height; ++y) {
+    for (int step = 1; step < 2 * image.width; ++step) {
+      const int x = step % image.width, before = (x + image.width - 1) % image.width;
+      const auto row = std::size_t(y) * std::size_t(image.width);
+      if (done[row + std::size_t(x)] || !done[row + std::size_t(before)]) continue;
+      std::copy_n(image.Pixel(before, y), 3, image.Pixel(x, y));
+      done[row + std::size_t(x)] = true;
+    }
+  }
+  return image;
+}
+
+Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const PbrtSolid& color) {
+  Image image(atlas.squares * atlas.side, atlas.squares * atlas.side);
+  std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const int row = int(t) / atlas.squares;
+    // v points upwards, and rows of the image downwards.
+    const glm::ivec2 begin(int(t) % atlas.squares * atlas.side,
+                           (atlas.squares - 1 - row) * atlas.side);
+    BakeTriangle(mesh, mesh.triangles[t], color, -1e6, begin, begin + atlas.side, image, done);
+  }
+  return image;
+}
+
+// Returns a point of a cubic Bezier curve.
+glm::dvec3 Bezier(const glm::dvec3* points, double t) {
+  const double s = 1 - t;
+  return s * s * s * points[0] + 3 * s * s * t * points[1] + 3 * s * t * t * points[2] +
+         t * t * t * points[3];
+}
+
+}  // namespace
+
+PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters,
+                                  const PbrtTextures& same) {
+  const auto pair = ConstantPair(reader, parameters, same, {glm::vec3(1), glm::vec3(0)});
+  if (!pair) return {};
+  return SolidTexture([pair = *pair, to_texture = TextureFromWorld(reader)](const glm::dvec3& place,
+                                                                            const glm::dvec3&) {
+    const glm::dvec3 cell = glm::floor(glm::dvec3(to_texture * glm::dvec4(place, 1)));
+    return glm::mod(cell.x + cell.y + cell.z, 2.0) == 0 ? pair.first : pair.second;
+  });
+}
+
+PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
+                             const PbrtTextures& same) {
+  glm::dvec3 direction(0, 1, 0);
+  if (const PbrtParameter* found = Find(parameters, {"vector", "vector3"}, "dir")) {
+    if (found->floats.size() != 3) {
+      throw InputError(found->position, parameters.directive + ": \"dir\" takes one vector");
+    }
+    direction = {found->floats[0], found->floats[1], found->floats[2]};
+  }
+  direction = glm::normalize(glm::dmat3(reader.state.to_world) * direction);
+  if (!std::isfinite(direction.x)) {
+    throw InputError(parameters.position, parameters.directive + ": \"dir\" is no direction");
+  }
+  const auto pair = ConstantPair(reader, parameters, same, {glm::vec3(0), glm::vec3(1)});
+  if (!pair) return {};
+  return SolidTexture([pair = *pair, direction](const glm::dvec3&, const glm::dvec3& normal) {
+    return glm::mix(pair.second, pair.first, float(std::abs(glm::dot(normal, direction))));
+  });
+}
+
+// Sheets of stone lie across y, bent by noise; the colours along a curve are pbrt's.
+PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters) {
+  const int octaves = std::clamp(FindInt(parameters, "octaves").value_or(8), 0, 32);
+  const double roughness = FindFloat(parameters, "roughness").value_or(0.5f);
+  const double scale = FindFloat(parameters, "scale").value_or(1);
+  const double variation = FindFloat(parameters, "variation").value_or(0.2f);
+  return SolidTexture(
+      [=, to_texture = TextureFromWorld(reader)](const glm::dvec3& place, const glm::dvec3&) {
+        constexpr int kCurves = 6;
+        static const glm::dvec3 kStone(0.58, 0.58, 0.6);
+        static const glm::dvec3 kColors[kCurves + 3] = {
+            kStone, kStone, kStone,           {0.5, 0.5, 0.5}, {0.6, 0.59, 0.58},
+            kStone, kStone, {0.2, 0.2, 0.33}, kStone};
+        const glm::dvec3 at = scale * glm::dvec3(to_texture * glm::dvec4(place, 1));
+        const double sheet = at.y + variation * FractalNoise(at, roughness, octaves);
+        const double along = (0.5 + 0.5 * std::sin(sheet)) * kCurves;
+        const int curve = std::clamp(int(along), 0, kCurves - 1);
+        return glm::vec3(1.5 * Bezier(kColors + curve, along - curve));
+      });
+}
+
+std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& solid,
+                                const std::string& type, std::uint32_t material,
+                                const InputPosition& position, Mesh& mesh) {
+  Material copy = reader.scene.materials[material];
+  bool has_textures = false;
+  ForEachTexture(copy, [&](std::uint32_t) { has_textures = true; });
+  const bool patch = type == "sphere" || type == "disk" || type == "cylinder";
+  const bool few = !has_textures && mesh.triangles.size() <= kMostSquares;
+  const Atlas atlas = AtlasOf(std::max<std::size_t>(mesh.triangles.size(), 1));
+  const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);
+  const std::size_t texels = patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side;
+  if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
+    AddWarning(reader.warnings, position,
+               "a texture that varies in space is not supported on so many triangles, or together "
+               "with other textures: the default of its parameter is used");
+    copy.reflectance *= solid.fallback;
+  } else {
+    reader.baked_texels += texels;
+    if (!patch) LayOut(atlas, mesh);
+    Texture texture;
+    texture.image = AddTextureImage(
+        reader.scene, patch ? BakePatch(mesh, *solid.color) : BakeAtlas(mesh, atlas, *solid.color));
+    texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
+    texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
+    reader.scene.textures.push_back(texture);
+    copy.color_texture = std::uint32_t(reader.scene.textures.size() - 1);
+  }
+  reader.scene.materials.push_back(std::move(copy));
+  return std::uint32_t(reader.scene.materials.size() - 1);
+}
+
+}  // namespace skywave

@@ -1,0 +1,25 @@
+// Textures that are functions of the place or of the normal. They are evaluated for each shape that
+// has them, into an image over the shape's (u, v).
+#pragma once
+
+#include "scene/pbrt/state.h"
+
+namespace skywave {
+
+// These read the classes checkerboard (dimension 3), directionmix and marble. The texture has no
+// value if an operand varies, with a warning.
+PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters,
+                                  const PbrtTextures& same);
+PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
+                             const PbrtTextures& same);
+PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters);
+
+// Returns the material of one shape, whose mesh is in the world: `material` with the image of
+// `solid` on it. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the
+// image for each triangle. Where that cannot be, because there are too many triangles or other
+// textures, the material gets its default, with a warning at `position`.
+std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& solid,
+                                const std::string& type, std::uint32_t material,
+                                const InputPosition& position, Mesh& mesh);
+
+}  // namespace skywave

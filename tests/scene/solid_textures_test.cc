@@ -1,0 +1,159 @@
+// Tests textures in space: what is baked for a shape is what their formulas give there.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "scene/materials/noise.h"
+#include "scene/pbrt/reader.h"
+
+namespace skywave {
+namespace {
+
+// The value at (3.14, 42, 7) is that of Perlin's own program.
+TEST(GradientNoise, IsThatOfPerlin) {
+  EXPECT_NEAR(GradientNoise({3.14, 42, 7}), 0.13691995878400012, 1e-12);
+  EXPECT_NEAR(GradientNoise({3.14 - 256, 42 + 512, 7}), 0.13691995878400012, 1e-9);
+  EXPECT_EQ(GradientNoise({-5, 0, 77}), 0);
+  EXPECT_EQ(FractalNoise({0.3, 0.4, 0.5}, 0.5, 0), 0);
+  EXPECT_NEAR(FractalNoise({0.3, 0.4, 0.5}, 0.25, 2),
+              GradientNoise({0.3, 0.4, 0.5}) + 0.25 * GradientNoise({0.597, 0.796, 0.995}), 1e-12);
+}
+
+struct Place {
+  glm::vec3 position, normal, color;
+};
+
+// Returns points of the only mesh, uniform in each triangle, with what a lookup shows there: the
+// nearest texel.
+std::vector<Place> Places(const Scene& scene, int per_triangle) {
+  const Mesh& mesh = scene.meshes.at(0);
+  const Material& material = scene.materials[mesh.material];
+  const Texture& texture = scene.textures[material.color_texture.value()];
+  const Image& image = scene.images[texture.image];
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  std::vector<Place> places;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < per_triangle; ++i) {
+      float u = uniform(random), v = uniform(random);
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      const auto blend = [&](const auto& of) {
+        return (1 - u - v) * of[t.x] + u * of[t.y] + v * of[t.z];
+      };
+      const glm::vec2 at = texture.transform * glm::vec3(blend(mesh.uvs), 1);
+      const float* texel =
+          image.Pixel(glm::clamp(int(at.x * float(image.width)), 0, image.width - 1),
+                      glm::clamp(int(at.y * float(image.height)), 0, image.height - 1));
+      places.push_back({blend(mesh.positions),
+                        mesh.normals.empty() ? glm::vec3(0) : glm::normalize(blend(mesh.normals)),
+                        material.reflectance * glm::vec3(texel[0], texel[1], texel[2])});
+    }
+  }
+  return places;
+}
+
+Scene Parse(const std::string& text) { return ParsePbrt("WorldBegin " + text, "t.pbrt"); }
+
+// The space of the texture is moved and stretched; texels within a hundredth of an edge may be
+// either.
+TEST(SolidTextures, ChecksInSpace) {
+  const std::string checks =
+      "AttributeBegin Translate .3 .1 .2 Scale .5 .25 1 Texture \"c\" \"spectrum\" "
+      "\"checkerboard\" \"integer dimension\" 3 \"rgb tex1\" [.9 .8 .7] \"rgb tex2\" [.1 .2 .3] "
+      "AttributeEnd Material \"diffuse\" \"texture reflectance\" \"c\" ";
+  for (const char* shape :
+       {"Rotate 30 1 1 0 Shape \"sphere\"", "Shape \"cylinder\" \"float phimax\" 200",
+        "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9 -1 1 .4] "
+        "\"integer indices\" [0 1 2 0 2 3]",
+        "Scale -1 1 1 Shape \"loopsubdiv\" \"integer levels\" 2 \"integer indices\" [0 1 2 0 2 3] "
+        "\"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9 -1 1 .4]"}) {
+    SCOPED_TRACE(shape);
+    const Scene scene = Parse(checks + shape);
+    ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+    int counted = 0;
+    const std::vector<Place> places =
+        Places(scene, scene.meshes[0].triangles.size() > 99 ? 2 : 999);
+    for (const Place& place : places) {
+      const glm::vec3 at = (place.position - glm::vec3(.3f, .1f, .2f)) / glm::vec3(.5f, .25f, 1);
+      const glm::vec3 to_edge = glm::abs(at - glm::round(at));
+      if (std::min({to_edge.x, to_edge.y, to_edge.z}) < 0.04f) continue;
+      const glm::ivec3 cell(glm::floor(at));
+      const bool even = (cell.x + cell.y + cell.z) % 2 == 0;
+      const glm::vec3 expected = even ? glm::vec3(.9f, .8f, .7f) : glm::vec3(.1f, .2f, .3f);
+      ASSERT_LT(glm::length(place.color - expected), 1e-3f)
+          << at.x << " " << at.y << " " << at.z << " shows " << place.color.x;
+      ++counted;
+    }
+    EXPECT_GT(counted, int(places.size()) / 2);
+  }
+}
+
+// As in pbrt, the first of two colours is black by default where textures are mixed, and white in
+// checks.
+TEST(SolidTextures, HaveDefaults) {
+  const std::string ball = " Material \"matte\" \"texture Kd\" \"t\" Shape \"sphere\"";
+  const Scene mixed = Parse("Texture \"t\" \"spectrum\" \"directionmix\"" + ball);
+  for (const Place& place : Places(mixed, 1)) {
+    ASSERT_NEAR(place.color.x, 1 - std::abs(place.normal.y), 0.02f);
+  }
+  const Scene checks =
+      Parse("Texture \"t\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3" + ball);
+  for (const Place& place : Places(checks, 1)) {
+    const glm::vec3 away = glm::abs(place.position);
+    if (std::min({away.x, away.y, away.z}) < 0.02f) continue;
+    const glm::ivec3 cell(glm::floor(place.position));
+    ASSERT_EQ(place.color.x, (cell.x + cell.y + cell.z) % 2 == 0 ? 1 : 0);
+  }
+}
+
+TEST(SolidTextures, MixByDirection) {
+  const Scene scene = Parse(
+      "Rotate 90 0 0 1 Texture \"d\" \"spectrum\" \"directionmix\" \"rgb tex1\" [1 .5 0] "
+      "\"float tex2\" .2 \"vector3 dir\" [0 3 0] Material \"matte\" \"texture Kd\" \"d\" "
+      "Shape \"sphere\"");
+  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  for (const Place& place : Places(scene, 1)) {
+    // The turn takes y to -x.
+    const float share = std::abs(place.normal.x);
+    const glm::vec3 expected = glm::mix(glm::vec3(.2f), glm::vec3(1, .5f, 0), share);
+    ASSERT_LT(glm::length(place.color - expected), 0.02f) << place.normal.x;
+  }
+}
+
+// Without noise, the darkest stone is where the sine along y is highest but for the last knot.
+TEST(SolidTextures, MarbleFollowsItsCurve) {
+  const Scene scene = Parse(
+      "Texture \"m\" \"spectrum\" \"marble\" \"float variation\" 0 \"float scale\" 2 Material "
+      "\"diffuse\" \"texture reflectance\" \"m\" Shape \"sphere\"");
+  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  for (const Place& place : Places(scene, 1)) {
+    const double along = 6 * (0.5 + 0.5 * std::sin(2.0 * double(place.position.y)));
+    if (along > 0.98) continue;
+    // The first of the six curves has one knot that is not the stone's colour, .5 instead of .58.
+    const double t = along, expected = 1.5 * (0.58 - 0.08 * t * t * t);
+    // Half a texel is 0.003 of y, over which the colour changes by at most 0.0045.
+    ASSERT_NEAR(place.color.x, expected, 0.0055) << place.position.y;
+  }
+}
+
+TEST(SolidTextures, AreReportedWhereTheyCannotBe) {
+  const std::string checks = "Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 ";
+  const Scene fine = Parse(checks +
+                           "Material \"diffuse\" \"texture reflectance\" \"c\" "
+                           "Shape \"loopsubdiv\" \"integer levels\" 7 \"integer indices\" [0 1 2] "
+                           "\"point3 P\" [0 0 0 1 0 0 0 1 0]");
+  ASSERT_EQ(fine.warnings.size(), 1u);
+  EXPECT_EQ(fine.materials[fine.meshes[0].material].reflectance, glm::vec3(0.5f));
+  const Scene mixed = Parse(checks +
+                            "MakeNamedMaterial \"p\" \"string type\" \"diffuse\" \"texture "
+                            "reflectance\" \"c\" Material \"mix\" \"string materials\" [\"p\" "
+                            "\"p\"] Shape \"sphere\"");
+  ASSERT_FALSE(mixed.warnings.empty());
+  const auto& mixture = mixed.materials[mixed.meshes[0].material].mixture;
+  EXPECT_EQ(mixed.materials[mixture->first].reflectance, glm::vec3(0.5f));
+}
+
+}  // namespace
+}  // namespace skywave
