@@ -111,9 +111,9 @@ bool IsWhole(const Image& image, int x, int y) {
   return true;
 }
 
-// Returns the number of samples along each side of a target pixel: three for each source pixel along
-// it if both were uniform over the sphere, and at least four, or two where source pixels are twice as
-// large and more.
+// Returns the number of samples along each side of a target pixel: three for each source pixel
+// along it if both were uniform over the sphere, and at least four, or two where source pixels are
+// twice as large and more.
 int SamplesAlongSide(const Image& image, int width, int height) {
   constexpr int kMost = 64;
   const double ratio = std::sqrt(double(image.width) * image.height / (double(width) * height));
