@@ -84,6 +84,7 @@ struct Parameter {
 };
 std::vector<Parameter> ListParameters(Material material) {
   if (material.mixture) {
+    if (material.mixture_texture) return {{"mixture", Value(*material.mixture)}};  // by an image
     return {{"mixture", Value(*material.mixture)}, {"share", material.mixture->share}};
   }
   if (!material.alpha_across) material.alpha_across = material.alpha;

@@ -167,7 +167,8 @@ void ResolveMaterial(const Scene& scene, std::uint32_t i, GeometryTables& tables
   AppendVariant(i, mixture->second, tables);
   const auto& texture = scene.materials[material].mixture_texture;
   const std::uint32_t share =
-      texture ? kShareOfTexture | *texture : std::bit_cast<std::uint32_t>(mixture->share);
+      texture ? kShareOfTexture | *texture
+              : std::bit_cast<std::uint32_t>(std::abs(mixture->share));  // -0 has the texture's bit
   tables.triangles[i] = {.normal = {first, share, material}, .tag = kMixedTriangle};
 }
 

@@ -65,20 +65,34 @@ LightShares FrameView::light_shares() const {
   return shares;
 }
 
+namespace {
+
+float LengthOf(const float (&v)[3]) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+}  // namespace
+
 float PixelAngle(const CameraView& camera) {
   constexpr float kTurn = 6.28318531f;
   if (camera.kind == CameraKind::kFisheye) return kTurn * camera.turns_per_pixel;
   if (camera.kind != CameraKind::kPerspective) return 0;
-  const auto length = [](const float* v) {
-    return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  };
-  return length(camera.right) / length(camera.forward);
+  return LengthOf(camera.right) / LengthOf(camera.forward);
 }
 
-float PixelSize(const CameraView& camera, const SceneSphere& sphere, float distance) {
-  const float angle = PixelAngle(camera);
-  return angle > 0 ? distance * angle
-                   : 2 * sphere.radius / float(std::max(camera.width, camera.height));
+float PixelSize(const CameraView& camera, float distance) {
+  constexpr float kTurn = 6.28318531f;
+  const float width = float(camera.whole_width), height = float(camera.whole_height);
+  switch (camera.kind) {
+    case CameraKind::kPerspective:
+    case CameraKind::kFisheye:
+      return distance * PixelAngle(camera);
+    case CameraKind::kOrthographic:
+      return LengthOf(camera.right);
+    case CameraKind::kLatLong:
+      return distance * kTurn / width;
+    case CameraKind::kEqualArea:
+      return distance * std::sqrt(2 * kTurn / (width * height));
+  }
+  return 0;
 }
 
 float DefaultFilterRadius(PixelFilter filter) {

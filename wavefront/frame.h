@@ -185,11 +185,11 @@ struct FrameView {
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }
 };
 
-// Returns the angle that a pixel in the middle of the film takes up; 0 where it has none.
+// Returns the angle by which textures are filtered: that of a pixel in the middle of the film; 0 for
+// cameras whose textures are not filtered.
 float PixelAngle(const CameraView& camera);
-// Returns the size of a pixel at a distance along a camera path; where rays do not spread, a share
-// of the scene that is as wide as the film.
-float PixelSize(const CameraView& camera, const SceneSphere& sphere, float distance);
+// Returns the size of a pixel in the middle of the whole film, at a distance along a camera path.
+float PixelSize(const CameraView& camera, float distance);
 
 // Returns the radius of a filter for which the user gave none [pixels].
 float DefaultFilterRadius(PixelFilter filter);

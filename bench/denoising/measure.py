@@ -12,7 +12,8 @@ the share of values that lie outside of their 95 % intervals; OUT/SCENE_SAMPLES.
 picture, the clean one and the reference. --cost renders the bunny with and without --denoise, by
 turns, and tells the medians. --until doubles the samples, or lowers the error of --adaptive, until
 a picture has this relative mean squared error, plain and denoised, and tells the processor time of
-the whole command, which other work on the machine changes little. Pictures that are in OUT are not rendered again.
+the whole command, which other work on the machine changes little. Pictures that are in OUT are not
+rendered again.
 """
 
 import argparse
@@ -55,8 +56,8 @@ def run(*command):
 def render(args, scene, samples, output, *flags):
     if not output.exists():
         run(args.program, "render", *words(SCENES[scene][0], args.data), "--size", args.size,
-            *(["--crop", args.crop] if args.crop else []), "--spp", samples, "--quiet", "-o", output,
-            *flags)
+            *(["--crop", args.crop] if args.crop else []), "--spp", samples, "--quiet", "-o",
+            output, *flags)
 
 
 def compare(args, picture, reference):
@@ -138,9 +139,9 @@ def until(args):
                 picture = args.output / "until.exr"
                 picture.unlink(missing_ok=True)
                 before = processor_seconds()
-                run(args.program, "render", *words(SCENES[scene][0], args.data), "--size", args.size,
-                    *(["--crop", args.crop] if args.crop else []), "--quiet", "-o", picture,
-                    *flags.format(value).split())
+                run(args.program, "render", *words(SCENES[scene][0], args.data), "--size",
+                    args.size, *(["--crop", args.crop] if args.crop else []), "--quiet", "-o",
+                    picture, *flags.format(value).split())
                 seconds = processor_seconds() - before
                 if compare(args, picture, reference)["relative_mse"] <= args.until:
                     found = f"{number(seconds)} ({number(value)})"
@@ -167,7 +168,8 @@ def main():
     parser.add_argument("--cost", action="store_true")
     parser.add_argument("--repeats", type=int, default=5, help="of --cost")
     parser.add_argument("--until", type=float, metavar="ERROR")
-    parser.add_argument("--patience", type=float, default=30, help="longest render of --until [processor s]")
+    parser.add_argument("--patience", type=float, default=30,
+                        help="longest render of --until [processor s]")
     args = parser.parse_args()
     args.output.mkdir(parents=True, exist_ok=True)
     print(processor())

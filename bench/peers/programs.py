@@ -82,7 +82,8 @@ def skywave(session, job, seed, samples=None, control="irradiance", layers=None)
     run([session.program, "render", session.file("bunny.pbrt"), "--env", session.map,
          "--integrator", job.integrator, "--max-depth", job.depth, "--strategy",
          skywave_strategy(job), "--control", control, "--spp", samples or job.samples, "--filter",
-         "box", "--size", "{}x{}".format(*session.size), "--threads", session.threads, "--seed", seed,
+         "box", "--size", "{}x{}".format(*session.size), "--threads", session.threads, "--seed",
+         seed,
          *(["--aovs", layers] if layers else []),
          "--stats", stats, "-o", picture, "-q"])
     read = json.loads(stats.read_text())
@@ -212,7 +213,8 @@ PROGRAMS = [
     Program("Skywave without control", None, None, ("map",), partial(skywave, control="none"),
             "the same", "the same but for `--control`"),
     Program("Skywave, denoised", None, None, ("map",), skywave_denoised,
-            "the same, with the layers of the denoiser, plus all of `skywave denoise`, files included",
+            "the same, with the layers of the denoiser, plus all of `skywave denoise`, files "
+            "included",
             "the same; a denoiser for Cycles is not in Debian's Blender"),
     Program("Cycles", "blender", "blender", ("map",), cycles,
             "the render of all samples less that of one, in one process, times n / (n - 1)",

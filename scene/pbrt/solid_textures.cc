@@ -211,7 +211,8 @@ std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& 
                                 const std::string& type, std::uint32_t material,
                                 const InputPosition& position, Mesh& mesh) {
   Material copy = reader.scene.materials[material];
-  bool has_textures = false;
+  // Images of lamps are laid over the shape's own (u, v).
+  bool has_textures = reader.state.area_light && reader.state.area_light->image;
   ForEachTexture(copy, [&](std::uint32_t) { has_textures = true; });
   const bool patch = type == "sphere" || type == "disk" || type == "cylinder";
   const bool few = !has_textures && mesh.triangles.size() <= kMostSquares;
@@ -220,8 +221,8 @@ std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& 
   const std::size_t texels = patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side;
   if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
     AddWarning(reader.warnings, position,
-               "a texture that varies in space is not supported on so many triangles, or together "
-               "with other textures: the default of its parameter is used");
+               "a texture that varies in space is not supported on so many triangles, together with "
+               "other textures, or on so many shapes: the default of its parameter is used");
     copy.reflectance *= solid.fallback;
   } else {
     reader.baked_texels += texels;

@@ -98,6 +98,8 @@ std::vector<FurnaceCase> Cases() {
     Material mixed;
     mixed.mixture = Mixture{0, 1, 0.4f};
     cases.push_back({"Mixture" + shading, mixed, smooth, mean, block});
+    mixed.mixture = Mixture{0, 1, -0.0f};  // nothing of the second
+    cases.push_back({"MixtureOfOne" + shading, mixed, smooth, mean, block});
     cases.push_back({"Pane" + shading, White(BsdfKind::kThinDielectric), smooth, 0, 0});
     for (const int percent : {1, 5, 10, 20, 40, 70, 100}) {
       const bool narrow = percent <= 10;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -19,6 +20,7 @@
 #include "tests/support/same_bits.h"
 #include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
+#include "wavefront/option_names.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -361,6 +363,25 @@ TEST(Photon, ProgressiveRadiiFitWhatPixelsSee) {
     const std::array<double, 3> mean = MeanOf(Render(RenderJob(scene, request)));
     for (std::size_t c = 0; c < 3; ++c)
       EXPECT_NEAR(mean[c] / expected[c], 1, 0.01) << "gather " << gather;
+  }
+}
+
+// A pixel is as large in a part of a film as in the whole.
+TEST(Photon, PartsHaveTheRadiusOfTheWhole) {
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp);
+  for (const CameraKind kind : kCameraKinds) {
+    SCOPED_TRACE(ToString(kind));
+    const auto radius = [&](const std::optional<CropWindow>& crop) {
+      JobRequest request = Request(96, 64, 2, 3);
+      request.options.photons.indirect = 500;
+      request.options.photons.passes = 2;
+      request.camera.kind = kind;
+      request.crop = crop;
+      const RenderJob job(scene, request);
+      Film film = job.MakeFilm();
+      return RenderFrame(job.frame(), film).photons.radius;
+    };
+    EXPECT_EQ(radius(CropWindow{16, 16, 16, 8}), radius(std::nullopt));
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <cstddef>
 
@@ -14,10 +15,13 @@ namespace skywave {
 template <class F>
 void ResolveRows(const FilmArea& area, F f) {
   const CropWindow& picture = area.picture;
-  tbb::parallel_for(0, picture.height, [&](int y) {
-    f(std::size_t(y) * std::size_t(picture.width),
-      std::size_t(picture.y + y) * std::size_t(area.width) + std::size_t(picture.x),
-      std::size_t(picture.width));
+  // A worker that shows a tile waits here. It must not begin another tile meanwhile.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(0, picture.height, [&](int y) {
+      f(std::size_t(y) * std::size_t(picture.width),
+        std::size_t(picture.y + y) * std::size_t(area.width) + std::size_t(picture.x),
+        std::size_t(picture.width));
+    });
   });
 }
 

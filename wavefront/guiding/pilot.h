@@ -71,9 +71,9 @@ void FollowPilotPaths(const FrameView& pilot, const WaveRange& range, Worker& w,
   }
 }
 
-// Follows camera paths `range` to their first surfaces of the kinds below `first_kind`, through at
-// most `most` of the others, and calls see(length) when surfaces are at hand in w.surfaces:
-// length[i] is that of path i so far.
+// Follows camera paths `range` through surfaces of the kinds from `first_kind` on, and calls
+// see(length) whenever surfaces of all kinds are at hand in w.surfaces, no more than `most` of a
+// path: length[i] is that of path i so far.
 template <class See>
 void FollowToSurfaces(const FrameView& pilot, const WaveRange& range, std::uint32_t first_kind,
                       std::uint32_t most, Worker& w, const See& see) {

@@ -69,7 +69,7 @@ void SeePoints(const FrameView& pilot, const WaveRange& range, Worker& w,
           {.origin = {s.org_x[i], s.org_y[i], s.org_z[i]},
            .geometric = {s.ng_x[i], s.ng_y[i], s.ng_z[i]},
            .shading = {s.ns_x[i], s.ns_y[i], s.ns_z[i]},
-           .pixel = PixelSize(pilot.camera, pilot.sphere, length[path]),
+           .pixel = PixelSize(pilot.camera, length[path]),
            .round = RoundOf(pixel % pilot.camera.width, pixel / pilot.camera.width, sample),
            .index = pixel * pilot.options.samples_per_pixel + sample});
     }

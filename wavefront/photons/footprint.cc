@@ -18,7 +18,7 @@ float PixelRadius(const FrameView& frame, WorkerPool& pool) {
                          [&](const std::vector<float>& length) {
                            for (std::uint32_t i = 0; i < w.ranges.light_sampled(); ++i) {
                              const float distance = length[w.surfaces->path[i]];
-                             found.push_back(PixelSize(frame.camera, frame.sphere, distance));
+                             found.push_back(PixelSize(frame.camera, distance));
                            }
                          });
       });
