@@ -185,8 +185,8 @@ struct FrameView {
   std::uint64_t light_paths() const { return std::uint64_t(camera.width) * camera.height; }
 };
 
-// Returns the angle by which textures are filtered: that of a pixel in the middle of the film; 0 for
-// cameras whose textures are not filtered.
+// Returns the angle by which textures are filtered: that of a pixel in the middle of the film; 0
+// for cameras whose textures are not filtered.
 float PixelAngle(const CameraView& camera);
 // Returns the size of a pixel in the middle of the whole film, at a distance along a camera path.
 float PixelSize(const CameraView& camera, float distance);

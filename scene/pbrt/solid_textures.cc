@@ -220,9 +220,10 @@ std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& 
   const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);
   const std::size_t texels = patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side;
   if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
-    AddWarning(reader.warnings, position,
-               "a texture that varies in space is not supported on so many triangles, together with "
-               "other textures, or on so many shapes: the default of its parameter is used");
+    AddWarning(
+        reader.warnings, position,
+        "a texture that varies in space is not supported on so many triangles, together with "
+        "other textures, or on so many shapes: the default of its parameter is used");
     copy.reflectance *= solid.fallback;
   } else {
     reader.baked_texels += texels;

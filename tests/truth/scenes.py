@@ -504,5 +504,5 @@ SCENES = [
     Scene("trirev", "lamp, reversed", dusk(small_lamp("ReverseOrientation"))),
     Scene("whitebal", "sensor of a camera",
           room(BALL, of_film=film(80, 60, '"string sensor" "canon_eos_5d" "float iso" 100')),
-          total=(1.5, 2.4), reason="sensors of cameras are not rendered"),
+          total=(0.2, 2.1), reason="sensors of cameras are not rendered"),
 ]

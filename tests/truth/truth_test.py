@@ -15,7 +15,9 @@ import argparse
 import concurrent.futures
 import json
 import math
+import os
 import pathlib
+import struct
 import subprocess
 import sys
 import tempfile
@@ -130,13 +132,14 @@ def examine(program, folder, scene, figures, spp):
             faults = Comparison(ours, other, spp, spp, BLOCK).faults
         elif scene.total:
             low, high = scene.total
-            faults = [f"the total differs by {with_pbrt.total():.2f} %, not by {low} to {high}"
-                      ] if not low <= with_pbrt.total() <= high else []
+            faults = [f"a total differs by {total:.2f} %, not by {low} to {high}"
+                      for total in with_pbrt.totals if not low <= total <= high]
         if scene.exact and not abs(ours.total(0) / scene.exact - 1) <= 0.001:
             faults = faults + [f"the mean is {ours.total(0):.5g} instead of {scene.exact:.5g}"]
         return with_pbrt, faults
-    except (RuntimeError, ValueError, KeyError) as error:
-        return None, [str(error)]
+    except (RuntimeError, ValueError, KeyError, IndexError, OSError, ZeroDivisionError,
+            struct.error) as error:
+        return None, [f"{type(error).__name__}: {error}"]
 
 
 def markdown(results):
@@ -160,6 +163,11 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path)
     parser.add_argument("--markdown", action="store_true")
     arguments = parser.parse_args()
+    unknown = set(arguments.scenes) - {scene.name for scene in SCENES}
+    if unknown:
+        parser.error(f"there is no scene {', '.join(sorted(unknown))}")
+    if not os.access(arguments.program, os.X_OK):
+        parser.error(f"{arguments.program} is no program")
     chosen = [scene for scene in SCENES if not arguments.scenes or scene.name in arguments.scenes]
     with open(HERE / "pbrt_blocks.json", encoding="utf-8") as file:
         figures = json.load(file)
@@ -173,7 +181,7 @@ def main():
                 lambda scene: examine(program, folder, scene, figures, arguments.spp), chosen)))
     if arguments.markdown:
         print(markdown(results), end="")
-        return 0
+        return 1 if any(faults for _, (_, faults) in results) else 0
     failed = 0
     for scene, (with_pbrt, faults) in results:
         failed += bool(faults)
