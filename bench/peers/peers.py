@@ -63,8 +63,8 @@ def parse(arguments):
         width, height = options.size
     except ValueError:
         parser.error("--size is two numbers, such as 640x480")
-    if min(width, height, options.depth, options.repeats) < 1 or options.samples < 4:
-        parser.error("--size, --depth and --repeats are at least 1, --samples at least 4")
+    if min(width, height, options.depth, options.repeats) < 1 or options.samples < 8:
+        parser.error("--size, --depth and --repeats are at least 1, --samples at least 8")
     if width < height:
         parser.error("--size is at least as wide as it is high: some programs count the field of "
                      "view on the upright side, others on the shorter one")

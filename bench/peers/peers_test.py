@@ -142,7 +142,7 @@ class Run(unittest.TestCase):
             try:
                 with redirect_stderr(io.StringIO()), redirect_stdout(said):
                     code = peers.main(["--data", str(data), "--program", PROGRAM, "-o", str(out),
-                                       "--size", "24x18", "--samples", "4", "--repeats", "2"])
+                                       "--size", "24x18", "--samples", "8", "--repeats", "2"])
             finally:
                 os.environ["PATH"] = path
             summary = json.loads((out / "peers.json").read_text())
