@@ -1,57 +1,95 @@
-"""Runs inside Blender: renders a job of peers.py with Cycles and prints the time of each render.
+"""Runs inside Blender, or with its module bpy: renders a job of peers.py with Cycles.
 
     blender -b --factory-startup --python blender_render.py -- JOB.json
+    python blender_render.py -- JOB.json
 
-Settings that change the amount of work are made here. Sampling pattern, roulette, the threshold of
-light samples, tiles and tree are Cycles's defaults, as its users have them.
+Prints the time of each render. Settings that change the amount of work are made here. Sampling
+pattern, roulette, the threshold of light samples, tiles and tree are Cycles's defaults, as its
+users have them.
 """
 
 import json
 import math
 import sys
 import time
+from pathlib import Path
 
 import bpy
 from mathutils import Vector
 
-with open(sys.argv[sys.argv.index("--") + 1]) as file:
-    JOB = json.load(file)
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from scene import read_ply  # noqa: E402
+
+JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
+bpy.ops.wm.read_factory_settings(use_empty=True)
 SCENE = bpy.context.scene
 
 
-def add_mesh(name, data, material):
+def add_mesh(name, file, material):
+    data = read_ply(Path(file))
+
+    def threes(values):
+        return [tuple(values[i:i + 3]) for i in range(0, len(values), 3)]
+
     mesh = bpy.data.meshes.new(name)
-    positions, triangles = data["positions"], data["triangles"]
-    mesh.from_pydata([positions[i:i + 3] for i in range(0, len(positions), 3)], [],
-                     [triangles[i:i + 3] for i in range(0, len(triangles), 3)])
-    if data["normals"]:
-        normals = data["normals"]
+    mesh.from_pydata(threes(data.positions), [], threes(data.triangles))
+    if data.normals:
         mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-        mesh.use_auto_smooth = True  # enables the normals of the file
-        mesh.normals_split_custom_set_from_vertices(
-            [normals[i:i + 3] for i in range(0, len(normals), 3)])
+        if hasattr(mesh, "use_auto_smooth"):  # before Blender 4.1, enables the normals of the file
+            mesh.use_auto_smooth = True
+        mesh.normals_split_custom_set_from_vertices(threes(data.normals))
     mesh.materials.append(material)
     SCENE.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
-def grey(albedo):
-    material = bpy.data.materials.new("grey")
+def reflectance(eta, k):
+    """Returns Fresnel's reflectance of a metal at normal incidence."""
+    return ((eta - 1) ** 2 + k * k) / ((eta + 1) ** 2 + k * k)
+
+
+def metal(nodes, described):
+    """Returns a node; Blender before 4.3 has no Fresnel of metals but a constant reflectance.
+
+    Cycles squares the roughness to get the width of GGX.
+    """
+    if hasattr(bpy.types, "ShaderNodeBsdfMetallic"):
+        node = nodes.new("ShaderNodeBsdfMetallic")
+        node.fresnel_type = "PHYSICAL_CONDUCTOR"
+        node.inputs["IOR"].default_value = described["eta"]
+        node.inputs["Extinction"].default_value = described["k"]
+    else:
+        node = nodes.new("ShaderNodeBsdfGlossy")
+        node.inputs["Color"].default_value = (
+            *map(reflectance, described["eta"], described["k"]), 1)
+    node.distribution = "GGX"
+    node.inputs["Roughness"].default_value = math.sqrt(described["alpha"])
+    return node
+
+
+def diffuse(nodes, described):
+    node = nodes.new("ShaderNodeBsdfDiffuse")
+    node.inputs["Color"].default_value = (*described["color"], 1)
+    node.inputs["Roughness"].default_value = 0
+    return node
+
+
+def add_material(described):
+    material = bpy.data.materials.new("material")
     material.use_nodes = True
     nodes = material.node_tree.nodes
     nodes.clear()
-    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = (albedo, albedo, albedo, 1)
-    diffuse.inputs["Roughness"].default_value = 0
+    node = (diffuse if described["alpha"] is None else metal)(nodes, described)
     output = nodes.new("ShaderNodeOutputMaterial")
-    material.node_tree.links.new(diffuse.outputs[0], output.inputs["Surface"])
+    material.node_tree.links.new(node.outputs[0], output.inputs["Surface"])
     return material
 
 
 def set_world(file):
     """Sets the map: its middle along +y, its right half along +x, as stored."""
-    world = SCENE.world
+    world = SCENE.world = bpy.data.worlds.new("world")
     world.use_nodes = True
     nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
     coordinates = nodes.new("ShaderNodeTexCoord")
     mapping = nodes.new("ShaderNodeMapping")
     mapping.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
@@ -59,9 +97,11 @@ def set_world(file):
     texture.image = bpy.data.images.load(file)
     links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
     links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
-    background = next(node for node in nodes if node.type == "BACKGROUND")
+    background = nodes.new("ShaderNodeBackground")
     background.inputs["Strength"].default_value = 1
     links.new(texture.outputs["Color"], background.inputs["Color"])
+    output = nodes.new("ShaderNodeOutputWorld")
+    links.new(background.outputs[0], output.inputs["Surface"])
     world.cycles.sampling_method = "MANUAL"
     world.cycles.sample_map_resolution = JOB["map_width"]
 
@@ -85,9 +125,8 @@ def set_render():
     SCENE.render.engine = "CYCLES"
     SCENE.render.resolution_x, SCENE.render.resolution_y = JOB["size"]
     SCENE.render.resolution_percentage = 100
-    SCENE.render.threads_mode = "FIXED" if JOB["threads"] else "AUTO"
-    if JOB["threads"]:
-        SCENE.render.threads = JOB["threads"]
+    SCENE.render.threads_mode = "FIXED"
+    SCENE.render.threads = JOB["threads"]
     SCENE.render.use_compositing = SCENE.render.use_sequencer = False
     SCENE.render.image_settings.file_format = "OPEN_EXR"
     SCENE.render.image_settings.color_mode = "RGB"
@@ -100,9 +139,11 @@ def set_render():
     cycles.use_adaptive_sampling = False
     cycles.time_limit = 0
     # `max_bounces` counts the surfaces after the first one.
-    cycles.max_bounces = cycles.diffuse_bounces = JOB["depth"] - 1
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = JOB["depth"] - 1
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
-    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.blur_glossy = 0  # would make glossy surfaces rougher behind diffuse ones
+    cycles.caustics_reflective = True
+    cycles.caustics_refractive = False
     cycles.film_exposure = 1
     cycles.pixel_filter_type = "BOX"
 
@@ -115,11 +156,8 @@ def render(samples, seed):
     return time.perf_counter() - start
 
 
-for thing in list(bpy.data.objects):
-    bpy.data.objects.remove(thing)
-MATERIAL = grey(JOB["albedo"])
 for index, one in enumerate(JOB["meshes"]):
-    add_mesh(f"mesh {index}", one, MATERIAL)
+    add_mesh(f"mesh {index}", one["file"], add_material(one["material"]))
 set_world(JOB["map"])
 set_camera()
 set_render()

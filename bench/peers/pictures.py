@@ -1,4 +1,4 @@
-"""Reads EXR (scan lines, ZIP or uncompressed) and PPM, writes PFM and PNG, in plain Python.
+"""Reads EXR (scan lines, ZIP or uncompressed), PFM and PPM, writes PFM and PNG, in plain Python.
 
 A picture is (width, height, rows from the top of r, g, b floats).
 """
@@ -60,7 +60,8 @@ def exr_width(path):
     return exr_window(exr_header(path.read_bytes())[0])[0]
 
 
-def read_exr(path):
+def read_exr(path, names=("R", "G", "B")):
+    """Reads the channels `names`; one that is not in the file is 0."""
     data = path.read_bytes()
     attributes, at = exr_header(data)
     compression = attributes["compression"][0]
@@ -78,11 +79,12 @@ def read_exr(path):
         if compression and size < expected:
             block = unzip(block)
         for line in range(len(block) // line_bytes):
-            row, position = array("f", bytes(12 * width)), line * line_bytes
+            row = array("f", bytes(4 * len(names) * width))
+            position = line * line_bytes
             for name, size in channels:
-                if name in ("R", "G", "B"):
+                if name in names:
                     code = "e" if size == 2 else "f"
-                    row["RGB".index(name)::3] = array(
+                    row[names.index(name)::len(names)] = array(
                         "f", struct.unpack_from(f"<{width}{code}", block, position))
                 position += width * size
             rows[y - y0 + line] = row
@@ -101,16 +103,26 @@ def read_ppm(path):
                            for y in range(0, len(levels), 3 * width)]
 
 
+def read_pfm(path):
+    data = path.read_bytes()
+    kind, width, height, scale = data.split(None, 4)[:4]
+    width, height = int(width), int(height)
+    if kind != b"PF" or float(scale) >= 0:
+        raise ValueError(f"{path}: not a PFM of three little-endian channels")
+    line = 12 * width
+    start = len(data) - line * height
+    rows = [array("f", data[start + y * line:start + (y + 1) * line]) for y in range(height)]
+    return width, height, rows[::-1]
+
+
 def scaled(picture, factor):
     width, height, rows = picture
     return width, height, [array("f", (factor * x for x in row)) for row in rows]
 
 
-def lower_part(picture, share):
-    """Returns the picture without the rows of its upper part."""
-    width, height, rows = picture
-    kept = rows[round(share * height):]
-    return width, len(kept), kept
+def read(path):
+    """Reads a picture by the ending of its name."""
+    return {".exr": read_exr, ".pfm": read_pfm, ".ppm": read_ppm}[path.suffix](path)
 
 
 def write_pfm(path, picture):

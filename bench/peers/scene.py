@@ -1,125 +1,168 @@
-"""Holds the scene of the comparison as plain data and writes its text for every program.
+"""Describes the scenes of the comparison once, as plain data; formats.py writes them for programs.
 
 World: y up, left-handed as in pbrt and POV-Ray, metres. The middle of the map lies along +z, its
-right half along +x; the camera looks towards -z. The scene is the one that scripts/data_scenes.sh
-writes, except that the bunny has the plane's grey.
+right half along +x. `for_right_handed` makes the description that the right-handed programs get.
 """
 
 import struct
 from array import array
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from pathlib import Path
 
-EYE, TARGET, UP = (-0.03, 0.14, 0.32), (-0.016, 0.072, 0), (0, 1, 0)
-FIELD_OF_VIEW = 38  # degrees, of the shorter side
+UP = (0, 1, 0)
 ALBEDO = 0.5
 PLANE = ([(-2, 0, -2), (2, 0, -2), (2, 0, 2), (-2, 0, 2)], [(0, 1, 2), (2, 3, 0)])
 
 
 @dataclass
+class Material:
+    """Lambert of `color`, on both sides; with `alpha` a metal, whose facets are GGX's."""
+    color: tuple = (ALBEDO, ALBEDO, ALBEDO)
+    eta: tuple = ()           # refractive index of a metal in r, g, b
+    k: tuple = ()             # its absorption
+    alpha: float | None = None  # width of GGX, as in Walter et al. 2007
+
+
+# Index of copper in the middles of red, green and blue.
+COPPER = Material((0.9548, 0.6379, 0.5382), (0.2, 0.924, 1.102), (3.912, 2.452, 2.142), 0.2)
+
+
+@dataclass
 class Mesh:
     positions: array  # x y z of each vertex [m]
-    normals: array    # likewise, unit length
+    normals: array    # likewise, unit length; empty: those of the triangles
     triangles: array  # three vertices per triangle
+    material: Material = field(default_factory=Material)
 
 
-def read_ply(path):
-    """Reads the mesh of a binary PLY with float vertices x y z nx ny nz and triangular faces."""
-    data = path.read_bytes()
-    end = data.index(b"end_header\n") + len(b"end_header\n")
-    words = data[:end].decode().split()
-    properties = [words[i + 2] for i, word in enumerate(words) if word == "property"][:6]
-    if "binary_little_endian" not in words or properties != ["x", "y", "z", "nx", "ny", "nz"]:
-        raise ValueError(f"{path}: not a binary PLY of x y z nx ny nz")
-    vertices, faces = (int(words[words.index(name) + 1]) for name in ("vertex", "face"))
-    values = array("f", data[end:end + 24 * vertices])
-    mesh = Mesh(array("f"), array("f"), array("i"))
-    for i in range(0, len(values), 6):
-        mesh.positions.extend(values[i:i + 3])
-        mesh.normals.extend(values[i + 3:i + 6])
-    for count, a, b, c in struct.iter_unpack("<B3i", data[end + 24 * vertices:][:13 * faces]):
-        if count != 3:
-            raise ValueError(f"{path}: a face of {count} vertices")
-        mesh.triangles.extend((a, b, c))
-    return mesh
-
-
-def rows(values, separator=" "):
-    """Formats three numbers per line."""
-    return [separator.join(f"{x:.9g}" for x in values[i:i + 3]) for i in range(0, len(values), 3)]
+@dataclass
+class Scene:
+    meshes: list
+    eye: tuple
+    target: tuple
+    up: tuple
+    field_of_view: float  # degrees, of the shorter side
+    map: Path
 
 
 def flat(rows_of_three):
     return [x for row in rows_of_three for x in row]
 
 
-def write_pbrt(file, bunny_ply):
-    points, triangles = PLANE
-    file.write_text(
-        "LookAt {} {} {}  {} {} {}  {} {} {}\n".format(*EYE, *TARGET, *UP)
-        + f'Camera "perspective" "float fov" [{FIELD_OF_VIEW}]\n'
-        'Integrator "path"\nWorldBegin\n'
-        f'Material "matte" "rgb Kd" [{ALBEDO} {ALBEDO} {ALBEDO}]\n'
-        f'Shape "trianglemesh" "point P" [{" ".join(map(str, flat(points)))}]\n'
-        f'  "integer indices" [{" ".join(map(str, flat(triangles)))}]\n'
-        f'Shape "plymesh" "string filename" ["{bunny_ply}"]\nWorldEnd\n')
+def read_ply(path):
+    """Reads the mesh of a binary PLY with float vertices x y z [nx ny nz] and triangular faces."""
+    data = path.read_bytes()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    words = data[:end].decode().split()
+    properties = [words[i + 2] for i, word in enumerate(words) if word == "property"][:-1]
+    names = ["x", "y", "z", "nx", "ny", "nz"]
+    if "binary_little_endian" not in words or properties not in (names, names[:3]):
+        raise ValueError(f"{path}: not a binary PLY of x y z or x y z nx ny nz")
+    vertices, faces = (int(words[words.index(name) + 1]) for name in ("vertex", "face"))
+    width = len(properties)
+    values = array("f", data[end:end + 4 * width * vertices])
+    mesh = Mesh(array("f"), array("f"), array("i"))
+    for i in range(0, len(values), width):
+        mesh.positions.extend(values[i:i + 3])
+        mesh.normals.extend(values[i + 3:i + width])
+    faces = data[end + 4 * width * vertices:][:13 * faces]
+    for count, a, b, c in struct.iter_unpack("<B3i", faces):
+        if count != 3:
+            raise ValueError(f"{path}: a face of {count} vertices")
+        mesh.triangles.extend((a, b, c))
+    return mesh
 
 
-def write_embree(file, bunny):
-    """Writes Embree's XML; lights are passed by flag."""
-    def block(name, lines):
-        return f"<{name}>\n" + "\n".join(lines) + f"\n</{name}>\n"
-
-    points, triangles = PLANE
-    file.write_text(
-        '<?xml version="1.0"?>\n<scene>\n<TriangleMesh>\n<material id="0"><code>"Matte"</code>'
-        f'<parameters><float3 name="reflectance">{ALBEDO} {ALBEDO} {ALBEDO}</float3></parameters>'
-        "</material>\n" + block("positions", rows(flat(points)))
-        + block("triangles", rows(flat(triangles)))
-        + '</TriangleMesh>\n<TriangleMesh>\n<material id="0"/>\n'
-        + block("positions", rows(bunny.positions)) + block("normals", rows(bunny.normals))
-        + block("triangles", rows(bunny.triangles)) + "</TriangleMesh>\n</scene>\n")
+def read_mtl(path):
+    """Returns {name: Kd}; images are left out."""
+    colors, name = {}, None
+    for line in path.read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["newmtl"]:
+            name = words[1]
+            colors[name] = (ALBEDO, ALBEDO, ALBEDO)
+        elif words[:1] == ["Kd"]:
+            colors[name] = tuple(map(float, words[1:4]))
+    return colors
 
 
-def write_povray(file, bunny, lights_file, aspect):
-    """Writes POV-Ray 3.7: no ambient light, diffuse only, lights from `skywave probe lights`."""
-    def block(name, lines):
-        return f"{name} {{ {len(lines)},\n" + ",\n".join(f"<{line}>" for line in lines) + " }\n"
-
-    def point(p):
-        return "<{}, {}, {}>".format(*p)
-
-    a, b, c, d = PLANE[0]
-    angle = f"2 * degrees(atan({aspect:.9g} * tan(radians({FIELD_OF_VIEW}) / 2)))"
-    grey = f"pigment {{ rgb {ALBEDO} }} finish {{ ambient 0 diffuse 1 }}"
-    file.write_text(
-        "#version 3.7;\nglobal_settings { assumed_gamma 1 max_trace_level 5 }\n"
-        f'#include "{lights_file}"\n'
-        f"camera {{ perspective location {point(EYE)} sky {point(UP)} right x*{aspect:.9g} up y\n"
-        f"  angle {angle} look_at {point(TARGET)} }}\n"
-        f"#declare Grey = texture {{ {grey} }}\n"
-        f"mesh {{ triangle {{ {point(a)}, {point(b)}, {point(c)} }}\n"
-        f"  triangle {{ {point(c)}, {point(d)}, {point(a)} }} texture {{ Grey }} }}\n"
-        "mesh2 {\n" + block("vertex_vectors", rows(bunny.positions, ", "))
-        + block("normal_vectors", rows(bunny.normals, ", "))
-        + block("face_indices", rows(bunny.triangles, ", ")) + "texture { Grey } }\n")
+def area_is_zero(a, b, c):
+    u, v = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(a, c)]
+    normal = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+    return not any(normal)
 
 
-def blender_mesh(points, triangles, normals=()):
-    """Writes JSON for blender_render.py, in Blender's right-handed world with z up.
+def read_obj(path):
+    """Reads polygons of an OBJ as one mesh for each material, mirrored into the left-handed world.
 
-    The exchange of y and z is a reflection, so triangles must reverse their winding, which the same
-    exchange of their second and third vertex does: otherwise their sides would contradict the
-    normals, and surfaces would be black.
+    Polygons are cut into fans, and triangles without area, on which programs differ, are dropped.
     """
-    def turned(values):
-        return flat((values[i], values[i + 2], values[i + 1]) for i in range(0, len(values), 3))
+    points, meshes, colors, current = [], {}, {}, None
+    for line in path.read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["v"]:
+            x, y, z = map(float, words[1:4])
+            points.append((x, y, -z))
+        elif words[:1] == ["mtllib"]:
+            colors.update(read_mtl(path.parent / words[1]))
+        elif words[:1] == ["usemtl"]:
+            current = words[1]
+        elif words[:1] == ["f"]:
+            corners = [int(word.split("/")[0]) for word in words[1:]]
+            corners = [i - 1 if i > 0 else len(points) + i for i in corners]
+            used, mesh = meshes.setdefault(current, ({}, Mesh(
+                array("f"), array("f"), array("i"), Material(colors.get(current, (ALBEDO,) * 3)))))
+            for b, c in zip(corners[1:], corners[2:]):
+                triangle = (corners[0], c, b)  # the mirror turns the winding round
+                if area_is_zero(*(points[i] for i in triangle)):
+                    continue
+                for i in triangle:
+                    if i not in used:
+                        used[i] = len(used)
+                        mesh.positions.extend(points[i])
+                    mesh.triangles.append(used[i])
+    return [mesh for _, mesh in meshes.values() if mesh.triangles]
 
-    return {"positions": turned(points), "normals": turned(normals), "triangles": turned(triangles)}
 
-
-def blender_scene(bunny):
+def plane():
     points, triangles = PLANE
-    return {"meshes": [blender_mesh(flat(points), flat(triangles)),
-                       blender_mesh(bunny.positions, bunny.triangles, bunny.normals)],
-            "eye": [EYE[0], EYE[2], EYE[1]], "target": [TARGET[0], TARGET[2], TARGET[1]],
-            "field_of_view": FIELD_OF_VIEW, "albedo": ALBEDO}
+    return Mesh(array("f", flat(points)), array("f"), array("i", flat(triangles)))
+
+
+# Files of each scene in the folder of data: its model and its map.
+FILES = {"bunny": ("models/bunny.ply", "probes/latlong/grace_latlong.exr"),
+         "metal": ("models/bunny.ply", "probes/latlong/grace_latlong.exr"),
+         "sponza": ("models/sponza.obj", "probes/latlong/galileo_latlong.exr")}
+
+
+def make(name, data):
+    """Returns the scene `name` of the files in the folder `data`."""
+    model, probe = (data / file for file in FILES[name])
+    if name == "sponza":
+        return Scene(read_obj(model), (-12, 2, 0), (10, 4, 0), UP, 60, probe)
+    bunny = read_ply(model)
+    if name == "metal":
+        bunny.material = COPPER
+    return Scene([plane(), bunny], (-0.03, 0.14, 0.32), (-0.016, 0.072, 0), UP, 38, probe)
+
+
+def exchanged(values):
+    """Exchanges the second and the third of every three."""
+    return array(values.typecode, flat((values[i], values[i + 2], values[i + 1])
+                                       for i in range(0, len(values), 3)))
+
+
+def for_right_handed(scene):
+    """Returns the scene in a right-handed world with z up: y and z are exchanged.
+
+    That is a reflection, so triangles reverse their winding, which the exchange of their second and
+    third vertex does: otherwise their sides would contradict the normals, and surfaces would be
+    black. The middle of the map lies along +y then, its right half along +x as before.
+    """
+    def point(p):
+        return (p[0], p[2], p[1])
+
+    meshes = [Mesh(exchanged(mesh.positions), exchanged(mesh.normals), exchanged(mesh.triangles),
+                   mesh.material) for mesh in scene.meshes]
+    return replace(scene, meshes=meshes, eye=point(scene.eye), target=point(scene.target),
+                   up=point(scene.up))
