@@ -46,6 +46,8 @@ void ReplayAll(const RenderJob& job, const std::vector<RayRecorder> (&ordered)[k
 
 double Speed::render_seconds() const { return Median(render); }
 
+double Speed::deviation() const { return RelativeDeviation(render); }
+
 BestReplay Speed::best_replay(RayOrder order, RayKind kind) const {
   BestReplay best = {.call = kBackends[0], .seconds = std::numeric_limits<double>::infinity()};
   for (int call = 0; call < kReplayCalls; ++call) {
@@ -103,6 +105,7 @@ double Speed::speed_up(int threads) const {
 
 Speed MeasureSpeed(const RenderJob& job, const SpeedSettings& settings, Film& film) {
   Speed speed;
+  speed.deviation_limit = settings.deviation;
   speed.load_average_before = LoadAverage();
   std::vector<RayRecorder> ordered[kRayOrders];
   speed.first =
@@ -119,9 +122,11 @@ Speed MeasureSpeed(const RenderJob& job, const SpeedSettings& settings, Film& fi
   counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
   for (const int threads : counts) speed.scaling.push_back({.threads = threads, .render = {}});
 
-  for (int repetition = 0; repetition < settings.repetitions; ++repetition) {
+  const int most = settings.repetitions * kMostRepetitions;
+  for (int done = 0; done < settings.repetitions || (done < most && !speed.steady()); ++done) {
     const FrameResult frame = RenderAgain(job, job.options().threads);
     speed.render.push_back(frame.seconds);
+    speed.processor.push_back(frame.processor_seconds);
     speed.stages.push_back(frame.stats.stage_seconds);
     speed.traces.push_back(frame.stats.trace_seconds);
     for (ThreadSeconds& count : speed.scaling) {

@@ -14,10 +14,19 @@
 namespace skywave {
 
 struct SpeedSettings {
-  int repetitions = 5;
+  int repetitions = 5;  // at least
+  // Repetitions go on until the times of the renders have at most this relative standard deviation,
+  // or kMostRepetitions times their number is reached. 0: they do not go on.
+  double deviation = 0;
   std::vector<int> thread_counts;  // measured in addition to the job's own threads
   bool replay = true;              // false: only renders
 };
+
+// A machine whose times still scatter after this many times the repetitions is busy with something
+// else, and more of them would not help.
+inline constexpr int kMostRepetitions = 4;
+// The limit of the Phoronix Test Suite.
+inline constexpr double kDeviationLimit = 0.025;
 
 // Wall clock of each repetition, per kind of rays [s].
 using ReplaySeconds = std::array<std::vector<double>, kRayKinds>;
@@ -42,7 +51,9 @@ inline constexpr bool IsReplayed(RayOrder order, Backend backend) {
 
 struct Speed {
   FrameResult first;           // the frame that recorded its rays, for counters rather than times
+  double deviation_limit = 0;  // SpeedSettings::deviation
   std::vector<double> render;  // [s] wall clock
+  std::vector<double> processor;                      // [s] of all threads of the process meanwhile
   std::vector<std::array<double, kStages>> stages;    // [s] summed over workers
   std::vector<std::array<double, kRayKinds>> traces;  // [s] likewise, for the rays within them
   ReplaySeconds replay[kRayOrders][kReplayCalls];     // empty if not replayed
@@ -50,6 +61,8 @@ struct Speed {
   double load_average_before = 0, load_average_after = 0;  // over the last minute
 
   double render_seconds() const;  // median
+  double deviation() const;       // relative standard deviation of the renders
+  bool steady() const { return deviation_limit == 0 || deviation() <= deviation_limit; }
   bool replayed(RayOrder order) const { return !replay[int(order)][0][0].empty(); }
   // `order` must have been replayed.
   BestReplay best_replay(RayOrder order, RayKind kind) const;

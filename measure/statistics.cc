@@ -6,10 +6,28 @@
 #include <numeric>
 
 namespace skywave {
+namespace {
+
+constexpr Interval kUnknownInterval = {std::numeric_limits<double>::quiet_NaN(),
+                                       std::numeric_limits<double>::quiet_NaN()};
+
+std::vector<double> Logarithms(std::span<const double> values) {
+  std::vector<double> logs;
+  for (const double value : values) logs.push_back(std::log(value));
+  return logs;
+}
+
+Interval RatioInterval(double log_ratio, double reach) {
+  return {std::exp(log_ratio - reach), std::exp(log_ratio + reach)};
+}
+
+}  // namespace
 
 double Mean(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
 }
+
+double GeometricMean(std::span<const double> values) { return std::exp(Mean(Logarithms(values))); }
 
 double SampleVariance(std::span<const double> values) {
   const double mean = Mean(values);
@@ -46,14 +64,68 @@ double StudentQuantile(int degrees) {
 }
 
 Interval MeanInterval(std::span<const double> values) {
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  if (values.size() < 2) return {kUnknown, kUnknown};
+  if (values.size() < 2) return kUnknownInterval;
   const double mean = Mean(values);
   if (mean == 0) return {0, 0};
   // This is the standard error of log(mean) to first order.
   const double relative = std::sqrt(SampleVariance(values) / double(values.size())) / mean;
   const double reach = StudentQuantile(int(values.size()) - 1) * relative;
   return {mean * std::exp(-reach), mean * std::exp(reach)};
+}
+
+double RelativeDeviation(std::span<const double> values) {
+  return values.size() < 2 ? 0 : std::sqrt(SampleVariance(values)) / Mean(values);
+}
+
+Ratio WelchRatio(std::span<const std::vector<double>> a, std::span<const std::vector<double>> b) {
+  double log_ratio = 0, variance = 0, squares = 0;
+  bool known = true;
+  const double weight = 1 / double(a.size());
+  const auto add = [&](const std::vector<double>& values, double sign) {
+    const std::vector<double> logs = Logarithms(values);
+    log_ratio += sign * weight * Mean(logs);
+    known &= logs.size() > 1;
+    if (!known) return;
+    const double part = weight * weight * SampleVariance(logs) / double(logs.size());
+    variance += part;
+    squares += part * part / double(logs.size() - 1);
+  };
+  for (const std::vector<double>& values : a) add(values, -1);
+  for (const std::vector<double>& values : b) add(values, 1);
+  if (!known) return {std::exp(log_ratio), kUnknownInterval};
+  if (!(squares > 0)) return {std::exp(log_ratio), RatioInterval(log_ratio, 0)};
+  // Degrees of freedom are rounded down, which makes the interval wider.
+  const double degrees = std::clamp(variance * variance / squares, 1.0, 1e6);
+  return {std::exp(log_ratio),
+          RatioInterval(log_ratio, StudentQuantile(int(degrees)) * std::sqrt(variance))};
+}
+
+Ratio PairedRatio(std::span<const double> ratios) {
+  const std::vector<double> logs = Logarithms(ratios);
+  const double log_ratio = Mean(logs);
+  if (logs.size() < 2) return {std::exp(log_ratio), kUnknownInterval};
+  const double error = std::sqrt(SampleVariance(logs) / double(logs.size()));
+  return {std::exp(log_ratio),
+          RatioInterval(log_ratio, StudentQuantile(int(logs.size()) - 1) * error)};
+}
+
+Slope FitSlope(std::span<const CurvePoint> points) {
+  const auto count = double(points.size());
+  double x = 0, y = 0, xx = 0, xy = 0, residuals = 0;
+  for (const CurvePoint& point : points) x += point.x / count, y += point.y / count;
+  for (const CurvePoint& point : points) {
+    xx += (point.x - x) * (point.x - x);
+    xy += (point.x - x) * (point.y - y);
+  }
+  const double slope = xy / xx;
+  if (points.size() < 3) return {slope, kUnknownInterval};
+  for (const CurvePoint& point : points) {
+    const double residual = point.y - y - slope * (point.x - x);
+    residuals += residual * residual;
+  }
+  const double reach =
+      StudentQuantile(int(points.size()) - 2) * std::sqrt(residuals / (count - 2) / xx);
+  return {slope, {slope - reach, slope + reach}};
 }
 
 Crossing FindCrossing(std::span<const CurvePoint> curve, double level) {

@@ -13,6 +13,8 @@ struct Interval {
 
 // Requires at least one value.
 double Mean(std::span<const double> values);
+// Requires at least one value, none of them negative.
+double GeometricMean(std::span<const double> values);
 // Divides by n - 1; requires at least two values.
 double SampleVariance(std::span<const double> values);
 // For an even number of values, returns the mean of the middle two.
@@ -29,9 +31,34 @@ double StudentQuantile(int degrees);
 // is unknown for fewer than two values, and the mean itself if that is 0.
 Interval MeanInterval(std::span<const double> values);
 
-struct CurvePoint {
-  double x, y;  // positive
+// Returns the standard deviation over the mean; 0 for fewer than two values, which show none.
+double RelativeDeviation(std::span<const double> values);
+
+// A ratio of positive quantities, with its interval.
+struct Ratio {
+  double value;
+  Interval interval;
 };
+// Returns the geometric mean over i of the ratios of the geometric means of b[i] to those of a[i],
+// with the interval of Welch's test on logarithms (Welch 1947): groups need not have equal numbers
+// of values or equal variances. It is unknown if a group has fewer than two values. `a` and `b`
+// have equally many groups, at least one, none of them empty.
+Ratio WelchRatio(std::span<const std::vector<double>> a, std::span<const std::vector<double>> b);
+// Returns the geometric mean of ratios that were measured in pairs, with Student's interval on
+// logarithms; unknown for fewer than two.
+Ratio PairedRatio(std::span<const double> ratios);
+
+struct CurvePoint {
+  double x, y;  // both positive on curves whose scales are logarithmic
+};
+
+// The slope of the straight line of least squares through points.
+struct Slope {
+  double value;
+  Interval interval;  // Student's; unknown for fewer than three points
+};
+// Requires two points of different x.
+Slope FitSlope(std::span<const CurvePoint> points);
 
 // The point after which a falling curve stays below a level.
 struct Crossing {

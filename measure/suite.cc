@@ -193,14 +193,13 @@ std::vector<StrategyTable> MeasureTables(const RenderJob& job) {
 
 // Returns the mean over all scenes, or 0 if any scene was not measured.
 template <class Value>
-double GeometricMean(std::span<const SuiteResult> results, Value value) {
-  double sum = 0;
+double MeanOfScenes(std::span<const SuiteResult> results, Value value) {
+  std::vector<double> values;
   for (const SuiteResult& result : results) {
-    const double x = value(result);
-    if (!(x > 0)) return 0;
-    sum += std::log(x);
+    values.push_back(value(result));
+    if (!(values.back() > 0)) return 0;
   }
-  return results.empty() ? 0 : std::exp(sum / double(results.size()));
+  return values.empty() ? 0 : GeometricMean(values);
 }
 
 }  // namespace
@@ -286,7 +285,7 @@ SuiteResult MeasureScene(const SuiteScene& scene, const JobRequest& base,
 }
 
 SuiteSummary Summarize(std::span<const SuiteResult> results) {
-  const auto mean = [&](auto value) { return GeometricMean(results, value); };
+  const auto mean = [&](auto value) { return MeanOfScenes(results, value); };
   return {.msamples_per_s = mean([](const SuiteResult& r) { return r.msamples_per_second(); }),
           .mrays_per_s = mean([](const SuiteResult& r) { return r.mrays_per_second(); }),
           .embree_fraction = mean([](const SuiteResult& r) { return r.speed.embree_fraction(); }),

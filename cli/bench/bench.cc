@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/granted.h"
 #include "base/version.h"
+#include "cli/bench/flags.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
 #include "cli/progress.h"
@@ -19,74 +21,111 @@
 namespace skywave {
 namespace {
 
-struct BenchFlags {
-  JobRequest request;
-  std::optional<int> repetitions;
-  std::string json, report;
-  std::vector<std::string> history;
-  bool full = false, counters = false, renders_only = false;
-  ProgressFlags progress;
-};
-
 constexpr int kSceneRepetitions = 5, kQuickRepetitions = 3, kFullRepetitions = 9;
-constexpr int kExitWrongPicture = 1;
 // Limit of rays that a replay keeps in memory without asking: 72 bytes each, in three orders.
 constexpr double kMaxRecordedRays = 2e7;
 
-constexpr std::string_view kSuite = "Suite";
+constexpr std::string_view kSuite = "Suite", kOther = "Other measurements", kGuard = "Guard";
+
+// A kind of measurement, the option that asks for it, and the options of bench that it takes.
+struct BenchKind {
+  std::string_view option;  // empty: the plain measurement
+  enum { kSceneOrSuite, kScene, kFiles } of;
+  std::set<std::string_view> takes;
+  int (*scene)(const BenchFlags&);
+  int (*suite)(const BenchFlags&);
+};
+
+const std::vector<BenchKind>& BenchKinds() {
+  using Kind = BenchKind;
+  static const std::vector<BenchKind> kinds = {
+      {"compare", Kind::kFiles, {"threshold"}, nullptr, CompareBenches},
+      {"sustain",
+       Kind::kSceneOrSuite,
+       {"json", "progress", "full"},
+       BenchSustained,
+       BenchSustained},
+      {"copies", Kind::kSceneOrSuite, {"json", "repetitions", "full"}, BenchCopies, BenchCopies},
+      {"baseline",
+       Kind::kScene,
+       {"repetitions", "deviation", "update-baseline", "gates", "threshold"},
+       GuardScene,
+       nullptr},
+      {"instructions", Kind::kScene, {}, PrintInstructions, nullptr},
+      {"counters", Kind::kSceneOrSuite, {"full", "progress"}, PrintCounters, BenchSuite},
+      {"",
+       Kind::kSceneOrSuite,
+       {"json", "export", "repetitions", "deviation", "progress", "full", "renders-only", "report",
+        "history"},
+       BenchScene,
+       BenchSuite}};
+  return kinds;
+}
+
+const BenchKind& KindOf(const GivenOptions& given) {
+  for (const BenchKind& kind : BenchKinds()) {
+    if (given.contains(kind.option)) return kind;
+  }
+  return BenchKinds().back();
+}
 
 // The suite takes the options of a job that do not change its pictures, and --seed, which makes the
 // comparison fail on purpose; a scene takes none of the suite's options.
-void CheckGiven(const Command& command, const GivenOptions& given, bool has_scene) {
+void CheckGiven(const Command& command, const BenchKind& kind, const GivenOptions& given,
+                bool has_scene) {
   for (const BoundOption& option : command.options) {
     const OptionInfo& info = option.info;
-    if (!given.contains(info.name)) continue;
-    const InputPosition where = InputPosition::File("--" + std::string(info.name));
-    if (has_scene && info.group == kSuite) {
-      throw InputError(where, "belongs to the suite: give no scene", kExitUsage);
-    }
+    if (!given.contains(info.name) || info.name == kind.option) continue;
+    const auto fail = [&](const std::string& why) {
+      throw InputError(InputPosition::File("--" + std::string(info.name)), why, kExitUsage);
+    };
     const bool of_job = info.scope == OptionScope::kPixels || info.scope == OptionScope::kInput ||
                         info.scope == OptionScope::kSpeed;
-    if (!has_scene && of_job && !info.in_suite) {
-      throw InputError(where, "the suite has fixed pictures: give a scene to measure others",
-                       kExitUsage);
+    if (kind.of == BenchKind::kFiles && of_job) {
+      fail(fmt::format("--{} renders nothing", kind.option));
     }
+    if (has_scene && info.group == kSuite) fail("belongs to the suite: give no scene");
+    if (!has_scene && of_job && !info.in_suite) {
+      fail("the suite has fixed pictures: give a scene to measure others");
+    }
+    if (!of_job && !kind.takes.contains(info.name)) {
+      fail(kind.option.empty() ? "belongs to another measurement"
+                               : fmt::format("does not go together with --{}", kind.option));
+    }
+    if (kind.option == "copies" && info.name == "threads") fail("each copy has one thread");
+  }
+  if (kind.of == BenchKind::kScene && !has_scene) {
+    throw InputError(InputPosition::File("--" + std::string(kind.option)), "give a scene",
+                     kExitUsage);
   }
 }
 
-int BenchScene(const BenchFlags& flags) {
-  if (!flags.json.empty()) CheckWritable(flags.json);
-  const RenderJob job(flags.request);
-  PrintNotes(job.notes());
-  const int repetitions = flags.repetitions.value_or(kSceneRepetitions);
-  Film film = job.MakeFilm();
-  const Speed speed = MeasureSpeed(job, {.repetitions = repetitions, .thread_counts = {}}, film);
-  const RenderStats& stats = speed.first.stats;
-  if (double(stats.total_rays()) > kMaxRecordedRays) {
-    fmt::print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
-               double(stats.total_rays()) * 1e-6);
+// Prints the notes of measurements that did not become steady.
+void PrintUnsteady(const Speed& speed, std::string_view scene) {
+  if (const std::string note = Unsteady(speed, scene); !note.empty()) {
+    fmt::print(stderr, "note: {}\n", note);
   }
+}
+
+nlohmann::ordered_json SceneJson(const RenderJob& job, const Film& film, const Speed& speed,
+                                 const Machine& machine) {
+  const RenderStats& stats = speed.first.stats;
   const double seconds = speed.render_seconds();
-  const double msamples = double(stats.samples) / seconds * 1e-6;
-  const double mrays = double(stats.total_rays()) / seconds * 1e-6;
-  fmt::print("raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads, repetitions,
-             ReplayText(speed), RayText(speed));
-  fmt::print("render    {:>16.4f} s ({:.4f} to {:.4f}), backend {}\n", seconds,
-             *std::min_element(speed.render.begin(), speed.render.end()),
-             *std::max_element(speed.render.begin(), speed.render.end()),
-             ToString(job.options().backend));
-  fmt::print("SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n", msamples,
-             mrays, speed.embree_fraction());
-  if (flags.json.empty()) return 0;
   nlohmann::ordered_json json;
-  json["schema"] = "skywave-bench-2";
+  json["schema"] = kSceneSchema;
   json["version"] = Version();
   json["revision"] = GitRevision();
   json["command"] = "skywave render" + PictureOptions(job.request());
+  json["scene"] = job.request().scene;
   json["threads"] = speed.first.threads;
   json["wave"] = job.options().wave;
+  json["samples"] = stats.samples;
+  json["picture_hash"] =
+      fmt::format("{:016x}", FingerprintOf(film, job.options().samples_per_pixel).hash);
   json["render_seconds"] = speed.render;
   const nlohmann::ordered_json measured = Json(speed);
+  json["deviation"] = measured.at("deviation");
+  json["repetitions"] = measured.at("repetitions");
   json["replay_seconds"] = measured.at("replay").at("traced").at("seconds");
   json["replay"] = measured.at("replay");
   for (std::uint32_t i = 0; i < kRayKinds; ++i) {
@@ -95,31 +134,79 @@ int BenchScene(const BenchFlags& flags) {
         {"traced_mrays_per_s", speed.traced_mrays_per_second(RayKind(i))},
         {"raw_mrays_per_s", speed.raw_mrays_per_second(RayKind(i))}};
   }
-  json["summary"] = {{"msamples_per_s", msamples},
-                     {"mrays_per_s", mrays},
+  json["machine"] = Json(machine);
+  json["summary"] = {{"msamples_per_s", double(stats.samples) / seconds * 1e-6},
+                     {"mrays_per_s", double(stats.total_rays()) / seconds * 1e-6},
                      {"embree_fraction", speed.embree_fraction()}};
-  WriteFileAtomically(flags.json, json.dump(2) + "\n");
-  return 0;
+  return json;
 }
 
-// Reports a wrong picture, and the expected values under which it would be right.
-bool PictureIsRight(const SuiteResult& result) {
-  if (result.check == PictureCheck::kSameBits) return true;
-  if (result.check == PictureCheck::kWithinBounds) {
+// Writes a result to the file that was asked for, and to standard output in the form of another
+// tool. Returns true if the latter takes the place of the text.
+bool WriteResult(const BenchFlags& flags, const nlohmann::ordered_json& json) {
+  if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
+  if (!flags.export_as) return false;
+  fmt::print("{}\n", Export(RecordOf(json, "this run"), *flags.export_as).dump(2));
+  return true;
+}
+
+}  // namespace
+
+int RepetitionsOf(const BenchFlags& flags) {
+  return flags.repetitions.value_or(flags.has_scene() ? kSceneRepetitions
+                                    : flags.full      ? kFullRepetitions
+                                                      : kQuickRepetitions);
+}
+
+double DeviationOf(const BenchFlags& flags) {
+  if (flags.deviation_percent) return *flags.deviation_percent / 100;
+  return flags.repetitions ? 0 : kDeviationLimit;
+}
+
+bool PictureIsRight(const SuiteScene& scene, PictureCheck check, const Fingerprint& found) {
+  if (check == PictureCheck::kSameBits) return true;
+  if (check == PictureCheck::kWithinBounds) {
     fmt::print(stderr,
                "note: {}: these are not the hits of AVX2, so the picture was compared by the means "
                "of its blocks: they differ by {:.2g} at most\n",
-               result.scene.name, BlockDifference(result.scene.expected, result.found));
+               scene.name, BlockDifference(scene.expected, found));
     return true;
   }
   fmt::print(stderr,
              "skywave: {}: not the picture that the suite expects, so there is no score; blocks "
              "differ by {:.2g} at most\nskywave: this one is {{0x{:016x}, {{",
-             result.scene.name, BlockDifference(result.scene.expected, result.found),
-             result.found.hash);
-  for (const float mean : result.found.means) fmt::print(stderr, "{:.9g}f, ", mean);
+             scene.name, BlockDifference(scene.expected, found), found.hash);
+  for (const float mean : found.means) fmt::print(stderr, "{:.9g}f, ", mean);
   fmt::print(stderr, "}}}}\n");
   return false;
+}
+
+int BenchScene(const BenchFlags& flags) {
+  if (!flags.json.empty()) CheckWritable(flags.json);
+  const RenderJob job(flags.request);
+  PrintNotes(job.notes());
+  Film film = job.MakeFilm();
+  const Speed speed = MeasureSpeed(
+      job,
+      {.repetitions = RepetitionsOf(flags), .deviation = DeviationOf(flags), .thread_counts = {}},
+      film);
+  const RenderStats& stats = speed.first.stats;
+  if (double(stats.total_rays()) > kMaxRecordedRays) {
+    fmt::print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
+               double(stats.total_rays()) * 1e-6);
+  }
+  PrintUnsteady(speed, job.request().scene);
+  const nlohmann::ordered_json json =
+      SceneJson(job, film, speed, DescribeMachine(flags.request.embree_config));
+  if (WriteResult(flags, json)) return 0;
+  const nlohmann::ordered_json& summary = json.at("summary");
+  fmt::print("raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads,
+             speed.render.size(), ReplayText(speed), RayText(speed));
+  fmt::print("render    {:>16}, backend {}\n", RenderText(speed), ToString(job.options().backend));
+  fmt::print("SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n",
+             summary.at("msamples_per_s").get<double>(), summary.at("mrays_per_s").get<double>(),
+             summary.at("embree_fraction").get<double>());
+  return 0;
 }
 
 int BenchSuite(const BenchFlags& flags) {
@@ -130,10 +217,8 @@ int BenchSuite(const BenchFlags& flags) {
   for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
 
   SpeedSettings settings;
-  settings.repetitions =
-      flags.counters
-          ? 0
-          : flags.repetitions.value_or(flags.full ? kFullRepetitions : kQuickRepetitions);
+  settings.repetitions = flags.counters ? 0 : RepetitionsOf(flags);
+  settings.deviation = DeviationOf(flags);
   settings.replay = !flags.counters && !flags.renders_only;
   if (settings.replay) {
     settings.thread_counts = ScalingThreads(ThreadsFor(flags.request.options.threads));
@@ -151,7 +236,9 @@ int BenchSuite(const BenchFlags& flags) {
     display->Begin(std::string(scene.name), 0);
     report.results.push_back(MeasureScene(scene, flags.request, settings, tables));
     display->Clear();
-    right &= PictureIsRight(report.results.back());
+    const SuiteResult& result = report.results.back();
+    right &= PictureIsRight(scene, result.check, result.found);
+    PrintUnsteady(result.speed, scene.name);
     display->End();
   }
   display.reset();
@@ -162,12 +249,14 @@ int BenchSuite(const BenchFlags& flags) {
     return right ? 0 : kExitWrongPicture;
   }
   if (!right) return kExitWrongPicture;
+  if (!flags.report.empty()) WriteFileAtomically(flags.report, Html(report, history));
+  if (WriteResult(flags, Json(report))) return 0;
   fmt::print("{}{}{}{}", Headline(report), SummaryLine(Summarize(report.results)),
              NotMeasured(report), SuiteText(report));
-  if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(report).dump(2) + "\n");
-  if (!flags.report.empty()) WriteFileAtomically(flags.report, Html(report, history));
   return 0;
 }
+
+namespace {
 
 #define FIELD SKYWAVE_FIELD
 std::vector<OptionOf<BenchFlags>> Options() {
@@ -175,13 +264,23 @@ std::vector<OptionOf<BenchFlags>> Options() {
   // clang-format off
   return {
     option({.name = "repetitions", .help = "renders and replays, in turn", .default_text = "5; suite: 3, --full 9"}, FIELD(repetitions), Numbers(1, 1000)),
+    option({.name = "deviation", .help = "go on until the times of the renders have this relative standard deviation, for at most four times the repetitions; 0: do not", .default_text = "2.5, or 0 with --repetitions", .metavar = "PERCENT"}, FIELD(deviation_percent), Numbers(0.0, 1000.0)),
     option({.name = "json", .help = "write every repetition to this file"}, FIELD(json), Texts("JSON")),
+    option({.name = "export", .help = "print, in place of the text, JSON for Bencher (bmf) or as Google Benchmark prints it"}, FIELD(export_as), NamesOfEnum<ExportFormat>()),
     ProgressOption<BenchFlags>(),
     option({.name = "full", .group = kSuite, .help = "larger pictures, more repetitions"}, FIELD(full), Switches()),
-    option({.name = "counters", .group = kSuite, .help = "only counters: rays, rows, bytes, hashes; the same text every time"}, FIELD(counters), Switches()),
     option({.name = "renders-only", .group = kSuite, .help = "no replays, other thread counts or tables: for comparisons of two programs"}, FIELD(renders_only), Switches()),
     option({.name = "report", .group = kSuite, .help = "write a page with charts to this file"}, FIELD(report), Texts("HTML")),
     option({.name = "history", .group = kSuite, .help = "JSON files of earlier runs, for the page", .most_values = 1000, .needs = "report"}, FIELD(history), Texts("JSON ...")),
+    option({.name = "sustain", .group = kOther, .help = "render for this long without a pause: does the speed last as the machine grows warm", .metavar = "SECONDS"}, FIELD(sustain_seconds), Numbers(0.1, 1e6)),
+    option({.name = "copies", .group = kOther, .help = "this many processes at once, one thread each, pinned one a core: the sum of what they do", .metavar = "N"}, FIELD(copies), Numbers(1, 4096)),
+    option({.name = "compare", .group = kOther, .help = "compare two results of --json, or pairs of runs in turn (A B A B); exit code 1 if B is slower", .most_values = 1000}, FIELD(compare), Texts("JSON ...")),
+    option({.name = "counters", .group = kGuard, .help = "only counters: rays, rows, bytes, hashes; the same text every time"}, FIELD(counters), Switches()),
+    option({.name = "instructions", .group = kGuard, .help = "only instructions of each stage, counted by valgrind in a picture 64 pixels wide"}, FIELD(instructions), Switches()),
+    option({.name = "baseline", .group = kGuard, .help = "hold the scene to this file; exit codes: 1 counters, 2 instructions, 3 time"}, FIELD(baseline), Texts("JSON")),
+    option({.name = "update-baseline", .group = kGuard, .help = "write the baseline anew, with the reason", .metavar = "WHY", .needs = "baseline"}, FIELD(new_baseline_reason), Texts("WHY")),
+    option({.name = "gates", .group = kGuard, .help = "what of a baseline is held or written; counters are always written", .most_values = 3, .delimiter = ',', .needs = "baseline"}, FIELD(gates), NamesOfEnum<BaselineGate>()),
+    option({.name = "threshold", .group = kGuard, .help = "how much slower a baseline or a comparison lets pass", .metavar = "PERCENT"}, FIELD(threshold_percent), Numbers(0.0, 1000.0)),
   };
   // clang-format on
 }
@@ -196,17 +295,21 @@ Command BenchCommand() {
       .name = "bench",
       .summary = "Speed of the suite or of a scene, and the share of it that is Embree's own",
       .footer =
-          "Without a scene: the suite, built-in scenes at fixed sizes, under a minute on two "
+          "Without a scene: the suite, built-in scenes at fixed sizes, half a minute on two quiet "
           "cores.\n"
           "Their pictures are compared with the known ones; no score where one differs (exit code "
           "1).\n"
-          "Keys of its JSON: docs/bench_json.md.\n\n"
+          "Keys of its JSON: docs/bench_json.md. How a project guards a scene: "
+          "docs/regression.md.\n\n"
           "The rays of one frame (8 samples a pixel unless --spp says otherwise) are recorded and\n"
           "replayed raw through every way to call Embree; embree_fraction is the best replay's "
           "time\n"
           "over the render's.\n\n"
           "Examples:\n  skywave bench --json b.json --report b.html\n"
-          "  skywave bench gallery --repetitions 9"};
+          "  skywave bench gallery --repetitions 9\n"
+          "  skywave bench --export bmf\n"
+          "  skywave bench --compare monday.json tuesday.json\n"
+          "  skywave bench gallery --baseline gallery.json --update-baseline \"first\""};
   AddOptions(command, JobOptions(), std::shared_ptr<JobRequest>(flags, &flags->request),
              {"aovs", "denoise"});
   OptionInfo& scene = OptionCalled(command, "scene");
@@ -216,10 +319,11 @@ Command BenchCommand() {
   const auto options = Options();
   AddOptions(command, options, flags);
   command.run = [flags, described = command](const GivenOptions& given) {
-    const bool has_scene = !flags->request.scene.empty();
-    CheckGiven(described, given, has_scene);
-    return TellFailures(flags->progress,
-                        [&] { return has_scene ? BenchScene(*flags) : BenchSuite(*flags); });
+    const BenchKind& kind = KindOf(given);
+    CheckGiven(described, kind, given, flags->has_scene());
+    return TellFailures(flags->progress, [&] {
+      return flags->has_scene() ? kind.scene(*flags) : kind.suite(*flags);
+    });
   };
   return command;
 }

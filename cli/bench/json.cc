@@ -1,20 +1,17 @@
 #include <cmath>
-#include <exception>
 #include <filesystem>
 
-#include "base/error.h"
-#include "base/files.h"
 #include "base/version.h"
 #include "cli/bench/report.h"
 #include "fmt/format.h"
+#include "measure/bench_record.h"
+#include "measure/json_input.h"
 #include "wavefront/worker.h"
 
 namespace skywave {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr std::string_view kSchema = "skywave-bench-suite-2";
 
 // 0 stands for a figure that was not measured.
 ordered_json Measured(double value) {
@@ -24,21 +21,6 @@ ordered_json Measured(double value) {
 ordered_json Json(const SuiteSummary& summary) {
   ordered_json json;
   for (const auto& [key, value] : Figures(summary)) json[std::string(key)] = Measured(value);
-  return json;
-}
-
-ordered_json Json(const Machine& machine) {
-  ordered_json json = {{"processor", machine.processor},
-                       {"processors", machine.processors},
-                       {"memory_bytes", machine.memory_bytes},
-                       {"system", machine.system},
-                       {"compiler", machine.compiler},
-                       {"build", machine.build},
-                       {"revision", machine.revision},
-                       {"instructions", machine.instructions},
-                       {"lanes", machine.lanes},
-                       {"embree_config", machine.embree_config}};
-  for (const auto& [name, version] : machine.libraries) json["libraries"][name] = version;
   return json;
 }
 
@@ -104,9 +86,28 @@ ordered_json Json(const SuiteResult& result) {
 
 }  // namespace
 
+ordered_json Json(const Machine& machine) {
+  ordered_json json = {{"processor", machine.processor},
+                       {"processors", machine.processors},
+                       {"memory_bytes", machine.memory_bytes},
+                       {"system", machine.system},
+                       {"compiler", machine.compiler},
+                       {"build", machine.build},
+                       {"revision", machine.revision},
+                       {"instructions", machine.instructions},
+                       {"lanes", machine.lanes},
+                       {"embree_config", machine.embree_config}};
+  for (const auto& [name, version] : machine.libraries) json["libraries"][name] = version;
+  return json;
+}
+
 ordered_json Json(const Speed& speed) {
   ordered_json json;
+  json["deviation"] = {{"relative", speed.deviation()},
+                       {"limit", Measured(speed.deviation_limit)},
+                       {"reached", speed.steady()}};
   json["repetitions"]["render"] = speed.render;
+  json["repetitions"]["processor"] = speed.processor;
   for (const auto& stages : speed.stages) {
     ordered_json& all = json["repetitions"]["stages"];
     for (std::uint32_t i = 0; i < kStages; ++i) {
@@ -149,7 +150,7 @@ ordered_json Json(const Speed& speed) {
 
 ordered_json Json(const SuiteReport& report) {
   ordered_json json;
-  json["schema"] = kSchema;
+  json["schema"] = kSuiteSchema;
   json["version"] = Version();
   json["suite"] = report.full ? "full" : "quick";
   json["summary"] = Json(Summarize(report.results));
@@ -164,23 +165,19 @@ ordered_json Json(const SuiteReport& report) {
 }
 
 HistoryEntry ReadHistory(const std::string& path) {
-  const std::string text = ReadFile(path);
-  try {
-    const auto json = nlohmann::json::parse(text);
-    if (json.at("schema") != kSchema) throw std::invalid_argument("schema");
-    const auto& summary = json.at("summary");
-    const auto value = [&](const char* key) {
-      return summary.at(key).is_null() ? 0.0 : summary.at(key).get<double>();
-    };
-    return {.name = std::filesystem::path(path).filename().string(),
-            .summary = {.msamples_per_s = value("msamples_per_s"),
-                        .mrays_per_s = value("mrays_per_s"),
-                        .embree_fraction = value("embree_fraction"),
-                        .scaling_2 = value("scaling_2")}};
-  } catch (const std::exception&) {
-    throw InputError(InputPosition::File(path),
-                     fmt::format("is no result of skywave bench --json (schema {})", kSchema));
-  }
+  const nlohmann::json json = ReadJson(path);
+  const JsonInput root(json, path);
+  root.schema({kSuiteSchema}, "a result of skywave bench --json");
+  const JsonInput summary = root.at("summary");
+  const auto value = [&](const char* key) {
+    const JsonInput figure = summary.at(key);
+    return figure.is_null() ? 0.0 : figure.number();
+  };
+  return {.name = std::filesystem::path(path).filename().string(),
+          .summary = {.msamples_per_s = value("msamples_per_s"),
+                      .mrays_per_s = value("mrays_per_s"),
+                      .embree_fraction = value("embree_fraction"),
+                      .scaling_2 = value("scaling_2")}};
 }
 
 }  // namespace skywave

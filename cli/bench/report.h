@@ -43,6 +43,10 @@ std::string SuiteText(const SuiteReport& report);
 // Returns everything that depends on neither time nor threads: the same text on every machine with
 // AVX2.
 std::string CountersText(const std::vector<SuiteResult>& results);
+// Returns the median of the renders and how they spread.
+std::string RenderText(const Speed& speed);
+// Returns a note if the renders of `scene` still deviate by more than they were to; else nothing.
+std::string Unsteady(const Speed& speed, std::string_view scene);
 // Return each kind of rays in the render and raw, all calls to raw Embree, and the gain by
 // ordering.
 std::string RayText(const Speed& speed);
@@ -51,6 +55,7 @@ std::string ReplayText(const Speed& speed);
 // Returns the width for which lanes are shown on this machine, one of kLaneWidths.
 std::uint32_t ShownLanes(const Machine& machine);
 
+nlohmann::ordered_json Json(const Machine& machine);
 nlohmann::ordered_json Json(const Speed& speed);
 nlohmann::ordered_json Json(const SuiteReport& report);
 std::string Html(const SuiteReport& report, const std::vector<HistoryEntry>& history);

@@ -5,6 +5,7 @@
 
 #include "base/version.h"
 #include "cli/bench/report.h"
+#include "measure/counters.h"
 #include "measure/statistics.h"
 #include "wavefront/worker.h"
 
@@ -41,16 +42,12 @@ void WriteLanes(const LaneCounts& lanes, std::uint32_t width, Lines& line) {
 void WriteScene(const SuiteResult& result, std::uint32_t lanes, Lines& line) {
   const Speed& speed = result.speed;
   const RenderStats& stats = speed.first.stats;
-  const double seconds = speed.render_seconds();
   const auto samples = double(std::max<std::uint64_t>(stats.samples, 1));
   line("\n{}, {} x {}, {} samples a pixel, picture: {}", result.scene.name, result.scene.width,
        result.scene.height, result.scene.samples_per_pixel, ToString(result.check));
-  line(
-      "  load {:.3f} s, build {:.3f} s, tables {:.3f} s, render {:.4f} s ({:.4f} to {:.4f}), "
-      "write {:.3f} s",
-      result.times.load, result.times.build, result.times.tables, seconds,
-      *std::min_element(speed.render.begin(), speed.render.end()),
-      *std::max_element(speed.render.begin(), speed.render.end()), result.write_seconds);
+  line("  load {:.3f} s, build {:.3f} s, tables {:.3f} s, render {}, write {:.3f} s",
+       result.times.load, result.times.build, result.times.tables, RenderText(speed),
+       result.write_seconds);
   line("  {:.3f} Msamples/s, {:.3f} Mrays/s, {:.2f} rays a path, peak memory {:.0f} MiB",
        result.msamples_per_second(), result.mrays_per_second(),
        double(stats.total_rays()) / samples, result.peak_memory_bytes / (1 << 20));
@@ -133,6 +130,21 @@ std::uint32_t ShownLanes(const Machine& machine) {
   return machine.lanes >= int(kLaneWidths.back()) ? kLaneWidths.back() : kLaneWidths.front();
 }
 
+std::string RenderText(const Speed& speed) {
+  return fmt::format("{:.4f} s ({:.4f} to {:.4f}, {} times, deviation {:.1f} %)",
+                     speed.render_seconds(),
+                     *std::min_element(speed.render.begin(), speed.render.end()),
+                     *std::max_element(speed.render.begin(), speed.render.end()),
+                     speed.render.size(), 100 * speed.deviation());
+}
+
+std::string Unsteady(const Speed& speed, std::string_view scene) {
+  if (speed.steady()) return "";
+  return fmt::format(
+      "{}: the times of {} renders deviate by {:.1f} %, more than {:.1f} %; more are not made",
+      scene, speed.render.size(), 100 * speed.deviation(), 100 * speed.deviation_limit);
+}
+
 std::string RayText(const Speed& speed) {
   const RenderStats& stats = speed.first.stats;
   const auto samples = double(std::max<std::uint64_t>(stats.samples, 1));
@@ -176,30 +188,8 @@ std::string CountersText(const std::vector<SuiteResult>& results) {
   Lines line;
   line("bytes_per_path {}", kWorkerBytesPerRow);
   for (const SuiteResult& result : results) {
-    const RenderStats& stats = result.speed.first.stats;
-    const auto& name = result.scene.name;
-    line("{} picture {:016x}", name, result.found.hash);
-    line("{} scene {:016x}", name, result.scene_hash);
-    line("{} triangles {}", name, result.triangles);
-    line("{} geometry_bytes {}", name, result.geometry_bytes);
-    line("{} samples {}", name, stats.samples);
-    line("{} waves {}", name, stats.waves);
-    for (std::uint32_t kind = 0; kind < kRayKinds; ++kind) {
-      line("{} rays {} {}", name, kRayKindNames[kind], stats.rays[kind]);
-    }
-    for (std::uint32_t i = 0; i < kCountedBounces && stats.bounces[i].rows > 0; ++i) {
-      line("{} bounce {} rows {} of {}", name, i, stats.bounces[i].rows, stats.bounces[i].capacity);
-    }
-    for (std::uint32_t i = 0; i < kKernels; ++i) {
-      const LaneCount& lanes = stats.lanes[i];
-      if (lanes.active == 0) continue;
-      line("{} lanes {} {} of {}", name, ToString(Kernel(i)), lanes.active,
-           fmt::join(lanes.issued, " "));
-    }
-    line("{} clamped_samples {}", name, stats.clamped_samples);
-    line("{} invalid_samples {}", name, stats.invalid_samples);
-    for (const StrategyTable& table : result.tables) {
-      line("{} table_bytes {} {}", name, table.name, table.bytes);
+    for (const auto& [name, value] : Counters(result)) {
+      line("{} {} {}", result.scene.name, name, value);
     }
   }
   return line.text();

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -160,6 +161,205 @@ TEST_F(Bench, CountersAreTheSameTextForThreadsAndBackends) {
   }
 }
 
+// Bencher takes standard output, so nothing else may be there.
+TEST_F(Bench, ExportsAreAllOfStandardOutput) {
+  const std::string scene = "bench spheres --size 32x24 --spp 1 ";
+  const Result bmf = Run(scene + "--repetitions 2 --export bmf --json a.json");
+  ASSERT_EQ(bmf.exit_code, 0) << bmf.err;
+  const Json measures = Json::parse(bmf.out).at("spheres");
+  const Json kept = Json::parse(Bytes("a.json"));
+  double sum = 0;
+  for (const Json& seconds : kept.at("render_seconds")) sum += seconds.get<double>();
+  EXPECT_NEAR(measures.at("latency").at("value").get<double>(), sum / 2 * 1e9, 1);
+  const Result google = Run(scene + "--repetitions 3 --export google");
+  ASSERT_EQ(google.exit_code, 0) << google.err;
+  const Json runs = Json::parse(google.out).at("benchmarks");
+  EXPECT_EQ(runs.size(), 3u + 4u);
+  EXPECT_EQ(runs.at(0).at("name"), "spheres");
+  EXPECT_GT(runs.at(0).at("cpu_time").get<double>(), 0);
+}
+
+TEST_F(Bench, RepeatsUntilTimesAgreeAndSaysWhenTheyDoNot) {
+  const std::string scene = "bench spheres --size 32x24 --spp 1 --json a.json ";
+  const auto repetitions = [&] { return Json::parse(Bytes("a.json")).at("render_seconds").size(); };
+  // Times of less than a millisecond never agree to a millionth. Two values deviate by 141 % at
+  // most.
+  const Result never = Run(scene + "--repetitions 2 --deviation 0.0001");
+  EXPECT_EQ(repetitions(), 8u);
+  EXPECT_TRUE(Contains(never.err, "the times of 8 renders deviate by")) << never.err;
+  EXPECT_FALSE(Json::parse(Bytes("a.json")).at("deviation").at("reached"));
+  const Result soon = Run(scene + "--repetitions 2 --deviation 200");
+  EXPECT_EQ(repetitions(), 2u);
+  EXPECT_FALSE(Contains(soon.err, "deviate")) << soon.err;
+  Run(scene + "--repetitions 3");
+  EXPECT_EQ(repetitions(), 3u) << "a number of repetitions is that number";
+  Run(scene);
+  EXPECT_EQ(Json::parse(Bytes("a.json")).at("deviation").at("limit"), 0.025);
+}
+
+TEST_F(Bench, SustainRendersForTheTimeAndKeepsEveryRound) {
+  const Result result = Run("bench spheres --size 32x24 --spp 1 --sustain 0.5 --json s.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(Contains(result.out, "SUSTAIN seconds=")) << result.out;
+  const Json json = Json::parse(Bytes("s.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-bench-sustain-1");
+  EXPECT_GE(json.at("seconds").get<double>(), 0.5);
+  double last = -1;
+  for (const Json& round : json.at("rounds")) {
+    EXPECT_GT(round.at("start").get<double>(), last);
+    EXPECT_GT(round.at("msamples_per_s").get<double>(), 0);
+    last = round.at("start");
+  }
+  EXPECT_LT(last, 0.5);
+  const Json& interval = json.at("last_to_first").at("interval");
+  EXPECT_LE(interval.at(0), json.at("last_to_first").at("ratio"));
+}
+
+TEST_F(Bench, CopiesAddUp) {
+  const Result result =
+      Run("bench spheres --size 32x24 --spp 1 --copies 3 --repetitions 2 --json c.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json json = Json::parse(Bytes("c.json"));
+  EXPECT_EQ(json.at("schema"), "skywave-bench-copies-1");
+  ASSERT_EQ(json.at("copies").size(), 3u);
+  double sum = 0;
+  for (const Json& copy : json.at("copies")) {
+    sum += copy.at("msamples_per_s").get<double>();
+    EXPECT_EQ(copy.at("scenes").at(0).at("render").size(), 2u);
+  }
+  EXPECT_NEAR(json.at("summary").at("msamples_per_s").get<double>(), sum, 1e-9);
+  const Result failed = Run("bench nosuch.pbrt --copies 2 --json d.json");
+  EXPECT_EQ(failed.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(failed.err, "nosuch.pbrt")) << failed.err;
+  EXPECT_EQ(Files(), std::set<std::string>{"c.json"});
+}
+
+// Returns a result of two scenes whose times are `factor` times some others.
+std::string SuiteResultText(double factor, const std::string& suite = "quick") {
+  Json json = {{"schema", "skywave-bench-suite-2"},
+               {"version", "1"},
+               {"suite", suite},
+               {"settings", {{"threads", 2}}},
+               {"scenes", Json::array()}};
+  for (const char* const name : {"one", "two"}) {
+    json["scenes"].push_back(
+        {{"name", name},
+         {"picture", {{"expected", "12"}}},
+         {"samples", 100},
+         {"rays", {{"camera", {{"count", 100}}}}},
+         {"repetitions", {{"render", {factor, factor * 1.01, factor * 0.99}}}}});
+  }
+  return json.dump(2);
+}
+
+TEST_F(Bench, ComparesFilesAndEndsWithOneWhereTheSecondIsSlower) {
+  Put("a.json", SuiteResultText(1));
+  Put("b.json", SuiteResultText(1.2));
+  Put("full.json", SuiteResultText(1, "full"));
+  const Result slower = Run("bench --compare a.json b.json");
+  EXPECT_EQ(slower.exit_code, 1) << slower.err;
+  EXPECT_TRUE(Contains(slower.out, "result=slower: all, one, two\n")) << slower.out;
+  EXPECT_TRUE(Contains(slower.out, "COMPARE ratio=1.2000")) << slower.out;
+  const Result faster = Run("bench --compare b.json a.json");
+  EXPECT_EQ(faster.exit_code, 0) << faster.err;
+  EXPECT_TRUE(Contains(faster.out, "result=faster\n")) << faster.out;
+  EXPECT_EQ(Run("bench --compare a.json b.json --threshold 25").exit_code, 0);
+  const Result pairs = Run("bench --compare a.json b.json a.json b.json");
+  EXPECT_EQ(pairs.exit_code, 1) << pairs.err;
+  EXPECT_TRUE(Contains(pairs.out, "pairs=2 ")) << pairs.out;
+  const Result other = Run("bench --compare a.json full.json");
+  EXPECT_EQ(other.exit_code, kExitBadInput);
+  EXPECT_TRUE(Contains(other.err, "full.json: is a result of another measurement")) << other.err;
+}
+
+TEST_F(Bench, ABaselineHoldsCountersInstructionsAndTime) {
+  // Valgrind takes seconds for the maps and meshes of built-in scenes.
+  Put("s.pbrt",
+      "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+      "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+  const std::string command =
+      "bench s.pbrt --size 32x24 --spp 1 --repetitions 5 --baseline b.json ";
+  EXPECT_EQ(Run(command).exit_code, kExitIo);
+  const Result made = Run(command + "--update-baseline first");
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  // Times of such a picture scatter, so they are not asked.
+  const Result same = Run(command + "--gates counters");
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  EXPECT_TRUE(Contains(same.out, "BASELINE counters=")) << same.out;
+  const Json baseline = Json::parse(Bytes("b.json"));
+  const auto expect = [&](Json changed, const std::string& gates, int code,
+                          const std::string& part) {
+    Put("b.json", changed.dump());
+    const Result result = Run(command + "--gates " + gates);
+    EXPECT_EQ(result.exit_code, code) << result.out << result.err;
+    EXPECT_TRUE(Contains(result.out + result.err, part)) << result.out << result.err;
+  };
+  if (__builtin_cpu_supports("avx2")) {
+    Json changed = baseline;
+    changed["counters"]["rays camera"] = "1";
+    expect(changed, "counters,time", 1, ", was 1\n");
+    changed = baseline;
+    if (baseline.at("instructions").empty()) {
+      std::puts("skipped: no instructions were counted; is there a valgrind?");
+    } else {
+      changed["instructions"]["film"] = 10;
+      expect(changed, "instructions", 2, "film: ");
+    }
+  }
+  Json changed = baseline;
+  changed["render_seconds"] = {1e-9, 1.1e-9, 1.2e-9};
+  expect(changed, "time", 3, "measured once more");
+  changed["render_seconds"] = {1e6, 1.1e6, 1.2e6};
+  expect(changed, "time", 0, "time=passed");
+  changed = baseline;
+  changed["options"]["spp"] = "--spp 2";
+  expect(changed, "counters", kExitBadInput,
+         "b.json: /options: is the baseline of another picture");
+  // A reason is added to those that are there; a broken file is not written over.
+  Put("b.json", baseline.dump());
+  EXPECT_EQ(Run(command + "--update-baseline 'it gained' --gates time").exit_code, 0);
+  EXPECT_EQ(Json::parse(Bytes("b.json")).at("reasons"), (Json{"first", "it gained"}));
+  EXPECT_TRUE(Json::parse(Bytes("b.json")).at("instructions").empty());
+  Put("b.json", "{");
+  EXPECT_EQ(Run(command + "--update-baseline again").exit_code, kExitBadInput);
+  EXPECT_EQ(Bytes("b.json"), "{");
+}
+
+TEST_F(Bench, TheExampleOfAGuardGoesThroughAFolder) {
+  const auto guard = [&](const std::string& arguments) {
+    return Shell("SKYWAVE='" + ProgramPath() + "' '" + SourcePath("examples/guard.sh") + "' " +
+                 arguments);
+  };
+  EXPECT_EQ(guard("scenes --gates counters").exit_code, kExitUsage);
+  std::filesystem::create_directories(Path("scenes"));
+  for (const char* const name : {"one", "two"}) {
+    Put(std::string("scenes/") + name + ".pbrt",
+        "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+        "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+        "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+    Put(std::string("scenes/") + name + ".options", "--size 32x24\n--spp 1\n");
+    const Result made = Run(std::string("bench scenes/") + name +
+                            ".pbrt --size 32x24 --spp 1 --gates time --repetitions 1 --baseline "
+                            "scenes/" +
+                            name + ".baseline.json --update-baseline first");
+    ASSERT_EQ(made.exit_code, 0) << made.err;
+  }
+  const Result same = guard("scenes --gates counters");
+  EXPECT_EQ(same.exit_code, 0) << same.out << same.err;
+  EXPECT_EQ(Count(same.out, "BASELINE counters="), 2u) << same.out;
+  Put("scenes/one.options", "--size 32x24 --spp 1 --env-rotate 3\n");
+  EXPECT_EQ(guard("scenes --gates counters").exit_code, kExitBadInput);
+  if (!__builtin_cpu_supports("avx2")) return;
+  Put("scenes/one.options", "--size 32x24 --spp 1\n");
+  std::string scene = Bytes("scenes/one.pbrt");
+  scene.replace(scene.find("[-1 -1 3"), 8, "[-9 -1 3");
+  Put("scenes/one.pbrt", scene);
+  const Result other = guard("scenes --gates counters");
+  EXPECT_EQ(other.exit_code, 1) << other.out << other.err;
+  EXPECT_EQ(Count(other.out, "BASELINE counters=passed"), 1u) << "it goes on: " << other.out;
+}
+
 struct BadCase {
   std::string arguments;
   int exit_code;
@@ -182,6 +382,20 @@ TEST_F(Bench, BadInputIsToldClearlyAndLeavesNoFile) {
       {"bench --json missing/a.json", kExitIo, {"missing/a.json"}},
       {"bench --repetitions 0", kExitUsage, {"--repetitions"}},
       {"bench nosuch.pbrt", kExitBadInput, {"nosuch.pbrt"}},
+      {"bench --compare other.json", kExitUsage, {"--compare", "pairs"}},
+      {"bench --compare other.json no.json", kExitBadInput, {"other.json", "not skywave-bench-1"}},
+      {"bench --compare no.json other.json", kExitBadInput, {"no.json:1"}},
+      {"bench --compare missing.json no.json", kExitIo, {"missing.json"}},
+      {"bench spheres --threshold 3 --compare no.json no.json", kExitUsage, {"renders nothing"}},
+      {"bench --threshold 3", kExitUsage, {"--threshold", "another measurement"}},
+      {"bench --sustain 1 --repetitions 3", kExitUsage, {"--repetitions", "--sustain"}},
+      {"bench --copies 2 --threads 2", kExitUsage, {"--threads", "one thread"}},
+      {"bench --baseline other.json", kExitUsage, {"--baseline", "scene"}},
+      {"bench spheres --baseline other.json", kExitBadInput, {"other.json", "baseline"}},
+      {"bench spheres --update-baseline why", kExitUsage, {"--baseline"}},
+      {"bench spheres --baseline new.json --update-baseline ''", kExitUsage, {"needs a reason"}},
+      {"bench spheres --instructions --json a.json", kExitUsage, {"--json", "--instructions"}},
+      {"bench --export csv", kExitUsage, {"bmf|google"}},
   };
   for (const BadCase& test : cases) {
     SCOPED_TRACE(test.arguments);

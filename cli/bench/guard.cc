@@ -1,0 +1,157 @@
+// Guards a scene: holds a run to a baseline, and prints what a baseline counts.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "base/version.h"
+#include "cli/bench/flags.h"
+#include "cli/bench/report.h"
+#include "job/job.h"
+#include "job/options.h"
+#include "measure/counters.h"
+
+namespace skywave {
+namespace {
+
+std::vector<Counter> CountersOf(const RenderJob& job, const Film& film, const RenderStats& stats) {
+  const StrategyTable table = {.name = std::string(job.strategy().name()),
+                               .bytes = job.strategy().table_bytes()};
+  return Counters({.picture = FingerprintOf(film, job.options().samples_per_pixel).hash,
+                   .scene = job.scene_hash(),
+                   .triangles = job.geometry().triangle_count(),
+                   .geometry_bytes = job.geometry().bytes(),
+                   .stats = stats,
+                   .tables = std::span(&table, 1)});
+}
+
+bool Has(const std::vector<BaselineGate>& gates, BaselineGate gate) {
+  return std::find(gates.begin(), gates.end(), gate) != gates.end();
+}
+
+// Measures what `gates` need. Options that only say where a picture comes from are left out: the
+// hash of the scene tells whether it is the same.
+Baseline MeasureBaseline(const RenderJob& job, const BenchFlags& flags,
+                         const std::vector<BaselineGate>& gates) {
+  Film film = job.MakeFilm();
+  SpeedSettings settings = {.repetitions = RepetitionsOf(flags),
+                            .deviation = DeviationOf(flags),
+                            .thread_counts = {},
+                            .replay = false};
+  if (!Has(gates, BaselineGate::kTime)) settings.repetitions = 0;
+  const Speed speed = MeasureSpeed(job, settings, film);
+  if (const std::string note = Unsteady(speed, job.request().scene); !note.empty()) {
+    fmt::print(stderr, "note: {}\n", note);
+  }
+  const Machine machine = DescribeMachine(flags.request.embree_config);
+  Baseline now = {.reasons = {},
+                  .version = std::string(Version()),
+                  .options = {{"wave", std::to_string(job.options().wave)}},
+                  .hits = machine.embree_config,
+                  .counters = CountersOf(job, film, speed.first.stats),
+                  .machine = {{"processor", machine.processor},
+                              {"processors", std::to_string(machine.processors)},
+                              {"threads", std::to_string(speed.first.threads)},
+                              {"backend", std::string(ToString(job.options().backend))}},
+                  .seconds = speed.render};
+  for (const RecordedOption& option : RecordedOptions(job.request())) {
+    if (!option.is_input && !option.words.empty()) {
+      now.options.emplace_back(option.name, option.words.substr(1));
+    }
+  }
+  if (Has(gates, BaselineGate::kInstructions)) {
+    InstructionCounts counts = CountInstructions(job.request());
+    now.not_counted = counts.skipped;
+    now.toolchain = counts.toolchain;
+    now.instructions = std::move(counts.stages);
+  }
+  return now;
+}
+
+std::vector<GateResult> Judge(const Baseline& baseline, const Baseline& now,
+                              const BenchFlags& flags, const std::vector<BaselineGate>& gates) {
+  return JudgeBaseline(baseline, now, gates, flags.threshold_percent / 100, flags.baseline);
+}
+
+int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
+  if (reason.empty()) throw OptionError("update-baseline", "", "needs a reason");
+  CheckWritable(flags.baseline);
+  std::vector<std::string> reasons;
+  if (std::filesystem::exists(flags.baseline)) reasons = ReadBaseline(flags.baseline).reasons;
+  const RenderJob job(flags.request);
+  PrintNotes(job.notes());
+  Baseline baseline = MeasureBaseline(job, flags, flags.gates);
+  if (!baseline.not_counted.empty()) {
+    fmt::print(stderr, "note: no instructions: {}\n", baseline.not_counted);
+  }
+  baseline.reasons = std::move(reasons);
+  baseline.reasons.push_back(reason);
+  WriteFileAtomically(flags.baseline, Json(baseline).dump(2) + "\n");
+  fmt::print("wrote {}: {} counters, instructions of {} stages, {} times\n", flags.baseline,
+             baseline.counters.size(), baseline.instructions.size(), baseline.seconds.size());
+  return 0;
+}
+
+}  // namespace
+
+int GuardScene(const BenchFlags& flags) {
+  if (flags.new_baseline_reason) return WriteBaseline(flags, *flags.new_baseline_reason);
+  if (!std::filesystem::exists(flags.baseline)) {
+    throw InputError(InputPosition::File(flags.baseline),
+                     "there is no such baseline yet; make it by --update-baseline WHY", kExitIo);
+  }
+  const Baseline baseline = ReadBaseline(flags.baseline);
+  const RenderJob job(flags.request);
+  PrintNotes(job.notes());
+  const Baseline now = MeasureBaseline(job, flags, flags.gates);
+  std::vector<GateResult> results = Judge(baseline, now, flags, flags.gates);
+  // A slow minute of the machine is no regression, and is seldom followed by another.
+  for (GateResult& result : results) {
+    if (result.gate != BaselineGate::kTime || result.verdict != GateResult::kFailed) continue;
+    fmt::print(stderr, "note: slower than the baseline; measured once more\n");
+    const std::vector<BaselineGate> time = {BaselineGate::kTime};
+    result = Judge(baseline, MeasureBaseline(job, flags, time), flags, time).front();
+  }
+  std::string line = "BASELINE";
+  for (const GateResult& result : results) {
+    const std::string_view verdict = result.verdict == GateResult::kPassed   ? "passed"
+                                     : result.verdict == GateResult::kFailed ? "FAILED"
+                                                                             : "skipped";
+    fmt::print("{}: {}: {}\n", ToString(result.gate), verdict, result.summary);
+    for (const std::string& what : result.lines) fmt::print("  {}\n", what);
+    line += fmt::format(" {}={}", ToString(result.gate), verdict);
+  }
+  const int code = ExitCodeOf(results);
+  if (code != 0) {
+    fmt::print("if this is meant: --update-baseline WHY takes the new values\n");
+  }
+  fmt::print("{} result={}\n", line, code == 0 ? "passed" : "failed");
+  return code;
+}
+
+int PrintCounters(const BenchFlags& flags) {
+  const RenderJob job(flags.request);
+  PrintNotes(job.notes());
+  Film film = job.MakeFilm();
+  const FrameResult frame = RenderFrame(job.frame(), film);
+  for (const auto& [name, value] : CountersOf(job, film, frame.stats)) {
+    fmt::print("{} {}\n", name, value);
+  }
+  return 0;
+}
+
+int PrintInstructions(const BenchFlags& flags) {
+  const RenderJob job(flags.request);
+  PrintNotes(job.notes());
+  const InstructionCounts counts = CountInstructions(job.request());
+  if (!counts.skipped.empty()) {
+    fmt::print("skipped: {}\n", counts.skipped);
+    return kExitSkipped;
+  }
+  for (const auto& [stage, count] : counts.stages) fmt::print("{} {}\n", stage, count);
+  return 0;
+}
+
+}  // namespace skywave

@@ -1,0 +1,501 @@
+// Tests how results of skywave bench are read back, compared, exported and held to a baseline: with
+// made-up times, so that no clock decides.
+#include <gtest/gtest.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <random>
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "measure/baseline.h"
+#include "measure/bench_compare.h"
+#include "measure/bench_export.h"
+#include "measure/copies.h"
+#include "measure/json_input.h"
+#include "measure/statistics.h"
+#include "measure/sustain.h"
+#include "tests/support/temporary_folder.h"
+
+namespace skywave {
+namespace {
+
+using Json = nlohmann::json;
+using Values = std::vector<double>;
+
+constexpr double kScatter = 0.02;
+
+Values Draw(std::mt19937& random, double median, int count) {
+  std::lognormal_distribution<double> draw(std::log(median), kScatter);
+  Values values(static_cast<std::size_t>(count));
+  for (double& value : values) value = draw(random);
+  return values;
+}
+
+TEST(BenchStatistics, GeometricMeanOfPowers) {
+  EXPECT_NEAR(GeometricMean(Values{1, 4, 16}), 4, 1e-12);
+  EXPECT_NEAR(GeometricMean(Values{7}), 7, 1e-12);
+}
+
+TEST(BenchStatistics, RelativeDeviationIsThatOfTheSample) {
+  EXPECT_DOUBLE_EQ(RelativeDeviation(Values{1, 3}), std::sqrt(2.0) / 2);
+  EXPECT_EQ(RelativeDeviation(Values{5}), 0);
+}
+
+// Logarithms 0, 2 and 1, 1, 4: means 1 and 2, variances 2 and 3, squared errors 1 and 1; degrees of
+// freedom 4 / (1 / 1 + 1 / 2) = 2.67, rounded down to 2.
+TEST(BenchStatistics, WelchRatioMatchesAHandCalculation) {
+  const Values a[] = {{1, std::exp(2.0)}}, b[] = {{std::exp(1.0), std::exp(1.0), std::exp(4.0)}};
+  const Ratio ratio = WelchRatio(a, b);
+  EXPECT_NEAR(ratio.value, std::exp(1.0), 1e-12);
+  EXPECT_NEAR(std::log(ratio.interval.low), 1 - 4.3027 * std::sqrt(2.0), 1e-9);
+  EXPECT_NEAR(std::log(ratio.interval.high), 1 + 4.3027 * std::sqrt(2.0), 1e-9);
+  const Values single[] = {{2}};
+  EXPECT_TRUE(std::isnan(WelchRatio(a, single).interval.low));
+  const Values same[] = {{2, 2}};
+  EXPECT_DOUBLE_EQ(WelchRatio(same, same).interval.high, 1);
+}
+
+TEST(BenchStatistics, PairedRatioMatchesAHandCalculation) {
+  const Ratio ratio = PairedRatio(Values{1, std::exp(2.0)});
+  EXPECT_NEAR(ratio.value, std::exp(1.0), 1e-12);
+  EXPECT_NEAR(std::log(ratio.interval.high), 1 + 12.7062, 1e-9);
+  EXPECT_TRUE(std::isnan(PairedRatio(Values{3}).interval.low));
+}
+
+TEST(BenchStatistics, SlopeMatchesAHandCalculation) {
+  const CurvePoint points[] = {{0, 0}, {1, 2}, {2, 1}};  // residuals -0.5, 1, -0.5
+  const Slope slope = FitSlope(points);
+  EXPECT_NEAR(slope.value, 0.5, 1e-12);
+  EXPECT_NEAR(slope.interval.high, 0.5 + 12.7062 * std::sqrt(1.5 / 2), 1e-9);
+}
+
+// Both kinds of intervals, and that of a slope, contain the truth in 95 of 100 experiments.
+TEST(BenchStatistics, IntervalsCoverTheTruthAsOftenAsTheySay) {
+  std::mt19937 random(1);
+  constexpr int kExperiments = 4000;
+  int welch = 0, paired = 0, slopes = 0;
+  for (int i = 0; i < kExperiments; ++i) {
+    const Values a[] = {Draw(random, 1, 5), Draw(random, 3, 4)};
+    const Values b[] = {Draw(random, 1.1, 7), Draw(random, 3.3, 5)};
+    const Interval interval = WelchRatio(a, b).interval;
+    welch += interval.low <= 1.1 && 1.1 <= interval.high;
+    const Interval pairs = PairedRatio(Draw(random, 1.1, 6)).interval;
+    paired += pairs.low <= 1.1 && 1.1 <= pairs.high;
+    std::vector<CurvePoint> points;
+    for (int x = 0; x < 8; ++x) points.push_back({double(x), std::log(Draw(random, 1, 1)[0])});
+    const Interval drift = FitSlope(points).interval;
+    slopes += drift.low <= 0 && 0 <= drift.high;
+  }
+  // Four standard deviations of the count, and as much as degrees that are rounded down may add.
+  const double reach = 4 * std::sqrt(0.95 * 0.05 / kExperiments);
+  EXPECT_NEAR(double(paired) / kExperiments, 0.95, reach);
+  EXPECT_NEAR(double(slopes) / kExperiments, 0.95, reach);
+  EXPECT_NEAR(double(welch) / kExperiments, 0.95, reach + 0.005);
+}
+
+BenchRecord Record(const std::string& file, const std::vector<Values>& times) {
+  BenchRecord record = {.file = file, .subject = "quick suite", .version = "1"};
+  record.settings = {{"threads", "2"}, {"embree_config", "isa=avx2"}};
+  record.threads = 2;
+  for (const Values& render : times) {
+    record.scenes.push_back({.name = "scene " + std::to_string(record.scenes.size()),
+                             .picture = "abc",
+                             .samples = 1e6,
+                             .rays = 3e6,
+                             .render = render,
+                             .processor = {}});
+  }
+  return record;
+}
+
+std::string Failure(const std::vector<BenchRecord>& records) {
+  try {
+    CompareRecords(records);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(BenchCompare, FindsWhatIsSlowerAndNothingElse) {
+  const Values base = {1.00, 1.02, 0.99, 1.01}, slow = {1.20, 1.22, 1.21, 1.19};
+  const auto compared = [&](const Values& other) {
+    const std::vector<BenchRecord> records = {Record("a", {base, base}),
+                                              Record("b", {base, other})};
+    return CompareRecords(records).ratios;
+  };
+  const std::vector<SpeedRatio> slower = compared(slow);
+  ASSERT_EQ(slower.size(), 3u);
+  EXPECT_EQ(slower[0].name, kWholeSuite);
+  EXPECT_NEAR(slower[0].ratio.value, std::sqrt(slower[2].ratio.value), 1e-12);
+  EXPECT_FALSE(slower[1].slower(0.05));
+  EXPECT_TRUE(slower[2].slower(0.05));
+  EXPECT_FALSE(slower[2].slower(0.25));
+  for (const SpeedRatio& ratio : compared(base)) {
+    EXPECT_FALSE(ratio.slower(0) || ratio.faster(0)) << ratio.name;
+  }
+  EXPECT_TRUE(compared({0.8, 0.81, 0.79})[2].faster(0.05));
+  // All repetitions but one were disturbed: the interval alone would call that slower.
+  const SpeedRatio disturbed = compared({1.0, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5})[2];
+  EXPECT_GT(disturbed.ratio.interval.low, 1.05);
+  EXPECT_FALSE(disturbed.slower(0.05));
+}
+
+// The runs of each pair were slow or fast together, by a factor of two; B takes 1.1 times as long.
+TEST(BenchCompare, PairsTakeOutWhatBothRunsShare) {
+  std::vector<BenchRecord> records;
+  for (const double machine : {1.0, 2.0, 1.4, 1.1}) {
+    records.push_back(Record("a", {{machine, machine * 1.01}}));
+    records.push_back(Record("b", {{machine * 1.1, machine * 1.11}}));
+  }
+  const BenchComparison comparison = CompareRecords(records);
+  EXPECT_EQ(comparison.pairs, 4u);
+  ASSERT_EQ(comparison.ratios.size(), 1u);
+  EXPECT_NEAR(comparison.ratios[0].ratio.value, 1.1, 0.01);
+  EXPECT_TRUE(comparison.ratios[0].slower(0.05));
+  const std::vector<BenchRecord> unpaired = {Record("a", {{1, 2, 1.4, 1.1}}),
+                                             Record("b", {{1.1, 2.2, 1.54, 1.21}})};
+  EXPECT_FALSE(CompareRecords(unpaired).ratios[0].slower(0.05));
+}
+
+TEST(BenchCompare, OtherWorkIsRefusedAndOtherMachinesAreTold) {
+  const BenchRecord a = Record("a.json", {{1, 1.1}});
+  BenchRecord b = a;
+  b.file = "b.json";
+  b.settings[0].second = "4";
+  EXPECT_EQ(CompareRecords(std::vector{a, b}).notes,
+            std::vector<std::string>{"threads: 2 against 4"});
+  BenchRecord other = b;
+  other.subject = "full suite";
+  EXPECT_NE(Failure({a, other}).find("b.json: is a result of another measurement"),
+            std::string::npos);
+  other = b;
+  other.scenes[0].picture = "def";
+  EXPECT_NE(Failure({a, other}).find("b.json: /scenes/0: is other work"), std::string::npos);
+  other.settings[1].second = "isa=sse2";  // other hits, so other bits
+  EXPECT_EQ(Failure({a, other}), "");
+  // One machine for the first run of each side, another one for the second run of B.
+  BenchRecord later = a;
+  later.file = "later.json";
+  later.settings[0].second = "8";
+  later.version = "2";
+  EXPECT_EQ(CompareRecords(std::vector{a, a, a, later}).notes,
+            (std::vector<std::string>{"a.json against later.json: version: 1 against 2",
+                                      "a.json against later.json: threads: 2 against 8"}));
+  EXPECT_EQ(CompareRecords(std::vector{a, b, later, b}).notes.size(), 3u);
+  EXPECT_EQ(CompareRecords(std::vector{a, b, a, b}).notes.size(), 1u);
+  other = b;
+  other.scenes[0].render = {1};
+  EXPECT_NE(Failure({a, other}).find("b.json: scene 0: has one repetition"), std::string::npos);
+}
+
+// The structure that bencher.dev documents: {benchmark: {measure: {value, lower_value?,
+// upper_value?}}}, all of them numbers, the ends around the value.
+TEST(BenchExport, BmfHasTheStructureOfItsSchema) {
+  const Json bmf = Export(Record("a", {{0.1, 0.11, 0.12}, {2}}), ExportFormat::kBmf);
+  ASSERT_EQ(bmf.size(), 3u);
+  for (const auto& [benchmark, measures] : bmf.items()) {
+    ASSERT_TRUE(measures.is_object() && !measures.empty()) << benchmark;
+    for (const auto& [measure, metric] : measures.items()) {
+      EXPECT_LE(measure.size(), 64u);
+      ASSERT_TRUE(metric.at("value").is_number());
+      for (const auto& [key, value] : metric.items()) {
+        EXPECT_TRUE(key == "value" || key == "lower_value" || key == "upper_value") << key;
+        EXPECT_TRUE(value.is_number());
+      }
+      EXPECT_EQ(metric.contains("lower_value"), metric.contains("upper_value"));
+      if (!metric.contains("lower_value")) continue;
+      EXPECT_LT(metric.at("lower_value"), metric.at("value"));
+      EXPECT_GT(metric.at("upper_value"), metric.at("value"));
+    }
+  }
+  EXPECT_NEAR(bmf.at("scene 0").at("latency").at("value").get<double>(), 0.11e9, 1);
+  EXPECT_NEAR(bmf.at("scene 0").at("throughput").at("value").get<double>(), 1e6 / 0.11, 1e-3);
+  EXPECT_FALSE(bmf.at("scene 1").at("latency").contains("lower_value"));
+  EXPECT_NEAR(bmf.at("quick suite").at("throughput").at("value").get<double>(),
+              std::sqrt(1e6 / 0.11 * 0.5e6), 1e-3);
+}
+
+// The members that Google Benchmark's reporter writes, with their types: those of the context, of
+// all runs, of repetitions and of aggregates.
+TEST(BenchExport, GoogleHasTheMembersOfItsReporter) {
+  BenchRecord record = Record("a", {{0.1, 0.12}});
+  record.scenes[0].processor = {0.19, 0.21};
+  const Json google = Export(record, ExportFormat::kGoogle);
+  const auto expect = [](const Json& from, const std::vector<const char*>& texts,
+                         const std::vector<const char*>& numbers) {
+    for (const char* const key : texts) EXPECT_TRUE(from.at(key).is_string()) << key;
+    for (const char* const key : numbers) EXPECT_TRUE(from.at(key).is_number()) << key;
+  };
+  const Json& context = google.at("context");
+  expect(context, {"date", "host_name", "executable", "library_build_type"},
+         {"num_cpus", "mhz_per_cpu"});
+  EXPECT_TRUE(context.at("cpu_scaling_enabled").is_boolean());
+  EXPECT_TRUE(context.at("caches").is_array() && context.at("load_avg").is_array());
+  const Json& runs = google.at("benchmarks");
+  ASSERT_EQ(runs.size(), 6u);
+  for (const Json& run : runs) {
+    expect(run, {"name", "run_name", "run_type", "time_unit"},
+           {"family_index", "per_family_instance_index", "repetitions", "threads", "iterations",
+            "real_time", "cpu_time"});
+    const bool aggregate = run.at("run_type") == "aggregate";
+    if (aggregate) expect(run, {"aggregate_name", "aggregate_unit"}, {});
+    if (!aggregate) expect(run, {}, {"repetition_index"});
+    EXPECT_EQ(run.at("name"),
+              run.at("run_name").get<std::string>() +
+                  (aggregate ? "_" + run.at("aggregate_name").get<std::string>() : ""));
+  }
+  EXPECT_DOUBLE_EQ(runs[1].at("real_time").get<double>(), 120);
+  EXPECT_DOUBLE_EQ(runs[1].at("cpu_time").get<double>(), 210);
+  EXPECT_EQ(runs[2].at("aggregate_name"), "mean");
+  EXPECT_NEAR(runs[2].at("real_time").get<double>(), 110, 1e-9);
+  EXPECT_EQ(runs[5].at("aggregate_unit"), "percentage");
+  EXPECT_NEAR(runs[5].at("real_time").get<double>(), std::sqrt(0.0002) / 0.11, 1e-12);
+}
+
+// Rates fall by 1 % a minute, and scatter by 0.1 %.
+TEST(Sustain, DriftIsFoundWithItsInterval) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 0.001);
+  std::vector<SustainedRound> rounds;
+  for (int i = 0; i < 600; ++i) {
+    rounds.push_back({.start = double(i), .rate = 1e6 * (1 - 0.01 * i / 60.0 + noise(random))});
+  }
+  const SustainedSpeed speed = SummarizeSustained(rounds, 600);
+  EXPECT_EQ(speed.blocks.size(), std::size_t(kSustainBlocks));
+  EXPECT_NEAR(speed.drift_per_minute.value, -0.01 / 0.95, 1e-4);
+  EXPECT_LT(speed.drift_per_minute.interval.high, -0.01);
+  EXPECT_GT(speed.drift_per_minute.interval.low, -0.011);
+  EXPECT_NEAR(speed.last_to_first.value, 0.9125 / 0.9875, 1e-3);
+  EXPECT_LT(speed.last_to_first.interval.high, 0.97);
+
+  const SustainedSpeed one = SummarizeSustained({{.start = 0, .rate = 5}}, 1);
+  EXPECT_EQ(one.first, 5);
+  EXPECT_EQ(one.last_to_first.value, 1);
+  EXPECT_TRUE(std::isnan(one.last_to_first.interval.low));
+}
+
+TEST(Copies, ArePinnedProcessesOfTheirOwn) {
+  const std::vector<int> processors = ProcessorsByCore();
+  ASSERT_FALSE(processors.empty());
+  const std::vector<CopyResult> results = RunCopies(3, processors, [](CopyBarrier&) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    sched_getaffinity(0, sizeof set, &set);
+    return std::to_string(::getpid()) + " " + std::to_string(CPU_COUNT(&set)) +
+           std::string(100000, '.');  // more than a pipe holds
+  });
+  ASSERT_EQ(results.size(), 3u);
+  EXPECT_NE(results[0].text, results[1].text);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_NE(std::stoi(results[i].text), ::getpid());
+    if (!results[i].processor) continue;  // where a system forbids it
+    EXPECT_EQ(*results[i].processor, processors[i % processors.size()]);
+    EXPECT_NE(results[i].text.find(" 1."), std::string::npos);
+  }
+}
+
+// One copy is late by 50 ms twice. After Meet, and after Finish, nobody is earlier than that one.
+TEST(Copies, WaitForTheLastOne) {
+  const TemporaryFolder folder;
+  const auto begin = Clock::now();
+  const std::vector<CopyResult> results =
+      RunCopies(3, ProcessorsByCore(), [&](CopyBarrier& barrier) {
+        const bool late = ::mkdir(folder.Path("late").c_str(), 0700) == 0;
+        std::string text;
+        for (int part = 1; part <= 2; ++part) {
+          if (late) ::usleep(50000);
+          barrier.Meet();
+          text += SecondsSince(begin) >= 0.05 * (2 * part - 1) ? "y" : "n";
+          if (late) ::usleep(50000);
+          while (!barrier.Finish()) ::usleep(100);
+          text += SecondsSince(begin) >= 0.05 * (2 * part) ? "y" : "n";
+        }
+        return text;
+      });
+  for (const CopyResult& result : results) EXPECT_EQ(result.text, "yyyy");
+}
+
+// The others wait in Meet, and are ended.
+TEST(Copies, OneThatFailsEndsAll) {
+  const auto run = [](const CopyWork& work) -> std::string {
+    try {
+      RunCopies(3, ProcessorsByCore(), work);
+    } catch (const InputError& error) {
+      return std::to_string(error.exit_code()) + " " + error.what();
+    }
+    return "";
+  };
+  // The copy on the second processor, or the only one, would fail; a file tells who is first.
+  const TemporaryFolder folder;
+  const auto is_first = [&] { return ::mkdir(folder.Path("taken").c_str(), 0700) == 0; };
+  const std::string thrown = run([&](CopyBarrier& barrier) -> std::string {
+    if (is_first()) throw InputError(InputPosition::File("x.pbrt"), "is odd", kExitBadInput);
+    barrier.Meet();
+    return "";
+  });
+  EXPECT_NE(thrown.find("65 "), std::string::npos) << thrown;
+  EXPECT_NE(thrown.find("x.pbrt: is odd"), std::string::npos) << thrown;
+  ::rmdir(folder.Path("taken").c_str());
+  const std::string killed = run([&](CopyBarrier& barrier) -> std::string {
+    if (is_first()) ::raise(SIGKILL);
+    barrier.Meet();
+    return "";
+  });
+  EXPECT_NE(killed.find("ended by signal 9"), std::string::npos) << killed;
+}
+
+TEST(Instructions, StagesAreFoundInAnAnnotatedProfile) {
+  const StageInstructions stages = StagesOf(
+      "1,000,000 (50.0%)  wavefront/x.cc:skywave::TraceClosest(skywave::Frame const&) [/x]\n"
+      "    2,000 ( 0.1%)  std/vector:skywave::TraceClosest(skywave::Frame const&) [/x]\n"
+      "      500 ( 0.1%)  wavefront/x.cc:skywave::TraceEscapes(int) [/x]\n"
+      "   70,001 ( 3.5%)  film.cc:skywave::Film::Add(skywave::Rows const&) [/x]\n"
+      "   90,000 ( 3.5%)  film.cc:skywave::Film::Adder(int) [/x]\n"
+      "8 (0%)  ???:0x00001 [/lib/x.so]\n");
+  EXPECT_EQ(stages, (StageInstructions{{"film", 70001}, {"intersect", 1000500}}));
+  EXPECT_TRUE(StagesOf("").empty());
+}
+
+Baseline SomeBaseline() {
+  return {.reasons = {"first"},
+          .version = "1",
+          .options = {{"spp", "--spp 8"}},
+          .hits = "isa=avx2",
+          .counters = {{"waves", "12"}, {"rays camera", "9"}},
+          .toolchain = "g++",
+          .instructions = {{"film", 1000000}, {"wave", 5000000}},
+          .machine = {{"processor", "Z80"}},
+          .seconds = {1.00, 1.01, 0.99, 1.02}};
+}
+
+// Returns the exit code for `now`.
+int Judged(const Baseline& now, double threshold = 0.05) {
+  return ExitCodeOf(JudgeBaseline(
+      SomeBaseline(), now,
+      {BaselineGate::kCounters, BaselineGate::kInstructions, BaselineGate::kTime}, threshold, "b"));
+}
+
+TEST(BaselineGates, EachFailsByItselfWithItsExitCode) {
+  EXPECT_EQ(Judged(SomeBaseline()), 0);
+  Baseline now = SomeBaseline();
+  now.counters[1].second = "10";
+  EXPECT_EQ(Judged(now), 1);
+  now = SomeBaseline();
+  now.counters.push_back({"new", "1"});
+  EXPECT_EQ(Judged(now), 1);
+  now = SomeBaseline();
+  now.instructions[0].second = 1005001;
+  EXPECT_EQ(Judged(now), 2);
+  now.instructions[0].second = 994999;  // a gain has to be written down to be kept
+  EXPECT_EQ(Judged(now), 2);
+  now.instructions[0].second = 1004999;
+  EXPECT_EQ(Judged(now), 0);
+  now.instructions.emplace_back("sky", 10);  // the baseline does not know this stage
+  EXPECT_EQ(Judged(now), 2);
+  now = SomeBaseline();
+  now.instructions.pop_back();
+  EXPECT_EQ(Judged(now), 2);
+  now = SomeBaseline();
+  for (double& seconds : now.seconds) seconds *= 1.1;
+  EXPECT_EQ(Judged(now), 3);
+  EXPECT_EQ(Judged(now, 0.2), 0);
+  now.instructions[0].second *= 2;
+  EXPECT_EQ(Judged(now), 2);
+}
+
+TEST(BaselineGates, WhatCannotBeComparedIsSkippedAndSaysWhy) {
+  Baseline now = SomeBaseline();
+  for (double& seconds : now.seconds) seconds *= 2;
+  now.machine[0].second = "6502";
+  now.toolchain = "clang";
+  now.instructions[0].second *= 2;
+  now.hits = "isa=sse2";
+  now.counters[0].second = "13";
+  const std::vector<GateResult> results = JudgeBaseline(
+      SomeBaseline(), now,
+      {BaselineGate::kCounters, BaselineGate::kInstructions, BaselineGate::kTime}, 0, "b");
+  EXPECT_EQ(ExitCodeOf(results), 0);
+  const std::vector<std::string> why = {"isa=sse2", "clang", "6502"};
+  for (std::size_t i = 0; i < why.size(); ++i) {
+    EXPECT_EQ(results[i].verdict, GateResult::kSkipped);
+    EXPECT_NE(results[i].summary.find(why[i]), std::string::npos) << results[i].summary;
+  }
+}
+
+TEST(BaselineGates, AFileKeepsEverything) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("b.json", skywave::Json(SomeBaseline()).dump());
+  EXPECT_EQ(nlohmann::json(skywave::Json(ReadBaseline(path))),
+            nlohmann::json(skywave::Json(SomeBaseline())));
+}
+
+// Returns what reading a file of `text` fails with; empty: nothing.
+std::string ReadFailure(const std::string& text, bool baseline = false) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Write("r.json", text);
+  try {
+    baseline ? (void)ReadBaseline(path) : (void)ReadRecord(path);
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.exit_code(), kExitBadInput);
+    return std::string(error.what()).substr(folder.Path("").size());
+  }
+  return "";
+}
+
+TEST(BenchRecords, BadFilesAreToldWithTheirPlace) {
+  const Json good = {{"schema", kSceneSchema},   {"version", "1"},
+                     {"command", "c"},           {"threads", 2},
+                     {"render_seconds", {1, 2}}, {"rays", {{"camera", {{"count", 5}}}}}};
+  EXPECT_EQ(ReadFailure(good.dump()), "");
+  EXPECT_EQ(ReadFailure("{\n\"a\": 1,\nfrob"), "r.json:3: is not JSON from here on");
+  EXPECT_EQ(ReadFailure("{\"a\": [1,\n"), "r.json:2: ends within JSON");
+  EXPECT_EQ(ReadFailure("[1e999]"), "r.json: is JSON with a number that is too large");
+  EXPECT_NE(ReadFailure("[]").find("r.json: is not a result of skywave bench"), std::string::npos);
+  Json bad = good;
+  bad["schema"] = "skywave-bench-1";
+  EXPECT_NE(ReadFailure(bad.dump()).find("not skywave-bench-1"), std::string::npos);
+  for (const char* const key : {"version", "command", "threads", "render_seconds", "rays"}) {
+    bad = good;
+    bad.erase(key);
+    EXPECT_EQ(ReadFailure(bad.dump()), "r.json: has no key \"" + std::string(key) + "\"");
+  }
+  bad = good;
+  bad["render_seconds"][1] = 0;
+  EXPECT_EQ(ReadFailure(bad.dump()), "r.json: /render_seconds/1: is not above 0");
+  bad["render_seconds"] = {"1"};
+  EXPECT_EQ(ReadFailure(bad.dump()), "r.json: /render_seconds/0: is not a number");
+  bad["render_seconds"] = Json::array();
+  EXPECT_EQ(ReadFailure(bad.dump()), "r.json: /render_seconds: is empty");
+  for (const Json& threads : {Json(1e300), Json(-1), Json(1.5), Json(3e9)}) {
+    for (const char* const key : {"threads", "wave"}) {
+      bad = good;
+      bad[key] = threads;
+      EXPECT_EQ(ReadFailure(bad.dump()),
+                "r.json: /" + std::string(key) + ": is not a whole number from 0 to 2147483647");
+    }
+  }
+  bad = good;
+  bad["rays"]["camera"] = 7;
+  EXPECT_EQ(ReadFailure(bad.dump()), "r.json: /rays/camera: is not an object");
+
+  const Json whole = skywave::Json(SomeBaseline());
+  for (const auto& [key, value] : whole.items()) {
+    bad = whole;
+    bad.erase(key);
+    EXPECT_NE(ReadFailure(bad.dump(), true).find(key), std::string::npos) << key;
+  }
+  bad = whole;
+  for (const Json& count : {Json(-1), Json(0), Json(0.5), Json(1e300)}) {
+    bad["instructions"]["film"] = count;
+    EXPECT_EQ(ReadFailure(bad.dump(), true),
+              "r.json: /instructions/film: is not a whole number from 1 to 9007199254740992");
+  }
+}
+
+}  // namespace
+}  // namespace skywave
