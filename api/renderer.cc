@@ -1,5 +1,6 @@
 // Implements Renderer: one picture from the options to the film, and what is taken from it.
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +10,13 @@
 #include "api/picture_display.h"
 #include "api/state.h"
 #include "base/clock.h"
+#include "base/granted.h"
 #include "base/version.h"
 #include "job/options.h"
 #include "job/watch.h"
 #include "measure/render_report.h"
 #include "scene/embree.h"
+#include "scene/instances.h"
 
 namespace skywave::api {
 namespace {
@@ -50,15 +53,14 @@ RenderReport Report(const Renderer::State& state) {
   return {.job = &*state.job,
           .frame = state.finished().frame,
           .write_seconds = state.write_seconds,
-          .noise = NoiseOf(state.finished()),
+          .noise = state.finished().noise,
           .adaptive = state.limits.adaptive > 0};
 }
 
-// Returns the picture of `film`, whose samples are those of `part` or, while it is rendered, fewer.
-Picture PictureOf(const Renderer::State& state, const Film& film, const SampleCounts& samples,
-                  const PicturePart& part) {
-  Picture picture = ResolvePicture(film, samples, state.job->options().aovs, state.identity, part,
-                                   state.job->options().threads);
+// Returns the picture of rows that have samples of `part`.
+Picture PictureOf(const Renderer::State& state, LayeredImage rows, const PicturePart& part) {
+  Picture picture = FinishPicture(std::move(rows), state.job->options().aovs, state.identity, part,
+                                  state.job->options().threads);
   picture.format = state.format;
   picture.format.threads = state.job->options().threads;
   return picture;
@@ -81,6 +83,7 @@ std::vector<BoundOption> BindJobOptions(const std::shared_ptr<JobRequest>& reque
 RenderJob MakeJob(Scene::State scene, JobRequest request) {
   request.scene = scene.name();
   request.read = scene.read;
+  ResolveInstances(scene.read, request.scene, scene.scene);
   if (request.environment.path.empty()) request.environment.image = scene.environment;
   return RenderJob(std::move(scene.scene), request, scene.load_seconds);
 }
@@ -142,6 +145,12 @@ void Renderer::Render(const RenderControl& control) {
                                              .seconds = control.checkpoint_seconds,
                                              .resume = control.resume},
                               .tell = control.progress};
+    PictureRows rows(state.job->options().aovs, state.identity);
+    if (!control.keep_film) {
+      request.on_rows = [&](const Film& film, const SampleCounts& samples, int first, int end) {
+        rows.Add(film, samples, first, end);
+      };
+    }
     if (control.snapshot) {
       request.wants_snapshot = [&] {
         snapshot = control.snapshot();
@@ -150,7 +159,7 @@ void Renderer::Render(const RenderControl& control) {
       request.show = [&](const Film& film, const SampleCounts& samples) {
         const PicturePart part =
             PartOf(*state.job, ChooseSamples(state.limits, state.identity.samples));
-        const Picture picture = PictureOf(state, film, samples, part);
+        const Picture picture = PictureOf(state, rows.With(film, samples), part);
         try {
           skywave::WriteExr(snapshot, picture);
           skywave::WritePng(PngBeside(snapshot), picture);
@@ -169,7 +178,13 @@ void Renderer::Render(const RenderControl& control) {
       };
     }
     RenderedFilm rendered = RunSession(*state.job, state.identity, request);
-    state.picture = PictureOf(state, rendered.film, rendered.samples, rendered.part);
+    if (control.keep_film) {
+      const int height = rendered.film.layout().area.picture.height;
+      tbb::task_arena(ThreadsFor(state.job->options().threads)).execute([&] {
+        rows.Add(rendered.film, rendered.samples, 0, height);
+      });
+    }
+    state.picture = PictureOf(state, rows.Take(), rendered.part);
     state.layers = LayersOf(state.picture.layers);
     state.notes.insert(state.notes.end(), state.picture.notes.begin(), state.picture.notes.end());
     if (display) {
@@ -237,6 +252,8 @@ void Renderer::WriteExr(const std::string& path) const {
 void Renderer::WriteFilm(const std::string& path) const {
   Translated([&] {
     const RenderedFilm& rendered = state_->finished();
+    Require(rendered.has_film, "WriteFilm",
+            "the film was not kept; render with RenderControl::keep_film");
     const Clock::time_point start = Clock::now();
     skywave::WriteFilm(path, state_->identity, state_->job->options().aovs, rendered);
     state_->write_seconds += SecondsSince(start);

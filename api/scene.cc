@@ -10,6 +10,7 @@
 #include "base/clock.h"
 #include "job/options.h"
 #include "scene/geometry_checks.h"
+#include "scene/instances.h"
 #include "scene/materials/parameters.h"
 #include "scene/reader.h"
 
@@ -85,6 +86,11 @@ std::vector<glm::uvec3> Triangles(std::span<const std::uint32_t> indices, std::s
     triangles[i / 3][int(i % 3)] = indices[i];
   }
   return triangles;
+}
+
+void RequireObject(const skywave::Scene& scene, int object) {
+  Require(object >= 0 && std::size_t(object) < scene.objects.size(), "object",
+          fmt::format("there is none with number {}; there are {}", object, scene.objects.size()));
 }
 
 }  // namespace
@@ -183,15 +189,45 @@ void Scene::AddMesh(const MeshArrays& mesh) {
           fmt::format("there is none with number {}; there are {}", mesh.material,
                       state_->scene.materials.size()));
   RequireNotNegative(mesh.colors, "colors");
+  if (mesh.object != -1) RequireObject(state_->scene, mesh.object);
   skywave::Scene& scene = state_->scene;
-  scene.meshes.push_back(
-      {.name = mesh.name.empty() ? fmt::format("mesh {}", scene.meshes.size()) : mesh.name,
-       .positions = Rows<glm::vec3>(mesh.positions, vertices, "positions"),
-       .normals = UnitNormals(mesh.normals, vertices),
-       .uvs = Rows<glm::vec2>(mesh.uvs, vertices, "uvs"),
-       .colors = Rows<glm::vec3>(mesh.colors, vertices, "colors"),
-       .triangles = Triangles(mesh.triangles, vertices),
-       .material = std::uint32_t(mesh.material)});
+  std::vector<Mesh>& meshes =
+      mesh.object < 0 ? scene.meshes : scene.objects[std::size_t(mesh.object)].meshes;
+  meshes.push_back({.name = mesh.name.empty() ? fmt::format("mesh {}", meshes.size()) : mesh.name,
+                    .positions = Rows<glm::vec3>(mesh.positions, vertices, "positions"),
+                    .normals = UnitNormals(mesh.normals, vertices),
+                    .uvs = Rows<glm::vec2>(mesh.uvs, vertices, "uvs"),
+                    .colors = Rows<glm::vec3>(mesh.colors, vertices, "colors"),
+                    .triangles = Triangles(mesh.triangles, vertices),
+                    .material = std::uint32_t(mesh.material)});
+  state_->changed = true;
+}
+
+int Scene::AddObject(const std::string& name) {
+  std::vector<Object>& objects = state_->scene.objects;
+  objects.push_back(
+      {.name = name.empty() ? fmt::format("object {}", objects.size()) : name, .meshes = {}});
+  state_->changed = true;
+  return int(objects.size()) - 1;
+}
+
+void Scene::AddInstances(int object, std::span<const float> matrices) {
+  skywave::Scene& scene = state_->scene;
+  RequireObject(scene, object);
+  Require(matrices.size() % 12 == 0, "matrices",
+          fmt::format("there are {} values, and each instance needs 12", matrices.size()));
+  RequireFinite(matrices, "matrices");
+  Require(matrices.size() / 12 <= kMaxInstances - scene.instances.size(), "matrices",
+          fmt::format("a scene has at most {} instances", kMaxInstances));
+  for (std::size_t first = 0; first < matrices.size(); first += 12) {
+    Instance instance = {.object = std::uint32_t(object),
+                         .world_from_object = {},
+                         .meshes_before = std::uint32_t(scene.meshes.size())};
+    for (int i = 0; i < 12; ++i) {
+      instance.world_from_object[i % 4][i / 4] = matrices[first + std::size_t(i)];
+    }
+    scene.instances.push_back(instance);
+  }
   state_->changed = true;
 }
 
@@ -267,6 +303,9 @@ std::vector<std::string> OptionsOfReading() {
 std::size_t Scene::triangles() const {
   std::size_t triangles = 0;
   for (const Mesh& mesh : state_->scene.meshes) triangles += mesh.triangles.size();
+  for (const Object& object : state_->scene.objects) {
+    for (const Mesh& mesh : object.meshes) triangles += mesh.triangles.size();
+  }
   return triangles;
 }
 

@@ -94,6 +94,7 @@ struct MeshArrays {
   std::span<const float> colors = {};
   int material = 0;       // see Scene::AddMaterial
   std::string name = {};  // appears in errors
+  int object = -1;        // see Scene::AddObject; -1: the mesh stands in the world
 };
 
 // A texture is used for one of these. Normals are those of a tangent-space map, whose values in
@@ -131,6 +132,9 @@ struct RenderControl {
   // shown.
   std::string viewer = {};
   std::string name_in_viewer = "skywave";
+  // Without it the sums behind the picture are given back on the way, where nothing needs them, and
+  // WriteFilm is refused. A picture with all layers takes half of the memory then.
+  bool keep_film = true;
 };
 
 // Triangles, materials, textures, lights and a camera. Material 0 always exists; that of an empty
@@ -161,6 +165,13 @@ class SKYWAVE_API Scene {
 
   void AddMesh(const MeshArrays& mesh);
 
+  // Adds an empty object and returns its number. Its meshes are added by AddMesh, in a space of the
+  // object's own; they are seen where it has instances.
+  int AddObject(const std::string& name = "");
+  // Adds instances of the object, 12 numbers each: the rows of the 3 x 4 matrix that takes its
+  // space to the world. They share its triangles if copies would take much more memory.
+  void AddInstances(int object, std::span<const float> matrices);
+
   // Adds a point light of `intensity` [W/sr].
   void AddPointLight(const Vector& position, const Vector& intensity);
   // Adds a spot of `intensity` [W/sr] that is full up to `full_degrees` from its axis and dark from
@@ -185,7 +196,7 @@ class SKYWAVE_API Scene {
   void SetUp(char axis);
 
   // Returns the number of triangles.
-  std::size_t triangles() const;
+  std::size_t triangles() const;  // those of an object once
 
   struct State;  // not for users
   State& state() { return *state_; }

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cassert>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -104,6 +105,32 @@ std::unique_ptr<FileLock> MakeLocked(const std::string& temporary) {
   }
 }
 
+// A file that is written under another name than its own. Errors tell its own.
+class OutputFile {
+ public:
+  OutputFile(const std::string& path, const std::string& temporary)
+      : path_(path), file_(std::fopen(temporary.c_str(), "wb")) {
+    if (!file_) Fail();
+  }
+  void Write(std::string_view bytes) {
+    if (std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) != bytes.size()) Fail();
+  }
+  void Rewind() {
+    if (std::fseek(file_.get(), 0, SEEK_SET) != 0) Fail();
+  }
+  void Close() {
+    if (std::fclose(file_.release()) != 0) Fail();
+  }
+
+ private:
+  [[noreturn]] void Fail() const {
+    ThrowIo(path_, std::string("cannot be written: ") + std::strerror(errno));
+  }
+
+  const std::string& path_;
+  FileHandle file_;
+};
+
 }  // namespace
 
 std::string ReadFile(const std::string& path, std::size_t max_bytes) {
@@ -111,15 +138,17 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes) {
   if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
   const FileHandle file(std::fopen(path.c_str(), "rb"));
   if (!file) ThrowIo(path, std::string("cannot be opened: ") + std::strerror(errno));
+  const auto refuse = [&] {
+    ThrowIo(path, "is larger than the limit of " + std::to_string(max_bytes) + " bytes");
+  };
   std::string bytes;
   // The buffer is reserved at once if the size is known; growing it would hold large files twice.
   const auto size = std::filesystem::file_size(path, ignored);
-  if (!ignored && size <= max_bytes) bytes.reserve(size);
+  if (!ignored && size > max_bytes) refuse();
+  if (!ignored) bytes.reserve(size);
   char chunk[1 << 16];
   while (const std::size_t got = std::fread(chunk, 1, sizeof chunk, file.get())) {
-    if (bytes.size() + got > max_bytes) {
-      ThrowIo(path, "is larger than the limit of " + std::to_string(max_bytes) + " bytes");
-    }
+    if (bytes.size() + got > max_bytes) refuse();
     bytes.append(chunk, got);
   }
   if (std::ferror(file.get()))
@@ -149,16 +178,28 @@ void WriteFileAtomically(const std::string& path,
 void WriteFileInPieces(const std::string& path,
                        const std::function<void(const PieceWriter& out)>& write) {
   WriteFileAtomically(path, [&](const std::string& temporary) {
-    const auto fail = [&] {
-      ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
-    };
-    const auto close = [](std::FILE* file) { std::fclose(file); };
-    std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(temporary.c_str(), "wb"), close);
-    if (!file) fail();
-    write([&](std::string_view piece) {
-      if (std::fwrite(piece.data(), 1, piece.size(), file.get()) != piece.size()) fail();
-    });
-    if (std::fclose(file.release()) != 0) fail();
+    OutputFile file(path, temporary);
+    write([&](std::string_view piece) { file.Write(piece); });
+    file.Close();
+  });
+}
+
+void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
+                        const std::function<std::string(const PieceWriter& out)>& write) {
+  if (IsSpecial(path)) {  // cannot be gone back in
+    std::string bytes(start_bytes, '\0');
+    const std::string start = write([&](std::string_view piece) { bytes += piece; });
+    bytes.replace(0, start_bytes, start);
+    return WriteFileAtomically(path, bytes);
+  }
+  WriteFileAtomically(path, [&](const std::string& temporary) {
+    OutputFile file(path, temporary);
+    file.Write(std::string(start_bytes, '\0'));
+    const std::string start = write([&](std::string_view piece) { file.Write(piece); });
+    assert(start.size() == start_bytes);
+    file.Rewind();
+    file.Write(start);
+    file.Close();
   });
 }
 

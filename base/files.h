@@ -28,6 +28,11 @@ using PieceWriter = std::function<void(std::string_view piece)>;
 void WriteFileInPieces(const std::string& path,
                        const std::function<void(const PieceWriter& out)>& write);
 
+// Does so with a file whose first `start_bytes` bytes are known only when all others are there:
+// `write` hands on what follows them, and returns them.
+void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
+                        const std::function<std::string(const PieceWriter& out)>& write);
+
 // Flushes the folder of `path` to disk, so that the name of a file that has just been written
 // survives a loss of power. A folder that cannot be flushed is left as it is.
 void SyncFolderOf(const std::string& path);

@@ -60,7 +60,8 @@ struct CheckedScene {
 
 Scene ReadWithoutMeshes(const JobRequest& job) {
   Scene scene = ReadScene(job.scene, job.read);
-  scene.meshes = {}, scene.images = {}, scene.environments = {};
+  scene.meshes = {}, scene.objects = {}, scene.instances = {}, scene.images = {},
+  scene.environments = {};
   return scene;
 }
 

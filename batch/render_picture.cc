@@ -139,7 +139,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
        .tell = watcher.tell});
   result.render_seconds = rendered.seconds;
   result.samples = rendered.frame.stats.samples;
-  result.noise = NoiseOf(rendered);
+  result.noise = rendered.noise;
   result.notes.insert(result.notes.end(), rendered.notes.begin(), rendered.notes.end());
   auto write = [room = TakeRoom(rendered.film.packed_bytes()), result = std::move(result),
                 rendered = std::move(rendered), identity = ready.identity, aovs = options.aovs,

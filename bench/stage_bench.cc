@@ -107,7 +107,9 @@ void MoveSurfacesStage(benchmark::State& state) {
                             // overwritten
   Worker& w = f.worker;
   const RayQueues queues = f.Sort();
-  Run(state, f.n, [&] { MoveSurfaces(w.rays[0], w.hits, queues, f.n, f.ranges, w.surfaces); });
+  Run(state, f.n, [&] {
+    MoveSurfaces(*f.frame.geometry, w.rays[0], w.hits, queues, f.n, f.ranges, w.surfaces);
+  });
 }
 void AddEscapedStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
@@ -119,7 +121,7 @@ void PrepareSurfacesKernel(benchmark::State& state) {
   static WaveFixture f;  // a separate fixture because the kernel works in place
   Run(state, f.ranges.total(), [&] {
     PrepareSurfaces(f.frame.geometry->triangles(), f.frame.geometry->materials().records,
-                    f.ranges.total(), f.worker.surfaces);
+                    f.frame.geometry->instances(), f.ranges.total(), f.worker.surfaces);
   });
 }
 // There is nothing to do if the scene has neither textures nor metallic-roughness.

@@ -143,6 +143,9 @@ nlohmann::ordered_json Json(const SceneFile& file) {
   json["meshes"] = summary.meshes;
   json["triangles"] = summary.triangles;
   json["vertices"] = summary.vertices;
+  json["objects"] = summary.objects;
+  json["instances"] = summary.instances;
+  json["triangles_with_instances"] = summary.triangles_seen;
   json["meshes_with_normals"] = summary.meshes_with_normals;
   json["meshes_with_uvs"] = summary.meshes_with_uvs;
   if (summary.bounds) {
@@ -249,6 +252,10 @@ void Print(const std::string& path, const SceneFile& file) {
                             summary.meshes_with_normals, summary.meshes_with_uvs));
   row("triangles", fmt::format("{}", summary.triangles));
   row("vertices", fmt::format("{}", summary.vertices));
+  if (summary.instances > 0) {
+    row("instances", fmt::format("{} of {} objects: {} triangles are seen", summary.instances,
+                                 summary.objects, summary.triangles_seen));
+  }
   if (summary.bounds) {
     row("bounds", fmt::format("{} to {}", Text(summary.bounds->low), Text(summary.bounds->high)));
     row("size", Text(summary.bounds->high - summary.bounds->low));

@@ -125,7 +125,8 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
                                       return !StopAsked();
                                     },
                                 .viewer = flags.viewer,
-                                .name_in_viewer = flags.output.empty() ? flags.film : flags.output};
+                                .name_in_viewer = flags.output.empty() ? flags.film : flags.output,
+                                .keep_film = !flags.film.empty()};
   if (flags.keeps_checkpoint()) {
     control.checkpoint = CheckpointPath(flags);
     control.checkpoint_seconds = flags.checkpoint_seconds.value_or(0);

@@ -10,7 +10,7 @@
 #include <ImfOutputFile.h>
 #include <ImfStringAttribute.h>
 #include <half.h>
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -26,6 +26,7 @@
 #include "image/byte_cursor.h"
 #include "image/exr_header.h"
 #include "image/exr_scan_lines.h"
+#include "image/exr_strip.h"
 #include "image/formats.h"
 
 namespace skywave {
@@ -34,9 +35,6 @@ namespace {
 // Files ask for no threads. OpenEXR's global number of them is zero by default and is left alone,
 // because it belongs to the program that uses the library.
 constexpr int kNoThreads = 0;
-
-// Higher levels of deflate take longer and make files of noise hardly smaller.
-constexpr int kDeflateLevel = 4;
 
 class MemoryInput : public Imf::IStream {
  public:
@@ -126,14 +124,6 @@ void RequireLayers(const std::string& path, const std::vector<std::string>& want
   }
 }
 
-// One channel of a picture that is written.
-struct WrittenChannel {
-  std::string name;
-  const float* values;  // of the first row, `stride` floats from pixel to pixel
-  std::size_t stride;
-  bool half;
-};
-
 // Colours need no more than the digits of 16 bits; what is measured in other units might, and so
 // does what is subtracted from a colour.
 bool MayBeHalf(const std::string& name) {
@@ -150,7 +140,6 @@ Imf::Header HeaderOf(const Image& image, const Metadata& metadata,
                      const std::vector<WrittenChannel>& channels, ExrCompression compression) {
   Imf::Header header(image.width, image.height);
   header.compression() = Imf::Compression(compression);
-  header.zipCompressionLevel() = kDeflateLevel;
   for (const auto& [name, text] : metadata) {
     if (name.size() > 255) throw std::runtime_error("an attribute name of over 255 bytes");
     header.insert(name, Imf::StringAttribute(text));
@@ -179,7 +168,6 @@ std::string ChunksOf(const std::string& path, Imf::Header header,
   window.min.y = first, window.max.y = last - 1;
   const std::size_t width = std::size_t(window.max.x) + 1;
   const std::size_t before = std::size_t(first) * width, pixels = std::size_t(last - first) * width;
-  constexpr float kLargestHalf = 65504;
   std::vector<std::vector<half>> halves;
   Imf::FrameBuffer frame;
   for (const WrittenChannel& channel : channels) {
@@ -192,9 +180,7 @@ std::string ChunksOf(const std::string& path, Imf::Header header,
     }
     std::vector<half>& converted = halves.emplace_back(pixels);
     for (std::size_t i = 0; i < pixels; ++i) {
-      const float value = values[i * channel.stride];
-      converted[i] =
-          half(std::isfinite(value) ? std::clamp(value, -kLargestHalf, kLargestHalf) : value);
+      converted[i].setBits(HalfBits(values[i * channel.stride]));
     }
     frame.insert(channel.name, Imf::Slice::Make(Imf::HALF, converted.data(), window));
   }
@@ -209,23 +195,35 @@ std::string ChunksOf(const std::string& path, Imf::Header header,
   return stream.bytes().substr(begin);
 }
 
-// Writes the offsets of the chunks of all strips into the table at the end of `start`. A chunk is
-// its first row and its size, 4 bytes each, and as many bytes.
-void FillTable(const std::vector<std::string>& strips, std::string& start) {
-  static_assert(std::endian::native == std::endian::little);
-  std::vector<std::uint64_t> offsets;
-  std::uint64_t before = start.size();
-  for (const std::string& strip : strips) {
-    for (std::size_t at = 0; at < strip.size();) {
-      offsets.push_back(before + at);
-      std::int32_t size = 0;
-      std::memcpy(&size, &strip[at + 4], sizeof size);
-      at += 8 + std::size_t(size);
-    }
-    before += strip.size();
+// Appends the offsets of the chunks of a strip that lies `before` bytes behind the start of a file.
+// A chunk is its first row and its size, 4 bytes each, and as many bytes.
+void AppendOffsets(std::string_view strip, std::uint64_t before,
+                   std::vector<std::uint64_t>& offsets) {
+  for (std::size_t at = 0; at < strip.size();) {
+    offsets.push_back(before + at);
+    std::int32_t size = 0;
+    std::memcpy(&size, &strip[at + 4], sizeof size);
+    at += 8 + std::size_t(size);
   }
-  const std::size_t bytes = offsets.size() * sizeof(std::uint64_t);
-  std::memcpy(&start[start.size() - bytes], offsets.data(), bytes);
+}
+
+// Calls encode(i) for all i of [0, count) on several threads, and write(encode(i)) in their order.
+// Only a few results are held at a time.
+template <class Encode, class Write>
+void EncodeInOrder(std::size_t count, int threads, const Encode& encode, const Write& write) {
+  std::size_t next = 0;
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    tbb::parallel_pipeline(
+        2 * std::size_t(threads),
+        tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order,
+                                            [&](tbb::flow_control& control) {
+                                              if (next == count) control.stop();
+                                              return next++;
+                                            }) &
+            tbb::make_filter<std::size_t, std::string>(tbb::filter_mode::parallel, encode) &
+            tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, write));
+  });
 }
 
 }  // namespace
@@ -289,29 +287,50 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
   }
   for (WrittenChannel& channel : channels) channel.half = format.half && MayBeHalf(channel.name);
 
-  // Chunks are compressed in strips, each by a file of its own in memory, because a file alone
-  // would compress them one after the other unless the whole program had threads of OpenEXR's.
-  const int rows = int(std::max<std::int64_t>(RowsPerChunk(format.compression), 32));
-  std::vector<std::string> strips(std::size_t((image.height + rows - 1) / rows));
+  // Files have channels in the order of their names.
+  std::sort(channels.begin(), channels.end(),
+            [](const WrittenChannel& a, const WrittenChannel& b) { return a.name < b.name; });
+
+  // Chunks are compressed in strips. The library does so by a file of its own in memory for each,
+  // because a file alone would compress them one after the other unless the whole program had
+  // threads of OpenEXR's.
+  const int rows = int(std::max<std::int64_t>(RowsPerChunk(format.compression), 16));
+  const auto strips = std::size_t((image.height + rows - 1) / rows);
+  const auto failed = [&](const std::exception& error) {
+    return InputError(InputPosition::File(path),
+                      std::string("cannot be written as OpenEXR: ") + error.what(), kExitIo);
+  };
+  Imf::Header header;
   std::string start;
   try {
-    const Imf::Header header = HeaderOf(image, metadata, channels, format.compression);
+    header = HeaderOf(image, metadata, channels, format.compression);
     start = StartOf(path, header);
-    tbb::task_arena arena(ThreadsFor(format.threads));
-    arena.execute([&] {
-      tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t i) {
-        const int y = int(i) * rows;
-        strips[i] = ChunksOf(path, header, channels, y, std::min(y + rows, image.height));
-      });
-    });
   } catch (const std::exception& error) {
-    throw InputError(InputPosition::File(path),
-                     std::string("cannot be written as OpenEXR: ") + error.what(), kExitIo);
+    throw failed(error);
   }
-  FillTable(strips, start);
-  WriteFileInPieces(path, [&](const PieceWriter& out) {
-    out(start);
-    for (const std::string& strip : strips) out(strip);
+  const auto encode = [&](std::size_t i) {
+    const int y = int(i) * rows, end = std::min(y + rows, image.height);
+    if (CanEncodeStrip(format.compression)) {
+      return EncodeStrip(format.compression, channels, image.width, y, end);
+    }
+    try {
+      return ChunksOf(path, header, channels, y, end);
+    } catch (const std::exception& error) {
+      throw failed(error);
+    }
+  };
+  WriteFileStartLast(path, start.size(), [&](const PieceWriter& out) {
+    std::vector<std::uint64_t> offsets;
+    std::uint64_t before = start.size();
+    EncodeInOrder(strips, ThreadsFor(format.threads), encode, [&](const std::string& strip) {
+      AppendOffsets(strip, before, offsets);
+      before += strip.size();
+      out(strip);
+    });
+    static_assert(std::endian::native == std::endian::little);
+    const std::size_t bytes = offsets.size() * sizeof(std::uint64_t);
+    std::memcpy(&start[start.size() - bytes], offsets.data(), bytes);
+    return start;
   });
 }
 

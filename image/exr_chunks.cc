@@ -1,3 +1,5 @@
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 #include "image/byte_cursor.h"
@@ -28,6 +30,7 @@ std::vector<std::int64_t> LevelSizes(std::int64_t size, std::int64_t longest, bo
 }
 
 // Walks through the table after the header, with one call of CheckNext per chunk in table order.
+// Then Decode has the chunks decoded, when all are known to be where they belong.
 class ChunkChecker {
  public:
   ChunkChecker(const std::string& path, std::string_view bytes, const ExrHeader& header,
@@ -59,22 +62,40 @@ class ChunkChecker {
                  std::to_string(decoded_bytes) + " bytes of pixels");
     }
     const std::string_view pixels = chunk.Take(std::size_t(stored), "a chunk");
-    // Chunks that compression would not shrink are stored uncompressed.
-    const auto decodes = [&] {
-      return stored == decoded_bytes ||
-             DecodedSize(header_.compression, pixels, decoded_bytes) == decoded_bytes;
-    };
-    if (!(take_ ? take_(*place.begin(), pixels, decoded_bytes) : decodes())) {
-      chunk.Fail("the chunk that ends here does not decode to " + std::to_string(decoded_bytes) +
-                 " bytes of pixels");
-    }
+    chunks_.push_back({*place.begin(), pixels, decoded_bytes, chunk.offset()});
+  }
+  void Decode() const {
+    std::vector<char> decodes(chunks_.size());
+    tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t i) {
+      const Chunk& chunk = chunks_[i];
+      // Chunks that compression would not shrink are stored uncompressed.
+      const auto are_good = [&] {
+        return std::int64_t(chunk.stored.size()) == chunk.decoded_bytes ||
+               DecodedSize(header_.compression, chunk.stored, chunk.decoded_bytes) ==
+                   chunk.decoded_bytes;
+      };
+      decodes[i] = take_ ? take_(chunk.first, chunk.stored, chunk.decoded_bytes) : are_good();
+    });
+    const auto bad = std::find(decodes.begin(), decodes.end(), false);
+    if (bad == decodes.end()) return;
+    const Chunk& chunk = chunks_[std::size_t(bad - decodes.begin())];
+    ByteCursor(path_, bytes_, chunk.end)
+        .Fail("the chunk that ends here does not decode to " + std::to_string(chunk.decoded_bytes) +
+              " bytes of pixels");
   }
 
  private:
+  struct Chunk {
+    std::int64_t first;
+    std::string_view stored;
+    std::int64_t decoded_bytes;
+    std::size_t end;  // [bytes] offset in the file
+  };
   const std::string& path_;
   std::string_view bytes_;
   const ExrHeader& header_;
   const ExrChunkTaker& take_;
+  std::vector<Chunk> chunks_;
   ByteCursor table_;
   std::uint64_t table_end_ = 0;
 };
@@ -174,6 +195,7 @@ void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHe
   } else {
     CheckScanLines(checker, header);
   }
+  checker.Decode();
 }
 
 }  // namespace skywave

@@ -63,7 +63,8 @@ using ExrChunkTaker =
     std::function<bool(std::int64_t first, std::string_view stored, std::int64_t decoded_bytes)>;
 
 // Throws InputError unless a flat, single-part file contains all chunks, each at its proper
-// position and with its proper size. Each is given to `take`, if there is one, in its order.
+// position and with its proper size. Then each is given to `take`, if there is one, by several
+// threads and in any order.
 void CheckExrChunks(const std::string& path, std::string_view bytes, const ExrHeader& header,
                     const ExrChunkTaker& take = {});
 

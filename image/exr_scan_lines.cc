@@ -2,26 +2,12 @@
 
 #include <half.h>
 
-#include <bit>
-#define ZLIB_CONST
-#include <zlib.h>
-
 #include <algorithm>
-#include <new>
+#include <bit>
 
 #include "image/formats.h"
 
 namespace skywave {
-
-struct ExrScanLines::Inflater {
-  z_stream stream = {};
-  Inflater() {
-    if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
-  }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
-  ~Inflater() { inflateEnd(&stream); }
-};
 
 ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::string>& names,
                            const std::vector<std::string>& layers)
@@ -44,24 +30,18 @@ ExrScanLines::ExrScanLines(const ExrHeader& header, const std::vector<std::strin
   for (const std::string& layer : layers) picture_.layers.push_back({layer, {}});
 }
 
-ExrScanLines::~ExrScanLines() = default;
-
 // Inflates, and undoes the differences between neighbours that were taken before
 // ("Predictor" in the library's ImfZip.cpp).
-bool ExrScanLines::Inflate(std::string_view stored, std::size_t decoded_bytes) {
-  if (!inflater_) inflater_ = std::make_unique<Inflater>();
-  inflated_.resize(decoded_bytes);
-  z_stream& stream = inflater_->stream;
-  inflateReset(&stream);
-  stream.next_in = reinterpret_cast<const Bytef*>(stored.data());
-  stream.avail_in = uInt(stored.size());
-  stream.next_out = inflated_.data();
-  stream.avail_out = uInt(decoded_bytes);
-  if (inflate(&stream, Z_FINISH) != Z_STREAM_END || stream.avail_out != 0) return false;
-  std::uint8_t sum = inflated_[0];
-  for (std::size_t i = 1; i < decoded_bytes; ++i) {
-    sum = std::uint8_t(sum + std::uint8_t(inflated_[i] - 128));
-    inflated_[i] = sum;
+bool ExrScanLines::Inflate(std::string_view stored, std::size_t decoded_bytes, Buffers& buffers) {
+  buffers.differences.resize(decoded_bytes);
+  buffers.inflated.resize(decoded_bytes);
+  const std::uint8_t* const differences = buffers.differences.data();
+  std::uint8_t* const inflated = buffers.inflated.data();
+  if (!buffers.inflater.Inflate(stored, buffers.differences.data(), decoded_bytes)) return false;
+  std::uint8_t sum = 128;
+  for (std::size_t i = 0; i < decoded_bytes; ++i) {
+    sum = std::uint8_t(sum + differences[i] - 128);
+    inflated[i] = sum;
   }
   return true;
 }
@@ -97,11 +77,12 @@ bool ExrScanLines::Take(std::int64_t y, std::string_view stored, std::int64_t de
     const auto* const plain = reinterpret_cast<const std::uint8_t*>(stored.data());
     bytes = {.low = plain, .high = plain + 1, .step = 2};
   } else {
-    if (!Inflate(stored, size)) return false;
-    const std::uint8_t* const inflated = inflated_.data();
+    Buffers& buffers = buffers_.local();
+    if (!Inflate(stored, size, buffers)) return false;
+    const std::uint8_t* const inflated = buffers.inflated.data();
     bytes = {.low = inflated, .high = inflated + (size + 1) / 2, .step = 1};
   }
-  if (picture_.image.rgb.empty()) Allocate();
+  std::call_once(allocated_, [&] { Allocate(); });
   const std::size_t row_bytes = width_ * std::size_t(header_.pixel_bytes());
   const auto first = std::size_t(y - header_.data_window.y_min);
   for (std::size_t row = 0; row < size / row_bytes; ++row) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -67,11 +68,18 @@ Rgb OnCurve(ToneCurve curve, Rgb v) {
 BadPixels RepairRadiance(Image& image) {
   BadPixels bad;
   // Most pictures are good, which is found without a branch for each number.
-  unsigned any = 0;
-  for (const float value : image.rgb) {
-    any |= unsigned(!(value >= 0)) | unsigned(!(value <= std::numeric_limits<float>::max()));
-  }
-  if (any == 0) return bad;
+  std::atomic<bool> any = false;
+  constexpr std::size_t kAtOnce = std::size_t{1} << 18;
+  tbb::parallel_for(std::size_t{0}, (image.rgb.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t i) {
+    unsigned here = 0;
+    const std::size_t end = std::min((i + 1) * kAtOnce, image.rgb.size());
+    for (std::size_t k = i * kAtOnce; k < end; ++k) {
+      const float value = image.rgb[k];
+      here |= unsigned(!(value >= 0)) | unsigned(!(value <= std::numeric_limits<float>::max()));
+    }
+    if (here != 0) any = true;
+  });
+  if (!any) return bad;
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     bool nan = false, infinite = false, negative = false;
     for (std::size_t c = i; c < i + 3; ++c) {

@@ -60,10 +60,12 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
     light.map = ToLatLong(std::move(image), projection);
   }
   const glm::vec3 factor = light.scale * request.intensity;
-  for (std::size_t i = 0; i < light.map->rgb.size(); i += 3) {
-    for (int c = 0; c < 3; ++c) light.map->rgb[i + std::size_t(c)] *= factor[c];
-  }
   light.scale = glm::vec3(1);
+  if (factor != glm::vec3(1)) {
+    for (std::size_t i = 0; i < light.map->rgb.size(); i += 3) {
+      for (int c = 0; c < 3; ++c) light.map->rgb[i + std::size_t(c)] *= factor[c];
+    }
+  }
   if (const BadPixels bad = RepairRadiance(*light.map); bad.total() > 0) {
     notes.push_back(fmt::format(
         "{}: {} pixels exceed all bounds at this intensity and are set to 0", name, bad.total()));

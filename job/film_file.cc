@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -240,12 +241,24 @@ std::uint64_t NumberAt(std::string_view bytes, std::size_t offset) {
 
 void WriteFilm(const std::string& path, const FilmFile& file, const Film& film) {
   const std::string manifest = Manifest(file, film).dump(1);
-  std::string bytes(kMagic);
-  Append(bytes, manifest.size());
-  bytes += manifest;
-  bytes += film.PackPicture();
-  Append(bytes, XXH64(bytes.data(), bytes.size(), 0));
-  WriteFileAtomically(path, bytes);
+  const std::unique_ptr<XXH64_state_t, decltype(&XXH64_freeState)> hash(XXH64_createState(),
+                                                                        &XXH64_freeState);
+  if (!hash) throw std::bad_alloc();
+  XXH64_reset(hash.get(), 0);
+  WriteFileInPieces(path, [&](const PieceWriter& out) {
+    const auto write = [&](std::string_view bytes) {
+      XXH64_update(hash.get(), bytes.data(), bytes.size());
+      out(bytes);
+    };
+    std::string start(kMagic);
+    Append(start, manifest.size());
+    write(start);
+    write(manifest);
+    film.PackPicture(write);
+    std::string end;
+    Append(end, XXH64_digest(hash.get()));
+    out(end);
+  });
   SyncFolderOf(path);
 }
 

@@ -161,6 +161,7 @@ void RenderJob::PlaceCamera(const Scene& scene, const Bounds& bounds) {
   scene_camera_ = ChooseCamera(scene, bounds, request_.camera, float(width) / float(height));
   filter_offsets_ = FilterOffsets(options().filter, options().filter_radius);
   filter_densities_ = FilterDensities(filter_offsets_, options().filter_radius);
+  filter_factors_ = FilterFactors(options().filter, options().filter_radius, filter_offsets_);
   camera_ = MakeCameraView(scene_camera_, width, height, filter_offsets_.data(), request_.crop);
 }
 
@@ -248,9 +249,13 @@ FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) c
                      .recorder = nullptr,
                      .first_with_alpha = geometry().has_alpha()
                                              ? std::optional(geometry().first_with_alpha())
-                                             : std::nullopt},
+                                             : std::nullopt,
+                     .places = geometry().places(),
+                     .instances = geometry().instances()},
           .sphere = sphere_,
-          .filter = {.density = filter_densities_.data(), .radius = options().filter_radius},
+          .filter = {.density = filter_densities_.data(),
+                     .radius = options().filter_radius,
+                     .factor = filter_factors_.empty() ? nullptr : filter_factors_.data()},
           .emitter = emitter,
           .map = &map_->map,
           .light_groups = light_groups_.names.empty() ? nullptr : &light_groups_,
@@ -276,19 +281,23 @@ std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& spe
   return strategy;
 }
 
-Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {
+FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {
   const FilmArea area = {
       int(camera_.width),
       int(camera_.height),
       {options().crop_x - int(camera_.first_column), options().crop_y - int(camera_.first_row),
        options().width, options().height}};
-  return Film({.area = area,
-               .brightest_radiance = brightest_,
-               .aovs = options().aovs | layers | (request_.denoise ? DenoiserLayers() : 0),
-               .world_extent = world_extent_,
-               .shared = Describe(integrator).has_splats,
-               .light_groups = light_groups_.names,
-               .has_signs = options().control != ControlVariate::kNone});
+  return {.area = area,
+          .brightest_radiance = brightest_,
+          .aovs = options().aovs | layers | (request_.denoise ? DenoiserLayers() : 0),
+          .world_extent = world_extent_,
+          .shared = Describe(integrator).has_splats,
+          .light_groups = light_groups_.names,
+          .has_signs = options().control != ControlVariate::kNone || HasSigns(options().filter)};
+}
+
+Film RenderJob::MakeFilm(Integrator integrator, AovSet layers) const {
+  return Film(LayoutOfFilm(integrator, layers));
 }
 
 }  // namespace skywave

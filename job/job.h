@@ -34,6 +34,7 @@ class RenderJob {
   FrameView frame() const { return frame(options().integrator, strategy()); }
   // The film keeps `layers` in addition to those of the options.
   Film MakeFilm(AovSet layers = 0) const { return MakeFilm(options().integrator, layers); }
+  FilmLayout LayoutOfFilm(Integrator integrator, AovSet layers = 0) const;
   // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy
   // for it. Where light paths start, that strategy or the job's can emit (CanEmit).
   FrameView frame(Integrator integrator, const EnvStrategy& strategy) const;
@@ -71,7 +72,7 @@ class RenderJob {
   std::shared_ptr<const StrategyTables> strategy_, continuation_strategy_;
   std::shared_ptr<const MapIrradiance> irradiance_;  // where there is a control variate
   std::shared_ptr<const StrategyTables> emitter_;    // of light paths; null: `strategy_` can emit
-  std::vector<float> filter_offsets_, filter_densities_;
+  std::vector<float> filter_offsets_, filter_densities_, filter_factors_;
   Camera scene_camera_;
   CameraView camera_;
   SceneSphere sphere_;

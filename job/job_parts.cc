@@ -13,6 +13,7 @@
 #include "job/options.h"
 #include "job/portals.h"
 #include "lights/maps/environment_map.h"
+#include "scene/instances.h"
 #include "scene/reader.h"
 #include "scene/shapes/ground.h"
 
@@ -25,11 +26,15 @@ std::size_t BytesOf(const std::vector<T>& values) {
 }
 
 std::size_t BytesOf(const Scene& scene) {
-  std::size_t bytes = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    bytes += BytesOf(mesh.positions) + BytesOf(mesh.normals) + BytesOf(mesh.uvs) +
-             BytesOf(mesh.tangents) + BytesOf(mesh.colors) + BytesOf(mesh.triangles);
-  }
+  std::size_t bytes = BytesOf(scene.instances);
+  const auto add = [&](const std::vector<Mesh>& meshes) {
+    for (const Mesh& mesh : meshes) {
+      bytes += BytesOf(mesh.positions) + BytesOf(mesh.normals) + BytesOf(mesh.uvs) +
+               BytesOf(mesh.tangents) + BytesOf(mesh.colors) + BytesOf(mesh.triangles);
+    }
+  };
+  add(scene.meshes);
+  for (const Object& object : scene.objects) add(object.meshes);
   for (const Image& image : scene.images) bytes += BytesOf(image.rgb);
   for (const MeasuredBrdf& brdf : scene.measured) bytes += BytesOf(brdf.rgb);
   for (const EnvironmentLight& light : scene.environments) {
@@ -65,6 +70,15 @@ float Brightest(const std::vector<float>& values) {
   return *std::max_element(lanes.begin(), lanes.end());
 }
 
+// Copies the meshes of shared objects that shine now: materials may have changed since the scene
+// was read, and only what stands in the world is a lamp.
+void CopyNewLamps(const JobRequest& request, Scene& scene) {
+  if (scene.instances.empty()) return;
+  ReadOptions read = request.read;
+  read.instances = InstanceUse::kShare;
+  ResolveInstances(read, request.scene, scene);
+}
+
 PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
                            const JobRequest& request) {
   PreparedScene prepared = {.scene = {loaded, &loaded->scene}};
@@ -79,6 +93,7 @@ PreparedScene PrepareScene(const std::shared_ptr<const LoadedScene>& loaded,
     AddPortals(request.portals, *scene);
     prepared.bounds = prepared.whole_bounds = SceneBounds(*scene, request.scene);
     ChangeMaterials(request.materials, *scene);
+    CopyNewLamps(request, *scene);
     if (!request.energy_compensation) LeaveOutCompensation(*scene);
     scene->up_axis = up_axis;
     if (request.ground) {

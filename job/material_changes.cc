@@ -133,7 +133,8 @@ void ChangeMaterials(const std::vector<std::string>& changes, Scene& scene) {
 
 void LeaveOutCompensation(Scene& scene) {
   for (Material& material : scene.materials) {
-    if (material.bsdf != BsdfKind::kConductor) continue;
+    // Anisotropic facets have no texture of their width.
+    if (material.bsdf != BsdfKind::kConductor || material.roughness_texture) continue;
     // With equal widths the anisotropic one has the same facets, and no lobe but theirs.
     material.bsdf = BsdfKind::kAnisotropicConductor;
     material.alpha_across = material.alpha;

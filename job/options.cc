@@ -288,8 +288,10 @@ std::vector<JobOption> MakeJobOptions() {
 
     Plain({.name = "strict", .group = kReading, .help = "refuse a scene of which something would be left out or approximated", .scope = kInput, .example = "--strict", .of_reading = true},
           FIELD(read.strict), Switches()),
-    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by instances or subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
+    Plain({.name = "max-triangles", .group = kReading, .help = "refuse a scene that grows beyond this by copies of instances or by subdivision", .scope = kInput, .example = "--max-triangles 1000", .of_reading = true},
           FIELD(read.max_triangles), As<std::size_t>(WholeNumbers(1, std::uint64_t{1} << 31))),
+    Plain({.name = "instances", .group = kReading, .help = "whether objects that a scene has more than once are copied, or shared by their instances, which takes less memory and more time", .scope = kPixels, .example = "--instances share", .default_text = "auto: shared where copies would take 256 MB more", .of_reading = true},
+          FIELD(read.instances), NamesOfEnum<InstanceUse>()),
     Plain({.name = "frame", .group = kReading, .help = "number of the frame: the moment at which an animated scene is read, which may be a fraction, the map of a sequence, and noise of its own", .scope = kPixels, .example = "moving.gltf --frame 12.5", .default_text = "without animation", .metavar = "N", .of_reading = true},
           FIELD(read.frame), Doubles(-1e9, 1e9)),
     Plain({.name = "fps", .group = kReading, .help = "frames in a second of animation", .scope = kPixels, .example = "moving.gltf --frame 15 --fps 30", .default_text = "24", .metavar = "R", .of_reading = true},
@@ -336,11 +338,13 @@ std::span<const JobOption> JobOptions() {
 JobRequest ResolveRequest(JobRequest request, const RenderSettings& settings,
                           std::vector<std::string>& notes) {
   const std::string scene = request.scene;
+  const bool chooses_filter = request.filter.has_value();
   for (const JobOption& option : JobOptions()) {
     if (option.resolve) option.resolve(request, {settings, scene});
   }
   LimitDepth(request, notes);
   NoteUselessGuide(request, notes);
+  if (!chooses_filter) NoteOtherFilter(request, {settings, scene}, notes);
   CheckResolved(request);
   return request;
 }

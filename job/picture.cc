@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -56,15 +57,32 @@ ExposureRequest ExposureOf(const PictureIdentity& identity) {
   return *exposure;
 }
 
-// Replaces the picture by a clean one, by the layers that the denoiser reads.
-void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Picture& picture) {
-  if (!CanDenoise(picture.image, layers)) {
+// Returns whether a channel is one of `layers`.
+bool IsOfLayers(std::string_view channel, AovSet layers) {
+  for (std::size_t k = 0; k < Aovs().size(); ++k) {
+    const std::string_view name = Aovs()[k].name;
+    if ((layers >> k & 1) == 0 || !channel.starts_with(name)) continue;
+    const std::string_view rest = channel.substr(name.size());
+    if (rest.starts_with('.')) return true;
+    if (Aovs()[k].sum == AovSum::kLightGroups && rest.starts_with('-')) return true;
+  }
+  return false;
+}
+
+// Replaces the picture by a clean one, by the layers that the denoiser reads; then it has `layers`,
+// and those that denoising adds.
+void Clean(const std::string& scene, AovSet layers, Picture& picture) {
+  std::optional<Denoised> clean;
+  if (CanDenoise(picture.image, picture.layers)) {
+    clean = Denoise(scene, picture.image, picture.layers);
+  } else {
     picture.notes.push_back(
         fmt::format("not denoised: pixels have fewer than {} samples, or too few in one half",
                     kFewestDenoiserSamples));
-    return;
   }
-  Denoised clean = Denoise(scene, picture.image, layers);
+  std::erase_if(picture.layers,
+                [&](const NamedChannel& channel) { return !IsOfLayers(channel.name, layers); });
+  if (!clean) return;
   for (const std::size_t c : {0, 1, 2}) {
     NamedChannel noisy = {fmt::format("noisy.{}", "RGB"[c]), {}};
     noisy.values.reserve(picture.image.rgb.size() / 3);
@@ -73,9 +91,9 @@ void Clean(const std::string& scene, const std::vector<NamedChannel>& layers, Pi
     }
     picture.layers.push_back(std::move(noisy));
   }
-  for (NamedChannel& channel : clean.error) picture.layers.push_back(std::move(channel));
-  if (const std::string note = OutlierNote(clean); !note.empty()) picture.notes.push_back(note);
-  picture.image = std::move(clean.image);
+  for (NamedChannel& channel : clean->error) picture.layers.push_back(std::move(channel));
+  if (const std::string note = OutlierNote(*clean); !note.empty()) picture.notes.push_back(note);
+  picture.image = std::move(clean->image);
 }
 
 }  // namespace
@@ -179,8 +197,42 @@ bool IsDenoised(const PictureIdentity& identity) {
   return option != nullptr && !option->words.empty();
 }
 
+AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity) {
+  return layers | (IsDenoised(identity) ? DenoiserLayers() : 0);
+}
+
+PictureRows::PictureRows(AovSet layers, const PictureIdentity& identity)
+    : layers_(LayersToResolve(layers, identity)) {}
+
+void PictureRows::Add(const Film& film, const SampleCounts& samples, int first, int end) {
+  std::call_once(begun_, [&] {
+    picture_ = film.EmptyPicture(layers_);
+    is_there_.resize(std::size_t(picture_.image.height));
+  });
+  film.ResolveRows(samples, layers_, first, end, picture_);
+  std::fill(is_there_.begin() + first, is_there_.begin() + end, true);
+}
+
+LayeredImage PictureRows::With(const Film& film, const SampleCounts& samples) const {
+  LayeredImage all = is_there_.empty() ? film.EmptyPicture(layers_) : picture_;
+  for (int y = 0; y < all.image.height; ++y) {
+    const bool is_there = !is_there_.empty() && is_there_[std::size_t(y)];
+    if (!is_there) film.ResolveRows(samples, layers_, y, y + 1, all);
+  }
+  return all;
+}
+
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part, int threads) {
+  PictureRows rows(layers, identity);
+  tbb::task_arena(ThreadsFor(threads)).execute([&] {
+    rows.Add(film, samples, 0, film.layout().area.picture.height);
+  });
+  return FinishPicture(rows.Take(), layers, identity, part, threads);
+}
+
+Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentity& identity,
+                      const PicturePart& part, int threads) {
   Metadata metadata = {{"software", identity.software},
                        {"samples", fmt::format("{}", part.samples.count())},
                        {"seed", fmt::format("{}", identity.seed)},
@@ -188,12 +240,11 @@ Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet lay
   if (identity.repeatable) metadata.emplace_back("command", RepeatCommand(identity, part));
   Picture picture;
   picture.metadata = std::move(metadata);
-  tbb::task_arena(ThreadsFor(threads)).execute([&] {
-    picture.image = film.Resolve(samples);
-    picture.layers = film.ResolveAovs(samples, layers);
-    if (!IsDenoised(identity)) return;
-    Clean(identity.scene, film.ResolveAovs(samples, DenoiserLayers()), picture);
-  });
+  picture.image = std::move(resolved.image);
+  picture.layers = std::move(resolved.layers);
+  if (IsDenoised(identity)) {
+    tbb::task_arena(ThreadsFor(threads)).execute([&] { Clean(identity.scene, layers, picture); });
+  }
   Expose(ExposureOf(identity), picture);
   return picture;
 }

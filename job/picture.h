@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,9 @@ std::string Difference(const PictureIdentity& here, const PictureIdentity& there
 // Returns whether the picture is denoised.
 bool IsDenoised(const PictureIdentity& identity);
 
+// Returns the layers that are resolved where `layers` are shown: those, and those of the denoiser.
+AovSet LayersToResolve(AovSet layers, const PictureIdentity& identity);
+
 // Returns whether a channel is one that denoising adds to a picture: "noisy" and "error".
 bool IsOfDenoiser(std::string_view channel);
 
@@ -76,6 +80,30 @@ struct Picture {
 // `threads` are those of the denoiser; 0: as many as the process may use.
 Picture ResolvePicture(const Film& film, const SampleCounts& samples, AovSet layers,
                        const PictureIdentity& identity, const PicturePart& part, int threads = 0);
+
+// A picture whose rows are resolved one after the other, so that its film may forget them.
+class PictureRows {
+ public:
+  // `layers` are those to show.
+  PictureRows(AovSet layers, const PictureIdentity& identity);
+  // Resolves rows [first, end). Threads may do so with different rows at the same time.
+  void Add(const Film& film, const SampleCounts& samples, int first, int end);
+  // Returns the picture as it is: the rows that are not there yet are those of `film`. Nothing may
+  // be added meanwhile.
+  LayeredImage With(const Film& film, const SampleCounts& samples) const;
+  // Returns the picture when all rows are there.
+  LayeredImage Take() { return std::move(picture_); }
+
+ private:
+  AovSet layers_;  // those to show, and those of the denoiser
+  std::once_flag begun_;
+  LayeredImage picture_;
+  std::vector<char> is_there_;  // by row
+};
+
+// Returns what ResolvePicture returns, of rows that have been resolved.
+Picture FinishPicture(LayeredImage resolved, AovSet layers, const PictureIdentity& identity,
+                      const PicturePart& part, int threads = 0);
 
 // Exposes the PNG. An automatic exposure is told by a note and by the metadata, and by these
 // IsExposedAutomatically knows the pictures that have one.

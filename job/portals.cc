@@ -60,6 +60,7 @@ std::vector<Portal> PortalsOfText(const std::string& text, Scene& scene) {
 
 // Whether any of the portals has a part of the scene where its light goes.
 bool LightAnything(const std::vector<Portal>& portals, const Scene& scene) {
+  const std::vector<Bounds> instances = InstanceBounds(scene);
   for (const Portal& portal : portals) {
     const glm::vec3 out = glm::cross(portal.side_x, portal.side_y);
     const float margin = 1e-4f * glm::length(out) * glm::length(portal.side_x + portal.side_y);
@@ -67,6 +68,10 @@ bool LightAnything(const std::vector<Portal>& portals, const Scene& scene) {
       for (const glm::vec3& p : mesh.positions) {
         if (glm::dot(p - portal.corner, out) < -margin) return true;
       }
+    }
+    for (const Bounds& box : instances) {
+      const glm::vec3 deepest = glm::mix(box.high, box.low, glm::greaterThan(out, glm::vec3(0)));
+      if (glm::dot(deepest - portal.corner, out) < -margin) return true;
     }
   }
   return false;

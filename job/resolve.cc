@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "denoise/denoise.h"
+#include "scene/warnings.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/option_checks.h"
 #include "wavefront/option_names.h"
@@ -50,7 +51,9 @@ void ResolveSize(JobRequest& request, const SceneDefaults& scene) {
       std::int64_t{options.width} * options.height > kMaxFilmPixels) {
     throw InputError(
         InputPosition::File(scene.scene),
-        fmt::format("a film of {} x {} pixels cannot be rendered", options.width, options.height));
+        fmt::format("a film of {} x {} pixels cannot be rendered: the limit is {} a side and {} "
+                    "pixels",
+                    options.width, options.height, kMaxFilmSide, kMaxFilmPixels));
   }
   request.width = options.width, request.height = options.height;
 }
@@ -93,12 +96,25 @@ void ResolveCrop(JobRequest& request, const SceneDefaults& scene) {
   options.crop_x = crop.x, options.crop_y = crop.y;
 }
 
+namespace {
+
+// Returns whether the integrator can have the filter of the scene, if that has one.
+bool TakesFilter(Integrator integrator, const SceneDefaults& scene) {
+  const std::optional<PixelFilter>& filter = scene.settings.filter;
+  return !filter || !HasSigns(*filter) || !Describe(integrator).has_splats;
+}
+
+}  // namespace
+
 void ResolveFilter(JobRequest& request, const SceneDefaults& scene) {
   RenderOptions& options = request.options;
-  options.filter = request.filter.value_or(scene.settings.filter.value_or(options.filter));
+  const bool fits = TakesFilter(options.integrator, scene);
+  const bool from_scene = !request.filter && fits;
+  if (request.filter) options.filter = *request.filter;
+  if (from_scene) options.filter = scene.settings.filter.value_or(options.filter);
   if (options.filter_radius <= 0) {
     const float own = DefaultFilterRadius(options.filter);
-    options.filter_radius = request.filter ? own : scene.settings.filter_radius.value_or(own);
+    options.filter_radius = from_scene ? scene.settings.filter_radius.value_or(own) : own;
   }
   request.filter = options.filter;
 }
@@ -124,6 +140,19 @@ void LimitDepth(JobRequest& request, std::vector<std::string>& notes) {
       fmt::format("{}: a depth of {} is lowered to {}", request.scene, depth, kMaxDepth));
   depth = kMaxDepth;
   request.max_depth = depth;
+}
+
+void NoteOtherFilter(const JobRequest& request, const SceneDefaults& scene,
+                     std::vector<std::string>& notes) {
+  const RenderOptions& options = request.options;
+  if (TakesFilter(options.integrator, scene) || options.filter == *scene.settings.filter) return;
+  Warnings warnings = {.entries = {}, .by_text = {}, .strict = request.read.strict};
+  AddWarning(warnings, InputPosition::File(request.scene),
+             fmt::format("the filter {} has negative weights, which --integrator {} does not take: "
+                         "{} is used",
+                         ToString(*scene.settings.filter), ToString(options.integrator),
+                         ToString(options.filter)));
+  notes.push_back(WarningLines(warnings).front());
 }
 
 void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes) {

@@ -34,6 +34,11 @@ void LimitDepth(JobRequest& request, std::vector<std::string>& notes);
 // Says in `notes` where light paths are to be guided and there are none.
 void NoteUselessGuide(const JobRequest& request, std::vector<std::string>& notes);
 
+// Says in `notes` where the filter of the scene is not the one that is used, though nothing else
+// was asked for. Throws InputError instead where the scene is read strictly.
+void NoteOtherFilter(const JobRequest& request, const SceneDefaults& scene,
+                     std::vector<std::string>& notes);
+
 // Throws InputError for resolved options that do not go together, whatever the scene holds.
 void CheckResolved(const JobRequest& request);
 

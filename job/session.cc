@@ -1,14 +1,19 @@
 #include "job/session.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cassert>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/granted.h"
 
 namespace skywave {
 namespace {
@@ -26,6 +31,10 @@ struct Session {
   Clock::time_point last_checkpoint = start;
   bool checkpoint_due = false, snapshot_due = false;  // for the next pause
   SampleCounts of_step = 0;                           // in the tiles that it has finished
+  bool forgets = false;               // the film forgets the rows that the request has got
+  std::vector<NoiseSums> noise = {};  // by row of the picture, of a film that forgets
+  // Pixels of a row that are to come, by the first rows of tiles.
+  std::unique_ptr<std::atomic<int>[]> missing = {};
   std::vector<std::string> notes = {};
 
   double seconds() const { return seconds_before + SecondsSince(start); }
@@ -121,6 +130,53 @@ void Resume(Session& session) {
   session.seconds_before = saved.file.seconds;
 }
 
+// Returns whether nobody needs rows that have all of their samples.
+bool MayForget(const SessionRequest& request, const FilmLayout& layout) {
+  return request.on_rows && request.checkpoint.path.empty() && !request.limits.end_early() &&
+         !layout.shared;
+}
+
+// Throws InputError if a film, as far as it is kept, and its picture, of which `layers` are
+// resolved, need more memory than the process may use.
+void CheckMemory(const std::string& scene, const FilmLayout& layout, bool forgets, AovSet layers) {
+  const double film_pixels = double(layout.area.width) * layout.area.height;
+  const double pixels = double(layout.area.picture.width) * layout.area.picture.height;
+  const PixelBytes bytes = Film::BytesOfPixel(layout);
+  const double film = film_pixels * double(forgets ? bytes.at_first : bytes.kept);
+  const std::size_t channels = 3 + ChannelCount(layers, layout.light_groups.size());
+  const double needed = film + pixels * double(channels * sizeof(float));
+  const double granted = double(GrantedHere().memory_bytes);
+  if (needed <= granted) return;
+  throw InputError(
+      InputPosition::File(scene),
+      fmt::format("a film of {} x {} pixels and its picture need {:.1f} GiB, and this process may "
+                  "use {:.1f} GiB ({}); render it in parts or with fewer layers",
+                  layout.area.picture.width, layout.area.picture.height, needed / (1 << 30),
+                  granted / (1 << 30), GrantedHere().memory_from));
+}
+
+bool KeepsVariance(const Session& session) {
+  return Sums(session.film.layout().aovs, AovSum::kVariance);
+}
+
+// Called by the thread that has finished a tile of the last step. The last tile beside others hands
+// their rows on.
+void FinishTile(Session& session, const Tile& tile, const SampleCounts& samples) {
+  const int width = int(tile.width), first = int(tile.y), end = first + int(tile.height);
+  if (session.missing[tile.y].fetch_sub(width) != width) return;
+  const CropWindow& picture = session.film.layout().area.picture;
+  const int first_row = std::max(first - picture.y, 0);
+  const int end_row = std::min(end - picture.y, picture.height);
+  if (first_row < end_row) {
+    session.request.on_rows(session.film, samples, first_row, end_row);
+    if (KeepsVariance(session)) {
+      const std::vector<NoiseSums> rows = session.film.NoiseOfRows(samples, first_row, end_row);
+      std::copy(rows.begin(), rows.end(), session.noise.begin() + first_row);
+    }
+  }
+  session.film.Forget(first, end);
+}
+
 // Called by the rendering thread while all others rest.
 void Pause(Session& session) {
   if (std::exchange(session.snapshot_due, false)) {
@@ -179,10 +235,17 @@ FrameResult Render(Session& session) {
   }
   const bool adaptive = request.limits.adaptive > 0;
   if (adaptive) SampleAdaptively(session, frame, progress, control);
-  if (request.on_tile) {
+  if (session.forgets) {
+    const FilmArea& area = session.film.layout().area;
+    session.noise.resize(std::size_t(area.picture.height));
+    session.missing = std::make_unique<std::atomic<int>[]>(std::size_t(area.height));
+    for (int y = 0; y < area.height; ++y) session.missing[std::size_t(y)] = area.width;
+  }
+  if (request.on_tile || session.forgets) {
     control.on_tile = [&](const Tile& tile, std::uint32_t done) {
       const SampleCounts all = done - session.part.samples.first;
-      request.on_tile(session.film, tile, adaptive ? session.of_step : all);
+      if (request.on_tile) request.on_tile(session.film, tile, adaptive ? session.of_step : all);
+      if (session.forgets && done == session.part.samples.end) FinishTile(session, tile, all);
     };
   }
   FrameResult result;
@@ -206,11 +269,15 @@ FrameResult Render(Session& session) {
 RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
                         const SessionRequest& request) {
   const AovSet more = LayersForLimits(request.limits, job.options().integrator);
+  const FilmLayout layout = job.LayoutOfFilm(job.options().integrator, more);
+  const bool forgets = MayForget(request, layout);
+  CheckMemory(identity.scene, layout, forgets, LayersToResolve(job.options().aovs, identity));
   Session session = {.job = job,
                      .identity = identity,
                      .request = request,
                      .part = PartOf(job, ChooseSamples(request.limits, identity.samples)),
-                     .film = job.MakeFilm(more)};
+                     .film = Film(layout),
+                     .forgets = forgets};
   Resume(session);
   FrameResult frame;
   try {
@@ -226,21 +293,28 @@ RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
   SampleCounts samples = frame.samples_per_pixel;
   if (request.limits.adaptive > 0) samples = SamplesByPixel(FrameOf(session), session.state);
   session.part.samples.end = session.part.samples.first + frame.samples_per_pixel;
+  std::optional<double> noise;
+  if (KeepsVariance(session)) {
+    noise = session.forgets ? Film::Noise(session.noise) : session.film.Noise(samples);
+  }
+  if (request.on_rows && !session.forgets) {
+    tbb::task_arena(ThreadsFor(job.options().threads)).execute([&] {
+      request.on_rows(session.film, samples, 0, layout.area.picture.height);
+    });
+  }
   return {.film = std::move(session.film),
+          .has_film = !session.forgets,
           .part = session.part,
           .samples = std::move(samples),
           .frame = frame,
           .seconds = session.seconds(),
-          .notes = std::move(session.notes)};
-}
-
-std::optional<double> NoiseOf(const RenderedFilm& rendered) {
-  if (!Sums(rendered.film.layout().aovs, AovSum::kVariance)) return std::nullopt;
-  return rendered.film.Noise(rendered.samples);
+          .notes = std::move(session.notes),
+          .noise = noise};
 }
 
 void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
                const RenderedFilm& rendered) {
+  assert(rendered.has_film);
   if (IsAdaptive(identity)) {
     throw InputError(InputPosition::File(path),
                      "films are added where all pixels have the same samples, so none is kept with "

@@ -33,16 +33,21 @@ struct SessionRequest {
   // Called by the thread that has finished a tile of a step, of which `film` then holds `samples`
   // (RenderControl::on_tile).
   std::function<void(const Film& film, const Tile& tile, const SampleCounts& samples)> on_tile;
+  // Where it is set, gets all rows [first, end) of the picture once, when they have all of their
+  // samples, from any thread. Where nothing else needs them, the film forgets them behind that.
+  std::function<void(const Film& film, const SampleCounts& samples, int first, int end)> on_rows;
 };
 
 // What a session has rendered.
 struct RenderedFilm {
   Film film;
+  bool has_film = true;  // else the film has forgotten its rows
   PicturePart part;
   SampleCounts samples;  // of the pixels of the film; those of the part are the most
   FrameResult frame;
   double seconds = 0;              // of rendering, sessions before this one included
   std::vector<std::string> notes;  // what went wrong without ending the render, for the user
+  std::optional<double> noise;     // Film::Noise, if the film keeps the variance
 };
 
 // Renders. `identity` is that of the job's picture. A checkpoint that is there at the end stays
@@ -52,11 +57,8 @@ struct RenderedFilm {
 RenderedFilm RunSession(const RenderJob& job, const PictureIdentity& identity,
                         const SessionRequest& request);
 
-// Returns the noise of what was rendered (Film::Noise), if its film keeps the variance.
-std::optional<double> NoiseOf(const RenderedFilm& rendered);
-
-// Writes the film of a session as a part of its picture. Throws InputError for one whose blocks
-// were to end apart: what it holds is no part.
+// Writes the film of a session, which it has, as a part of its picture. Throws InputError for one
+// whose blocks were to end apart: what it holds is no part.
 void WriteFilm(const std::string& path, const PictureIdentity& identity, AovSet layers,
                const RenderedFilm& rendered);
 

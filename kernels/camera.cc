@@ -91,19 +91,8 @@ struct EqualArea {
     WrapSquare(u, v);
     WrapSquare(v, u);
     const VF a = hn::Sub(hn::Add(u, u), one), b = hn::Sub(hn::Add(v, v), one);
-    // r is the distance from the middle in the norm whose ball is the inner diamond; beyond the
-    // diamond lies the lower hemisphere.
-    const VF inside = hn::Sub(one, hn::Add(hn::Abs(a), hn::Abs(b)));
-    const VF r = hn::Sub(one, hn::Abs(inside));
-    const VF r2 = hn::Mul(r, r);
-    const MF pole = hn::Eq(r, hn::Zero(F()));
-    const VF along = hn::Div(hn::Sub(hn::Abs(b), hn::Abs(a)), IfThen(pole, one, r));
-    VF sine, cosine;
-    SinCosTurn(hn::Mul(Clamp(hn::Add(along, one), 0.0f, 2.0f), Set(0.125f)), sine, cosine);
-    const VF height = hn::CopySign(hn::Sub(one, r2), inside);
-    const VF side = hn::Mul(r, SafeSqrt(hn::Sub(Set(2.0f), r2)));
-    return {Set3(camera.origin), FromAxes(camera, hn::Mul(side, hn::CopySign(cosine, a)),
-                                          hn::Neg(height), hn::Mul(side, hn::CopySign(sine, b)))};
+    const V3 d = DirectionOnEqualAreaSquare(a, b);
+    return {Set3(camera.origin), FromAxes(camera, d.x, hn::Neg(d.z), d.y)};
   }
 };
 

@@ -96,7 +96,8 @@ struct HitColumns {
   float *ng_x, *ng_y, *ng_z;  // geometric normal, world space, not normalised, as wound
   float *u, *v;               // barycentric coordinates of corners 1 and 2
   std::uint32_t* triangle;    // index into the triangle records
-  std::uint32_t* geom;        // 0 or kNoHit
+  // kNoHit, 0 for a triangle of the world, or 1 + i for one of the object of instance i.
+  std::uint32_t* geom;
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -135,6 +136,7 @@ struct SurfaceColumns {
   float *u, *v;                                       // barycentric
   std::uint32_t* triangle;                            // index into the triangle records
   std::uint32_t* path;                                // row in PathColumns
+  std::uint32_t* instance;             // as HitColumns::geom; unset in scenes without instances
   float *org_x, *org_y, *org_z;        // in: ray origin; out: the hit, lifted by `lift` along ng
   float *ns_x, *ns_y, *ns_z;           // shading normal, unit, on wo's side
   float *color_r, *color_g, *color_b;  // reflectance at the hit
@@ -152,7 +154,7 @@ struct SurfaceColumns {
     f(self.wo_x), f(self.wo_y), f(self.wo_z);
     f(self.ng_x), f(self.ng_y), f(self.ng_z);
     f(self.throughput_r), f(self.throughput_g), f(self.throughput_b);
-    f(self.t), f(self.u), f(self.v), f(self.triangle), f(self.path);
+    f(self.t), f(self.u), f(self.v), f(self.triangle), f(self.path), f(self.instance);
     f(self.org_x), f(self.org_y), f(self.org_z);
     f(self.ns_x), f(self.ns_y), f(self.ns_z);
     f(self.color_r), f(self.color_g), f(self.color_b);
@@ -260,6 +262,7 @@ enum class MaterialField : std::uint32_t {
   // own file.
   kAlphaAcross = kIor,  // anisotropic BSDFs: width across the tangent; alpha is that along it
   kMetallic = kEta,     // metallic-roughness: share of metal
+  kSecondTexture = kRoughnessTexture,  // diffuse transmission: that of the transmitted share
   // BSDFs with a table of their coat (kernels/bsdf/coat_tables.h): its index, its width, and
   // whether its medium makes it coloured.
   kCoatTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),

@@ -159,19 +159,31 @@ void AddScene(py::module_& module) {
           "add_mesh",
           [](Scene& scene, const Array<float>& vertices, const Array<std::uint32_t>& faces,
              const std::optional<Array<float>>& normals, const std::optional<Array<float>>& uvs,
-             const std::optional<Array<float>>& colors, int material, const std::string& name) {
+             const std::optional<Array<float>>& colors, int material, const std::string& name,
+             int object) {
             const api::MeshArrays mesh = {.positions = SpanOf(vertices),
                                           .triangles = SpanOf(faces),
                                           .normals = SpanOf(normals),
                                           .uvs = SpanOf(uvs),
                                           .colors = SpanOf(colors),
                                           .material = material,
-                                          .name = name};
+                                          .name = name,
+                                          .object = object};
             scene.Use([&](api::Scene& s) { s.AddMesh(mesh); });
           },
           py::arg("vertices").noconvert(), py::arg("faces").noconvert(),
           py::arg("normals").noconvert(), py::arg("uvs").noconvert(), py::arg("colors").noconvert(),
-          py::arg("material"), py::arg("name"))
+          py::arg("material"), py::arg("name"), py::arg("object"))
+      .def("add_object",
+           [](Scene& scene, const std::string& name) {
+             return scene.Use([&](api::Scene& s) { return s.AddObject(name); });
+           })
+      .def(
+          "add_instances",
+          [](Scene& scene, int object, const Array<float>& matrices) {
+            scene.Use([&](api::Scene& s) { s.AddInstances(object, SpanOf(matrices)); });
+          },
+          py::arg("object"), py::arg("matrices").noconvert())
       .def(
           "add_texture",
           [](Scene& scene, const Array<float>& image, api::TextureUse use) {

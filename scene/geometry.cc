@@ -1,11 +1,21 @@
 #include "scene/geometry.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace skywave {
 
 namespace {
 
 bool HaveOneBvh(const GeometryTables& a, const GeometryTables& b) {
-  return !a.has_alpha() && !b.has_alpha() && a.vertices == b.vertices && a.indices == b.indices;
+  const auto same = [](const EmbreeInstance& x, const EmbreeInstance& y) {
+    return x.object == y.object && std::equal(std::begin(x.world_from_object),
+                                              std::end(x.world_from_object), y.world_from_object);
+  };
+  return !a.has_alpha() && !b.has_alpha() && a.vertices == b.vertices && a.indices == b.indices &&
+         a.spans == b.spans &&
+         std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
+                    same);
 }
 
 }  // namespace
@@ -16,23 +26,29 @@ Geometry::Geometry(const Scene& scene, const std::string& path, int threads,
     : tables_(MakeGeometryTables(scene, path, keep_uvs)),
       opacity_(tables_.opacity_view()),
       shares_bvh_(twin && HaveOneBvh(tables_, twin->tables_)),
-      embree_(shares_bvh_
-                  ? std::shared_ptr<const EmbreeScene>(twin, twin->embree_.get())
-                  : std::make_shared<const EmbreeScene>(
-                        EmbreeTriangles{.vertices = tables_.vertices.data(),
-                                        .vertex_count = tables_.vertex_count(),
-                                        .indices = tables_.indices.data(),
-                                        .triangle_count = std::uint32_t(tables_.triangle_count()),
-                                        .first_with_alpha = tables_.first_with_alpha,
-                                        .opacity = opacity_},
-                        path, threads, embree_config)) {}
+      embree_(shares_bvh_ ? std::shared_ptr<const EmbreeScene>(twin, twin->embree_.get())
+                          : std::make_shared<const EmbreeScene>(
+                                EmbreeTriangles{.vertices = tables_.vertices.data(),
+                                                .vertex_count = tables_.vertex_count(),
+                                                .indices = tables_.indices.data(),
+                                                .spans = tables_.spans,
+                                                .instances = tables_.instances,
+                                                .opacity = opacity_},
+                                path, threads, embree_config)) {}
 
 MaterialView Geometry::materials() const {
   return {.records = tables_.materials.data(),
           .conductor = tables_.ggx,
           .sheen = tables_.sheen,
           .measured = tables_.measured.data(),
-          .coats = tables_.coats.data()};
+          .coats = tables_.coats.data(),
+          .varied = tables_.varied};
+}
+
+TextureView Geometry::textures() const {
+  TextureView view = tables_.textures.view();
+  view.instances = instances();
+  return view;
 }
 
 NormalMapView Geometry::normal_maps() const {

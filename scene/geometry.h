@@ -1,10 +1,11 @@
-// A scene as rays and kernels see it: one Embree scene of all triangles, and the packed tables that
-// shading reads at a hit.
+// A scene as rays and kernels see it: Embree's scenes of the world and of each object, and the
+// packed tables that shading reads at a hit.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,10 +21,9 @@
 
 namespace skywave {
 
-// A Geometry does not change once it is built. Triangle i of the records is primitive i of Embree
-// geometry 0. Where rays may pass through a material, its meshes come last and are geometry 1,
-// which asks at every hit. Behind all triangles lie the variants of those whose material is a
-// mixture (kMixedTriangle).
+// A Geometry does not change once it is built. The records of triangles are those of the world,
+// then those of each object (TriangleSpan), then the variants of all whose material is a mixture
+// (kMixedTriangle).
 class Geometry {
  public:
   Geometry(const Geometry&) = delete;  // Embree keeps addresses of its tables
@@ -41,7 +41,7 @@ class Geometry {
   RTCScene scene() const { return embree_->scene(); }
   const TriangleRecord* triangles() const { return tables_.triangles.data(); }
   MaterialView materials() const;
-  TextureView textures() const { return tables_.textures.view(); }  // empty: no material has one
+  TextureView textures() const;  // empty: no material has one
   NormalMapView normal_maps() const;
   const TriangleUvs* uvs() const { return tables_.textures.uvs.data(); }  // by record, where kept
   BsdfSet bsdfs() const { return tables_.bsdfs; }
@@ -55,20 +55,30 @@ class Geometry {
   bool has_mixtures() const { return !tables_.mixed.empty(); }
   std::size_t triangle_count() const { return tables_.triangle_count(); }
   std::size_t record_count() const { return tables_.triangles.size(); }  // variants included
-  // The first triangle of geometry 1; triangle_count() if there is none.
-  std::uint32_t first_with_alpha() const { return tables_.first_with_alpha; }
-  bool has_alpha() const { return tables_.has_alpha(); }
+  // The first triangle of the world that rays may pass through, or the end of the world's.
+  std::uint32_t first_with_alpha() const { return tables_.spans.front().first_with_alpha; }
+  bool has_alpha() const { return tables_.has_alpha(); }   // objects included
   const OpacityView& opacity() const { return opacity_; }  // where there are holes
-  // All meshes, in the order of their triangles.
-  const std::vector<MeshPlace>& meshes() const { return tables_.meshes; }
+  // The world's meshes, in the order of their triangles.
+  std::span<const MeshPlace> meshes() const {
+    return std::span(tables_.meshes).first(tables_.meshes_in_world);
+  }
+  std::size_t instance_count() const { return tables_.instances.size(); }
+  // Of the world, then of each instance; null: there is none.
+  const InstanceRecord* instances() const {
+    return tables_.instances.empty() ? nullptr : tables_.instance_records.data();
+  }
+  const TrianglePlaces* places() const {
+    return tables_.instances.empty() ? nullptr : &tables_.places;
+  }
   // Returns the triangle that a record is of: itself, or the one that it is a variant of.
   std::uint32_t TriangleOf(std::uint32_t record) const { return tables_.TriangleOf(record); }
-  // Returns the index in Scene::meshes of the mesh that a triangle record is of.
+  // Returns the mesh that a triangle record is of, as MeshPlace counts them.
   std::uint32_t MeshOf(std::uint32_t record) const {
     return tables_.PlaceOf(TriangleOf(record)).mesh;
   }
   // Returns the position of corner 0, 1 or 2 of a triangle, in the order that decides its geometric
-  // normal.
+  // normal and in the space of its mesh.
   glm::vec3 Corner(std::size_t triangle, int corner) const;
   std::size_t bytes() const { return tables_.bytes(); }                         // without the BVH
   std::size_t bvh_bytes() const { return shares_bvh_ ? 0 : embree_->bytes(); }  // of its own

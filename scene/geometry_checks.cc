@@ -70,9 +70,24 @@ void CheckMaterial(const Scene& scene, std::size_t index, const std::string& pat
 
 void CheckMeshes(const Scene& scene, const std::string& path) {
   std::size_t triangles = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    CheckMesh(mesh, scene.materials.size(), path);
-    triangles += mesh.triangles.size();
+  const auto check = [&](const std::vector<Mesh>& meshes) {
+    for (const Mesh& mesh : meshes) {
+      CheckMesh(mesh, scene.materials.size(), path);
+      triangles += mesh.triangles.size();
+    }
+  };
+  check(scene.meshes);
+  for (const Object& object : scene.objects) check(object.meshes);
+  for (const Bounds& box : InstanceBounds(scene)) {
+    if (Finite(box.low) && Finite(box.high) && glm::length(box.low) <= kEndOfWorld &&
+        glm::length(box.high) <= kEndOfWorld) {
+      continue;
+    }
+    throw InputError(
+        InputPosition::File(path),
+        fmt::format("an instance reaches from ({}, {}, {}) to ({}, {}, {}); the world "
+                    "ends at 1e18",
+                    box.low.x, box.low.y, box.low.z, box.high.x, box.high.y, box.high.z));
   }
   if (triangles == 0 && scene.environments.empty()) {
     throw InputError(InputPosition::File(path), "there is no triangle to render");

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <numeric>
+#include <span>
 #include <utility>
 
 #include "base/error.h"
@@ -31,24 +31,23 @@ struct TriangleColumns {
   bool uvs, tangents, colors;
 };
 
-TriangleColumns ColumnsOf(const Scene& scene, bool uvs) {
+TriangleColumns ColumnsOf(const Scene& scene, std::span<const Mesh* const> meshes, bool uvs) {
   const auto& materials = scene.materials;
-  const auto& meshes = scene.meshes;
   return {.uvs = uvs,
           .tangents =
               std::any_of(materials.begin(), materials.end(),
                           [](const Material& m) { return BsdfOf(m).varying == Varying::kTangent; }),
           .colors = std::any_of(meshes.begin(), meshes.end(),
-                                [](const Mesh& mesh) { return !mesh.colors.empty(); })};
+                                [](const Mesh* mesh) { return !mesh->colors.empty(); })};
 }
 
-// Returns the indices of meshes in their order, those whose material is opaque first.
-std::vector<std::uint32_t> OpaqueFirst(const Scene& scene) {
-  std::vector<std::uint32_t> meshes(scene.meshes.size());
-  std::iota(meshes.begin(), meshes.end(), 0u);
-  std::stable_partition(meshes.begin(), meshes.end(), [&](std::uint32_t mesh) {
-    return scene.materials[scene.meshes[mesh].material].opaque();
-  });
+// Returns all meshes in the order in which MeshPlace counts them.
+std::vector<const Mesh*> AllMeshes(const Scene& scene) {
+  std::vector<const Mesh*> meshes;
+  for (const Mesh& mesh : scene.meshes) meshes.push_back(&mesh);
+  for (const Object& object : scene.objects) {
+    for (const Mesh& mesh : object.meshes) meshes.push_back(&mesh);
+  }
   return meshes;
 }
 
@@ -108,30 +107,105 @@ void AppendTriangle(const Mesh& mesh, glm::uvec3 corners, std::uint32_t first_ve
   }
 }
 
-void AddMeshes(const Scene& scene, const TriangleColumns& columns, GeometryTables& tables) {
+void AddMesh(const Mesh& mesh, std::uint32_t index, const TriangleColumns& columns,
+             GeometryTables& tables) {
+  const auto first_vertex = std::uint32_t(tables.vertices.size() / 3);
+  for (const glm::vec3& p : mesh.positions) {
+    tables.vertices.insert(tables.vertices.end(), {p.x, p.y, p.z});
+  }
+  tables.meshes.push_back({index, std::uint32_t(tables.triangles.size()), first_vertex});
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    AppendTriangle(mesh, triangle, first_vertex, columns, tables);
+  }
+}
+
+// Adds meshes [first, first + count), those of the world or of an object: first the opaque ones,
+// then the others.
+void AddSpan(const Scene& scene, std::span<const Mesh* const> meshes, std::size_t first,
+             std::size_t count, const TriangleColumns& columns, GeometryTables& tables) {
+  TriangleSpan span = {.first = std::uint32_t(tables.triangles.size())};
+  for (const bool opaque : {true, false}) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (scene.materials[meshes[i]->material].opaque() != opaque) continue;
+      AddMesh(*meshes[i], std::uint32_t(i), columns, tables);
+    }
+    if (opaque) span.first_with_alpha = std::uint32_t(tables.triangles.size());
+  }
+  span.end = std::uint32_t(tables.triangles.size());
+  tables.spans.push_back(span);
+}
+
+void AddMeshes(const Scene& scene, std::span<const Mesh* const> meshes,
+               const TriangleColumns& columns, GeometryTables& tables) {
   std::size_t vertices = 0, triangles = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    vertices += mesh.positions.size(), triangles += mesh.triangles.size();
+  for (const Mesh* const mesh : meshes) {
+    vertices += mesh->positions.size(), triangles += mesh->triangles.size();
   }
   if (columns.uvs) tables.textures.uvs.reserve(triangles);
   tables.vertices.reserve(vertices * 3 + 1);
   tables.indices.reserve(triangles * 3);
   tables.triangles.reserve(triangles);
-  for (const std::uint32_t index : OpaqueFirst(scene)) {
-    const Mesh& mesh = scene.meshes[index];
-    const auto first_vertex = std::uint32_t(tables.vertices.size() / 3);
-    for (const glm::vec3& p : mesh.positions) {
-      tables.vertices.insert(tables.vertices.end(), {p.x, p.y, p.z});
-    }
-    tables.meshes.push_back({index, std::uint32_t(tables.triangles.size()), first_vertex});
-    for (const glm::uvec3& triangle : mesh.triangles) {
-      AppendTriangle(mesh, triangle, first_vertex, columns, tables);
-    }
-    if (scene.materials[mesh.material].opaque()) {
-      tables.first_with_alpha = std::uint32_t(tables.triangles.size());
-    }
+  std::size_t first = scene.meshes.size();
+  AddSpan(scene, meshes, 0, first, columns, tables);
+  tables.meshes_in_world = std::uint32_t(first);
+  for (const Object& object : scene.objects) {
+    AddSpan(scene, meshes, first, object.meshes.size(), columns, tables);
+    first += object.meshes.size();
   }
   tables.vertices.push_back(0);  // Embree reads vertices four floats at a time
+}
+
+// ---- Instances ----
+
+// Returns the largest sum of a row of absolute values times `v`.
+double LargestRow(const glm::dmat3& m, const glm::dvec3& v) {
+  double largest = 0;
+  for (int row = 0; row < 3; ++row) {
+    const double sum =
+        std::abs(m[0][row]) * v.x + std::abs(m[1][row]) * v.y + std::abs(m[2][row]) * v.z;
+    largest = std::max(largest, sum);
+  }
+  return largest;
+}
+
+// `reach` has the largest coordinates of the object's vertices on each axis.
+InstanceRecord MakeInstanceRecord(const glm::dmat4x3& to, const glm::dvec3& reach) {
+  const glm::dmat3 linear(to[0], to[1], to[2]), inverse = glm::inverse(linear);
+  InstanceRecord record = {};
+  for (int row = 0; row < 3; ++row) {
+    // Row i of the inverse transpose is column i of the inverse.
+    for (int c = 0; c < 3; ++c) record.normal[3 * row + c] = float(inverse[row][c]);
+  }
+  const glm::dvec3 offset = glm::abs(to[3]);
+  record.extent = float(LargestRow(linear, reach) + std::max({offset.x, offset.y, offset.z}));
+  return record;
+}
+
+glm::dvec3 ReachOf(const Object& object) {
+  glm::dvec3 reach(0);
+  for (const Mesh& mesh : object.meshes) {
+    for (const glm::vec3& p : mesh.positions) reach = glm::max(reach, glm::dvec3(glm::abs(p)));
+  }
+  return reach;
+}
+
+void AddInstances(const Scene& scene, GeometryTables& tables) {
+  if (scene.instances.empty()) return;
+  std::vector<glm::dvec3> reach;
+  for (const Object& object : scene.objects) reach.push_back(ReachOf(object));
+  const auto add = [&](const TriangleSpan& span, const InstanceRecord& record) {
+    tables.places.first.push_back({{span.first, span.first_with_alpha}});
+    tables.instance_records.push_back(record);
+  };
+  add(tables.spans.front(), MakeInstanceRecord(glm::dmat4x3(1), glm::dvec3(0)));
+  for (const Instance& instance : scene.instances) {
+    EmbreeInstance& placed = tables.instances.emplace_back();
+    placed.object = instance.object;
+    const glm::mat4x3 to(instance.world_from_object);
+    std::copy_n(&to[0].x, 12, placed.world_from_object);
+    add(tables.spans[1 + instance.object],
+        MakeInstanceRecord(instance.world_from_object, reach[instance.object]));
+  }
 }
 
 // ---- Variants ----
@@ -201,7 +275,8 @@ NormalMapRecord MakeNormalMap(const Material& material, const Scene& scene,
 
 // Adds the normal maps, and their axes on each record: variants of one triangle may have different
 // maps.
-void AddNormalMaps(const Scene& scene, GeometryTables& tables) {
+void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
+                   GeometryTables& tables) {
   if (std::none_of(scene.materials.begin(), scene.materials.end(),
                    [](const Material& m) { return m.has(MaterialPart::kNormalMap); })) {
     return;
@@ -217,11 +292,16 @@ void AddNormalMaps(const Scene& scene, GeometryTables& tables) {
     const std::uint32_t triangle = tables.TriangleOf(record);
     const MeshPlace& place = tables.PlaceOf(triangle);
     const std::uint32_t* const corners = &tables.indices[3 * std::size_t{triangle}];
-    tables.map_axes[record] =
-        MakeTriangleTangents(scene.meshes[place.mesh],
-                             glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex,
-                             scene.textures[*texture]);
+    tables.map_axes[record] = MakeTriangleTangents(
+        *meshes[place.mesh], glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex,
+        scene.textures[*texture]);
   }
+}
+
+// Returns whether MaterialView::varied is true for a scene with this material.
+bool IsVaried(const Material& material) {
+  return material.metal_of_color || material.second_color_texture ||
+         (material.roughness_texture && BsdfOf(material).varying == Varying::kAlpha);
 }
 
 // Adds the records of materials and the tables that their BSDFs read. Materials with equal coats
@@ -236,6 +316,7 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
       if (is_new) tables.coats.push_back(MakeCoatTable(material));
       PutField(tables.materials.back(), MaterialField::kCoatTable, coat->second);
     }
+    tables.varied = tables.varied || IsVaried(material);
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
     // These take tens of milliseconds, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();
@@ -263,9 +344,11 @@ GeometryTables MakeGeometryTables(const Scene& scene, const std::string& path, b
   const bool textured = IsTextured(scene);
   GeometryTables tables;
   if (textured) tables.textures = MakeTextureTables(scene, path);
-  AddMeshes(scene, ColumnsOf(scene, keep_uvs || textured), tables);
+  const std::vector<const Mesh*> meshes = AllMeshes(scene);
+  AddMeshes(scene, meshes, ColumnsOf(scene, meshes, keep_uvs || textured), tables);
+  AddInstances(scene, tables);
   AddVariants(scene, path, tables);
-  AddNormalMaps(scene, tables);
+  AddNormalMaps(scene, meshes, tables);
   AddMaterials(scene, tables);
   return tables;
 }
@@ -282,6 +365,11 @@ const MeshPlace& GeometryTables::PlaceOf(std::uint32_t triangle) const {
   return *std::prev(next);
 }
 
+bool GeometryTables::has_alpha() const {
+  return std::any_of(spans.begin(), spans.end(),
+                     [](const TriangleSpan& span) { return span.has_alpha(); });
+}
+
 OpacityView GeometryTables::opacity_view() const {
   if (!has_alpha()) return {};
   return {.triangles = triangles.data(), .records = opacity.data(), .textures = textures.view()};
@@ -292,7 +380,8 @@ std::size_t GeometryTables::bytes() const {
     return (... + (table.size() * sizeof table[0]));
   };
   return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, mixed, measured,
-                  coats, normal_maps, map_axes, opacity) +
+                  coats, normal_maps, map_axes, opacity, instances, instance_records,
+                  places.first) +
          textures.bytes();
 }
 

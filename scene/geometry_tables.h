@@ -11,8 +11,10 @@
 #include "kernels/bsdf/coat_tables.h"
 #include "kernels/columns.h"
 #include "kernels/partition.h"
+#include "kernels/surface/instances.h"
 #include "kernels/surface/normal_map.h"
 #include "kernels/surface/opacity.h"
+#include "scene/embree_scene.h"
 #include "scene/materials/texture_tables.h"
 #include "scene/scene.h"
 
@@ -20,19 +22,23 @@ namespace skywave {
 
 // A mesh in the tables.
 struct MeshPlace {
-  std::uint32_t mesh;  // index into Scene::meshes
+  std::uint32_t mesh;  // index into Scene::meshes; on from there, into those of Scene::objects
   std::uint32_t first_triangle, first_vertex;
 };
 
-// Meshes through whose material rays may pass come last. Behind all triangles lie the variants of
-// those whose material is a mixture (kMixedTriangle). A table that no kernel reads in a scene is
-// empty or null.
+// The triangles of the world come first, then those of each object; among them, meshes through
+// whose material rays may pass come last. Behind all triangles lie the variants of those whose
+// material is a mixture (kMixedTriangle). A table that no kernel reads in a scene is empty or null.
 struct GeometryTables {
-  std::vector<float> vertices;               // xyz, one float of padding at the end
-  std::vector<std::uint32_t> indices;        // three per triangle
-  std::vector<MeshPlace> meshes;             // all meshes, in the order of their triangles
-  std::uint32_t first_with_alpha = 0;        // first triangle that rays may pass through
-  std::vector<TriangleRecord> triangles;     // the records: triangles, then variants
+  std::vector<float> vertices;         // xyz in the space of the mesh, one float of padding
+  std::vector<std::uint32_t> indices;  // three per triangle
+  std::vector<MeshPlace> meshes;       // all meshes, in the order of their triangles
+  std::uint32_t meshes_in_world = 0;   // of `meshes`; the others are in objects
+  std::vector<TriangleSpan> spans;     // of the world, then of each object
+  std::vector<EmbreeInstance> instances;
+  std::vector<InstanceRecord> instance_records;  // of the world, then of each instance
+  TrianglePlaces places;                         // likewise
+  std::vector<TriangleRecord> triangles;         // the records: triangles, then variants
   std::vector<std::uint32_t> mixed;          // of every variant: the record that it is a variant of
   std::vector<std::uint32_t> tangents;       // by record, for PrepareTangents
   std::vector<std::uint32_t> vertex_colors;  // three per record, packed as texels
@@ -42,6 +48,7 @@ struct GeometryTables {
   std::vector<MaterialRecord> materials;
   std::vector<NormalMapRecord> normal_maps;  // by material
   std::vector<OpacityRecord> opacity;        // by material
+  bool varied = false;                       // MaterialView::varied
   bool absorbs = false;                      // light is lost inside some material
   std::vector<float> measured;
   std::vector<CoatTable> coats;  // by kCoatTable of the materials that have one
@@ -51,7 +58,7 @@ struct GeometryTables {
 
   std::size_t vertex_count() const { return vertices.size() / 3; }
   std::size_t triangle_count() const { return indices.size() / 3; }
-  bool has_alpha() const { return first_with_alpha < triangle_count(); }
+  bool has_alpha() const;  // whether rays may pass through some triangle
   // Returns the triangle that a record is of: itself, or the one that it is a variant of.
   std::uint32_t TriangleOf(std::uint32_t record) const;
   const MeshPlace& PlaceOf(std::uint32_t triangle) const;

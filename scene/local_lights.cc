@@ -24,24 +24,6 @@ void Copy(const glm::vec3& from, float* to) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-// Returns LightChoice::first for lights of the given power: `units` are distributed in proportion
-// to it, at least one per light.
-std::vector<std::uint32_t> MakeChoice(const std::vector<double>& power, std::uint32_t units) {
-  double total = 0;
-  for (const double p : power) total += p;
-  const double free = double(units) - double(power.size());
-  std::vector<std::uint32_t> first = {0};
-  first.reserve(power.size() + 1);
-  double sum = 0;
-  for (std::size_t i = 0; i < power.size(); ++i) {
-    sum += power[i];
-    const bool last = i + 1 == power.size();
-    const double share = last ? free : std::min(std::floor(free * (sum / total) + 0.5), free);
-    first.push_back(std::uint32_t(share) + std::uint32_t(i) + 1);
-  }
-  return first;
-}
-
 }  // namespace
 
 bool HasLocalLights(const Scene& scene) {
@@ -151,7 +133,13 @@ LocalLights::LocalLights(const Scene& scene, const Geometry& geometry, const std
     } else if (from.kind == LocalLightKind::kDistant) {
       power_per_unit = disk;
     }
-    Add(light, from.emission, power_per_unit);
+    glm::vec3 mean = from.emission;
+    if (from.kind == LocalLightKind::kShaped) {
+      light.shape = std::uint32_t(shapes_.shapes.size());
+      mean *= glm::vec3(AddLightShape(scene, from, path, shapes_));
+      power_per_unit = 1;
+    }
+    Add(light, mean, power_per_unit);
   }
   AddTriangles(scene, geometry, path);
   if (lights_.empty()) return;
@@ -183,13 +171,15 @@ LocalLightView LocalLights::view() const {
           .shared = choice(shared_),
           .has_alpha = has_alpha_,
           .emission_texture = emission_texture_.empty() ? nullptr : emission_texture_.data(),
-          .textures = textures_};
+          .textures = textures_,
+          .shapes = shapes_.view()};
 }
 
 std::size_t LocalLights::bytes() const {
   return lights_.size() * sizeof(LocalLight) +
          (light_of_triangle_.size() + alone_.size() + shared_.size() + emission_texture_.size()) *
-             sizeof(std::uint32_t);
+             sizeof(std::uint32_t) +
+         shapes_.bytes();
 }
 
 }  // namespace skywave

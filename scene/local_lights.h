@@ -10,6 +10,7 @@
 #include "base/names.h"
 #include "kernels/lights/local_lights.h"
 #include "scene/geometry.h"
+#include "scene/light_shapes.h"
 #include "scene/scene.h"
 
 namespace skywave {
@@ -23,7 +24,8 @@ struct LocalLightTotal {
 };
 
 // Immutable once built. Triangles without area or emission are not lights. Where an emission has a
-// texture, its mean over a triangle counts towards power; alpha does not.
+// texture, its mean over a triangle counts towards power, as does the integral over a shape; alpha
+// does not.
 class LocalLights {
  public:
   LocalLights() = default;
@@ -42,13 +44,15 @@ class LocalLights {
 
  private:
   void AddTriangles(const Scene& scene, const Geometry& geometry, const std::string& path);
-  // `mean` is the mean emission, which equals the light's emission unless that has a texture.
+  // `mean` is the mean emission, which equals the light's emission unless that has a texture or a
+  // shape.
   void Add(const LocalLight& light, const glm::vec3& mean, double power_per_unit);
 
   std::vector<LocalLight> lights_;
   std::vector<std::uint32_t> light_of_triangle_;
   std::vector<std::uint32_t> emission_texture_;  // as in LocalLightView; empty: no light has one
   TextureView textures_ = {};                    // the textures of the geometry
+  LightShapeTables shapes_;
   bool has_alpha_ = false;
   std::vector<std::uint32_t> alone_, shared_;  // LightChoice::first
   std::array<LocalLightTotal, kLocalLightKinds> totals_ = {};
@@ -71,6 +75,7 @@ inline constexpr auto kEnumNames<LocalLightKind> =
     std::to_array<Named<LocalLightKind>>({{LocalLightKind::kTriangle, "triangle"},
                                           {LocalLightKind::kPoint, "point"},
                                           {LocalLightKind::kSpot, "spot"},
-                                          {LocalLightKind::kDistant, "distant"}});
+                                          {LocalLightKind::kDistant, "distant"},
+                                          {LocalLightKind::kShaped, "shaped"}});
 
 }  // namespace skywave

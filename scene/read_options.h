@@ -1,11 +1,26 @@
 // The options that a caller gives to the scene readers.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 
+#include "base/names.h"
+
 namespace skywave {
+
+// What becomes of an object that stands in a scene more than once.
+enum class InstanceUse {
+  kAuto,  // copied, unless that would take more memory than it is worth
+  kCopy,  // its triangles are copied for every instance
+  kShare  // all instances share its triangles
+};
+template <>
+inline constexpr auto kEnumNames<InstanceUse> = std::to_array<Named<InstanceUse>>(
+    {{InstanceUse::kAuto, "auto"}, {InstanceUse::kCopy, "copy"}, {InstanceUse::kShare, "share"}});
+
+inline constexpr std::size_t kMaxInstances = std::size_t{1} << 24;
 
 struct ReadOptions {
   // Turns every omission or approximation into an InputError instead of a warning.
@@ -13,6 +28,8 @@ struct ReadOptions {
   // Files that grow beyond this by instances or subdivision are refused, so that a small file
   // cannot exhaust the memory. [triangles] 2^27 triangles are about 5 GB of positions and indices.
   std::size_t max_triangles = std::size_t{1} << 27;
+  InstanceUse instances = InstanceUse::kAuto;
+  std::size_t max_instances = kMaxInstances;  // files with more are refused
   // The moment at which an animated scene is read, frame / fps [s]. Unset: nodes are where the file
   // puts them without its animations.
   std::optional<double> frame;

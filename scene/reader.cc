@@ -14,6 +14,7 @@
 #include "base/nearest_name.h"
 #include "scene/builtin/builtin.h"
 #include "scene/gltf/reader.h"
+#include "scene/instances.h"
 #include "scene/obj/reader.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/ply.h"
@@ -84,6 +85,7 @@ Scene ReadScene(const std::string& path, const ReadOptions& options) {
   std::error_code ignored;
   const bool is_file = std::filesystem::exists(path, ignored);
   Scene scene = is_file ? ReadByEnding(path, options) : BuiltinScene(path);
+  if (!is_file) ResolveInstances(options, path, scene);
   CheckAnimation(path, options, scene);
   return scene;
 }

@@ -8,22 +8,57 @@
 
 namespace skywave {
 
-Bounds SceneBounds(const Scene& scene, const std::string& path) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  Bounds bounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
-  bool any = false;
-  for (const Mesh& mesh : scene.meshes) {
-    // Only positions used by triangles count, because others are not seen and must not move a
-    // camera.
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Bounds kNoBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)};
+
+bool IsEmpty(const Bounds& bounds) { return bounds.low.x > bounds.high.x; }
+
+// Only positions used by triangles count, because others are not seen and must not move a camera.
+Bounds MeshBounds(const std::vector<Mesh>& meshes) {
+  Bounds bounds = kNoBounds;
+  for (const Mesh& mesh : meshes) {
     for (const glm::uvec3& t : mesh.triangles) {
-      any = true;
       for (int corner = 0; corner < 3; ++corner) {
         bounds.low = glm::min(bounds.low, mesh.positions[t[corner]]);
         bounds.high = glm::max(bounds.high, mesh.positions[t[corner]]);
       }
     }
   }
-  if (any) return bounds;
+  return bounds;
+}
+
+}  // namespace
+
+Bounds TransformBounds(const glm::dmat4x3& to, const Bounds& box) {
+  Bounds moved = kNoBounds;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::bvec3 high(corner & 1, corner & 2, corner & 4);
+    const glm::vec3 p = to * glm::dvec4(glm::mix(box.low, box.high, high), 1);
+    moved.low = glm::min(moved.low, p);
+    moved.high = glm::max(moved.high, p);
+  }
+  return moved;
+}
+
+std::vector<Bounds> InstanceBounds(const Scene& scene) {
+  std::vector<Bounds> of_objects, boxes;
+  for (const Object& object : scene.objects) of_objects.push_back(MeshBounds(object.meshes));
+  for (const Instance& instance : scene.instances) {
+    const Bounds& box = of_objects[instance.object];
+    if (!IsEmpty(box)) boxes.push_back(TransformBounds(instance.world_from_object, box));
+  }
+  return boxes;
+}
+
+Bounds SceneBounds(const Scene& scene, const std::string& path) {
+  Bounds bounds = MeshBounds(scene.meshes);
+  for (const Bounds& box : InstanceBounds(scene)) {
+    bounds.low = glm::min(bounds.low, box.low);
+    bounds.high = glm::max(bounds.high, box.high);
+  }
+  if (!IsEmpty(bounds)) return bounds;
   if (scene.environments.empty()) {
     throw InputError(InputPosition::File(path), "has no triangle to render");
   }

@@ -50,6 +50,21 @@ struct Mesh {
   std::uint32_t material = 0;         // index into Scene::materials
 };
 
+// Meshes that stand in the world by instances alone, in a space of their own. None of them shines
+// once ResolveInstances (scene/instances.h) has been called.
+struct Object {
+  std::string name;
+  std::vector<Mesh> meshes;
+};
+
+// An object in the world.
+struct Instance {
+  std::uint32_t object = 0;  // index into Scene::objects
+  glm::dmat4x3 world_from_object{1.0};
+  // The number of Scene::meshes that come before it in the file: its copies would stand there.
+  std::uint32_t meshes_before = 0;
+};
+
 // The film shows this rectangle of the plane z = 1 (perspective, in units of tan(fov / 2)) or z = 0
 // (orthographic).
 struct ScreenWindow {
@@ -82,7 +97,7 @@ struct AnimationInfo {
   std::size_t channels = 0;
 };
 
-enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris };
+enum class PixelFilter { kBox, kTriangle, kGaussian, kBlackmanHarris, kMitchell, kSinc };
 
 // An infinitely distant light: a map, or a constant radiance where it has none.
 struct EnvironmentLight {
@@ -96,16 +111,26 @@ struct EnvironmentLight {
   glm::mat3 world_from_map{1.0f};
 };
 
+// What a light of one point sends into the directions of a space of its own
+// (kernels/lights/light_shapes.h). A cone has the cosines of its light.
+struct LightForm {
+  LightMapping mapping = LightMapping::kCone;
+  glm::mat3 world_from_light{1.0f};    // any scale; directions need normalising after the matrix
+  std::optional<std::uint32_t> image;  // index into Scene::images: factors of the emission
+  glm::vec2 half_size{1.0f};           // plane: half of its width and height at z = 1
+};
+
 // A light without extent.
 struct PunctualLight {
   std::string name = {};
-  LocalLightKind kind = LocalLightKind::kPoint;  // point, spot or distant
+  LocalLightKind kind = LocalLightKind::kPoint;  // point, spot, distant or shaped
   glm::vec3 emission{0.0f};                      // as in LocalLight: intensity or irradiance
-  glm::vec3 position{0.0f};                      // point, spot; world space
+  glm::vec3 position{0.0f};                      // point, spot, shaped; world space
   glm::vec3 direction{0, 0, 1};  // spot: its axis; distant: towards the light; world space, unit
   // A spot is full up to the angle to `direction` with the first cosine, and dark from that with
   // the second one.
   float cos_full = 1, cos_dark = 0;
+  std::optional<LightForm> form = {};  // shaped
 };
 
 // A part of the film, as fractions of its width from the left and its height from the top.
@@ -127,10 +152,12 @@ struct RenderSettings {
 
 struct Scene {
   std::vector<Mesh> meshes;
+  std::vector<Object> objects;
+  std::vector<Instance> instances;
   std::vector<Material> materials;
   std::vector<MeasuredBrdf> measured;
   std::vector<Texture> textures;
-  std::vector<Image> images;  // those of textures: linear RGB, or numbers as they are
+  std::vector<Image> images;  // those of textures and lights: linear RGB, or numbers as they are
   std::optional<Camera> camera;
   std::vector<NamedCamera> cameras;  // all those of a file that names them, the one above first
   std::vector<AnimationInfo> animations;
@@ -150,8 +177,14 @@ struct Scene {
 struct Bounds {
   glm::vec3 low, high;
 };
-// Returns the smallest axis-aligned box around all meshes. Where there is no triangle, a file that
-// has an infinite light gets a box around the origin, and another one InputError(path).
+// Returns the box around `box` after the affine `to`.
+Bounds TransformBounds(const glm::dmat4x3& to, const Bounds& box);
+// Returns the boxes around the instances, each of them that of its object's box. Those of objects
+// without a triangle are left out.
+std::vector<Bounds> InstanceBounds(const Scene& scene);
+// Returns the smallest axis-aligned box around all meshes and InstanceBounds. Where there is no
+// triangle, a file that has an infinite light gets a box around the origin, and another one
+// InputError(path).
 Bounds SceneBounds(const Scene& scene, const std::string& path);
 
 // Returns a camera at `eye` that sees `target` in its centre and `up` (any length, not along the

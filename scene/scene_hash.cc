@@ -87,6 +87,9 @@ void AddEnvironment(const EnvironmentLight& light, const glm::mat3& world_from_m
 void AddLight(const PunctualLight& light, Hash& hash) {
   hash.Add(light.kind), hash.Add(light.emission), hash.Add(light.position);
   hash.Add(light.direction), hash.Add(light.cos_full), hash.Add(light.cos_dark);
+  if (!light.form) return;
+  hash.Add(light.form->mapping), hash.Add(light.form->world_from_light);
+  AddField(light.form->image, hash), hash.Add(light.form->half_size);
 }
 
 }  // namespace
@@ -94,6 +97,13 @@ void AddLight(const PunctualLight& light, Hash& hash) {
 SceneHashContent::SceneHashContent(const Scene& scene) {
   const auto hash = std::make_shared<Hash>();
   for (const Mesh& mesh : scene.meshes) AddMesh(mesh, *hash);
+  for (const Object& object : scene.objects) {
+    hash->Add(std::uint64_t{object.meshes.size()});
+    for (const Mesh& mesh : object.meshes) AddMesh(mesh, *hash);
+  }
+  for (const Instance& instance : scene.instances) {
+    hash->Add(instance.object), hash->Add(instance.world_from_object);
+  }
   for (const Material& material : scene.materials) AddMaterial(material, *hash);
   for (const MeasuredBrdf& brdf : scene.measured) hash->AddAll(brdf.rgb);
   for (const Texture& texture : scene.textures) AddTexture(texture, *hash);

@@ -11,7 +11,9 @@
 namespace skywave {
 
 struct SceneSummary {
-  std::size_t meshes = 0, triangles = 0, vertices = 0;
+  std::size_t meshes = 0, triangles = 0, vertices = 0;  // those of an object count once
+  std::size_t objects = 0, instances = 0;
+  std::size_t triangles_seen = 0;  // those of an object count once for each of its instances
   std::size_t meshes_with_normals = 0, meshes_with_uvs = 0;
   std::size_t mesh_bytes = 0;                      // total of the arrays of all meshes
   std::optional<Bounds> bounds;                    // nothing if there is no triangle

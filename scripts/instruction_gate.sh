@@ -3,8 +3,7 @@
 # tests/baselines/instructions.txt; fails if one differs by more than 0.5 %, in either direction:
 #   scripts/instruction_gate.sh [PROGRAM]                     default: build/release/skywave
 #   scripts/instruction_gate.sh --update "REASON" [PROGRAM]   stores new counts with the reason
-# It uses one thread, because waiting threads count too. Valgrind's processor has AVX2 and no
-# AVX-512, so Highway dispatches to AVX2 by itself; Embree is given isa=avx2. Counts depend on the
+# `skywave bench spheres --instructions` counts (measure/instructions.h). Counts depend on the
 # compiler and the libraries: if these differ from the baseline's, the gate is skipped, as it is
 # without valgrind or AVX2 (exit code 77).
 set -euo pipefail
@@ -19,8 +18,6 @@ fi
 program=$(realpath "${1:-$root/build/release/skywave}")
 [[ -x $program ]] || { echo "no program: $program"; exit 64; }
 skip() { echo "skipped: $1"; exit 77; }
-command -v valgrind >/dev/null || skip "there is no valgrind (apt-get install valgrind)"
-grep -qw avx2 /proc/cpuinfo || skip "the processor has no AVX2"
 
 toolchain="$(c++ -dumpfullversion) $(dpkg-query -W -f='${Package}=${Version} ' \
   libembree-dev libhwy-dev libc6 libtbb-dev valgrind 2>/dev/null || true)"
@@ -30,25 +27,8 @@ fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-(cd "$work" && valgrind --quiet --tool=callgrind --callgrind-out-file=out "$program" render spheres \
-  --size 64x48 --spp 8 --threads 1 --embree-config isa=avx2 --quiet --output x.exr >&2)
-
-# A function has one line for each file whose code was inlined into it; the largest is that of its
-# own file and includes all of it.
-callgrind_annotate --auto=no --inclusive=yes --threshold=100 "$work/out" |
-  sed -nE 's/^ *([0-9,]+) .*:skywave::([A-Za-z:]+)\(.*/\1 \2/p' | tr -d , |
-  awk 'BEGIN {
-      split("GenerateRays generate TraceClosest intersect TraceEscapes intersect " \
-            "SortHits partition MoveEscaped partition MoveSurfaces partition " \
-            "ClassifyEscapes partition AddEscaped escape PrepareSurfaces surface " \
-            "SampleLights light_sample EvaluateLights evaluate TraceShadows shadow " \
-            "AddUnoccludedRadiance accumulate Scatter scatter Film::Add film " \
-            "RenderPathWave wave", pair, " ")
-      for (i = 1; i in pair; i += 2) stage[pair[i]] = pair[i + 1]
-    }
-    $2 in stage && $1 > most[$2] { most[$2] = $1 }
-    END { for (name in most) sum[stage[name]] += most[name]
-          for (name in sum) print name, sum[name] }' | sort > "$work/counts"
+"$program" bench spheres --instructions > "$work/counts" || {
+  status=$?; cat "$work/counts"; exit "$status"; }
 [[ $(wc -l < "$work/counts") == 12 ]] || {
   echo "not every stage was found; has a function another name?"; cat "$work/counts"; exit 1; }
 

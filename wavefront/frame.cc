@@ -7,8 +7,21 @@
 namespace skywave {
 namespace {
 
-// Returns the weight at `x` of a filter of radius 1, |x| <= 1, not normalised.
-double FilterWeight(PixelFilter filter, double x) {
+// Returns the cubic of Mitchell and Netravali 1988 with B = C = 1/3, of radius 2.
+double Mitchell(double x) {
+  const double t = std::fabs(x);
+  if (t > 2) return 0;
+  return t < 1 ? ((7 * t - 12) * t * t + 16.0 / 3) / 6
+               : (((-7.0 / 3 * t + 12) * t - 20) * t + 32.0 / 3) / 6;
+}
+
+double Sinc(double x) {
+  const double t = glm::pi<double>() * x;
+  return std::fabs(t) < 1e-6 ? 1 : std::sin(t) / t;
+}
+
+// Returns the weight at `x` radii, |x| <= 1, of a filter of a radius [pixels], not normalised.
+double FilterWeight(PixelFilter filter, double radius, double x) {
   switch (filter) {
     case PixelFilter::kBox:
       return 1;
@@ -26,6 +39,11 @@ double FilterWeight(PixelFilter filter, double x) {
       return 0.35875 - 0.48829 * std::cos(t) + 0.14128 * std::cos(2 * t) -
              0.01168 * std::cos(3 * t);
     }
+    case PixelFilter::kMitchell:
+      return Mitchell(2 * x);
+    case PixelFilter::kSinc:
+      // The window is pbrt's, of tau 3.
+      return Sinc(x * radius) * Sinc(x * radius / 3);
   }
   return 0;
 }
@@ -105,6 +123,10 @@ float DefaultFilterRadius(PixelFilter filter) {
       return 1.5f;
     case PixelFilter::kBlackmanHarris:
       return 1.5f;
+    case PixelFilter::kMitchell:
+      return 2.0f;
+    case PixelFilter::kSinc:
+      return 4.0f;
   }
   return 0.5f;
 }
@@ -114,7 +136,7 @@ std::vector<float> FilterOffsets(PixelFilter filter, float radius) {
   std::vector<double> cumulative(kSteps + 1, 0.0);
   for (int i = 0; i < kSteps; ++i) {
     cumulative[i + 1] =
-        cumulative[i] + std::max(0.0, FilterWeight(filter, 2 * (i + 0.5) / kSteps - 1));
+        cumulative[i] + std::fabs(FilterWeight(filter, radius, 2 * (i + 0.5) / kSteps - 1));
   }
   std::vector<float> offsets(kFilterCells + 1);
   int step = 0;
@@ -126,6 +148,27 @@ std::vector<float> FilterOffsets(PixelFilter filter, float radius) {
     offsets[cell] = float(radius * (2 * (step + inside) / kSteps - 1));
   }
   return offsets;
+}
+
+std::vector<float> FilterFactors(PixelFilter filter, float radius,
+                                 const std::vector<float>& offsets) {
+  if (!HasSigns(filter)) return {};
+  constexpr int kSteps = 64;
+  std::vector<double> integrals(kFilterCells);
+  double whole = 0;
+  for (std::uint32_t cell = 0; cell < kFilterCells; ++cell) {
+    const double width = (double(offsets[cell + 1]) - offsets[cell]) / kSteps;
+    for (int i = 0; i < kSteps; ++i) {
+      const double at = offsets[cell] + (i + 0.5) * width;
+      integrals[cell] += FilterWeight(filter, radius, at / radius) * width;
+    }
+    whole += integrals[cell];
+  }
+  std::vector<float> factors(kFilterCells);
+  for (std::uint32_t cell = 0; cell < kFilterCells; ++cell) {
+    factors[cell] = float(kFilterCells * integrals[cell] / whole);
+  }
+  return factors;
 }
 
 std::vector<float> FilterDensities(const std::vector<float>& offsets, float radius) {

@@ -37,6 +37,12 @@ void CheckTaken(const RenderOptions& options, const IntegratorDescriptor& integr
                                   "`integrator {}`",
                                   NamesWith(&IntegratorDescriptor::controls)));
   }
+  if (HasSigns(options.filter) && integrator.has_splats) {
+    throw OptionError("filter", std::string(ToString(options.filter)),
+                      fmt::format("has weights that are partly negative, which the splats of "
+                                  "`integrator {}` do not take",
+                                  name));
+  }
   if (options.guide_bounces && !integrator.guides_bounces) {
     throw OptionError("guide-bounces", "",
                       fmt::format("guides paths from the camera: use `integrator {}`",
@@ -62,6 +68,14 @@ void CheckLayers(const RenderOptions& options, const IntegratorDescriptor& integ
   if (Sums(options.aovs, AovSum::kLightGroups) && !one_start) {
     refuse(fmt::format("light groups are kept by `integrator {}`, without `split`",
                        NamesWith(&IntegratorDescriptor::has_light_groups)));
+  }
+  if (HasSigns(options.filter) &&
+      (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect) ||
+       Sums(options.aovs, AovSum::kLightGroups))) {
+    refuse(
+        fmt::format("parts of the light are not kept with `filter {}`, whose weights are partly "
+                    "negative",
+                    ToString(options.filter)));
   }
   if (integrator.mixes_light &&
       (Sums(options.aovs, AovSum::kDirect) || Sums(options.aovs, AovSum::kIndirect))) {

@@ -32,6 +32,8 @@ inline constexpr auto kEnumNames<PixelFilter> =
     std::to_array<Named<PixelFilter>>({{PixelFilter::kBox, "box"},
                                        {PixelFilter::kTriangle, "triangle"},
                                        {PixelFilter::kGaussian, "gaussian"},
-                                       {PixelFilter::kBlackmanHarris, "blackman-harris"}});
+                                       {PixelFilter::kBlackmanHarris, "blackman-harris"},
+                                       {PixelFilter::kMitchell, "mitchell"},
+                                       {PixelFilter::kSinc, "sinc"}});
 
 }  // namespace skywave

@@ -3,7 +3,7 @@
 
     bench/reproduce/reproduce.py 8.2 --data DATA -o OUT
     bench/reproduce/reproduce.py all --data DATA --quick
-    bench/reproduce/reproduce.py 8.5 --data DATA --document docs/reproduction.md
+    bench/reproduce/reproduce.py 8.5 --data DATA --document docs/reproduction_tables.md
     bench/reproduce/reproduce.py all --data DATA -o OUT --references   # these need no quiet machine
     bench/reproduce/reproduce.py 8.2 --data DATA -o OUT --repeats 1    # a first part
     bench/reproduce/reproduce.py 8.2 --data DATA -o OUT --repeats 3 --resume

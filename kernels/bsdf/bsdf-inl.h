@@ -80,6 +80,14 @@ HWY_INLINE V3 Field3(const MaterialView& m, VU fields, MaterialField field) {
   return {channel(0), channel(1), channel(2)};
 }
 
+// Returns what Varying::kSecondColor has.
+HWY_INLINE V3 VariedColor(const SurfaceColumns& s, std::uint32_t i) {
+  const VU pair = AsBits(Load(s.varying_0 + i));
+  const auto share = [](VU bits) HWY_ATTR { return hn::Mul(ToFloat(bits), Set(1.0f / 65535)); };
+  return {share(hn::And(pair, SetU(65535))), share(hn::ShiftRight<16>(pair)),
+          Load(s.varying_1 + i)};
+}
+
 template <class Bsdf>
 inline constexpr bool kTransmits = requires {
   Bsdf::kTransmits;

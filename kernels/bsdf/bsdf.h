@@ -34,6 +34,8 @@ struct MaterialView {
   const SheenTables* sheen = nullptr;
   const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
   const CoatTable* coats = nullptr;
+  // Some material has a texture of Varying::kAlpha or kSecondColor, or is a metal of its colour.
+  bool varied = false;
 };
 
 // Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2
@@ -110,6 +112,9 @@ static_assert(sizeof(LightCell) == sizeof(float) << kLogCellWords);
 enum class Varying {
   kNothing,
   kRoughness,  // GGX width, share of metal
+  // These two are written, and read, only if MaterialView::varied.
+  kAlpha,        // GGX width; the other column means nothing
+  kSecondColor,  // texture of the second colour: red and green, 16 bits each, and blue
   kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
 };
 

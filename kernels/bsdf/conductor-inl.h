@@ -25,7 +25,12 @@ struct Conductor {
         ggx(Field(m, fields, kAlpha)),
         eta(Field3(m, fields, kEta)),
         k(Field3(m, fields, kK)),
-        multiscatter(Field3(m, fields, kMultiscatter)) {}
+        multiscatter(Field3(m, fields, kMultiscatter)) {
+    if (!m.varied) return;
+    ggx = VariedGgx(s, i);
+    MetalOfColor(color, eta, k);
+    multiscatter = VariedMultiscatter(tables, ggx, eta, k);
+  }
 
   HWY_INLINE VF Albedo(VF cosine) const { return ggx.Table(tables.albedo, cosine); }
 

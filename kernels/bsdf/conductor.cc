@@ -24,6 +24,7 @@ namespace skywave {
 inline constexpr BsdfTraits ConductorTraits = {
     .name = "conductor",
     .lobed = true,
+    .varying = Varying::kAlpha,
     .tables = {.ggx = true},
     .parameters = {{"alpha"}, {"eta"}, {"k"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) { PackConductor(m, r); }};

@@ -21,6 +21,7 @@ struct DiffuseTransmission {
   HWY_INLINE DiffuseTransmission(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                                  std::uint32_t n)
       : reflected(ColorOf(s, i)), transmitted(Field3(m, MaterialFields(s, i, n), kTransmitted)) {
+    if (m.varied) transmitted = Mul(transmitted, VariedColor(s, i));
     const VF back = MaxComponent(reflected), through = MaxComponent(transmitted);
     reflects = hn::Div(back, hn::Max(hn::Add(back, through), Set(1e-30f)));
   }
@@ -58,10 +59,14 @@ namespace skywave {
 inline constexpr BsdfTraits DiffuseTransmissionTraits = {
     .name = "diffuse-transmission",
     .lobed = true,
+    .varying = Varying::kSecondColor,
     .transmits = true,
     .parameters = {{"second_color", "transmittance"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PutField(r, HWY_NAMESPACE::DiffuseTransmission::kTransmitted, m.second_color);
+      if (const auto& texture = m.second_color_texture) {
+        PutField(r, MaterialField::kSecondTexture, *texture + 1);
+      }
     }};
 SKYWAVE_BSDF_TABLE(DiffuseTransmission)
 

@@ -103,6 +103,44 @@ struct Ggx {
   VU table_row;
 };
 
+// Returns the widths of Varying::kAlpha. Rows behind the end hold anything, hence the clamp.
+HWY_INLINE Ggx VariedGgx(const SurfaceColumns& s, std::uint32_t i) {
+  return Ggx(Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f));
+}
+
+// Gives metals of their colour (PackConductorIndex) their index; their colour is 1 then. As in
+// pbrt-v4, eta is 1 and k follows from the reflectance.
+HWY_INLINE void MetalOfColor(V3& color, V3& eta, V3& k) {
+  const VF one = Set(1.0f), two = Set(2.0f);
+  const MF lanes = hn::Lt(eta.x, hn::Zero(F()));
+  const auto index = [&](VF reflectance) HWY_ATTR {
+    const VF r = Clamp(reflectance, 0.0f, 0.9999f);
+    return hn::Mul(two, hn::Sqrt(hn::Div(r, hn::Sub(one, r))));
+  };
+  k = IfThen(lanes, {index(color.x), index(color.y), index(color.z)}, k);
+  eta = IfThen(lanes, {one, one, one}, eta);
+  color = IfThen(lanes, {one, one, one}, color);
+}
+
+// Returns the factor of ConductorMultiscatter (conductor_tables.h) for widths that vary. The mean
+// Fresnel reflectance is summed at four points of Gauss and Legendre, for cosines from 0 to 1.
+HWY_INLINE V3 VariedMultiscatter(const ConductorTables& tables, const Ggx& ggx, const V3& eta,
+                                 const V3& k) {
+  constexpr float kAt[] = {0.06943184f, 0.33000948f, 0.66999052f, 0.93056816f};
+  constexpr float kWeight[] = {0.17392742f, 0.32607258f, 0.32607258f, 0.17392742f};
+  V3 f = {hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
+  for (int i = 0; i < 4; ++i) {
+    f = Add(f, Scale(FresnelConductor(Set(kAt[i]), eta, k), Set(2 * kAt[i] * kWeight[i])));
+  }
+  const VF one = Set(1.0f), mean = ggx.Mean(tables.padded_mean_albedo);
+  const VF lost = hn::Max(hn::Sub(one, mean), Set(1e-6f));
+  const VF factor = hn::Div(hn::Mul(mean, Set(kInvPi)), lost);
+  const auto further = [&](VF c) HWY_ATTR {
+    return hn::Mul(factor, hn::Div(hn::Mul(c, c), hn::Sub(one, hn::Mul(c, lost))));
+  };
+  return {further(f.x), further(f.y), further(f.z)};
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();

@@ -38,6 +38,8 @@ enum class MaterialPart {
   kNormalMap,
   kAbsorption,
   kCoatMedium,
+  kMetalOfColor,
+  kSecondColorTexture,
   kEmission
 };
 
@@ -50,6 +52,9 @@ struct Material {
   glm::vec3 reflectance{0.5f};
   glm::vec3 eta{0.0f};  // conductors: real part of the index per channel; eta = k = 0: F = 1
   glm::vec3 k{0.0f};    // conductors: imaginary part of the index per channel
+  // Conductors: not these count, but the metal with eta = 1 that reflects the reflectance, times
+  // its texture, at normal incidence.
+  bool metal_of_color = false;
   // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
   // is 2 / alpha^2 - 2.
   float alpha = 0.1f;
@@ -75,6 +80,7 @@ struct Material {
   // Textures are indices into the scene's textures. These are factors of the reflectance; of the
   // square root of alpha (green) and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
+  std::optional<std::uint32_t> second_color_texture;  // diffuse transmission: a factor of its share
   // The share of the surface that exists is this number times the texture. With a cutoff the
   // surface exists where that product reaches it, and nowhere else.
   float opacity = 1;
@@ -114,6 +120,10 @@ struct Material {
         return absorption != glm::vec3(0);
       case MaterialPart::kCoatMedium:
         return coat_thickness > 0;
+      case MaterialPart::kMetalOfColor:
+        return metal_of_color;
+      case MaterialPart::kSecondColorTexture:
+        return second_color_texture.has_value();
       case MaterialPart::kEmission:
         return emission != glm::vec3(0);
     }
@@ -125,11 +135,12 @@ struct Material {
   template <class Self, class F>
   static void ForEachField(Self& self, F f) {
     // A new member does not compile until it is named here; a test counts that all are visited.
-    auto& [name, bsdf, reflectance, eta, k, alpha, alpha_across, ior, metallic, second_color, coat,
-           coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen, sheen_alpha, measured,
-           absorption, color_texture, roughness_texture, opacity, opacity_cutoff, opacity_texture,
-           normal_texture, normal_scale, height_in_texels, mixture, mixture_texture, emission,
-           emits_on_both_sides, emission_texture] = self;
+    auto& [name, bsdf, reflectance, eta, k, metal_of_color, alpha, alpha_across, ior, metallic,
+           second_color, coat, coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen,
+           sheen_alpha, measured, absorption, color_texture, roughness_texture,
+           second_color_texture, opacity, opacity_cutoff, opacity_texture, normal_texture,
+           normal_scale, height_in_texels, mixture, mixture_texture, emission, emits_on_both_sides,
+           emission_texture] = self;
     using enum MaterialPart;
     f("bsdf", kBsdf, bsdf);
     f("reflectance", kBsdf, reflectance);
@@ -159,6 +170,8 @@ struct Material {
     f("normal_scale", kNormalMap, normal_scale);
     f("height_in_texels", kNormalMap, height_in_texels);
     f("absorption", kAbsorption, absorption);
+    f("metal_of_color", kMetalOfColor, metal_of_color);
+    f("second_color_texture", kSecondColorTexture, second_color_texture);
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);
     f("emission_texture", kEmission, emission_texture);

@@ -135,7 +135,9 @@ struct MicrofacetConductor {
         facets{Field(m, fields, kAlpha), Field(m, fields, kAlphaAcross)},
         eta(Field3(m, fields, kEta)),
         k(Field3(m, fields, kK)),
-        turn(s, i) {}
+        turn(s, i) {
+    if (m.varied) MetalOfColor(color, eta, k);
+  }
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
     const Ggx wider(hn::Min(hn::Max(facets.x, facets.y), Set(1.0f)));

@@ -31,13 +31,25 @@ void PutField(MaterialRecord& record, MaterialField field, std::uint32_t value) 
 float MicrofacetWidth(float alpha) { return std::clamp(alpha, 1e-3f, 1.0f); }
 
 void PackConductorIndex(const Material& material, MaterialRecord& record) {
-  PutField(record, MaterialField::kEta, material.eta);
+  // No index is negative (MetalOfColor); other BSDFs do not know of that.
+  const bool knows = material.bsdf == BsdfKind::kConductor ||
+                     material.bsdf == BsdfKind::kAnisotropicConductor ||
+                     material.bsdf == BsdfKind::kBeckmannConductor;
+  const glm::vec3 eta = knows && material.metal_of_color ? glm::vec3(-1) : material.eta;
+  PutField(record, MaterialField::kEta, eta);
   PutField(record, MaterialField::kK, material.k);
+}
+
+void PackAlpha(const Material& material, MaterialRecord& record) {
+  PutField(record, MaterialField::kAlpha, MicrofacetWidth(material.alpha));
+  if (const auto& texture = material.roughness_texture) {
+    PutField(record, MaterialField::kRoughnessTexture, *texture + 1);
+  }
 }
 
 void PackConductor(const Material& material, MaterialRecord& record) {
   const float alpha = MicrofacetWidth(material.alpha);
-  PutField(record, MaterialField::kAlpha, alpha);
+  PackAlpha(material, record);
   PackConductorIndex(material, record);
   glm::vec3 multiscatter;
   for (int c = 0; c < 3; ++c) {
@@ -53,12 +65,9 @@ void PackWidths(const Material& material, MaterialRecord& record) {
 }
 
 void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
-  PutField(record, MaterialField::kAlpha, MicrofacetWidth(material.alpha));
+  PackAlpha(material, record);
   PutField(record, MaterialField::kMetallic, material.metallic);
   PutField(record, MaterialField::kIor, material.ior);
-  if (const auto& texture = material.roughness_texture) {
-    PutField(record, MaterialField::kRoughnessTexture, *texture + 1);
-  }
 }
 
 MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured) {

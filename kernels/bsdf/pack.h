@@ -20,11 +20,13 @@ float MicrofacetWidth(float alpha);
 
 // These pack the parameters that several BSDFs have in common: eta and k of a conductor;
 void PackConductorIndex(const Material& material, MaterialRecord& record);
+// alpha and its texture;
+void PackAlpha(const Material& material, MaterialRecord& record);
 // alpha, eta and k of a conductor with multiple scattering;
 void PackConductor(const Material& material, MaterialRecord& record);
 // alpha and alpha_across of anisotropic facets;
 void PackWidths(const Material& material, MaterialRecord& record);
-// alpha, metallic, ior and the roughness texture of metallic-roughness.
+// alpha, its texture, metallic and ior of metallic-roughness.
 void PackMetallicRoughness(const Material& material, MaterialRecord& record);
 
 // Returns the record of `material`: the fields that all BSDFs have and those that its own BSDF

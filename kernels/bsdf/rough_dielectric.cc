@@ -22,6 +22,7 @@ struct RoughDielectric {
   HWY_INLINE RoughDielectric(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                              std::uint32_t n)
       : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)), ggx(Field(m, fields, kAlpha)) {
+    if (m.varied) ggx = VariedGgx(s, i);
     ratio = IndexRatio(s, m, fields, i);
   }
 
@@ -89,12 +90,13 @@ namespace skywave {
 inline constexpr BsdfTraits RoughDielectricTraits = {
     .name = "rough-dielectric",
     .lobed = true,
+    .varying = Varying::kAlpha,
     .transmits = true,
     .refracts = true,
     .inside = true,
     .parameters = {{"alpha"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PutField(r, MaterialField::kAlpha, MicrofacetWidth(m.alpha));
+      PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
     }};
 SKYWAVE_BSDF_TABLE(RoughDielectric)

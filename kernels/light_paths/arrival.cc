@@ -32,6 +32,11 @@ void SampleArrivals(const LocalLightView& view, const LightChoice& choice, const
     value = IfThen(light.Is(LocalLightKind::kTriangle), hn::Div(places, pdf), value);
     value = IfThen(light.Is(LocalLightKind::kPoint), from_point, value);
     value = IfThen(light.Is(LocalLightKind::kSpot), from_spot, value);
+    if (!view.shapes.empty()) {
+      const ShapedLights shaped(view, light, pick.picked);
+      const VF density = ShapeDensity(shaped.shape, PlaceOf(shaped.shape, Neg(to_light)));
+      value = IfThen(shaped.lanes, hn::Mul(density, inverse2), value);
+    }
     Store(IfThen(pick.picked, value, distant), arrival + i);
   }
 }

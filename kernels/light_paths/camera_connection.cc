@@ -151,22 +151,14 @@ struct ToLatLong {
   }
 };
 
-// This inverts EqualArea in kernels/camera.cc, with its names.
 struct ToEqualArea {
   template <bool>
   static HWY_INLINE Connection Connect(const CameraView& camera, const PlaneFilm&,
                                        const UniformColumns&, const V3& point, std::uint32_t) {
     const SeenDirection to(camera, point);
-    const VF one = Set(1.0f), half = Set(0.5f), height = hn::Neg(to.down);
-    // This is the root of 1 - |height|, which would cancel near the poles.
-    const VF side2 = hn::Add(hn::Mul(to.right, to.right), hn::Mul(to.forward, to.forward));
-    const VF r = hn::Sqrt(hn::Div(side2, hn::Add(one, hn::Abs(height))));
-    const VF along =
-        hn::Sub(hn::Mul(Set(8.0f), Atan2Turn(hn::Abs(to.forward), hn::Abs(to.right))), one);
-    const VF sum = hn::Sub(one, hn::CopySign(hn::Sub(one, r), height));
-    const VF difference = hn::Mul(along, r);
-    const VF a = hn::CopySign(hn::Mul(half, hn::Sub(sum, difference)), to.right);
-    const VF b = hn::CopySign(hn::Mul(half, hn::Add(sum, difference)), to.forward);
+    const VF one = Set(1.0f);
+    VF a, b;
+    PlaceOnEqualAreaSquare({to.right, to.forward, hn::Neg(to.down)}, a, b);
     const float width = float(camera.whole_width), rows = float(camera.whole_height);
     return to.At(hn::Mul(hn::Add(a, one), Set(0.5f * width)),
                  hn::Mul(hn::Add(b, one), Set(0.5f * rows)), Set(width * rows * 0.25f * kInvPi));

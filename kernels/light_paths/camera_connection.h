@@ -32,6 +32,9 @@ struct CameraColumns {
 struct FilterView {
   const float* density = nullptr;
   float radius = 0;  // [pixels]
+  // Factors of camera paths by the cells of CameraView::filter_offset that their uniforms fall
+  // into, the product of both axes. Null: all are 1.
+  const float* factor = nullptr;
 };
 
 // Connects points [0, n) (org of `points`) to the camera: writes unit directions to it and

@@ -111,22 +111,31 @@ HWY_INLINE Emitted EmitFromPoints(const LightLanes& light, VF probability, VF u,
 }
 
 HWY_INLINE Emitted EmitFromSpots(const LightLanes& light, VF probability, VF u, VF v) {
-  const VF one = Set(1.0f);
-  // `below` is 1 - cosine, which is more precise than the cosine in narrow cones.
-  const VF widest = hn::Sub(one, light.Number(12)), below = hn::Mul(v, widest);
-  const VF cosine = hn::Sub(one, below);
-  const VF sine = SafeSqrt(hn::Mul(below, hn::Sub(Set(2.0f), below)));
-  VF s, c;
-  SinCosTurn(u, s, c);
+  const VF one = Set(1.0f), widest = hn::Sub(one, light.Number(12));
+  const V3 local = InCone(u, v, widest);
   const VF direction_pdf = hn::Div(Set(0.5f * kInvPi), hn::Max(widest, Set(1e-7f)));
   const VF pdf = hn::Mul(probability, direction_pdf);
   return {.org = light.position(),
-          .dir = ToWorld(MakeFrame(light.axis()), {hn::Mul(sine, c), hn::Mul(sine, s), cosine}),
-          .flux = Scale(light.emission(), hn::Div(SpotFalloff(light, cosine), pdf)),
+          .dir = ToWorld(MakeFrame(light.axis()), local),
+          .flux = Scale(light.emission(), hn::Div(SpotFalloff(light, local.z), pdf)),
           .pdf = pdf,
           .light_pdf = probability,
           .direction_pdf = direction_pdf,
           .cosine = one,
+          .delta = SetU(kDeltaPosition)};
+}
+
+HWY_INLINE Emitted EmitFromShapes(const LightLanes& light, const ShapeLanes& shape, VF probability,
+                                  VF u, VF v) {
+  const DrawnDirection drawn = DrawDirection(shape, u, v);
+  const VF pdf = hn::Mul(probability, drawn.pdf);
+  return {.org = light.position(),
+          .dir = drawn.dir,
+          .flux = Scale(Mul(light.emission(), drawn.value), hn::Div(Set(1.0f), pdf)),
+          .pdf = pdf,
+          .light_pdf = probability,
+          .direction_pdf = drawn.pdf,
+          .cosine = Set(1.0f),
           .delta = SetU(kDeltaPosition)};
 }
 
@@ -178,6 +187,11 @@ void EmitFromLocalLights(const LocalLightView& view, const LightChoice& choice,
     if (const MF spots = rows(LocalLightKind::kSpot); !hn::AllFalse(F(), spots)) {
       StoreEmitted(EmitFromSpots(light, picked.probability, u, v), picked.light, spots, i, rays,
                    out);
+    }
+    if (!view.shapes.empty()) {
+      const ShapedLights shaped(view, light, picked.picked);
+      StoreEmitted(EmitFromShapes(light, shaped.shape, picked.probability, u, v), picked.light,
+                   shaped.lanes, i, rays, out);
     }
     if (const MF distant = rows(LocalLightKind::kDistant); !hn::AllFalse(F(), distant)) {
       StoreEmitted(EmitFromDistant(light, picked.probability, sphere, u, v), picked.light, distant,

@@ -1,5 +1,5 @@
-// Light paths begin here: rays leave the environment, emitting triangles, points, spots and distant
-// lights, with their flux over the density of drawing them.
+// Light paths begin here: rays leave the environment, emitting triangles, points, shaped or not,
+// spots and distant lights, with their flux over the density of drawing them.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct SceneSphere {
 
 // A light may have no extent in position or direction; its density there is left out (1), and no
 // ray hits it by chance.
-inline constexpr std::uint32_t kDeltaPosition = 1;   // points, spots
+inline constexpr std::uint32_t kDeltaPosition = 1;   // points, spots, shaped
 inline constexpr std::uint32_t kDeltaDirection = 2;  // distant and directional lights
 
 // One row is the beginning of the light path in the same row of the rays. With d the direction of
@@ -60,10 +60,10 @@ void EmitFromEnvironment(const SceneSphere& sphere, const LightColumns& samples,
 // Turns those of rows [0, n) whose pick.u picks a light (LightChoice) into rays that leave it; the
 // other rows stay. Rays are uniform over the area of triangles and follow the cosine, on either
 // side of those that emit on both; they are uniform over the sphere for points and over the cone
-// for spots; for distant lights they are like those of the environment. The rest of pick.u and
-// pick.v place the origin on a triangle, `aim` the direction, or the origin on a disk. `places`
-// gets ng (unit, on the side of the ray), triangle, u and v of origins on triangles; geom is kNoHit
-// in all other rows.
+// for spots, and follow the shapes of shaped ones; for distant lights they are like those of the
+// environment. The rest of pick.u and pick.v place the origin on a triangle, `aim` the direction,
+// or the origin on a disk. `places` gets ng (unit, on the side of the ray), triangle, u and v of
+// origins on triangles; geom is kNoHit in all other rows.
 void EmitFromLocalLights(const LocalLightView& view, const LightChoice& choice,
                          const SceneSphere& sphere, const UniformColumns& pick,
                          const UniformColumns& aim, std::uint32_t n, const RayColumns& rays,

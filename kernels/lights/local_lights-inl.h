@@ -6,6 +6,7 @@
 #define SKYWAVE_KERNELS_LOCAL_LIGHTS_INL_H_
 #endif
 
+#include "kernels/lights/light_shapes-inl.h"
 #include "kernels/lights/local_lights.h"
 #include "kernels/simd/math-inl.h"
 #include "kernels/surface/texture-inl.h"
@@ -31,6 +32,7 @@ struct LightLanes {
   HWY_INLINE VF area() const { return Number(7); }
   HWY_INLINE V3 axis() const { return Vector(8); }
   HWY_INLINE MF two_sided() const { return hn::RebindMask(F(), hn::Ne(Word(11), SetU(0))); }
+  HWY_INLINE VU shape() const { return Word(11); }
   HWY_INLINE V3 edge() const { return Vector(12); }
   HWY_INLINE VU triangle() const { return Word(15); }
 
@@ -100,9 +102,18 @@ HWY_INLINE VF LargestCoordinate(const V3& p) {
 // Returns 1 inside the inner cone, 0 outside the outer one, and between them 3 t^2 - 2 t^3 of the
 // cosine.
 HWY_INLINE VF SpotFalloff(const LightLanes& light, VF cosine) {
-  const VF t = Clamp(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)), 0.0f, 1.0f);
-  return hn::Mul(hn::Mul(t, t), hn::Sub(Set(3.0f), hn::Mul(Set(2.0f), t)));
+  return SmoothStep(hn::Mul(hn::Sub(cosine, light.Number(12)), light.Number(13)));
 }
+
+// These are the shapes of the lights in `lanes`; other lanes stand for the first one. The view has
+// shapes.
+struct ShapedLights {
+  HWY_INLINE ShapedLights(const LocalLightView& view, const LightLanes& light, MF picked)
+      : lanes(hn::And(picked, light.Is(LocalLightKind::kShaped))),
+        shape(view.shapes, hn::IfThenElseZero(hn::RebindMask(U(), lanes), light.shape())) {}
+  MF lanes;
+  ShapeLanes shape;
+};
 
 // Multiplies `emission` of the lights in `lanes` by their textures at barycentric (u, v) of their
 // triangles.

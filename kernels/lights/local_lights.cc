@@ -96,6 +96,11 @@ void SampleLocalLights(const LocalLightView& view, const LightChoice& choice,
       drawn.radiance = TexturedEmission(view, light, pick.light, hn::RebindMask(U(), picked),
                                         drawn.u, drawn.v, drawn.radiance);
     }
+    if (!view.shapes.empty()) {
+      const ShapedLights shaped(view, light, picked);
+      const V3 seen = ShapeValue(shaped.shape, PlaceOf(shaped.shape, Neg(drawn.dir)));
+      drawn.radiance = IfThen(shaped.lanes, Mul(drawn.radiance, seen), drawn.radiance);
+    }
     Store3(IfThen(picked, drawn.dir, Load3(out.dir_x + i, out.dir_y + i, out.dir_z + i)),
            out.dir_x + i, out.dir_y + i, out.dir_z + i);
     Store3(IfThen(picked, drawn.radiance, Load3(out.r + i, out.g + i, out.b + i)), out.r + i,

@@ -1,29 +1,34 @@
-// Local lights are all emitters but the map. Emitting triangles, points, spots and distant lights
-// lie in one table of records; light samples pick from it by power, and BSDF samples that hit a
-// triangle of it get the density with which light samples go there.
+// Local lights are all emitters but the map. Emitting triangles, points, spots, distant lights and
+// points with a shape lie in one table of records; light samples pick from it by power, and BSDF
+// samples that hit a triangle of it get the density with which light samples go there.
 #pragma once
 
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "kernels/lights/light_shapes.h"
 #include "kernels/surface/texture.h"
 
 namespace skywave {
 
-enum class LocalLightKind : std::uint32_t { kTriangle, kPoint, kSpot, kDistant };
-inline constexpr std::uint32_t kLocalLightKinds = 4;
+enum class LocalLightKind : std::uint32_t { kTriangle, kPoint, kSpot, kDistant, kShaped };
+inline constexpr std::uint32_t kLocalLightKinds = 5;
 
 // A light is 16 words in world space, read by gathers at light * 16 + field.
 struct LocalLight {
   LocalLightKind kind;
-  // Triangle: radiance, times its texture if it has one. Point and spot: intensity [radiance *
-  // length^2]. Distant: irradiance of a surface that faces it [radiance * sr].
+  // Triangle: radiance, times its texture if it has one. Point, spot, and shaped, times its shape:
+  // intensity [radiance * length^2]. Distant: irradiance of a surface that faces it [radiance *
+  // sr].
   float emission[3];
-  float position[3];  // triangle: corner 0; point, spot: position
+  float position[3];  // triangle: corner 0; point, spot, shaped: position
   float area;         // triangle
   // Triangle: corner 1 - corner 0. Spot: its direction, unit. Distant: direction towards it, unit.
   float axis[3];
-  std::uint32_t two_sided;  // triangle: 0 if only the side of axis x edge emits
+  union {
+    std::uint32_t two_sided;  // triangle: 0 if only the side of axis x edge emits
+    std::uint32_t shape;      // shaped: row of LightShapeView::shapes
+  };
   // Triangle: corner 2 - corner 0. Spot: cosine of the outer cone's angle; 1 / (cosine of the inner
   // cone's angle - that).
   float edge[3];
@@ -38,7 +43,6 @@ struct LightChoice {
   const std::uint32_t* first = nullptr;  // one entry more than there are lights; first[0] = 0
   float share = 0;                       // 2^-24 times the last entry
 };
-inline constexpr std::uint32_t kChoiceUnits = 1u << 24;  // steps of u
 
 struct LocalLightView {
   const LocalLight* lights = nullptr;
@@ -52,6 +56,7 @@ struct LocalLightView {
   // samples and rays that hit the triangle both read level 0, so they see the same light.
   const std::uint32_t* emission_texture = nullptr;
   TextureView textures = {};
+  LightShapeView shapes = {};  // empty if no light has one
 };
 inline constexpr std::uint32_t kNoLight = 0xFFFFFFFFu;
 

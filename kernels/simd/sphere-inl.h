@@ -22,6 +22,48 @@ HWY_INLINE V3 UniformSphere(VF u, VF v) {
   return {hn::Mul(sine, c), hn::Mul(sine, s), z};
 }
 
+// Draws a direction uniformly over the cone about +z in which 1 - z is at most `widest`.
+HWY_INLINE V3 InCone(VF u, VF v, VF widest) {
+  // `below` is 1 - cosine, which is more precise than the cosine in narrow cones.
+  const VF below = hn::Mul(v, widest);
+  const VF cosine = hn::Sub(Set(1.0f), below);
+  const VF sine = SafeSqrt(hn::Mul(below, hn::Sub(Set(2.0f), below)));
+  VF s, c;
+  SinCosTurn(u, s, c);
+  return {hn::Mul(sine, c), hn::Mul(sine, s), cosine};
+}
+
+// Maps the square [-1, 1]^2 to the sphere so that equal areas stay equal (Clarberg 2008). The
+// middle is +z and the corners are -z; x grows with a, y with b.
+HWY_INLINE V3 DirectionOnEqualAreaSquare(VF a, VF b) {
+  const VF one = Set(1.0f);
+  // r is the distance from the middle in the norm whose ball is the inner diamond; beyond the
+  // diamond lies the lower hemisphere.
+  const VF inside = hn::Sub(one, hn::Add(hn::Abs(a), hn::Abs(b)));
+  const VF r = hn::Sub(one, hn::Abs(inside));
+  const VF r2 = hn::Mul(r, r);
+  const MF pole = hn::Eq(r, hn::Zero(F()));
+  const VF along = hn::Div(hn::Sub(hn::Abs(b), hn::Abs(a)), IfThen(pole, one, r));
+  VF sine, cosine;
+  SinCosTurn(hn::Mul(Clamp(hn::Add(along, one), 0.0f, 2.0f), Set(0.125f)), sine, cosine);
+  const VF height = hn::CopySign(hn::Sub(one, r2), inside);
+  const VF side = hn::Mul(r, SafeSqrt(hn::Sub(Set(2.0f), r2)));
+  return {hn::Mul(side, hn::CopySign(cosine, a)), hn::Mul(side, hn::CopySign(sine, b)), height};
+}
+
+// Inverts DirectionOnEqualAreaSquare for unit vectors.
+HWY_INLINE void PlaceOnEqualAreaSquare(const V3& d, VF& a, VF& b) {
+  const VF one = Set(1.0f), half = Set(0.5f);
+  // This is the root of 1 - |z|, which would cancel near the poles.
+  const VF side2 = hn::Add(hn::Mul(d.x, d.x), hn::Mul(d.y, d.y));
+  const VF r = hn::Sqrt(hn::Div(side2, hn::Add(one, hn::Abs(d.z))));
+  const VF along = hn::Sub(hn::Mul(Set(8.0f), Atan2Turn(hn::Abs(d.y), hn::Abs(d.x))), one);
+  const VF sum = hn::Sub(one, hn::CopySign(hn::Sub(one, r), d.z));
+  const VF difference = hn::Mul(along, r);
+  a = hn::CopySign(hn::Mul(half, hn::Sub(sum, difference)), d.x);
+  b = hn::CopySign(hn::Mul(half, hn::Add(sum, difference)), d.y);
+}
+
 // Draws a direction in the hemisphere of +z with density cos / pi (P 3-6): a uniform point of the
 // unit disk, lifted.
 HWY_INLINE V3 CosineHemisphere(VF u, VF v) {

@@ -37,7 +37,7 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
         AsFloat(Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, scale)))));
     const VU per_texel =
         Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, per_texel))));
-    const VF texels = TexelsALength(view, textured.texture, textured.triangle);
+    const VF texels = TexelsALength(view, textured, s, i);
     const MF of_lengths = hn::RebindMask(F(), hn::Ne(per_texel, hn::Zero(U())));
     scale = Clamp(IfThen(of_lengths, hn::Mul(scale, texels), scale), -1e6f, 1e6f);
 
@@ -53,7 +53,10 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
     const V3 ns = Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i);
     const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
     const V3 outer = IfThen(back, Neg(ns), ns);
-    const V3 along = Add(Add(Scale(t0, b0), Scale(t1, b1)), Scale(t2, b2));
+    V3 along = Add(Add(Scale(t0, b0), Scale(t1, b1)), Scale(t2, b2));
+    if (view.instances != nullptr) {
+      along = InstanceLanes(view.instances, s, i, RowsBelow(i, n)).Direction(along);
+    }
     const V3 tangent = Sub(along, Scale(outer, Dot(outer, along)));
     const VF length = hn::Sqrt(Dot(tangent, tangent));
     const MF usable = hn::And(hn::Gt(length, Set(1e-4f)), hn::Ne(side, hn::Zero(F())));

@@ -21,7 +21,7 @@ static_assert(sizeof(NormalMapRecord) == sizeof(std::uint32_t) << kLogNormalMapW
 
 // These are the axes of a map at the corners of a triangle.
 struct TriangleTangents {
-  std::uint32_t tangent[3];  // direction of the map's x in the world (EncodeNormal)
+  std::uint32_t tangent[3];  // direction of the map's x in the space of the mesh (EncodeNormal)
   float side;                // its y points along side * (outer normal x tangent); 0: no map here
 };
 inline constexpr int kLogTangentWords = 2;

@@ -8,13 +8,16 @@
 #include "hwy/highway.h"
 #include "kernels/simd/exp-inl.h"
 #include "kernels/simd/records-inl.h"
+#include "kernels/surface/instances-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
-void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                     std::uint32_t n, const SurfaceColumns& s) {
+template <bool kInstanced>
+HWY_INLINE void PrepareRows(const TriangleRecord* triangles, const MaterialRecord* materials,
+                            const InstanceRecord* instances, std::uint32_t n,
+                            const SurfaceColumns& s) {
   const auto* words = reinterpret_cast<const std::uint32_t*>(triangles);
   const auto* material_words = reinterpret_cast<const std::uint32_t*>(materials);
   // A hit is accurate to some 2^-22 of the coordinates it was computed from, including the
@@ -34,7 +37,11 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
 
     const VF u = Load(s.u + i), v = Load(s.v + i);
     const VF w = hn::Sub(hn::Sub(Set(1.0f), u), v);
-    const V3 smooth = Normalize(Add(Add(Scale(n0, w), Scale(n1, u)), Scale(n2, v)));
+    V3 between = Add(Add(Scale(n0, w), Scale(n1, u)), Scale(n2, v));
+    if constexpr (kInstanced) {
+      between = InstanceLanes(instances, s, i, RowsBelow(i, n)).Normal(between);
+    }
+    const V3 smooth = Normalize(between);
     V3 ns = IfThen(back, Neg(smooth), smooth);
     // Where the smooth normal faces away from the eye (silhouettes of coarse meshes) or is not a
     // number, shading uses the geometric one.
@@ -45,8 +52,13 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
     const VF t = Load(s.t + i);
     const V3 origin = Load3(s.org_x + i, s.org_y + i, s.org_z + i);
     const V3 hit = Sub(origin, Scale(wo, t));
-    const VF extent = hn::Max(hn::Max(hn::Abs(hit.x), hn::Abs(hit.y)), hn::Abs(hit.z));
-    const VF lift = hn::Mul(hn::Add(extent, t), lift_scale);
+    VF extent = hn::Max(hn::Max(hn::Abs(hit.x), hn::Abs(hit.y)), hn::Abs(hit.z));
+    VF lift = hn::Mul(hn::Add(extent, t), lift_scale);
+    if constexpr (kInstanced) {
+      const InstanceLanes instance(instances, s, i, RowsBelow(i, n));
+      extent = hn::Max(extent, instance.Word(SKYWAVE_WORD(InstanceRecord, extent)));
+      lift = hn::Mul(hn::Add(extent, t), lift_scale);
+    }
     const V3 lifted = Add(hit, Scale(ng, lift));
 
     const VU material = hn::And(tag, SetU(kMaterialMask));
@@ -63,10 +75,24 @@ void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* mate
   }
 }
 
-void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n, const SurfaceColumns& s) {
+void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
+                     const InstanceRecord* instances, std::uint32_t n, const SurfaceColumns& s) {
+  PrepareRows<false>(triangles, materials, instances, n, s);
+}
+void PrepareInstancedSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
+                              const InstanceRecord* instances, std::uint32_t n,
+                              const SurfaceColumns& s) {
+  PrepareRows<true>(triangles, materials, instances, n, s);
+}
+
+void PrepareTangents(const std::uint32_t* tangents, const InstanceRecord* instances,
+                     std::uint32_t n, const SurfaceColumns& s) {
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU triangle = hn::IfThenElseZero(RowsBelow(i, n), Load(s.triangle + i));
-    const V3 tangent = DecodeNormal(Gather(tangents, triangle));
+    V3 tangent = DecodeNormal(Gather(tangents, triangle));
+    if (instances != nullptr) {
+      tangent = InstanceLanes(instances, s, i, RowsBelow(i, n)).Direction(tangent);
+    }
     const Frame frame = MakeFrame(Load3(s.ns_x + i, s.ns_y + i, s.ns_z + i));
     const VF along = Dot(frame.s, tangent), across = Dot(frame.t, tangent);
     const VF length = hn::Sqrt(hn::Add(hn::Mul(along, along), hn::Mul(across, across)));
@@ -103,17 +129,23 @@ HWY_AFTER_NAMESPACE();
 namespace skywave {
 
 HWY_EXPORT(PrepareSurfaces);
+HWY_EXPORT(PrepareInstancedSurfaces);
 HWY_EXPORT(PrepareTangents);
 HWY_EXPORT(AbsorbInside);
 
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                     std::uint32_t n, const SurfaceColumns& surfaces) {
-  HWY_DYNAMIC_DISPATCH(PrepareSurfaces)(triangles, materials, n, surfaces);
+                     const InstanceRecord* instances, std::uint32_t n,
+                     const SurfaceColumns& surfaces) {
+  if (instances != nullptr) {
+    HWY_DYNAMIC_DISPATCH(PrepareInstancedSurfaces)(triangles, materials, instances, n, surfaces);
+  } else {
+    HWY_DYNAMIC_DISPATCH(PrepareSurfaces)(triangles, materials, instances, n, surfaces);
+  }
 }
 
-void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
-                     const SurfaceColumns& surfaces) {
-  HWY_DYNAMIC_DISPATCH(PrepareTangents)(tangents, n, surfaces);
+void PrepareTangents(const std::uint32_t* tangents, const InstanceRecord* instances,
+                     std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareTangents)(tangents, instances, n, surfaces);
 }
 
 void AbsorbInside(const MaterialRecord* materials, std::uint32_t n,

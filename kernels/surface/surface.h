@@ -4,20 +4,22 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "kernels/surface/instances.h"
 
 namespace skywave {
 
 // Fills the second block of rows [0, n) of `surfaces` from the first one (see SurfaceColumns):
 // normals are interpolated and turned to wo's side, points lifted off the surface, colours read.
-// `materials` is a table of MaterialRecord.
+// `materials` is a table of MaterialRecord; `instances` is null in scenes without instances.
 void PrepareSurfaces(const TriangleRecord* triangles, const MaterialRecord* materials,
-                     std::uint32_t n, const SurfaceColumns& surfaces);
-
-// Writes Varying::kTangent of rows [0, n). `tangents` has one per triangle (EncodeNormal), in world
-// space; its projection onto the surface is the tangent, or the frame's own first axis if that is
-// null.
-void PrepareTangents(const std::uint32_t* tangents, std::uint32_t n,
+                     const InstanceRecord* instances, std::uint32_t n,
                      const SurfaceColumns& surfaces);
+
+// Writes Varying::kTangent of rows [0, n). `tangents` has one per triangle (EncodeNormal), in the
+// space of its mesh; its projection onto the surface is the tangent, or the frame's own first axis
+// if that is null. `instances` is null in scenes without instances.
+void PrepareTangents(const std::uint32_t* tangents, const InstanceRecord* instances,
+                     std::uint32_t n, const SurfaceColumns& surfaces);
 
 // Multiplies throughput of those rows [0, n) that are seen from inside by the transmittance of
 // their ray, exp(-k t) (Beer and Lambert). The rows are of BSDFs with an inside, which have

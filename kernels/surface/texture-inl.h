@@ -7,6 +7,7 @@
 #endif
 
 #include "kernels/lights/environment-inl.h"
+#include "kernels/surface/instances-inl.h"
 #include "kernels/surface/texture.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -98,13 +99,21 @@ HWY_INLINE V3 LookUpLevel(const TextureView& view, const TextureLanes& record, V
              Mix(texel(x.first, y.second), texel(x.second, y.second), x.share), y.share);
 }
 
-// Returns the number of texels of level 0 per unit of length in the world.
-HWY_INLINE VF TexelsALength(const TextureView& view, VU texture, VU triangle) {
+// Returns the number of texels of level 0 per unit of length in the world, of rows i and on.
+template <class Textured>
+HWY_INLINE VF TexelsALength(const TextureView& view, const Textured& textured,
+                            const SurfaceColumns& s, std::uint32_t i) {
   const auto* corners = reinterpret_cast<const float*>(view.uvs);
-  const VU density =
-      hn::Add(hn::ShiftLeft<kLogUvWords>(triangle), SetU(SKYWAVE_WORD(TriangleUvs, density)));
-  return hn::Mul(Gather(corners, density),
-                 TextureLanes(view, texture).Number(SKYWAVE_WORD(TextureRecord, texels)));
+  const VU at = hn::Add(hn::ShiftLeft<kLogUvWords>(textured.triangle),
+                        SetU(SKYWAVE_WORD(TriangleUvs, density)));
+  VF density = Gather(corners, at);
+  if (view.instances != nullptr) {
+    const InstanceLanes instance(view.instances, s, i, hn::RebindMask(U(), textured.lanes));
+    const V3 ng = Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i);
+    density = hn::Mul(density, hn::Sqrt(instance.AreaInObject(ng)));
+  }
+  return hn::Mul(density,
+                 TextureLanes(view, textured.texture).Number(SKYWAVE_WORD(TextureRecord, texels)));
 }
 
 // Finds the lanes of rows below n whose material has a texture in word `field` of its record of
@@ -137,8 +146,8 @@ HWY_INLINE V3 LookUp(const TextureView& view, const Textured& textured, float pi
   const VF cosine = hn::Max(
       Dot(Load3(s.ng_x + i, s.ng_y + i, s.ng_z + i), Load3(s.wo_x + i, s.wo_y + i, s.wo_z + i)),
       Set(0.01f));
-  const VF width = hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)),
-                           TexelsALength(view, textured.texture, textured.triangle));
+  const VF width =
+      hn::Mul(hn::Mul(Load(s.t + i), Set(pixel_angle)), TexelsALength(view, textured, s, i));
   const VF area = hn::Max(hn::Div(hn::Mul(width, width), cosine), Set(1.0f));
   const VU exponent = hn::And(hn::ShiftRight<23>(AsBits(area)), SetU(0xFFu));
   const VU wanted = hn::ShiftRight<1>(hn::Sub(exponent, SetU(127)));

@@ -69,6 +69,28 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
   }
 }
 
+void PrepareSecondColor(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
+                        std::uint32_t n, const SurfaceColumns& s) {
+  const VF one = Set(1.0f);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    V3 color = {one, one, one};
+    if (view.records != nullptr) {
+      const TexturedLanes<kLogMaterialWords> textured(
+          materials, std::uint32_t(MaterialField::kSecondTexture), s, i, n);
+      if (textured.any) {
+        color =
+            IfThen(textured.lanes, LookUp(view, textured, pixel_angle, s, i, UnpackColor), color);
+      }
+    }
+    const auto share = [&](VF x) HWY_ATTR {
+      return ToUnsigned(hn::Add(hn::Mul(Clamp(x, 0.0f, 1.0f), Set(65535.0f)), Set(0.5f)));
+    };
+    const VU pair = hn::Or(share(color.x), hn::ShiftLeft<16>(share(color.y)));
+    StoreBelow(AsFloat(pair), s.varying_0, i, n);
+    StoreBelow(Clamp(color.z, 0.0f, 1.0f), s.varying_1, i, n);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave
 HWY_AFTER_NAMESPACE();
@@ -107,6 +129,7 @@ struct ScalarNeighbours {
 HWY_EXPORT(TextureColors);
 HWY_EXPORT(TintByVertices);
 HWY_EXPORT(PrepareMetallicRoughness);
+HWY_EXPORT(PrepareSecondColor);
 
 void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
                    std::uint32_t n, const SurfaceColumns& surfaces) {
@@ -118,6 +141,10 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareMetallicRoughness)(textures, materials, pixel_angle, n, surfaces);
+}
+void PrepareSecondColor(const TextureView& textures, const MaterialRecord* materials,
+                        float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareSecondColor)(textures, materials, pixel_angle, n, surfaces);
 }
 
 float FirstChannel(const TextureView& textures, std::uint32_t texture, std::uint32_t triangle,

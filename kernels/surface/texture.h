@@ -10,15 +10,17 @@
 #include <cstdint>
 
 #include "kernels/columns.h"
+#include "kernels/surface/instances.h"
 
 namespace skywave {
 
-// All pointers are null in scenes without textures.
+// All pointers but the last are null in scenes without textures.
 struct TextureView {
   const TextureRecord* records = nullptr;
   const TextureLevel* levels = nullptr;
-  const std::uint32_t* texels = nullptr;  // PackTexel, row by row from the top
-  const TriangleUvs* uvs = nullptr;       // by triangle
+  const std::uint32_t* texels = nullptr;      // PackTexel, row by row from the top
+  const TriangleUvs* uvs = nullptr;           // by triangle
+  const InstanceRecord* instances = nullptr;  // null: the scene has none
   bool empty() const { return records == nullptr; }
 };
 
@@ -35,8 +37,13 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
 // Writes Varying::kRoughness of rows [0, n), which are metallic-roughness: the material's
 // parameters times its roughness texture (green squared and blue) if it has one. `textures` may be
 // empty.
+// For Varying::kAlpha, the second column then means nothing.
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
+
+// Writes Varying::kSecondColor of rows [0, n): the texture, or 1 where there is none.
+void PrepareSecondColor(const TextureView& textures, const MaterialRecord* materials,
+                        float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
 
 // Returns the first channel of a texture at barycentric (u, v) of a triangle, at level 0, with the
 // bits that vector lookups give there.

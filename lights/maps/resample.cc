@@ -147,7 +147,7 @@ class SampleGrid {
       direction = {at.radius * meridian.x, at.radius * meridian.y, at.z};
       return at.weight;
     }
-    const ImagePoint point = {(x + 0.5) / columns_, (y + 0.5) / rows_};
+    const ImagePoint point = PointOf(x, y);
     const double weight = SolidAngleDensity(projection_, point);
     if (!(weight > 0)) return 0;
     const std::optional<Vector3> there = DirectionOfPoint(projection_, point);
@@ -156,10 +156,19 @@ class SampleGrid {
     return weight;
   }
 
+  // Returns the point of a source that has a sample's direction.
+  ImagePoint PointIn(Projection source, int x, int y, const Vector3& direction) const {
+    // Two lat-long maps differ in their resolution alone.
+    if (source == Projection::kLatLong && projection_ == source) return PointOf(x, y);
+    return PointOfDirection(source, direction);
+  }
+
  private:
   struct Parallel {
     double radius, z, weight;
   };
+  ImagePoint PointOf(int x, int y) const { return {(x + 0.5) / columns_, (y + 0.5) / rows_}; }
+
   Projection projection_;
   int columns_, rows_;
   std::vector<Vector3> meridians_;   // of a lat-long map, one a column of samples
@@ -172,9 +181,10 @@ void FillPixel(const Source& source, Projection from, const SampleGrid& grid, in
   double weights = 0;
   for (int s = 0; s < side * side; ++s) {
     Vector3 direction;
-    const double weight = grid.Sample(x * side + s % side, y * side + s / side, direction);
+    const int column = x * side + s % side, row = y * side + s / side;
+    const double weight = grid.Sample(column, row, direction);
     if (!(weight > 0)) continue;
-    source.Add(PointOfDirection(from, direction), weight, sum);
+    source.Add(grid.PointIn(from, column, row, direction), weight, sum);
     weights += weight;
   }
   if (!(weights > 0)) return;
@@ -207,8 +217,12 @@ std::array<double, 3> SphereIntegral(const Image& image, Projection projection) 
   const Source source(image, projection);
   std::vector<Rgb> rows(image.height);
   tbb::parallel_for(0, image.height, [&](int y) {
+    double area = 0;
     for (int x = 0; x < image.width; ++x) {
-      const double area = PixelSolidAngle(projection, image.width, image.height, x, y);
+      // The pixels of a row of a lat-long map are equal.
+      if (x == 0 || projection != Projection::kLatLong) {
+        area = PixelSolidAngle(projection, image.width, image.height, x, y);
+      }
       if (area == 0) continue;
       if (IsDisk(projection) && !IsWhole(image, x, y)) {
         source.Add({(x + 0.5) / image.width, (y + 0.5) / image.height}, area, rows[y]);

@@ -112,6 +112,17 @@ def triangles(values, argument, vertices):
     return numpy.array(array, dtype=numpy.uint32, order="C")
 
 
+def matrices(values, argument):
+    """Returns an array of shape (n, 3, 4), float32, of affine matrices (n, 4, 4) or (n, 3, 4)."""
+    array = _array(values, argument, "fiu", "numbers")
+    if array.ndim != 3 or array.shape[1:] not in ((4, 4), (3, 4)):
+        raise bad_argument(argument, f"its shape is {array.shape}, and (n, 4, 4) or (n, 3, 4) is "
+                                     "needed")
+    if array.shape[1] == 4 and (array[:, 3] != (0, 0, 0, 1)).any():
+        raise bad_argument(argument, "the last row of a matrix is not 0, 0, 0, 1")
+    return _float32(array[:, :3])
+
+
 def vector(values, argument):
     """Returns three floats."""
     array = _array(values, argument, "fiu", "numbers")

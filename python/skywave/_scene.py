@@ -8,8 +8,8 @@ class Scene:
 
     Scene() is empty, with y up; it needs a mesh before it can be rendered. Scene("model.glb") reads
     a pbrt, OBJ, glTF or PLY file or makes a built-in scene, to which more can be added; the options
-    are those of reading: `strict`, `max_triangles`, `frame`, `fps` and `animation`. Material 0
-    always exists; that of an empty scene is grey and diffuse.
+    are those of reading: `strict`, `max_triangles`, `instances`, `frame`, `fps` and `animation`.
+    Material 0 always exists; that of an empty scene is grey and diffuse.
 
     Space is right-handed. Arrays are copied. A method returns the scene itself if there is nothing
     else to return.
@@ -44,14 +44,15 @@ class Scene:
         return self._core.triangles()
 
     def add_mesh(self, vertices, faces=None, *, normals=None, uvs=None, colors=None, material=0,
-                 name=""):
+                 name="", object=None):
         """Adds triangles: positions (n, 3) and indices (m, 3), counter-clockwise seen from outside.
 
         One object with `.vertices` and `.faces`, such as a trimesh.Trimesh, can stand for both.
         Without `normals` (n, 3), which may have any length but 0, shading is flat; those of such an
         object are not taken unless they are given. In `uvs` (n, 2), (0, 0) is the top left of an
         image. `colors` (n, 3) are factors of the reflectance. `material` is a number that
-        add_material has returned. `name` appears in errors.
+        add_material has returned. `name` appears in errors. With the number of an `object`, which
+        add_object has returned, the mesh is seen where that has instances.
         """
         if faces is None:
             if not (hasattr(vertices, "vertices") and hasattr(vertices, "faces")):
@@ -63,9 +64,23 @@ class Scene:
                      None if normals is None else _convert.rows(normals, "normals", 3),
                      None if uvs is None else _convert.rows(uvs, "uvs", 2),
                      None if colors is None else _convert.rows(colors, "colors", 3),
-                     _convert.index(material, "material"), _convert.text(name, "name"))
+                     _convert.index(material, "material"), _convert.text(name, "name"),
+                     -1 if object is None else _convert.index(object, "object"))
         with renamed(positions="vertices", triangles="faces"):
             self._core.add_mesh(*arguments)
+        return self
+
+    def add_object(self, name=""):
+        """Adds an empty object; returns its number for add_mesh and add_instances."""
+        return self._core.add_object(_convert.text(name, "name"))
+
+    def add_instances(self, object, matrices):
+        """Adds instances of an object: matrices (n, 4, 4) or (n, 3, 4) that take it to the world.
+
+        They share its triangles if copies would take much more memory.
+        """
+        self._core.add_instances(_convert.index(object, "object"),
+                                 _convert.matrices(matrices, "matrices"))
         return self
 
     def add_texture(self, image, use="color"):

@@ -29,6 +29,8 @@ constexpr std::array kScenes = {
     BuiltinSceneInfo{"many-shapes", "a field of 196 blobs, 1.0 M triangles of Lambert"},
     BuiltinSceneInfo{"many-materials", "the same field with every BSDF"},
     BuiltinSceneInfo{"materials", "a sphere of each BSDF under the sun"},
+    BuiltinSceneInfo{"plant", "leaves and a flower, 20 000 triangles"},
+    BuiltinSceneInfo{"meadow", "100 000 instances of the plant"},
 };
 
 Scene SpheresScene() {
@@ -171,6 +173,8 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "many-shapes") return ManyShapesScene(FiveColors());
   if (name == "many-materials") return ManyShapesScene(OneOfEachBsdf());
   if (name == "materials") return MaterialsScene();
+  if (name == "plant") return PlantScene();
+  if (name == "meadow") return MeadowScene();
   std::string known;
   for (const BuiltinSceneInfo& info : kScenes) {
     known += fmt::format("{}{}", known.empty() ? "" : ", ", info.name);

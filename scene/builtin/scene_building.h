@@ -33,6 +33,8 @@ std::vector<Material> OneOfEachBsdf();
 // These scenes of builtin.h have files of their own.
 Scene GalleryScene();
 Scene MaterialsScene();
+Scene MeadowScene();
+Scene PlantScene();
 Scene RoomScene();
 
 }  // namespace skywave

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -16,10 +17,12 @@
 #include "base/files.h"
 #include "scene/gltf/animation.h"
 #include "scene/gltf/buffers.h"
+#include "scene/gltf/instances.h"
 #include "scene/gltf/lights.h"
 #include "scene/gltf/materials.h"
 #include "scene/gltf/meshes.h"
 #include "scene/gltf/names.h"
+#include "scene/instances.h"
 #include "scene/shapes/mesh.h"
 
 namespace skywave {
@@ -130,7 +133,7 @@ tinygltf::Model Load(const std::string& bytes, const std::string& path) {
         "KHR_texture_transform", "KHR_materials_ior",      "KHR_materials_transmission",
         "KHR_materials_unlit",   "KHR_mesh_quantization",  "KHR_materials_emissive_strength",
         "KHR_lights_punctual",   "KHR_materials_specular", "KHR_materials_clearcoat",
-        "KHR_materials_sheen",   "KHR_materials_volume"};
+        "KHR_materials_sheen",   "KHR_materials_volume",   "EXT_mesh_gpu_instancing"};
     if (std::find(std::begin(kKnown), std::end(kKnown), extension) == std::end(kKnown)) {
       FailGltf(path, fmt::format("needs the extension {}, which is not supported", extension));
     }
@@ -233,10 +236,73 @@ void AddCamera(const tinygltf::Model& model, std::size_t index, const glm::dmat4
       {NameOnce(node.name.empty() ? from.name : node.name, index, names), *camera});
 }
 
+// Adds the meshes of nodes to a scene. One that stands in it more than once becomes an object with
+// instances.
+class MeshAdder {
+ public:
+  MeshAdder(const tinygltf::Model& model, const GltfMaterials& materials, const std::string& path,
+            std::size_t max_triangles, Scene& scene, Warnings& warnings)
+      : model_(model),
+        materials_(materials),
+        path_(path),
+        max_triangles_(max_triangles),
+        scene_(scene),
+        warnings_(warnings),
+        places_(model.meshes.size()) {
+    for (const tinygltf::Node& node : model.nodes) {
+      if (node.mesh < 0 || std::size_t(node.mesh) >= places_.size()) continue;
+      places_[std::size_t(node.mesh)] += HasGltfInstances(node) ? 2 : 1;
+    }
+  }
+
+  void Add(const tinygltf::Node& node, const glm::dmat4& world) {
+    if (std::size_t(node.mesh) >= places_.size() || places_[std::size_t(node.mesh)] < 2) {
+      for (Mesh& mesh : Read(node.mesh)) {
+        TransformMesh(world, mesh);
+        scene_.meshes.push_back(std::move(mesh));
+      }
+      return;
+    }
+    const auto [object, is_new] =
+        objects_.try_emplace(node.mesh, std::uint32_t(scene_.objects.size()));
+    if (is_new) {
+      scene_.objects.push_back({.name = model_.meshes[std::size_t(node.mesh)].name, .meshes = {}});
+      scene_.objects.back().meshes = Read(node.mesh);
+    }
+    for (const glm::dmat4& local : GltfInstances(model_, node, path_)) {
+      scene_.instances.push_back({.object = object->second,
+                                  .world_from_object = glm::dmat4x3(world * local),
+                                  .meshes_before = std::uint32_t(scene_.meshes.size())});
+    }
+    if (scene_.instances.size() > kMaxInstances) {
+      FailGltf(path_, fmt::format("has more than {} instances", kMaxInstances));
+    }
+  }
+
+ private:
+  std::vector<Mesh> Read(int index) {
+    std::vector<Mesh> meshes = MakeGltfMeshes(model_, index, materials_, path_, warnings_);
+    for (const Mesh& mesh : meshes) triangles_ += mesh.triangles.size();
+    if (triangles_ > max_triangles_) {
+      FailGltf(path_, fmt::format("has more than {} triangles (`max-triangles`)", max_triangles_));
+    }
+    return meshes;
+  }
+
+  const tinygltf::Model& model_;
+  const GltfMaterials& materials_;
+  const std::string& path_;
+  std::size_t max_triangles_;
+  Scene& scene_;
+  Warnings& warnings_;
+  std::vector<std::size_t> places_;  // by mesh, how often it stands in the scene, at least
+  std::map<int, std::uint32_t> objects_;
+  std::size_t triangles_ = 0;
+};
+
 // Walks the trees below the roots; every node has at most one parent.
-void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials,
-              const std::vector<GltfPose>& poses, const std::string& path,
-              std::size_t max_triangles, Scene& scene, Warnings& warnings) {
+void AddNodes(const tinygltf::Model& model, const std::vector<GltfPose>& poses,
+              const std::string& path, MeshAdder& adder, Scene& scene, Warnings& warnings) {
   struct Visit {
     int node;
     glm::dmat4 parent;
@@ -246,7 +312,6 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials,
   std::reverse(open.begin(), open.end());
   std::vector<bool> seen(model.nodes.size());
   std::set<std::string> camera_names;
-  std::size_t triangles = 0;
   while (!open.empty()) {
     const Visit visit = open.back();
     open.pop_back();
@@ -262,17 +327,7 @@ void AddNodes(const tinygltf::Model& model, const GltfMaterials& materials,
     if (node.skin >= 0) {
       AddWarning(warnings, InputPosition::File(path), "skins are not supported: left at rest");
     }
-    if (node.mesh >= 0) {
-      for (Mesh& mesh : MakeGltfMeshes(model, node.mesh, materials, path, warnings)) {
-        triangles += mesh.triangles.size();
-        if (triangles > max_triangles) {
-          FailGltf(path,
-                   fmt::format("has more than {} triangles (--max-triangles)", max_triangles));
-        }
-        TransformMesh(world, mesh);
-        scene.meshes.push_back(std::move(mesh));
-      }
-    }
+    if (node.mesh >= 0) adder.Add(node, world);
     AddGltfLight(model, node, world, path, scene, warnings);
     if (node.camera >= 0) {
       AddCamera(model, std::size_t(visit.node), world, path, camera_names, scene, warnings);
@@ -291,7 +346,9 @@ Scene ParseGltf(const std::string& bytes, const std::string& path, const ReadOpt
   Warnings warnings{.entries = {}, .by_text = {}, .strict = options.strict};
   const GltfMaterials materials = AddGltfMaterials(model, path, scene, warnings);
   const std::vector<GltfPose> poses = PoseGltfNodes(model, options, path, warnings);
-  AddNodes(model, materials, poses, path, options.max_triangles, scene, warnings);
+  MeshAdder adder(model, materials, path, options.max_triangles, scene, warnings);
+  AddNodes(model, poses, path, adder, scene, warnings);
+  ResolveInstances(options, path, scene);
   scene.animations = ListGltfAnimations(model, path, warnings);
   if (!scene.animations.empty() && !options.frame) {
     AddNote(warnings, InputPosition::File(path),

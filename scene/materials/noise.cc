@@ -59,4 +59,25 @@ double FractalNoise(glm::dvec3 at, double roughness, int octaves) {
   return sum;
 }
 
+double TurbulentNoise(glm::dvec3 at, double roughness, int octaves) {
+  double sum = 0, strength = 1;
+  for (int i = 0; i < octaves; ++i) {
+    sum += strength * std::abs(GradientNoise(at));
+    at *= 1.99, strength *= roughness;
+  }
+  return sum + 0.2 * strength;
+}
+
+bool IsInDot(const glm::dvec2& at) {
+  constexpr double kRadius = 0.35;
+  const glm::dvec2 cell = glm::floor(at + 0.5);
+  const auto noise = [&](double s, double t) {
+    return GradientNoise({cell.x + s, cell.y + t, 0.5});
+  };
+  if (!(noise(0.5, 0.5) > 0)) return false;
+  const glm::dvec2 shift(noise(1.5, 2.8), noise(4.5, 9.8));
+  const glm::dvec2 away = at - (cell + (0.5 - kRadius) * shift);
+  return glm::dot(away, away) < kRadius * kRadius;
+}
+
 }  // namespace skywave

@@ -13,4 +13,12 @@ double GradientNoise(const glm::dvec3& at);
 // times as strong. The factor is not 2, so that their zeros do not coincide.
 double FractalNoise(glm::dvec3 at, double roughness, int octaves);
 
+// Returns the sum of the magnitudes of such noises, and 0.2 times the strength of one more, as pbrt
+// has it.
+double TurbulentNoise(glm::dvec3 at, double roughness, int octaves);
+
+// Returns whether (s, t) is in a dot: about half of the cells around whole numbers have one, of
+// radius 0.35, somewhere within the cell (pbrt).
+bool IsInDot(const glm::dvec2& at);
+
 }  // namespace skywave

@@ -28,8 +28,9 @@ int Wrap(int i, int size, TextureWrap wrap) {
   return wrap == TextureWrap::kRepeat ? ((i % size) + size) % size : std::clamp(i, 0, size - 1);
 }
 
-// Interpolates bilinearly between texel centres; `at` is in units of the image.
-glm::vec3 Lookup(const Image& image, const Texture& texture, const glm::dvec2& at) {
+}  // namespace
+
+glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at) {
   const double x = at.x * image.width - 0.5, y = at.y * image.height - 0.5;
   const double fx = x - std::floor(x), fy = y - std::floor(y);
   glm::dvec3 sum(0);
@@ -42,8 +43,6 @@ glm::vec3 Lookup(const Image& image, const Texture& texture, const glm::dvec2& a
   }
   return sum;
 }
-
-}  // namespace
 
 Image CheckerSelector() {
   Image image(2 * kCheckTexels, 2 * kCheckTexels);
@@ -88,7 +87,7 @@ std::optional<Texture> BakeTexture(std::span<const TextureOperand> operands,
         if (!texture) continue;
         const glm::dvec2 inside =
             alike ? at : glm::dvec2(glm::dmat3x2(texture->transform) * glm::dvec3(at, 1));
-        values[i] *= Lookup(scene.images[texture->image], *texture, inside);
+        values[i] *= LookUpImage(scene.images[texture->image], *texture, inside);
       }
       const glm::vec3 value = combine({values.data(), operands.size()});
       for (int c = 0; c < 3; ++c) baked.Pixel(x, y)[c] = value[c];

@@ -26,6 +26,10 @@ inline constexpr int kCheckTexels = 64;
 // t go from 0 to 2, t upwards.
 Image CheckerSelector();
 
+// Interpolates bilinearly between texel centres; `at` is in units of the image, wrapped as the
+// texture has it.
+glm::vec3 LookUpImage(const Image& image, const Texture& texture, const glm::dvec2& at);
+
 // Returns the texture of `combine`(values of the operands) for every (u, v), and adds its image to
 // the scene. At least one operand has a texture.
 //

@@ -112,11 +112,95 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   if (const auto power = Strength(parameters, "power")) {
     light.emission *= *power / SpotSolidAngle(light.cos_full, light.cos_dark);
   }
-  if (Stretches(glm::dmat3(reader.state.to_world))) {
-    AddWarning(
-        reader.warnings, parameters.position,
-        parameters.directive + ": its transform stretches the cone: rendered as a round one");
+  const glm::dmat3 linear(reader.state.to_world);
+  if (Stretches(linear)) {
+    // Directions are transformed to the light's space, where the cone is round.
+    const glm::dvec3 axis = glm::normalize(glm::inverse(linear) * (to - from));
+    const glm::dvec3 other = std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 across = glm::normalize(glm::cross(other, axis));
+    light.kind = LocalLightKind::kShaped;
+    light.form = LightForm{
+        .mapping = LightMapping::kCone,
+        .world_from_light = glm::mat3(linear * glm::dmat3(across, glm::cross(axis, across), axis))};
   }
+  reader.scene.lights.push_back(light);
+}
+
+// Returns the index of the image of a light, which names it as pbrt-v4 does.
+std::uint32_t FindLightImage(PbrtReader& reader, PbrtParameters& parameters) {
+  const std::string file = FindString(parameters, "filename").value();
+  return AddTextureImage(reader.texture_files, ResolvePbrtPath(reader, file, parameters.position),
+                         Encoding::kSrgb);
+}
+
+// Scales the emission to the power that the file asks for, if it does, of a light that sends out
+// `per_unit` with an emission of 1 [sr].
+void SetPower(PbrtParameters& parameters, double per_unit, PunctualLight& light) {
+  const auto power = Strength(parameters, "power");
+  if (!power || *power == 0) return;
+  if (!(per_unit > 0)) {
+    throw InputError(parameters.position,
+                     parameters.directive + ": a light with a power needs an image with light");
+  }
+  light.emission *= float(*power / per_unit);
+}
+
+// Reads a light whose directions have the factors of an equal-area square, y up.
+void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
+  PunctualLight light = {.kind = LocalLightKind::kShaped};
+  light.emission = Emission(reader, parameters, "I");
+  light.position = glm::vec3(reader.state.to_world[3]);
+  const Image& colors = reader.scene.images[FindLightImage(reader, parameters)];
+  if (colors.width != colors.height) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: its image of {} x {} is no equal-area square",
+                                 parameters.directive, colors.width, colors.height));
+  }
+  // The colours do not count, their means do.
+  Image image = colors;
+  double sum = 0;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    const float mean = (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3;
+    for (std::size_t c = 0; c < 3; ++c) image.rgb[i + c] = mean;
+    sum += double(mean);
+  }
+  SetPower(parameters, 4 * kPi * sum / (double(image.rgb.size()) / 3), light);
+  const glm::dmat3 linear(reader.state.to_world);
+  light.form = LightForm{.mapping = LightMapping::kSphere,
+                         .world_from_light = glm::mat3(linear[0], linear[2], linear[1]),
+                         .image = AddTextureImage(reader.scene, std::move(image))};
+  reader.scene.lights.push_back(light);
+}
+
+// Reads a light that projects an image along +z, its top towards +y, with `fov` along the shorter
+// side.
+void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
+  PunctualLight light = {.kind = LocalLightKind::kShaped};
+  light.emission = Emission(reader, parameters, "I");
+  light.position = glm::vec3(reader.state.to_world[3]);
+  const float fov = FindFloat(parameters, "fov").value_or(90);
+  if (!(fov > 0 && fov < 180)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: \"fov\" is {}", parameters.directive, fov));
+  }
+  const std::uint32_t index = FindLightImage(reader, parameters);
+  const Image& image = reader.scene.images[index];
+  const glm::dvec2 size(image.width, image.height);
+  const glm::dvec2 half = std::tan(glm::radians(double(fov)) / 2) * size / std::min(size.x, size.y);
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const glm::dvec2 at = (2.0 * (glm::dvec2(x, y) + 0.5) / size - 1.0) * half;
+      const float* const rgb =
+          &image.rgb[3 * (std::size_t(y) * std::size_t(image.width) + std::size_t(x))];
+      sum += double(Luminance(rgb)) * std::pow(1 + glm::dot(at, at), -1.5);
+    }
+  }
+  SetPower(parameters, 4 * half.x * half.y * sum / (size.x * size.y), light);
+  light.form = LightForm{.mapping = LightMapping::kPlane,
+                         .world_from_light = glm::mat3(reader.state.to_world),
+                         .image = index,
+                         .half_size = glm::vec2(half)};
   reader.scene.lights.push_back(light);
 }
 
@@ -236,6 +320,15 @@ void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken
     SpotLight(reader, parameters);
   } else if (type == "distant") {
     DistantLight(reader, parameters);
+  } else if (type == "goniometric" || type == "projection") {
+    // The images of pbrt-v3 have another name, and lie otherwise.
+    if (!Find(parameters, {"string"}, "filename")) {
+      AddWarning(reader.warnings, position,
+                 parameters.directive + " without a \"filename\" is not supported: left out");
+      return;
+    }
+    type == "projection" ? ProjectionLight(reader, parameters)
+                         : GoniometricLight(reader, parameters);
   } else {
     AddWarning(reader.warnings, position, parameters.directive + " is not supported: left out");
     return;

@@ -107,6 +107,18 @@ Material Matte(Context& context) {
   return material;
 }
 
+// Returns the largest value of each channel of a texture, or 1 without one.
+glm::vec3 Brightest(const Context& context, const std::optional<std::uint32_t>& texture) {
+  if (!texture) return glm::vec3(1);
+  const Scene& scene = context.reader.scene;
+  const Image& image = scene.images[scene.textures[*texture].image];
+  glm::vec3 most(0);
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    most[int(i % 3)] = std::max(most[int(i % 3)], image.rgb[i]);
+  }
+  return most;
+}
+
 Material DiffuseTransmission(Context& context) {
   const float scale = FindScalar(context, "scale").value_or(1);
   if (!(scale >= 0)) {
@@ -116,8 +128,19 @@ Material DiffuseTransmission(Context& context) {
   Material material;
   material.bsdf = BsdfKind::kDiffuseTransmission;
   SetReflectance(context, 0.25f, material, scale);
-  material.second_color = FractionOr(context, {"transmittance"}, glm::vec3(0.25f)) * scale;
-  const glm::vec3 sum = material.reflectance + material.second_color;
+  if (const auto image =
+          FindImageTexture(context.parameters, "transmittance", context.reader.color_textures)) {
+    const PbrtTexture fraction = ClampedPbrtTexture(
+        context.reader,
+        {.value = scale * glm::max(image->value.value_or(glm::vec3(1)), glm::vec3(0)),
+         .image = image->image});
+    material.second_color = *fraction.value;
+    material.second_color_texture = fraction.image;
+  } else {
+    material.second_color = FractionOr(context, {"transmittance"}, glm::vec3(0.25f)) * scale;
+  }
+  const glm::vec3 sum = material.reflectance * Brightest(context, material.color_texture) +
+                        material.second_color * Brightest(context, material.second_color_texture);
   const float largest = std::max({sum.x, sum.y, sum.z});
   if (largest > 1) {
     Warn(context, "reflectance and transmittance exceed 1 in sum: both are scaled down");
@@ -202,6 +225,8 @@ float AlphaFromRoughness(float roughness, bool remap, bool v4) {
 // coateddiffuse begin with "conductor." or "interface.".
 struct Widths {
   float along, across;
+  // A texture of both (Material::roughness_texture); the widths are 1 then.
+  std::optional<std::uint32_t> texture = std::nullopt;
   float mean() const { return std::sqrt(along * across); }
 };
 Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
@@ -215,6 +240,36 @@ Widths FindWidths(Context& context, const std::string& prefix, float fallback, b
   const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
   return {AlphaFromRoughness(u, remap, v4), AlphaFromRoughness(v, remap, v4)};
 }
+
+// Does so for materials whose roughness may have an image.
+Widths FindVariedWidths(Context& context, float fallback, bool v4) {
+  const auto image = [&](std::string_view name) {
+    return FindImageTexture(context.parameters, name, context.reader.float_textures);
+  };
+  const auto both = image("roughness"), u = image("uroughness"), v = image("vroughness");
+  if (!both && !u && !v) return FindWidths(context, "", fallback, v4);
+  const float constant = both ? fallback : FindScalar(context, "roughness").value_or(fallback);
+  const auto operand = [&](const std::optional<PbrtTexture>& own, std::string_view name) {
+    if (own) return *own;
+    if (const auto value = FindScalar(context, name))
+      return PbrtTexture{.value = glm::vec3(*value)};
+    return both ? *both : PbrtTexture{.value = glm::vec3(constant)};
+  };
+  const PbrtTexture along = operand(u, "uroughness"), across = operand(v, "vroughness");
+  if (along.image != across.image || along.value != across.value) {
+    Warn(context,
+         "anisotropic roughness by images is not supported: rendered with the geometric "
+         "mean");
+  }
+  const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
+  const auto texture =
+      PbrtAlphaTexture(context.reader, context.parameters, along, across,
+                       [&](float roughness) { return AlphaFromRoughness(roughness, remap, v4); });
+  if (texture) return {1, 1, texture};
+  const float alpha = AlphaFromRoughness(fallback, remap, v4);
+  return {alpha, alpha};
+}
+
 // Returns one width for materials without an anisotropic kernel.
 float OneWidth(Context& context, const Widths& widths) {
   if (widths.along != widths.across) {
@@ -225,7 +280,20 @@ float OneWidth(Context& context, const Widths& widths) {
   return widths.mean();
 }
 
+// Sets the index of a conductor, or the image of its reflectance; `prefix` begins the names of the
+// index in coated ones, which have no image.
 void SetIndex(Context& context, const std::string& prefix, Material& material) {
+  const auto image =
+      FindImageTexture(context.parameters, "reflectance", context.reader.color_textures);
+  if (image && prefix.empty()) {
+    const PbrtTexture fraction = ClampedPbrtTexture(
+        context.reader, {.value = glm::max(image->value.value_or(glm::vec3(1)), glm::vec3(0)),
+                         .image = image->image});
+    material.metal_of_color = true;
+    material.reflectance = *fraction.value;
+    material.color_texture = fraction.image;
+    return;
+  }
   if (const auto reflectance = FindFraction(context, "reflectance")) {
     const MetalIndex index = MetalOfReflectance(*reflectance);
     material.eta = index.eta;
@@ -245,9 +313,11 @@ Material Conductor(Context& context, bool v4) {
   material.bsdf = BsdfKind::kConductor;
   material.reflectance = glm::vec3(1);
   SetIndex(context, "", material);
-  const Widths widths = FindWidths(context, "", v4 ? 0.0f : 0.01f, v4);
+  const Widths widths = FindVariedWidths(context, v4 ? 0.0f : 0.01f, v4);
   material.alpha = widths.mean();
-  if (material.alpha < kSmoothWidth) {
+  material.roughness_texture = widths.texture;
+  // Mirrors have one index for all places; facets of the least width are nearly one.
+  if (material.alpha < kSmoothWidth && !material.metal_of_color) {
     material.bsdf = BsdfKind::kMirror;
   } else if (widths.along != widths.across) {
     material.bsdf = BsdfKind::kAnisotropicConductor;
@@ -355,13 +425,15 @@ Material Dielectric(Context& context, bool v4) {
   material.bsdf = BsdfKind::kDielectric;
   material.reflectance = glm::vec3(1);
   material.ior = DielectricIndex(context, {"eta", "index"});
-  const Widths widths = FindWidths(context, "", 0, v4);
+  const Widths widths = FindVariedWidths(context, 0, v4);
+  material.roughness_texture = widths.texture;
   // Without roughness, v3's polynomial would still give a width.
   const bool rough = std::any_of(context.parameters.list.begin(), context.parameters.list.end(),
                                  [](const auto& parameter) {
                                    return parameter.name.ends_with("roughness") &&
                                           !parameter.floats.empty() && parameter.floats[0] != 0;
-                                 });
+                                 }) ||
+                     widths.texture;
   // A rough surface between equal indices refracts nothing, so its facets are undetermined.
   if (rough && widths.mean() >= kSmoothWidth && std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;

@@ -21,7 +21,8 @@
 //   shinymetal, disney    Lambert, with a warning
 //   anything else         grey Lambert, with a warning
 //
-// A reflectance or Kd may be an image (textures.cc); other parameters are constant.
+// A reflectance, Kd or transmittance may be an image (textures.cc), and so may the roughness of
+// conductors and dielectrics; other parameters are constant.
 #pragma once
 
 #include <string>

@@ -262,6 +262,20 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     settings.filter = PixelFilter::kTriangle;
   } else if (type == "gaussian") {
     settings.filter = PixelFilter::kGaussian;
+  } else if (type == "mitchell") {
+    settings.filter = PixelFilter::kMitchell;
+    const auto is_third = [&](const char* name) {
+      return std::abs(FindFloat(parameters, name).value_or(1.0f / 3) - 1.0f / 3) < 1e-4f;
+    };
+    const bool b_fits = is_third("B"), c_fits = is_third("C");  // both are read
+    if (!b_fits || !c_fits) {
+      Warn(reader, parameters, "B and C other than 1/3 are not supported: 1/3 is used");
+    }
+  } else if (type == "sinc") {
+    settings.filter = PixelFilter::kSinc;
+    if (FindFloat(parameters, "tau").value_or(3) != 3) {
+      Warn(reader, parameters, "a tau other than 3 is not supported: 3 is used");
+    }
   } else {
     Warn(reader, parameters, "is not supported: the default filter is used");
     return;

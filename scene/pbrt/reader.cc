@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/gzip.h"
+#include "scene/instances.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -144,6 +145,7 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
     throw InputError(open.position, open.begin + " is never closed");
   }
   if (reader.film_gain != 1) ScaleLight(reader.film_gain, reader.scene);
+  ResolveInstances(options, path, reader.scene);
   reader.scene.warnings = WarningLines(reader.warnings);
   return std::move(reader.scene);
 }

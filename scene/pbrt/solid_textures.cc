@@ -30,6 +30,17 @@ glm::dmat4 TextureFromWorld(const PbrtReader& reader) {
   return glm::inverse(reader.state.to_world);
 }
 
+glm::dvec3 FindVector(PbrtParameters& parameters, std::string_view name,
+                      const glm::dvec3& otherwise) {
+  const PbrtParameter* found = Find(parameters, {"vector", "vector3"}, name);
+  if (!found) return otherwise;
+  if (found->floats.size() != 3) {
+    throw InputError(found->position,
+                     fmt::format("{}: \"{}\" takes one vector", parameters.directive, name));
+  }
+  return {found->floats[0], found->floats[1], found->floats[2]};
+}
+
 // Returns the colours "tex1" and "tex2", or nothing if one of them varies; `pair` has those that
 // the file does not give.
 struct Pair {
@@ -168,13 +179,7 @@ PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters
 
 PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
                              const PbrtTextures& same) {
-  glm::dvec3 direction(0, 1, 0);
-  if (const PbrtParameter* found = Find(parameters, {"vector", "vector3"}, "dir")) {
-    if (found->floats.size() != 3) {
-      throw InputError(found->position, parameters.directive + ": \"dir\" takes one vector");
-    }
-    direction = {found->floats[0], found->floats[1], found->floats[2]};
-  }
+  glm::dvec3 direction = FindVector(parameters, "dir", {0, 1, 0});
   direction = glm::normalize(glm::dmat3(reader.state.to_world) * direction);
   if (!std::isfinite(direction.x)) {
     throw InputError(parameters.position, parameters.directive + ": \"dir\" is no direction");
@@ -204,6 +209,39 @@ PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters) {
         const double along = (0.5 + 0.5 * std::sin(sheet)) * kCurves;
         const int curve = std::clamp(int(along), 0, kCurves - 1);
         return glm::vec3(1.5 * Bezier(kColors + curve, along - curve));
+      });
+}
+
+PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std::string& kind) {
+  const bool windy = kind == "windy", wrinkled = kind == "wrinkled";
+  int octaves = 8;
+  double roughness = 0.5;
+  if (!windy) {
+    octaves = std::clamp(FindInt(parameters, "octaves").value_or(octaves), 0, 32);
+    roughness = FindFloat(parameters, "roughness").value_or(0.5f);
+  }
+  return SolidTexture([=, to_texture = TextureFromWorld(reader)](const glm::dvec3& place,
+                                                                 const glm::dvec3&) {
+    const glm::dvec3 at(to_texture * glm::dvec4(place, 1));
+    if (wrinkled) return glm::vec3(float(TurbulentNoise(at, roughness, octaves)));
+    if (!windy) return glm::vec3(float(FractalNoise(at, roughness, octaves)));
+    // The wind is three octaves of a tenth of the frequency, and raises six of waves.
+    return glm::vec3(float(std::abs(FractalNoise(0.1 * at, 0.5, 3)) * FractalNoise(at, 0.5, 6)));
+  });
+}
+
+PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const PbrtTexture& texture) {
+  const glm::dvec3 along = FindVector(parameters, "v1", {1, 0, 0});
+  const glm::dvec3 across = FindVector(parameters, "v2", {0, 1, 0});
+  if (!texture.image) return texture;
+  const Texture source = reader.scene.textures[*texture.image];
+  const auto image = std::make_shared<const Image>(reader.scene.images[source.image]);
+  return SolidTexture(
+      [=, factor = texture.value.value_or(glm::vec3(1)), to_texture = TextureFromWorld(reader)](
+          const glm::dvec3& place, const glm::dvec3&) {
+        const glm::dvec3 at(to_texture * glm::dvec4(place, 1));
+        const glm::dvec3 uv(glm::dot(at, along), glm::dot(at, across), 1);
+        return factor * LookUpImage(*image, source, glm::dmat3x2(source.transform) * uv);
       });
 }
 

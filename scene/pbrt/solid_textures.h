@@ -6,13 +6,18 @@
 
 namespace skywave {
 
-// These read the classes checkerboard (dimension 3), directionmix and marble. The texture has no
-// value if an operand varies, with a warning.
+// These read the classes checkerboard (dimension 3), directionmix, marble, and noise: fbm, windy
+// and wrinkled. The texture has no value if an operand varies, with a warning.
 PbrtTexture ReadSolidCheckerboard(PbrtReader& reader, PbrtParameters& parameters,
                                   const PbrtTextures& same);
 PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
                              const PbrtTextures& same);
 PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters);
+PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std::string& kind);
+
+// Returns a texture over (u, v) laid over a plane of the space in which it is defined, by the
+// vectors "v1" and "v2"; one without an image stays as it is.
+PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const PbrtTexture& texture);
 
 // Returns the material of one shape, whose mesh is in the world: `material` with the image of
 // `solid` on it. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the

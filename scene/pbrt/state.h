@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
@@ -75,12 +76,12 @@ struct PbrtReader {
   std::uint32_t area_lights = 0;
   // The emitting copy of a material, by material and area light.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
-  std::map<std::string, std::vector<Mesh>> objects;
-  std::vector<Mesh>* object = nullptr;  // the one being defined
-  float film_gain = 1;                  // factor of all light, by the speed of the film
+  std::map<std::string, std::uint32_t> objects;  // index into Scene::objects, by name
+  bool in_object = false;                        // the last of Scene::objects is being defined
+  float film_gain = 1;                           // factor of all light, by the speed of the film
   bool in_world = false;
   bool ended = false;         // WorldEnd has been read
-  std::size_t triangles = 0;  // total of all meshes, objects included
+  std::size_t triangles = 0;  // total of all meshes, those of each object once
   int includes = 0;
   // Textures whose values are clamped, by texture and factor.
   std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> clamped_textures;
@@ -118,6 +119,13 @@ PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture);
 // Returns the index of a texture whose channels are all the mean of those of `texture`, between 0
 // and 1, or 1 less that if `inverted` (textures.cc).
 std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted);
+
+// Returns the index of a texture of Material::roughness_texture for facets of an alpha of 1: the
+// geometric mean of two alphas, which are `alpha_of` of the means of each texture's channels; or
+// nothing, with a warning, where the textures cannot be combined (textures.cc).
+std::optional<std::uint32_t> PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
+                                              const PbrtTexture& along, const PbrtTexture& across,
+                                              const std::function<float(float)>& alpha_of);
 
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);

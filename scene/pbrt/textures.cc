@@ -1,5 +1,5 @@
-// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), bilerp, and scale, mix and
-// checkerboard, which become images (texture_baking.h) unless all their operands are constant;
+// Reads pbrt's textures: constant, imagemap (8-bit, EXR, HDR or PFM), bilerp, dots, and scale, mix
+// and checkerboard, which become images (texture_baking.h) unless all their operands are constant;
 // those that vary in space are in solid_textures.h.
 // Others are known by name only: parameters that use them take their default, with a warning.
 #include <fmt/format.h>
@@ -10,12 +10,23 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "scene/materials/noise.h"
 #include "scene/materials/texture_baking.h"
 #include "scene/pbrt/solid_textures.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
 namespace {
+
+// Returns whether an operand of a texture has an image.
+bool HasImageOperand(PbrtParameters& parameters, const PbrtTextures& textures) {
+  return std::any_of(parameters.list.begin(), parameters.list.end(), [&](const auto& parameter) {
+    const auto found = parameter.type == "texture" && parameter.strings.size() == 1
+                           ? textures.find(parameter.strings[0])
+                           : textures.end();
+    return found != textures.end() && found->second.image;
+  });
+}
 
 PbrtTexture Constant(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
   const auto value = FindColor(parameters, "value", same, reader.warnings);
@@ -65,8 +76,8 @@ struct UvMapping {
   glm::vec2 scale, offset;
 };
 std::optional<UvMapping> MappingOf(PbrtReader& reader, PbrtParameters& parameters) {
-  if (const std::string mapping = FindString(parameters, "mapping").value_or("uv");
-      mapping != "uv") {
+  const std::string mapping = FindString(parameters, "mapping").value_or("uv");
+  if (mapping != "uv" && mapping != "planar") {
     Warn(reader, parameters,
          fmt::format("the mapping \"{}\" is not supported: its users take their default", mapping));
     return std::nullopt;
@@ -74,8 +85,9 @@ std::optional<UvMapping> MappingOf(PbrtReader& reader, PbrtParameters& parameter
   const auto number = [&](const char* name, float otherwise) {
     return FindFloat(parameters, name).value_or(otherwise);
   };
-  return UvMapping{{number("uscale", 1), number("vscale", 1)},
-                   {number("udelta", 0), number("vdelta", 0)}};
+  const glm::vec2 offset(number("udelta", 0), number("vdelta", 0));
+  if (mapping == "planar") return UvMapping{{1, 1}, offset};
+  return UvMapping{{number("uscale", 1), number("vscale", 1)}, offset};
 }
 
 PbrtTexture AddTexture(PbrtReader& reader, const Texture& texture, const glm::vec3& factor) {
@@ -201,6 +213,34 @@ PbrtTexture Checkerboard(PbrtReader& reader, PbrtParameters& parameters, const P
                  MixTexels);
 }
 
+// Returns an image over the unit square of (u, v), 1 in dots.
+Image DotSelector(const UvMapping& mapping) {
+  const auto side = [](float scale) {
+    return int(std::clamp(std::ceil(std::abs(scale)) * kCheckTexels, float(kCheckTexels),
+                          float(kMaxBakedSide)));
+  };
+  Image image(side(mapping.scale.x), side(mapping.scale.y));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const glm::dvec2 uv((x + 0.5) / image.width, 1 - (y + 0.5) / image.height);
+      const bool inside = IsInDot(uv * glm::dvec2(mapping.scale) + glm::dvec2(mapping.offset));
+      std::fill_n(image.Pixel(x, y), 3, inside ? 1.0f : 0.0f);
+    }
+  }
+  return image;
+}
+
+PbrtTexture Dots(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
+  const auto mapping = MappingOf(reader, parameters);
+  if (!mapping) return {};
+  Texture selector{.image = AddTextureImage(reader.scene, DotSelector(*mapping))};
+  selector.transform = UpwardTextureTransform({1, 1}, {0, 0});
+  const PbrtTexture inside = Operand(reader, parameters, same, "inside", 1),
+                    outside = Operand(reader, parameters, same, "outside", 0);
+  return Combine(reader, parameters, {outside, inside, AddTexture(reader, selector, glm::vec3(1))},
+                 MixTexels);
+}
+
 // The four colours are texels, and (u, v) from 0 to 1 goes from centre to centre. pbrt goes on in a
 // straight line beyond.
 PbrtTexture Bilerp(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& same) {
@@ -262,6 +302,20 @@ std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, b
   return *AddTexture(reader, copy, glm::vec3(1)).image;
 }
 
+std::optional<std::uint32_t> PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
+                                              const PbrtTexture& along, const PbrtTexture& across,
+                                              const std::function<float(float)>& alpha_of) {
+  const auto alpha = [&](const glm::vec3& value) {
+    return std::clamp(alpha_of(std::max((value.x + value.y + value.z) / 3, 0.0f)), 1e-3f, 1.0f);
+  };
+  return Combine(reader, parameters, {along, across},
+                 [&](std::span<const glm::vec3> values) {
+                   const float mean = std::sqrt(alpha(values[0]) * alpha(values[1]));
+                   return glm::vec3(std::sqrt(mean));
+                 })
+      .image;
+}
+
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string name = ExpectString(source, "the name of a texture");
@@ -274,6 +328,17 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
                                            parameters.directive, type));
   }
   PbrtTextures& textures = type == "float" ? reader.float_textures : reader.color_textures;
+  const PbrtParameter* const mapping = Find(parameters, {"string"}, "mapping");
+  const bool planar = mapping && mapping->strings == std::vector<std::string>{"planar"};
+  // Operands lie over (u, v), whatever the checks do.
+  if (planar && (type == "float" || HasImageOperand(parameters, textures))) {
+    textures[name] = {};
+    AddWarning(reader.warnings, position,
+               parameters.directive +
+                   ": the mapping \"planar\" is supported for colours alone, and "
+                   "not for textures of textures: its users take their default");
+    return;
+  }
   PbrtTexture texture;
   if (kind == "constant") {
     texture = Constant(reader, parameters, textures);
@@ -287,6 +352,10 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     texture = Checkerboard(reader, parameters, textures);
   } else if (kind == "bilerp") {
     texture = Bilerp(reader, parameters, textures);
+  } else if (kind == "dots" && !planar) {
+    texture = Dots(reader, parameters, textures);
+  } else if ((kind == "fbm" || kind == "windy" || kind == "wrinkled") && type != "float") {
+    texture = ReadNoise(reader, parameters, kind);
   } else if (kind == "directionmix") {
     texture = ReadDirectionMix(reader, parameters, textures);
   } else if (kind == "marble" && type != "float") {
@@ -297,7 +366,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
                parameters.directive + " is not supported: its users take their default");
     return;
   }
-  textures[name] = texture;
+  textures[name] = planar ? LayOnPlane(reader, parameters, texture) : texture;
   ReportUnused(parameters, reader.warnings);
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "kernels/bsdf/bsdf.h"
+#include "scene/instances.h"
 #include "scene/pbrt/materials.h"
 #include "scene/pbrt/reader.h"
 #include "scene/pbrt/shapes.h"
@@ -75,35 +76,38 @@ void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word)
 
 void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, "the name of an object");
-  if (reader.object) {
+  if (reader.in_object) {
     throw InputError(PositionOf(source, word), "ObjectBegin inside another object");
   }
-  const auto [object, is_new] = reader.objects.try_emplace(name);
-  if (!is_new) {
+  const auto index = std::uint32_t(reader.scene.objects.size());
+  if (!reader.objects.try_emplace(name, index).second) {
     throw InputError(PositionOf(source, word), fmt::format("a second object \"{}\"", name));
   }
   OpenScope(reader, source, word);
-  reader.object = &object->second;
+  reader.scene.objects.push_back({.name = name, .meshes = {}});
+  reader.in_object = true;
 }
 
 void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   reader.state = CloseScope(reader, source, word, "ObjectBegin");
-  reader.object = nullptr;
+  reader.in_object = false;
 }
 
-void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh,
-             std::vector<Mesh>& meshes) {
+// Adds a mesh to the object at hand, or to the world.
+void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh) {
   reader.triangles += mesh.triangles.size();
   if (reader.triangles > reader.options.max_triangles) {
-    throw InputError(position, fmt::format("the scene has more than {} triangles from here on; "
-                                           "instances count as copies (--max-triangles)",
-                                           reader.options.max_triangles));
+    throw InputError(position,
+                     fmt::format("the scene has more than {} triangles from here on (`max-"
+                                 "triangles`)",
+                                 reader.options.max_triangles));
   }
   const std::size_t bad = FirstNonFinite(mesh.positions);
   if (bad < mesh.positions.size()) {
     throw InputError(position, fmt::format("vertex {} is not finite after its transform", bad));
   }
-  meshes.push_back(std::move(mesh));
+  Scene& scene = reader.scene;
+  (reader.in_object ? scene.objects.back().meshes : scene.meshes).push_back(std::move(mesh));
 }
 
 void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -113,11 +117,14 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   if (object == reader.objects.end()) {
     throw InputError(position, fmt::format("there is no object \"{}\"", name));
   }
-  if (reader.object) throw InputError(position, "ObjectInstance inside an object");
-  for (Mesh mesh : object->second) {
-    TransformMesh(reader.state.to_world, mesh);
-    AddMesh(reader, position, std::move(mesh), reader.scene.meshes);
+  if (reader.in_object) throw InputError(position, "ObjectInstance inside an object");
+  const std::size_t most = reader.options.max_instances;
+  if (reader.scene.instances.size() == most) {
+    throw InputError(position, fmt::format("the scene has more than {} instances", most));
   }
+  reader.scene.instances.push_back({.object = object->second,
+                                    .world_from_object = glm::dmat4x3(reader.state.to_world),
+                                    .meshes_before = std::uint32_t(reader.scene.meshes.size())});
 }
 
 // Returns true if the material, or one that it is mixed of, depends on (u, v): it has a texture, or
@@ -170,7 +177,7 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   if (solid) material = MaterialWithSolid(reader, *solid, type, *material, position, *mesh);
   mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
-  AddMesh(reader, position, std::move(*mesh), reader.object ? *reader.object : reader.scene.meshes);
+  AddMesh(reader, position, std::move(*mesh));
 }
 
 std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& type,

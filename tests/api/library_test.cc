@@ -112,6 +112,34 @@ TEST_F(Library, WritesTheFilesOfTheCommandLine) {
   EXPECT_NE(renderer.Summary().find("Msamples/s"), std::string::npos);
 }
 
+TEST_F(Library, InstancesAreMovedCopies) {
+  Square square;
+  api::Scene copies, instances;
+  std::vector<float> moved = square.positions;
+  for (std::size_t i = 0; i < moved.size(); i += 3) moved[i] += 2, moved[i + 1] -= 0.5f;
+  api::MeshArrays second = square.mesh();
+  second.positions = moved;
+  copies.AddMesh(square.mesh());
+  copies.AddMesh(second);
+  const int object = instances.AddObject("square");
+  api::MeshArrays part = square.mesh();
+  part.object = object;
+  instances.AddMesh(part);
+  const float matrices[] = {1, 0, 0, 0, 0, 1, 0, 0,     0, 0, 1, 0,
+                            1, 0, 0, 2, 0, 1, 0, -0.5f, 0, 0, 1, 0};
+  instances.AddInstances(object, matrices);
+  EXPECT_EQ(instances.triangles(), square.triangles.size() / 3);
+  const auto picture = [&](api::Scene& scene) {
+    scene.AddDistantLight({0, 1, 0}, {1, 1, 1});
+    api::Renderer renderer(scene, kLookDown);
+    renderer.Render();
+    return Pixels(renderer);
+  };
+  EXPECT_TRUE(SameBits(picture(instances), picture(copies)));
+  EXPECT_THROW(instances.AddInstances(object + 1, matrices), api::Error);
+  EXPECT_THROW(instances.AddInstances(object, std::span(matrices).first(13)), api::Error);
+}
+
 TEST_F(Library, GivesTheLayersOfTheOptionAovs) {
   Square square;
   api::Scene scene;
@@ -406,7 +434,8 @@ TEST_F(Library, FramesAreThePicturesOfTheirPoses) {
 
 TEST_F(Library, ListsTheOptionsOfReading) {
   const std::vector<std::string> names = api::OptionsOfReading();
-  for (const char* const name : {"strict", "max-triangles", "frame", "fps", "animation"}) {
+  for (const char* const name :
+       {"strict", "max-triangles", "instances", "frame", "fps", "animation"}) {
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
   }
   EXPECT_EQ(std::count(names.begin(), names.end(), "spp"), 0);

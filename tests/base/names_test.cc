@@ -41,7 +41,7 @@ TYPED_TEST(Names, BelongToOneValueEach) {
 }
 
 TEST(NameChoices, AreListedInTheOrderOfTheTable) {
-  EXPECT_EQ(Choices<PixelFilter>(), "box|triangle|gaussian|blackman-harris");
+  EXPECT_EQ(Choices<PixelFilter>(), "box|triangle|gaussian|blackman-harris|mitchell|sinc");
 }
 
 }  // namespace

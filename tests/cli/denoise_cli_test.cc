@@ -91,6 +91,26 @@ TEST_F(DenoiseProgram, WhatCannotBeDenoisedIsRefused) {
                 kExitUsage, "halves");
 }
 
+// The picture of a film that forgets its rows has 12 bytes a pixel, 76 more for the layers of the
+// denoiser and 12 more for texture coordinates, whose film has 8 bytes a pixel from the start.
+TEST_F(DenoiseProgram, LayersThatNeedTooMuchMemoryAreRefused) {
+  struct Case {
+    const char *kib, *options;
+    int exit_code;
+  };
+  for (const Case& c :
+       {Case{"64", "", 0}, Case{"64", "--denoise", kExitBadInput}, Case{"368", "--denoise", 0},
+        Case{"112", "--aovs uv", kExitBadInput}, Case{"144", "--aovs uv", 0},
+        Case{"144", "--aovs uv --checkpoint 60", kExitBadInput}}) {
+    const Result result =
+        Shell(std::string("CUE_MEMORY=") + c.kib + " '" + ProgramPath() +
+              "' render spheres --size 64x64 --spp 8 --max-depth 2 -o a.exr " + c.options);
+    EXPECT_EQ(result.exit_code, c.exit_code) << c.kib << " " << c.options << "\n" << result.err;
+    const bool tells = result.err.find("CUE_MEMORY") != std::string::npos;
+    EXPECT_EQ(tells, c.exit_code != 0) << result.err;
+  }
+}
+
 // A film of too few samples for a denoiser keeps what it reads all the same.
 TEST_F(DenoiseProgram, ALookAtTooFewSamplesStaysNoisy) {
   const Result result =

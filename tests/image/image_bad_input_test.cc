@@ -8,6 +8,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <new>
 
@@ -111,6 +112,27 @@ TEST_F(BadInput, EveryFlippedBitIsSurvived) {
     }
   }
   EXPECT_GT(refused, 1000);
+}
+
+// A map of 2^31 texels, whose file has all the bytes that its header promises, in no memory.
+TEST_F(BadInput, MapsOfTooManyTexelsAreRefusedByTheirLimit) {
+  const std::string header = "PF\n65536 32768\n-1\n";
+  std::ofstream(Path("huge.pfm"), std::ios::binary) << header;
+  std::filesystem::resize_file(Path("huge.pfm"), header.size() + (std::uintmax_t{12} << 31));
+  largest_allocation = 0;
+  try {
+    ReadImage(Path("huge.pfm"));
+    ADD_FAILURE() << "not refused";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("larger than the limit of 8589934592 bytes"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_LT(largest_allocation, kSmall);
+  EXPECT_FALSE(Reads(header + "0123456789ab"));
+  EXPECT_NE(message().find("65536 x 32768 is over the limit of 32768 x 32768 and 268435456 pixels"),
+            std::string::npos)
+      << message();
 }
 
 TEST_F(BadInput, HugeSizesAreRefusedBeforeAnythingIsAllocated) {

@@ -277,6 +277,65 @@ TEST_F(Session, EndsByNoiseAfterTheSameSamplesWhoeverRenders) {
   EXPECT_EQ(Rendered(request, of_range).part.samples, (SampleRange{3, 20}));
 }
 
+// Rows of 600 pixels are longer than pages of memory.
+TEST_F(Session, ForgetsTheFilmOfRowsThatHaveBeenResolved) {
+  JobRequest request = SmallRequest(601, 61, 8);
+  request.max_depth = 1;
+  request.options.aovs = AllAovs();
+  request.options.wave = 64;
+  request.denoise = true;
+  request.crop = CropWindow{3, 1, 595, 59};
+  const RenderJob job = JobOf(request);
+  const PictureIdentity identity = IdentityOf(job);
+  const RenderedFilm kept = RunSession(job, identity, {});
+  ASSERT_TRUE(kept.has_film);
+  const Picture whole =
+      ResolvePicture(kept.film, kept.samples, request.options.aovs, identity, kept.part);
+
+  const auto render = [&](SessionRequest session, PictureRows& rows) {
+    session.on_rows = [&](const Film& film, const SampleCounts& samples, int first, int end) {
+      rows.Add(film, samples, first, end);
+    };
+    return RunSession(job, identity, session);
+  };
+  PictureRows rows(request.options.aovs, identity);
+  const RenderedFilm forgotten = render({}, rows);
+  EXPECT_FALSE(forgotten.has_film);
+  EXPECT_EQ(forgotten.noise, kept.noise);
+  EXPECT_TRUE(kept.noise.has_value());
+  const auto sums = forgotten.film.sums();
+  EXPECT_LT(std::count_if(sums.begin(), sums.end(), [](std::uint64_t sum) { return sum != 0; }),
+            std::ptrdiff_t(sums.size() / 10));
+  const Picture picture =
+      FinishPicture(rows.Take(), request.options.aovs, identity, forgotten.part);
+  EXPECT_EQ(picture.image.rgb, whole.image.rgb);
+  ASSERT_EQ(picture.layers.size(), whole.layers.size());
+  for (std::size_t i = 0; i < picture.layers.size(); ++i) {
+    EXPECT_EQ(picture.layers[i].name, whole.layers[i].name);
+    EXPECT_EQ(picture.layers[i].values, whole.layers[i].values) << picture.layers[i].name;
+  }
+
+  // A checkpoint needs the film.
+  PictureRows again(request.options.aovs, identity);
+  const RenderedFilm checked = render({.checkpoint = {.path = path()}}, again);
+  EXPECT_TRUE(checked.has_film);
+  EXPECT_EQ(again.Take().image.rgb, kept.film.Resolve(kept.samples).rgb);
+}
+
+// A look at a picture shows rows that the film has forgotten, too.
+TEST_F(Session, ResolvesTheOtherRowsOfAPictureFromTheFilm) {
+  const RenderJob job = JobOf(Request());
+  const PictureIdentity identity = IdentityOf(job);
+  RenderedFilm rendered = RunSession(job, identity, {});
+  const Image whole = rendered.film.Resolve(rendered.samples);
+  PictureRows rows(0, identity);
+  EXPECT_EQ(rows.With(rendered.film, rendered.samples).image.rgb, whole.rgb);
+  rows.Add(rendered.film, rendered.samples, 4, 9);
+  EXPECT_EQ(rows.With(Film(rendered.film.layout()), rendered.samples).image.Pixel(0, 4)[0],
+            whole.Pixel(0, 4)[0]);
+  EXPECT_EQ(rows.With(rendered.film, rendered.samples).image.rgb, whole.rgb);
+}
+
 TEST_F(Session, NoiseIsThatOfTheSamplesThemselves) {
   JobRequest request = Request();
   request.crop = CropWindow{3, 1, 21, 17};

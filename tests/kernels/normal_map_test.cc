@@ -69,7 +69,7 @@ struct Relief {
     s.ng_x[0] = ng.x, s.ng_y[0] = ng.y, s.ng_z[0] = ng.z;
     s.wo_x[0] = wo.x, s.wo_y[0] = wo.y, s.wo_z[0] = wo.z;
     s.u[0] = place.x, s.v[0] = place.y, s.t[0] = 1, s.triangle[0] = 0;
-    PrepareSurfaces(geometry.triangles(), geometry.materials().records, 1, s);
+    PrepareSurfaces(geometry.triangles(), geometry.materials().records, nullptr, 1, s);
     BendNormals(geometry.textures(), geometry.normal_maps(), 0, 1, s);
     return {s.ns_x[0], s.ns_y[0], s.ns_z[0]};
   }
@@ -206,7 +206,7 @@ TEST(NormalMaps, RowsWithoutOneAndBitsOfTargetsStay) {
       Put(ng, i, s.ng_x, s.ng_y, s.ng_z);
       Put(random.DirectionAbout(ng), i, s.wo_x, s.wo_y, s.wo_z);
     }
-    PrepareSurfaces(geometry.triangles(), geometry.materials().records, kFullWave, s);
+    PrepareSurfaces(geometry.triangles(), geometry.materials().records, nullptr, kFullWave, s);
     if (maps) BendNormals(geometry.textures(), geometry.normal_maps(), 0.01f, n, s);
     std::vector<float> values;
     for (std::uint32_t i = 0; i < kFullWave; ++i) {

@@ -53,7 +53,7 @@ struct Rows {
     }
   }
   void Prepare(std::uint32_t n) {
-    PrepareSurfaces(triangles.data(), materials.data(), n, surfaces);
+    PrepareSurfaces(triangles.data(), materials.data(), nullptr, n, surfaces);
   }
   soa::Table<SurfaceColumns> surfaces;
   std::vector<TriangleRecord> triangles;
@@ -246,7 +246,7 @@ TEST(Tangents, LieInTheSurface) {
   ForEachTarget([&] {
     for (const std::uint32_t n : {0u, 1u, 17u, kRows}) {
       std::fill_n(s.varying_0, kRows, 9.0f), std::fill_n(s.varying_1, kRows, 9.0f);
-      PrepareTangents(tangents.data(), n, surfaces);
+      PrepareTangents(tangents.data(), nullptr, n, surfaces);
       for (std::uint32_t i = 0; i < kRows; ++i) {
         if (i >= n) {
           ASSERT_EQ(s.varying_0[i] + s.varying_1[i], 18) << "row " << i << " of " << n;
@@ -266,7 +266,7 @@ TEST(Tangents, LieInTheSurface) {
   // A tangent along the normal has no such part, so the first axis of the frame is used.
   tangents[s.triangle[0]] = Encode(normals[0]);
   Put(Decode(tangents[s.triangle[0]]), 0, s.ns_x, s.ns_y, s.ns_z);
-  PrepareTangents(tangents.data(), 1, surfaces);
+  PrepareTangents(tangents.data(), nullptr, 1, surfaces);
   EXPECT_EQ(s.varying_0[0], 1);
   EXPECT_EQ(s.varying_1[0], 0);
 }

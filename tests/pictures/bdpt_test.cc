@@ -37,7 +37,8 @@ TEST_P(BdptLights, PicturesAreThoseOfPaths) {
 }
 INSTANTIATE_TEST_SUITE_P(Bdpt, BdptLights,
                          testing::Values(kEnvironment, kLamp, kBall, kPoint, kSpot, kDistant,
-                                         kEnvironment | kLamp, kEnvironment | kLocal),
+                                         kEnvironment | kLamp, kShaped,
+                                         kEnvironment | kLocal | kShaped),
                          [](const auto& test) { return "Lights" + std::to_string(test.param); });
 
 struct BsdfCase {

@@ -108,6 +108,12 @@ TEST(LightTracing, IsPathTracingUnderLamps) {
   }
 }
 
+TEST(LightTracing, IsPathTracingUnderShapedLights) {
+  Scene scene = Things();
+  scene.lights = ShapedLights(scene);
+  ExpectSame(scene, Request(4));
+}
+
 TEST(LightTracing, IsPathTracingUnderBoth) {
   Scene scene = Things();
   AddLocalLights(scene);

@@ -192,7 +192,15 @@ TEST(LocalLightIrradiance, TheEyeSeesALampsRadiance) {
   }
 }
 
-enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kEnvironment = 32 };
+enum Lights {
+  kLamp = 1,
+  kBall = 2,
+  kPoint = 4,
+  kSpot = 8,
+  kDistant = 16,
+  kEnvironment = 32,
+  kShaped = 64
+};
 
 // Matt, metal, mirror and glass objects under some lights, always with the same camera. All lamps
 // exist as surfaces, whether they emit or not.
@@ -213,6 +221,9 @@ Scene LitBalls(int lights) {
   }
   if (lights & kSpot) scene.lights.push_back(SlantingSpot());
   if (lights & kDistant) scene.lights.push_back(SlantingSun());
+  if (lights & kShaped) {
+    for (const PunctualLight& light : ShapedLights(scene)) scene.lights.push_back(light);
+  }
   if (lights & kEnvironment) SetLight(scene, SkyWithSun(32, 16, 3, 0.5));
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
   return scene;
@@ -244,7 +255,7 @@ TEST_P(LocalLightPictures, PathsAreTheOracles) {
 }
 INSTANTIATE_TEST_SUITE_P(Oracle, LocalLightPictures,
                          testing::Values(kLamp, kBall, kPoint | kEnvironment, kSpot, kDistant,
-                                         kLamp | kBall | kPoint | kSpot | kDistant,
+                                         kShaped, kLamp | kBall | kPoint | kSpot | kDistant,
                                          kLamp | kBall | kPoint | kSpot | kDistant | kEnvironment));
 
 TEST(LocalLightEstimators, EveryDepthIsTheOracles) {

@@ -60,7 +60,7 @@ TEST_P(VcmLights, PicturesAreThoseOfPaths) {
                           kRuns, kLevel));
 }
 INSTANTIATE_TEST_SUITE_P(Vcm, VcmLights,
-                         testing::Values(kEnvironment, kLamp, kPoint, kDistant,
+                         testing::Values(kEnvironment, kLamp, kPoint, kDistant, kShaped,
                                          kEnvironment | kLocal),
                          [](const auto& test) { return "Lights" + std::to_string(test.param); });
 

@@ -69,6 +69,21 @@ class BadInputTest(Case):
         self.refuse("^faces$", "row 4", add, VERTICES,
                     changed(FACES, (4, 2), 2**64 - 1, numpy.uint64))
 
+    def test_instances(self):
+        scene = skywave.Scene()
+        part = scene.add_object()
+        good = numpy.eye(4)[None]
+        scene.add_instances(part, good)
+        self.refuse("^object$", "none with number 3", scene.add_instances, 3, good)
+        self.refuse("^object$", "none with number -2", scene.add_mesh, VERTICES, FACES, object=-2)
+        self.refuse("^object$", "whole number", scene.add_instances, "o", good)
+        self.refuse("^matrices$", r"shape is \(4, 4\)", scene.add_instances, part, good[0])
+        self.refuse("^matrices$", r"shape is \(1, 4, 3\)", scene.add_instances, part, good[:, :, :3])
+        self.refuse("^matrices$", "last row", scene.add_instances, part, 2 * good)
+        self.refuse("^matrices$", "nan", scene.add_instances, part,
+                    changed(good, (0, 1, 2), NAN))
+        self.refuse("^name$", "str", scene.add_object, 7)
+
     def test_attributes_of_vertices(self):
         add = skywave.Scene().add_mesh
         for name, columns in (("normals", 3), ("uvs", 2), ("colors", 3)):

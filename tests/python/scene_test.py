@@ -35,6 +35,29 @@ class SceneTest(Case):
                       numpy.repeat(FACES, 2, axis=0)[::2]):
             self.assert_same_bits(render(skywave.Scene().add_mesh(VERTICES, faces)), expected)
 
+    def test_instances_are_moved_copies(self):
+        moved = numpy.eye(4, dtype=numpy.float32)
+        moved[:3, 3] = (0.5, 0.25, -1)
+        expected = render(skywave.Scene().add_mesh(VERTICES, FACES)
+                          .add_mesh(VERTICES + moved[:3, 3], FACES))
+        for matrices in (numpy.stack([numpy.eye(4), moved]),
+                         numpy.stack([numpy.eye(4), moved])[:, :3].astype(numpy.float64)):
+            scene = skywave.Scene()
+            part = scene.add_object("pyramid")
+            scene.add_mesh(VERTICES, FACES, object=part).add_instances(part, matrices)
+            self.assert_same_bits(render(scene), expected)
+
+    def test_many_instances_share_their_triangles(self):
+        scene = skywave.Scene()
+        part = scene.add_object()
+        scene.add_mesh(VERTICES, numpy.repeat(FACES, 1000, axis=0), object=part)
+        places = numpy.tile(numpy.eye(4, dtype=numpy.float32), (1000, 1, 1))
+        places[:, 0, 3] = numpy.arange(1000)
+        scene.add_instances(part, places)
+        picture = skywave.render(scene, env=sky(), eye=(0, 2, 6), target=(0, 0.5, 0), **SMALL)
+        self.assertLess(picture.statistics["scene"]["geometry_bytes"], 2_000_000)
+        self.assertGreater(picture.rgb.mean(), 0.01)
+
     def test_normals_and_uvs_are_those_of_a_file(self):
         normals = VERTICES / numpy.linalg.norm(VERTICES, axis=1, keepdims=True)
         normals = normals.astype(numpy.float32)

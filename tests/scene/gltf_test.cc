@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "base/files.h"
 #include "image/image.h"
 #include "scene/geometry.h"
+#include "tests/support/gltf_document.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {
@@ -102,6 +104,73 @@ class Gltf : public testing::Test {
 
 void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
   EXPECT_LT(glm::length(a - b), 1e-5) << a.x << " " << a.y << " " << a.z;
+}
+
+// Three nodes of a mesh, and two instances each in the last one.
+json DocumentOfInstances() {
+  GltfDocument document = TriangleDocument();
+  const int moves = document.Add<float>({0, 1, 0, 0, 2, 0}, "VEC3");
+  const int turns =
+      document.Add<float>({0, 0, 0, 1, 0, std::sqrt(0.5f), 0, std::sqrt(0.5f)}, "VEC4");
+  const int scales = document.Add<float>({1, 1, 1, 3, 1, 1}, "VEC3");
+  json whole = json::parse(document.text());
+  const int mesh = 0;
+  whole["nodes"] = {
+      {{"mesh", mesh}},
+      {{"mesh", mesh}, {"translation", {10, 0, 0}}},
+      {{"mesh", mesh},
+       {"translation", {0, 0, 7}},
+       {"extensions",
+        {{"EXT_mesh_gpu_instancing",
+          {{"attributes", {{"TRANSLATION", moves}, {"ROTATION", turns}, {"SCALE", scales}}}}}}}}};
+  whole["scenes"] = {{{"nodes", {0, 1, 2}}}};
+  whole["extensionsUsed"] = {"EXT_mesh_gpu_instancing"};
+  whole["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+  return whole;
+}
+
+TEST_F(Gltf, NodesThatShareAMeshAreInstances) {
+  const std::string path = folder_.Write("a.gltf", DocumentOfInstances().dump());
+  ReadOptions options;
+  options.instances = InstanceUse::kShare;
+  const Scene shared = ReadGltf(path, options);
+  EXPECT_EQ(shared.objects.size(), 1u);
+  ASSERT_EQ(shared.instances.size(), 4u);
+  // (1, 0, 0) of the mesh, by scale, turn and move of the instance and the move of the node.
+  const glm::dvec4 corner(1, 0, 0, 1);
+  ExpectNear(shared.instances[1].world_from_object * corner, {11, 0, 0});
+  ExpectNear(shared.instances[2].world_from_object * corner, {1, 1, 7});
+  ExpectNear(shared.instances[3].world_from_object * corner, {0, 2, 4});
+  const Scene copied = ReadGltf(path);
+  ASSERT_EQ(copied.meshes.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    ExpectNear(copied.meshes[i].positions[1], shared.instances[i].world_from_object * corner);
+  }
+}
+
+TEST_F(Gltf, InstancesOfAnExtensionAreChecked) {
+  const auto change = [&](const char* attribute, const json& value) {
+    json document = DocumentOfInstances();
+    document["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"][attribute] = value;
+    return ErrorOf(document);
+  };
+  EXPECT_EQ(ErrorOf(DocumentOfInstances()), "");
+  EXPECT_NE(change("SCALE", 0).find("of 2 and of 3"), std::string::npos);
+  EXPECT_NE(change("ROTATION", 1).find("has not 4 components"), std::string::npos);
+  EXPECT_NE(change("ROTATION", 99).find("99"), std::string::npos);
+  EXPECT_NE(change("TRANSLATION", "no").find("TRANSLATION is no accessor"), std::string::npos);
+  json document = DocumentOfInstances();
+  document["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"] = {{"attributes", 3}};
+  EXPECT_NE(ErrorOf(document).find("no attributes"), std::string::npos);
+  // A sparse accessor without a buffer view has as many zeros as it says.
+  document = DocumentOfInstances();
+  json& scales = document["accessors"].back();
+  scales["sparse"] = {{"count", 1},
+                      {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
+                      {"values", {{"bufferView", 0}}}};
+  scales.erase("bufferView");
+  scales["count"] = 1'000'000'000;
+  EXPECT_NE(ErrorOf(document).find("1000000000 elements"), std::string::npos) << ErrorOf(document);
 }
 
 TEST_F(Gltf, InstancesAreMovedByTheirNodes) {

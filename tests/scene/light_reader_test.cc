@@ -1,6 +1,7 @@
 // Tests local lights of scene files: how readers convert them, and what they refuse.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -12,6 +13,7 @@
 #include "scene/local_lights.h"
 #include "scene/obj/mtl.h"
 #include "scene/pbrt/reader.h"
+#include "tests/support/oracle_lights.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {
@@ -90,15 +92,106 @@ TEST(PbrtLights, FollowTheSpeedOfTheFilm) {
   EXPECT_THROW(ParsePbrt("Film \"rgb\" \"float iso\" 0", "t.pbrt"), InputError);
 }
 
-// A cone that its transform stretches is no cone of a circle any more.
-TEST(PbrtLights, StretchedSpotsAreNamed) {
+// Returns what a light sends from its position to a point of the world, over its emission.
+glm::dvec3 SentTo(const Scene& scene, const glm::dvec3& point) {
+  const PunctualLight& light = scene.lights.at(0);
+  return OracleLightFactor(light, scene.images, point - glm::dvec3(light.position));
+}
+
+// A cone that its transform stretches is no cone of a circle any more: below the light the ellipse
+// is 1 wide and 3 deep, in units of the round one.
+TEST(PbrtLights, StretchedSpots) {
   const std::string spot = "LightSource \"spot\" \"point3 from\" [0 4 0] \"point3 to\" [0 0 0]";
-  const auto warnings = [&](const std::string& transform) {
-    return ParsePbrt("WorldBegin\n" + transform + spot, "t.pbrt").warnings;
+  const Scene scene = Parse("Translate 1 0 0 Scale 1 1 3 " + spot);
+  EXPECT_TRUE(scene.warnings.empty());
+  const double rim = 4 * std::tan(kPi / 6), full = 4 * std::tan(25 * kPi / 180);
+  for (const auto& [x, z] : {std::pair{1.0, 0.0}, {0.0, 3.0}, {0.6, 0.8 * 3}}) {
+    EXPECT_EQ(SentTo(scene, {1 + 1.001 * rim * x, 0, 1.001 * rim * z}).x, 0) << x;
+    EXPECT_GT(SentTo(scene, {1 + 0.99 * rim * x, 0, 0.99 * rim * z}).x, 0) << x;
+    EXPECT_LT(SentTo(scene, {1 + 1.01 * full * x, 0, 1.01 * full * z}).x, 1) << x;
+    EXPECT_NEAR(SentTo(scene, {1 + 0.999 * full * x, 0, 0.999 * full * z}).x, 1, 1e-6) << x;
+  }
+  EXPECT_EQ(Parse("Rotate 30 1 2 3 Scale 3 3 -3 " + spot).lights.at(0).kind, LocalLightKind::kSpot);
+}
+
+// pbrt-v4 lays the square with its middle along y and its sides along x and z.
+TEST(PbrtLights, GoniometricOnes) {
+  const TemporaryFolder folder;
+  Image image(4, 4);
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      const float value[3] = {float(1 + x), float(1 + x), float(1 + x + 30 * y)};
+      std::copy_n(value, 3, image.Pixel(x, y));
+    }
+  }
+  WriteImage(folder.Path("image.pfm"), image);
+  const auto parse = [&](const std::string& more) {
+    return ParsePbrt(
+        "WorldBegin Translate 1 2 3 LightSource \"goniometric\" \"rgb I\" [1 2 3] "
+        "\"string filename\" \"image.pfm\" " +
+            more,
+        folder.Path("t.pbrt"));
   };
-  EXPECT_EQ(warnings("Scale 1 1 3 ").size(), 1u);
-  EXPECT_NE(warnings("Scale 1 1 3 ").at(0).find("t.pbrt:2: "), std::string::npos);
-  EXPECT_EQ(warnings("Rotate 30 1 2 3 Scale 3 3 -3 ").size(), 0u);
+  const Scene scene = parse("\"float scale\" 2");
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+  ExpectNear(scene.lights.at(0).emission, {2, 4, 6});
+  ExpectNear(scene.lights.at(0).position, {1, 2, 3});
+  // Texel (x, y) has the value 1 + x + 10 y in every channel. Up (y) is the middle of the square.
+  const auto value = [&](const glm::dvec3& to) {
+    const glm::dvec3 sent = SentTo(scene, to + glm::dvec3(1, 2, 3));
+    EXPECT_EQ(sent.x, sent.z);
+    return sent.x;
+  };
+  EXPECT_NEAR(value({0.1, 5, 0.1}), 1 + 2 + 20, 1e-5);
+  EXPECT_NEAR(value({-0.1, 5, -0.1}), 1 + 1 + 10, 1e-5);
+  EXPECT_NEAR(value({5, 0.1, 0.1}), 1 + 3 + 20, 1e-5);   // right of the middle
+  EXPECT_NEAR(value({-0.1, 0.1, 5}), 1 + 1 + 30, 1e-5);  // below the middle
+  EXPECT_NEAR(value({0.1, -5, 0.1}), 1 + 3 + 30, 1e-5);  // a corner
+  const Scene powerful = parse("\"float power\" 8");
+  ExpectNear(powerful.lights.at(0).emission,
+             glm::vec3(1, 2, 3) * float(8 / (4 * kPi * (2.5 + 15))));
+  WriteImage(folder.Path("image.pfm"), Image(4, 2));
+  EXPECT_THROW(parse(""), InputError);
+}
+
+// The image is upright for an eye behind the light, and `fov` is that of its shorter side.
+TEST(PbrtLights, Projections) {
+  const TemporaryFolder folder;
+  Image image(4, 2);
+  for (int i = 0; i < 8; ++i) {
+    const float value[3] = {float(1 + i), 0, float(i == 7)};
+    std::copy_n(value, 3, image.Pixel(i % 4, i / 4));
+  }
+  WriteImage(folder.Path("image.pfm"), image);
+  const auto parse = [&](const std::string& more) {
+    return ParsePbrt(
+        "WorldBegin Translate 1 0 0 LightSource \"projection\" \"string filename\" "
+        "\"image.pfm\" \"float fov\" 60 " +
+            more,
+        folder.Path("t.pbrt"));
+  };
+  const Scene scene = parse("\"float scale\" 2");
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
+  ExpectNear(scene.lights.at(0).emission, glm::vec3(2));
+  const double half = std::tan(kPi / 6);
+  const auto value = [&](double x, double y, double z) {
+    return SentTo(scene, {1 + x * 2 * half, y * half, z});
+  };
+  EXPECT_EQ(value(-0.9, 0.9, 1), glm::dvec3(1, 0, 0));
+  EXPECT_EQ(value(0.9, 0.9, 1), glm::dvec3(4, 0, 0));
+  EXPECT_EQ(value(0.98, -0.98, 1), glm::dvec3(8, 0, 1));
+  EXPECT_EQ(value(1.02, 0, 1), glm::dvec3(0));
+  EXPECT_EQ(value(0, -1.02, 1), glm::dvec3(0));
+  EXPECT_EQ(value(0.1, 0.1, -1), glm::dvec3(0));
+  // The power is that of pbrt-v4: a sum over texels of luminance by the cosine's third power.
+  double sum = 0;
+  for (int i = 0; i < 8; ++i) {
+    const double x = (i % 4 - 1.5) / 2 * 2 * half, y = (0.5 - i / 4) * half;
+    sum += (0.2125 * (1 + i) + 0.0721 * (i == 7)) * std::pow(1 + x * x + y * y, -1.5);
+  }
+  ExpectNear(parse("\"float power\" 8").lights.at(0).emission,
+             glm::vec3(float(8 / (sum * half * half))));
+  EXPECT_THROW(parse("\"float fov\" 180"), InputError);
 }
 
 TEST(PbrtLights, DistantOnes) {

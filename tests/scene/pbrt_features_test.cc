@@ -164,9 +164,13 @@ TEST_F(PbrtFeatures, AloneAndInPairsAreRendered) {
   for (const auto& scene : scenes) {
     const std::string text = SceneOf(scene);
     SCOPED_TRACE(text);
-    const Image image = Render(Parse(text));
-    EXPECT_TRUE(std::all_of(image.rgb.begin(), image.rgb.end(),
-                            [](float value) { return std::isfinite(value) && value >= 0; }));
+    const Scene parsed = Parse(text);
+    const Image image = Render(parsed);
+    // Beside bright pixels, filters with negative weights make negative ones.
+    const bool signs = parsed.settings.filter && HasSigns(*parsed.settings.filter);
+    EXPECT_TRUE(std::all_of(image.rgb.begin(), image.rgb.end(), [&](float value) {
+      return std::isfinite(value) && (signs || value >= 0);
+    }));
     EXPECT_TRUE(
         std::any_of(image.rgb.begin(), image.rgb.end(), [](float value) { return value > 0; }));
   }
@@ -289,16 +293,20 @@ TEST_F(MalformedPbrt, EndsWithItsPlaceAndExitCode65) {
   }
 }
 
-TEST_F(MalformedPbrt, InstancesAreCountedBeforeTheyAreCopied) {
+TEST_F(MalformedPbrt, CopiesOfInstancesAreBounded) {
   std::string text = "WorldBegin ObjectBegin \"o\" Shape \"sphere\" ObjectEnd\n";
   for (int i = 0; i < 10; ++i) text += "ObjectInstance \"o\"\n";
   Put("many.pbrt", text);
   EXPECT_EQ(Run("info many.pbrt").exit_code, 0);
-  const Result result = Run("info many.pbrt --max-triangles 100000");
+  const Result result = Run("info many.pbrt --instances copy --max-triangles 100000");
   EXPECT_EQ(result.exit_code, 65);
-  // The object itself and three copies have 81920 triangles.
-  EXPECT_NE(result.err.find("many.pbrt:5: "), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("--max-triangles"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("many.pbrt: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("max-triangles"), std::string::npos) << result.err;
+  // Shared, the object has 20480 triangles.
+  const Result shared = Run("info many.pbrt --max-triangles 100000");
+  EXPECT_EQ(shared.exit_code, 0) << shared.err;
+  EXPECT_NE(shared.out.find("10 of 1 objects"), std::string::npos) << shared.out;
+  EXPECT_EQ(Run("info many.pbrt --max-triangles 20000").exit_code, 65);
 }
 
 TEST_F(MalformedPbrt, StrictRefusesWhatEveryReaderReports) {
@@ -316,6 +324,27 @@ TEST_F(MalformedPbrt, StrictRefusesWhatEveryReaderReports) {
     EXPECT_EQ(Run(std::string("render --strict -o x.exr ") + name).exit_code, 65) << name;
   }
   EXPECT_EQ(Files().count("x.exr"), 0u);
+}
+
+TEST_F(MalformedPbrt, StrictRefusesAFilterThatLightPathsApproximate) {
+  Put("f.pbrt",
+      "Integrator \"bdpt\" PixelFilter \"mitchell\"\nWorldBegin Shape \"sphere\"\n"
+      "LightSource \"infinite\"\n");
+  const std::string render = "render f.pbrt --size 8x8 --spp 1 -o f.exr ";
+  const std::string note = "the filter mitchell has negative weights";
+  const Result loose = Run(render);
+  EXPECT_EQ(loose.exit_code, 0) << loose.err;
+  EXPECT_NE(loose.err.find("f.pbrt: " + note), std::string::npos) << loose.err;
+  const Result strict = Run(render + "--strict");
+  EXPECT_EQ(strict.exit_code, 65);
+  EXPECT_NE(strict.err.find("f.pbrt: " + note), std::string::npos) << strict.err;
+  EXPECT_NE(strict.err.find("refused by --strict"), std::string::npos) << strict.err;
+  // Whoever chooses another filter gets what they ask for.
+  for (const char* choice : {"--filter triangle", "--integrator path"}) {
+    const Result chosen = Run(render + "--strict " + choice);
+    EXPECT_EQ(chosen.exit_code, 0) << chosen.err;
+    EXPECT_EQ(chosen.err.find(note), std::string::npos) << chosen.err;
+  }
 }
 
 }  // namespace

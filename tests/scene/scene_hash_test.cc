@@ -53,6 +53,7 @@ TEST(SceneHash, StaysWhatItWas) {
   // These are younger than the hashes, and materials do not have them unless they are asked for.
   conductor.coat_thickness = 0;
   conductor.mixture_texture.reset();
+  conductor.second_color_texture.reset();
   EXPECT_EQ(HashOf(conductor), 0x3029de41f722c611u);
 }
 

@@ -475,6 +475,31 @@ TEST(Objects, InstancesAreTransformedCopies) {
   ExpectNear(GeometricNormal(scene.meshes[1]), {0, 0, 1});
 }
 
+TEST(Objects, InstancesShareTheirTriangles) {
+  const std::string text =
+      std::string("WorldBegin\nObjectBegin \"o\"\nTranslate 1 0 0\n") + kTriangle +
+      "ObjectEnd\nAttributeBegin Scale 2 3 4 ObjectInstance \"o\" AttributeEnd\n" + kTriangle +
+      "Translate 0 0 3 ObjectInstance \"o\"";
+  ReadOptions options;
+  options.instances = InstanceUse::kShare;
+  const Scene scene = ParsePbrt(text, "t.pbrt", options);
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(scene.objects[0].name, "o");
+  ASSERT_EQ(scene.objects[0].meshes.size(), 1u);
+  ExpectNear(scene.objects[0].meshes[0].positions[0], {1, 0, 0});
+  ASSERT_EQ(scene.instances.size(), 2u);
+  ExpectNear(scene.instances[0].world_from_object * glm::dvec4(1, 1, 1, 1), {2, 3, 4});
+  ExpectNear(scene.instances[1].world_from_object * glm::dvec4(1, 1, 1, 1), {1, 1, 4});
+  EXPECT_EQ(scene.meshes.size(), 1u);
+  options.max_instances = 1;
+  try {
+    ParsePbrt(text, "t.pbrt", options);
+    ADD_FAILURE() << "two instances are read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("more than 1 instances"), std::string::npos);
+  }
+}
+
 TEST(Shapes, SphereTriangleMeshAndSubdivision) {
   const Scene scene = Parse(
       "WorldBegin Translate 1 0 0 Shape \"sphere\" \"float radius\" 2\n"
@@ -565,27 +590,27 @@ TEST(Syntax, CommentsBracketsAndNumbers) {
 
 TEST(Warnings, SayWhereAndWhatIsDone) {
   const Scene scene = Parse(
-      "Film \"rgb\" \"string filename\" \"out.exr\"\n"                 // 1
-      "WorldBegin\n"                                                   // 2
-      "LightSource \"goniometric\" \"rgb I\" [1 1 1]\n"                // 3
-      "Material \"velvet\"\n"                                          // 4
-      "Shape \"cone\"\n"                                               // 5
-      "Shape \"sphere\"\n"                                             // 6
-      "  \"float bulge\" 2\n"                                          // 7
-      "Shape \"cone\"\n"                                               // 8
-      "Material \"dielectric\" \"float roughness\" 0.1\n"              // 9
-      "Texture \"wood\" \"spectrum\" \"fbm\" \"float roughness\" 1\n"  // 10
-      "Material \"matte\" \"texture Kd\" \"wood\"\n"                   // 11
-      "AreaLightSource \"laser\" \"rgb L\" [1 1 1]\n"                  // 12
-      "WorldEnd\n"                                                     // 13
-      "WorldBegin\n");                                                 // 14
+      "Film \"rgb\" \"string filename\" \"out.exr\"\n"              // 1
+      "WorldBegin\n"                                                // 2
+      "LightSource \"goniometric\" \"rgb I\" [1 1 1]\n"             // 3
+      "Material \"velvet\"\n"                                       // 4
+      "Shape \"cone\"\n"                                            // 5
+      "Shape \"sphere\"\n"                                          // 6
+      "  \"float bulge\" 2\n"                                       // 7
+      "Shape \"cone\"\n"                                            // 8
+      "Material \"dielectric\" \"float roughness\" 0.1\n"           // 9
+      "Texture \"wood\" \"spectrum\" \"ptex\" \"float gamma\" 1\n"  // 10
+      "Material \"matte\" \"texture Kd\" \"wood\"\n"                // 11
+      "AreaLightSource \"laser\" \"rgb L\" [1 1 1]\n"               // 12
+      "WorldEnd\n"                                                  // 13
+      "WorldBegin\n");                                              // 14
   const std::vector<std::string> expected = {
       "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is named on the command line",
-      "t.pbrt:3: LightSource \"goniometric\" is not supported: left out",
+      "t.pbrt:3: LightSource \"goniometric\" without a \"filename\" is not supported: left out",
       "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
       "t.pbrt:5: Shape \"cone\" is not supported: left out (2 times)",
       "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
-      "t.pbrt:10: Texture \"wood\" \"fbm\" is not supported: its users take their default",
+      "t.pbrt:10: Texture \"wood\" \"ptex\" is not supported: its users take their default",
       "t.pbrt:11: Material \"matte\": \"texture Kd\" (\"wood\") varies: the default is used",
       "t.pbrt:12: AreaLightSource \"laser\" is not supported: left out",
       "t.pbrt:14: everything after WorldEnd is ignored",
@@ -600,7 +625,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Sampler \"sobol\"",
                            "Integrator \"mlt\"",
                            "Integrator \"path\" \"bool regularize\" true",
-                           "PixelFilter \"mitchell\"",
+                           "PixelFilter \"mitchell\" \"float B\" 1",
                            "PixelFilter \"gaussian\" \"float sigma\" 1",
                            "Accelerator \"bvh\"",
                            "Film \"gbuffer\" \"float diagonal\" 35",

@@ -1,6 +1,7 @@
 // Tests textures in space: what is baked for a shape is what their formulas give there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -136,6 +137,107 @@ TEST(SolidTextures, MarbleFollowsItsCurve) {
     // Half a texel is 0.003 of y, over which the colour changes by at most 0.0045.
     ASSERT_NEAR(place.color.x, expected, 0.0055) << place.position.y;
   }
+}
+
+double Clamped(double x) { return std::clamp(x, 0.0, 1.0); }
+
+// Half a texel is 0.003 of a radius, over which noise of two octaves changes by less than 0.03.
+TEST(SolidTextures, NoiseIsInTheSpaceOfItsTexture) {
+  const auto places = [](const std::string& noise) {
+    const Scene scene =
+        Parse("AttributeBegin Translate .2 0 0 Scale .5 1 1 Texture \"n\" \"spectrum\" " + noise +
+              " AttributeEnd Material \"diffuse\" \"texture reflectance\" \"n\" "
+              "Shape \"sphere\"");
+    EXPECT_TRUE(scene.warnings.empty());
+    return Places(scene, 1);
+  };
+  const auto inside = [](const Place& place) {
+    return glm::dvec3((place.position - glm::vec3(.2f, 0, 0)) / glm::vec3(.5f, 1, 1));
+  };
+  double most = 0;
+  for (const Place& p : places("\"fbm\" \"integer octaves\" 2 \"float roughness\" .3")) {
+    const glm::dvec3 at = inside(p);
+    const double sum = GradientNoise(at) + 0.3 * GradientNoise(1.99 * at);
+    ASSERT_NEAR(p.color.x, Clamped(sum), 0.03);
+    most = std::max(most, sum);
+  }
+  EXPECT_GT(most, 0.4);
+  for (const Place& p : places("\"wrinkled\" \"integer octaves\" 2 \"float roughness\" .3")) {
+    const glm::dvec3 at = inside(p);
+    const double sum = std::abs(GradientNoise(at)) + 0.3 * std::abs(GradientNoise(1.99 * at));
+    ASSERT_NEAR(p.color.y, Clamped(sum + 0.2 * 0.09), 0.03);
+  }
+  for (const Place& p : places("\"windy\"")) {
+    const glm::dvec3 at = inside(p);
+    const double wind = std::abs(FractalNoise(0.1 * at, 0.5, 3));
+    ASSERT_NEAR(p.color.z, Clamped(wind * FractalNoise(at, 0.5, 6)), 0.03);
+  }
+}
+
+// The plane of the checks is spanned by two vectors of the texture's space, which is turned.
+TEST(SolidTextures, PlanarChecks) {
+  const Scene scene = Parse(
+      "AttributeBegin Rotate 90 0 0 1 Texture \"c\" \"spectrum\" \"checkerboard\" \"string "
+      "mapping\" \"planar\" \"vector3 v1\" [2 0 0] \"vector3 v2\" [0 1.5 1] \"float udelta\" .3 "
+      "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd Material \"diffuse\" \"texture "
+      "reflectance\" \"c\" Shape \"sphere\"");
+  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  int counted = 0, even_ones = 0;
+  for (const Place& place : Places(scene, 1)) {
+    // The turn takes x to y, and y to -x.
+    const glm::dvec3 p(place.position.y, -place.position.x, place.position.z);
+    const glm::dvec2 st(2 * p.x + 0.3, 1.5 * p.y + p.z);
+    const glm::dvec2 to_edge = glm::abs(st - glm::round(st));
+    if (std::min(to_edge.x, to_edge.y) < 0.05) continue;
+    const bool even = int(std::floor(st.x) + std::floor(st.y)) % 2 == 0;
+    const glm::vec3 expected = even ? glm::vec3(1, .5f, 0) : glm::vec3(0, 0, 1);
+    ASSERT_LT(glm::length(place.color - expected), 1e-3f) << st.x << " " << st.y;
+    ++counted, even_ones += even;
+  }
+  EXPECT_GT(counted, 1000);
+  EXPECT_GT(even_ones, counted / 4);
+  EXPECT_LT(even_ones, 3 * counted / 4);
+}
+
+// Dots are disks of radius 0.35, each within its cell around whole numbers.
+TEST(Dots, AreDisksInCells) {
+  constexpr int kCells = 24, kSteps = 40;
+  int dots = 0;
+  for (int cell = 0; cell < kCells * kCells; ++cell) {
+    const glm::dvec2 middle(cell % kCells - 7, cell / kCells - 9);
+    double inside = 0;
+    glm::dvec2 sum(0);
+    for (int i = 0; i < kSteps * kSteps; ++i) {
+      const glm::dvec2 at = (glm::dvec2(i % kSteps, i / kSteps) + 0.5) / double(kSteps) - 0.5;
+      if (!IsInDot(middle + at)) continue;
+      ++inside, sum += at;
+    }
+    if (inside == 0) continue;
+    ++dots;
+    ASSERT_NEAR(inside / (kSteps * kSteps), 3.14159265 * 0.35 * 0.35, 0.01);
+    const glm::dvec2 centre = sum / inside;
+    ASSERT_LE(std::max(std::abs(centre.x), std::abs(centre.y)), 0.15 + 1e-3);
+  }
+  EXPECT_GT(dots, kCells * kCells / 3);
+  EXPECT_LT(dots, 2 * kCells * kCells / 3);
+}
+
+TEST(Dots, LieOverTheUnitSquare) {
+  const Scene scene = Parse(
+      "Texture \"d\" \"spectrum\" \"dots\" \"float uscale\" 5 \"float vscale\" 8 \"float udelta\" "
+      "2 \"rgb inside\" [.9 .5 .1] \"rgb outside\" [.1 .2 .3] Material \"diffuse\" \"texture "
+      "reflectance\" \"d\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" "
+      "[0 0 1 0 0 1]");
+  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  int differ = 0, inside = 0;
+  const std::vector<Place> places = Places(scene, 4000);
+  for (const Place& place : places) {
+    const bool dot = IsInDot({place.position.x * 5 + 2, place.position.y * 8});
+    const glm::vec3 expected = dot ? glm::vec3(.9f, .5f, .1f) : glm::vec3(.1f, .2f, .3f);
+    inside += dot, differ += glm::length(place.color - expected) > 0.01f;
+  }
+  EXPECT_GT(inside, 400);
+  EXPECT_LT(differ, 100);  // at the rims of dots, a texel wide
 }
 
 TEST(SolidTextures, AreReportedWhereTheyCannotBe) {

@@ -70,8 +70,8 @@ TEST_F(PbrtTextureFiles, AreReadOnceAndWrappedAsTheySay) {
 TEST_F(PbrtTextureFiles, ThatAreNotUnderstoodAreNamed) {
   const std::string image = "\"imagemap\" \"string filename\" \"t.png\"";
   for (const std::string& texture :
-       {image + " \"string mapping\" \"planar\"", image + " \"string wrap\" \"black\"",
-        std::string("\"checkerboard\" \"integer dimension\" 4"), std::string("\"fbm\"")}) {
+       {image + " \"string mapping\" \"spherical\"", image + " \"string wrap\" \"black\"",
+        std::string("\"checkerboard\" \"integer dimension\" 4"), std::string("\"ptex\"")}) {
     const Scene scene =
         Read("Texture \"t\" \"spectrum\" " + texture, "Material \"matte\" \"texture Kd\" \"t\"");
     EXPECT_FALSE(scene.warnings.empty()) << texture;

@@ -26,6 +26,7 @@ inline Material MaterialOfAllParts(BsdfKind bsdf) {
           .absorption = {1, 2, 3},
           .color_texture = 1,
           .roughness_texture = 2,
+          .second_color_texture = 7,
           .opacity = 0.5f,
           .opacity_cutoff = 0.25f,
           .opacity_texture = 3,

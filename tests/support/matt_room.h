@@ -8,7 +8,15 @@
 namespace skywave {
 
 // The lights of a room; any combination is possible.
-enum Lights { kLamp = 1, kBall = 2, kPoint = 4, kSpot = 8, kDistant = 16, kEnvironment = 32 };
+enum Lights {
+  kLamp = 1,
+  kBall = 2,
+  kPoint = 4,
+  kSpot = 8,
+  kDistant = 16,
+  kEnvironment = 32,
+  kShaped = 64
+};
 inline constexpr int kLocal = kLamp | kBall | kPoint | kSpot | kDistant;
 
 // Adds a rectangle parallel to the floor that emits downwards.
@@ -45,6 +53,9 @@ inline Scene MattRoom(const Material& material, int lights) {
   if (lights & kPoint) scene.lights.push_back({.emission = {2, 2, 3}, .position = {-1.6f, 2, 1}});
   if (lights & kSpot) scene.lights.push_back(SlantingSpot());
   if (lights & kDistant) scene.lights.push_back(SlantingSun());
+  if (lights & kShaped) {
+    for (const PunctualLight& light : ShapedLights(scene)) scene.lights.push_back(light);
+  }
   // The map is constant because the eye sees a map interpolated while light paths do not
   // (design.md).
   if (lights & kEnvironment) SetConstantLight(scene, 0.5f);

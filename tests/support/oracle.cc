@@ -66,7 +66,7 @@ Oracle::Oracle(const Scene& scene, OracleLights lights)
                .index = i};
     if (material.emission != glm::vec3(0)) emitters.push_back(t.light);
   }
-  local_lights_ = OracleLocalLights(emitters, scene.lights);
+  local_lights_ = OracleLocalLights(emitters, scene.lights, scene.images);
   BuildEmbreeScene();
 }
 

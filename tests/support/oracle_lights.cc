@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <limits>
 
 namespace skywave {
@@ -10,19 +11,56 @@ namespace {
 using glm::dvec3;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPi = glm::pi<double>();
 
 double Area(const OracleLocalLights::Triangle& t) {
   return glm::length(glm::cross(t.corner[1] - t.corner[0], t.corner[2] - t.corner[0])) / 2;
 }
 
 double Falloff(const PunctualLight& light, double cosine) {
-  if (light.kind != LocalLightKind::kSpot) return 1;
   const double t =
       std::clamp((cosine - light.cos_dark) / (light.cos_full - light.cos_dark), 0.0, 1.0);
   return t * t * (3 - 2 * t);
 }
 
+// Returns the texel at (s, t) of the unit square, t downwards.
+dvec3 Texel(const Image& image, double s, double t) {
+  const auto at = [](double x, int count) {
+    return std::clamp(int(std::floor(x * count)), 0, count - 1);
+  };
+  const int place = 3 * (at(t, image.height) * image.width + at(s, image.width));
+  const float* const rgb = &image.rgb[std::size_t(place)];
+  return {rgb[0], rgb[1], rgb[2]};
+}
+
 }  // namespace
+
+dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<Image>& images,
+                        const dvec3& direction) {
+  if (light.kind == LocalLightKind::kPoint) return dvec3(1);
+  if (light.kind == LocalLightKind::kSpot) {
+    return dvec3(Falloff(light, glm::dot(glm::normalize(direction), dvec3(light.direction))));
+  }
+  const LightForm& form = light.form.value();
+  const dvec3 d = glm::normalize(glm::inverse(glm::dmat3(form.world_from_light)) * direction);
+  if (form.mapping == LightMapping::kCone) return dvec3(Falloff(light, d.z));
+  const Image& image = images.at(form.image.value());
+  if (form.mapping == LightMapping::kPlane) {
+    const double x = d.x / d.z / form.half_size.x, y = d.y / d.z / form.half_size.y;
+    if (d.z <= 0 || std::abs(x) > 1 || std::abs(y) > 1) return dvec3(0);
+    return Texel(image, (1 + x) / 2, (1 - y) / 2);
+  }
+  // The upper hemisphere fills the diamond in the middle of the square; each quadrant of the lower
+  // one is folded outwards.
+  const double r = std::sqrt(1 - std::abs(d.z));
+  const double share = std::atan2(std::abs(d.y), std::abs(d.x)) / (kPi / 2);
+  double a = r * (1 - share), b = r * share;
+  if (d.z < 0) {
+    const double inner = a;
+    a = 1 - b, b = 1 - inner;
+  }
+  return Texel(image, (1 + std::copysign(a, d.x)) / 2, (1 + std::copysign(b, d.y)) / 2);
+}
 
 std::optional<OracleLocalLights::LightSample> OracleLocalLights::Sample(
     const dvec3& point, OracleRandom& random) const {
@@ -37,8 +75,8 @@ std::optional<OracleLocalLights::LightSample> OracleLocalLights::Sample(
     const dvec3 offset = dvec3(light.position) - point;
     const double distance = glm::length(offset);
     const dvec3 direction = offset / distance;
-    const double falloff = Falloff(light, -glm::dot(direction, dvec3(light.direction)));
-    return LightSample{direction, emission * falloff / (distance * distance), 0, distance};
+    const dvec3 factor = OracleLightFactor(light, images_, -direction);
+    return LightSample{direction, emission * factor / (distance * distance), 0, distance};
   }
   const Triangle& triangle = triangles_[index];
   // The point is uniform in the parallelogram, folded over its diagonal.

@@ -11,6 +11,11 @@
 
 namespace skywave {
 
+// Returns what a point, a spot or a shaped light sends into a direction of the world (any length),
+// over its emission.
+glm::dvec3 OracleLightFactor(const PunctualLight& light, const std::vector<Image>& images,
+                             const glm::dvec3& direction);
+
 class OracleLocalLights {
  public:
   struct Triangle {
@@ -21,8 +26,9 @@ class OracleLocalLights {
   };
 
   OracleLocalLights() = default;
-  OracleLocalLights(std::vector<Triangle> triangles, std::vector<PunctualLight> lights)
-      : triangles_(std::move(triangles)), lights_(std::move(lights)) {}
+  OracleLocalLights(std::vector<Triangle> triangles, std::vector<PunctualLight> lights,
+                    std::vector<Image> images)
+      : triangles_(std::move(triangles)), lights_(std::move(lights)), images_(std::move(images)) {}
   bool empty() const { return triangles_.empty() && lights_.empty(); }
 
   // A light seen from `point`. A light without extent has pdf 0, and its radiance is its
@@ -44,6 +50,7 @@ class OracleLocalLights {
  private:
   std::vector<Triangle> triangles_;
   std::vector<PunctualLight> lights_;
+  std::vector<Image> images_;
 };
 
 }  // namespace skywave

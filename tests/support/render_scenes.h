@@ -83,6 +83,35 @@ inline PunctualLight SlantingSpot() {
           .cos_full = 0.97f,
           .cos_dark = 0.85f};
 }
+// Returns lights with a shape: a stretched spot, an image on the sphere around a point and a
+// projected image, whose images are added to the scene. Few texels shine, some are black.
+inline std::vector<PunctualLight> ShapedLights(Scene& scene) {
+  Image square(4, 4), picture(6, 3);
+  for (int i = 0; i < 48; ++i) square.rgb[std::size_t(i)] = float(i / 3 * 7 % 5) * 0.5f;
+  for (int i = 0; i < 54; ++i) picture.rgb[std::size_t(i)] = float(i * 5 % 7 % 4);
+  scene.images.push_back(square);
+  scene.images.push_back(picture);
+  const auto index = std::uint32_t(scene.images.size());
+  // The columns are the axes of the light; the second one is longer and no axis is at right angles.
+  const glm::mat3 sheared = glm::mat3(1, 0.1f, 0.2f, 0.3f, 0.4f, 2, 0.4f, -1, 0);
+  PunctualLight spot = {.kind = LocalLightKind::kShaped, .emission = {9, 5, 4}};
+  spot.position = {-0.6f, 2.8f, 0.6f};
+  spot.cos_full = 0.97f, spot.cos_dark = 0.85f;
+  spot.form = LightForm{.mapping = LightMapping::kCone, .world_from_light = sheared};
+  PunctualLight sphere = {.kind = LocalLightKind::kShaped, .emission = {1, 2, 3}};
+  sphere.position = {-1.6f, 2.1f, 1.1f};
+  sphere.form = LightForm{.mapping = LightMapping::kSphere,
+                          .world_from_light = 3.0f * glm::mat3(0, 0, -1, 0, 1, 0, 1, 0, 0),
+                          .image = index - 2};
+  PunctualLight plane = {.kind = LocalLightKind::kShaped, .emission = {3, 2, 2}};
+  plane.position = {1.7f, 2.2f, 1.5f};
+  plane.form = LightForm{
+      .mapping = LightMapping::kPlane,
+      .world_from_light = glm::mat3(0.7f, 0, -0.7f, -0.5f, 1.5f, -0.4f, -0.9f, -0.8f, -0.8f),
+      .image = index - 1,
+      .half_size = {0.8f, 0.4f}};
+  return {spot, sphere, plane};
+}
 inline PunctualLight SlantingSun() {
   return {.kind = LocalLightKind::kDistant,
           .emission = {0.5f, 0.4f, 0.3f},

@@ -187,7 +187,7 @@ TEST(Adaptive, EndsAtTheErrorThatWasAskedFor) {
     EXPECT_EQ(rendered.frame.ended_blocks, 1);
     EXPECT_GT(rendered.frame.mean_samples_per_pixel, before);
     before = rendered.frame.mean_samples_per_pixel;
-    EXPECT_LT(*NoiseOf(rendered), 2 * error);
+    EXPECT_LT(*rendered.noise, 2 * error);
   }
 }
 

@@ -68,7 +68,11 @@ AovFilm::AovFilm(AovSet aovs, std::size_t pixels, float world_extent,
     HitLayer layer = {.aov = &aov, .unit = RangeEnd(aov.range, world_extent) / kRangeUnits};
     const std::size_t values = pixels * aov.channels.size();
     if (aov.sum == AovSum::kMeanOfHits) layer.sums.resize(values);
-    if (aov.sum == AovSum::kNearestHit) layer.values.resize(values, aov.background);
+    if (aov.sum == AovSum::kNearestHit) {
+      layer.values.resize(values);
+      // Zeros are there already.
+      if (aov.background != 0) std::fill(layer.values.begin(), layer.values.end(), aov.background);
+    }
     layers_.push_back(std::move(layer));
   }
   if (ReadsHits(aovs)) hits_.resize(pixels);
@@ -175,28 +179,33 @@ double AovFilm::VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t sampl
   return Variance(squares_[i], Magnitude(sum, has_signs_), samples);
 }
 
-std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted, const FilmArea& area,
-                                           const std::vector<std::uint64_t>& radiance,
-                                           const FilmScale& scale,
-                                           const SampleCounts& samples) const {
+std::vector<NamedChannel> AovFilm::Channels(AovSet wanted, std::size_t pixels) const {
+  std::vector<NamedChannel> channels;
+  ForEachChannel(wanted, light_groups_.size(),
+                 [&](const Aov& aov, std::size_t group, std::size_t c) {
+                   const bool split = aov.sum == AovSum::kLightGroups;
+                   const std::string layer =
+                       std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
+                   channels.push_back({layer + "." + aov.channels[c], std::vector<float>(pixels)});
+                 });
+  return channels;
+}
+
+void AovFilm::Resolve(AovSet wanted, const FilmArea& area, int first, int end,
+                      std::span<const std::uint64_t> radiance, const FilmScale& scale,
+                      const SampleCounts& samples, std::vector<NamedChannel>& channels) const {
   const double unit = 1 / scale.units;
-  const auto layer_of = [&](const Aov& aov) {
-    return std::find_if(layers_.begin(), layers_.end(),
-                        [&](const HitLayer& layer) { return layer.aov == &aov; });
-  };
   // Value i of a layer is channel i % channels of pixel i / channels.
-  const auto value = [&](const Aov& aov, std::size_t group, std::size_t pixel,
-                         std::size_t i) -> double {
+  const auto value = [&](const Aov& aov, const HitLayer* layer, std::size_t group,
+                         std::size_t pixel, std::size_t i) -> double {
     const double n = double(std::max<std::uint64_t>(samples[pixel], 1));
     const double unit_of_mean = unit / n;
     switch (aov.sum) {
-      case AovSum::kMeanOfHits: {
-        const HitLayer& layer = *layer_of(aov);
+      case AovSum::kMeanOfHits:
         if (hits_[pixel] == 0) return aov.background;
-        return double(layer.sums[i]) * layer.unit / hits_[pixel];
-      }
+        return double(layer->sums[i]) * layer->unit / hits_[pixel];
       case AovSum::kNearestHit:
-        return double(layer_of(aov)->values[i]);
+        return double(layer->values[i]);
       case AovSum::kCoverage:
         return hits_[pixel] / n;
       case AovSum::kSampleCount:
@@ -223,36 +232,29 @@ std::vector<NamedChannel> AovFilm::Resolve(AovSet wanted, const FilmArea& area,
     return 0;
   };
   struct Source {
-    const Aov* aov;
+    const Aov& aov;
+    const HitLayer* layer;
     std::size_t group, channel;
   };
   std::vector<Source> sources;
-  std::vector<NamedChannel> resolved;
-  const auto pixels = std::size_t(area.picture.width) * std::size_t(area.picture.height);
-  for (std::size_t k = 0; k < Aovs().size(); ++k) {
-    if ((wanted >> k & 1) == 0) continue;
-    const Aov& aov = Aovs()[k];
-    const bool split = aov.sum == AovSum::kLightGroups;
-    for (std::size_t group = 0; group < (split ? light_groups_.size() : 1); ++group) {
-      const std::string layer =
-          std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
-      for (std::size_t c = 0; c < aov.channels.size(); ++c) {
-        sources.push_back({&aov, group, c});
-        resolved.push_back({layer + "." + aov.channels[c], std::vector<float>(pixels)});
-      }
-    }
-  }
-  ResolveRows(area, [&](std::size_t to, std::size_t from, std::size_t n) {
+  ForEachChannel(
+      wanted, light_groups_.size(), [&](const Aov& aov, std::size_t group, std::size_t c) {
+        const auto layer =
+            std::find_if(layers_.begin(), layers_.end(),
+                         [&](const HitLayer& candidate) { return candidate.aov == &aov; });
+        sources.push_back({aov, layer != layers_.end() ? &*layer : nullptr, group, c});
+      });
+  ResolveRows(area, first, end, [&](std::size_t to, std::size_t from, std::size_t n) {
     for (std::size_t k = 0; k < sources.size(); ++k) {
-      const auto& [aov, group, channel] = sources[k];
-      const std::size_t channels = aov->channels.size();
+      const Source& source = sources[k];
+      const std::size_t per_pixel = source.aov.channels.size();
       for (std::size_t i = 0; i < n; ++i) {
         const std::size_t pixel = from + i;
-        resolved[k].values[to + i] = ToFloat(value(*aov, group, pixel, pixel * channels + channel));
+        channels[k].values[to + i] = ToFloat(value(source.aov, source.layer, source.group, pixel,
+                                                   pixel * per_pixel + source.channel));
       }
     }
   });
-  return resolved;
 }
 
 }  // namespace skywave

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "kernels/columns.h"
 #include "wavefront/film/aovs.h"
 #include "wavefront/film/film_column.h"
+#include "wavefront/film/film_memory.h"
 #include "wavefront/film/light_groups.h"
 
 namespace skywave {
@@ -42,7 +44,7 @@ class AovFilm {
   void AddToGroups(const PathColumns& paths, const std::uint32_t* rows, std::uint32_t n,
                    const FilmScale& scale, const GroupColumns& given);
 
-  const std::vector<std::uint64_t>& light_group_sums() const { return lit_; }
+  std::span<const std::uint64_t> light_group_sums() const { return lit_; }
 
   // Calls f(values_of, column) for each FilmColumn: values_of(film) are its values in a film like
   // this one. The keys of the nearest samples come last.
@@ -54,7 +56,9 @@ class AovFilm {
           [k](auto& film) -> auto& { return film.layers_[k].sums; }, FilmColumn{channels});
       f(
           [k](auto& film) -> auto& { return film.layers_[k].values; },
-          FilmColumn{.per_pixel = channels, .of_nearest = true});
+          FilmColumn{.per_pixel = channels,
+                     .of_nearest = true,
+                     .starts_filled = layers_[k].aov->background != 0});
     }
     f(
         [](auto& film) -> auto& { return film.hits_; }, FilmColumn{});
@@ -71,27 +75,31 @@ class AovFilm {
     f(
         [](auto& film) -> auto& { return film.lit_; }, FilmColumn{3, light_groups_.size()});
     f(
-        [](auto& film) -> auto& { return film.nearest_; }, FilmColumn{.of_nearest = true});
+        [](auto& film) -> auto& { return film.nearest_; },
+        FilmColumn{.of_nearest = true, .starts_filled = true});
   }
   // Returns the variance of a sample [1 / scale.units^2] in value `i`, channel i % 3 of pixel i /
   // 3, whose `samples` samples have this sum. The layer variance is kept.
   double VarianceOf(std::size_t i, std::uint64_t sum, std::uint64_t samples) const;
   // Returns the keys of the nearest samples, by pixel; empty where no layer asks for them.
-  const std::vector<std::uint64_t>& nearest() const { return nearest_; }
+  std::span<const std::uint64_t> nearest() const { return nearest_; }
 
-  // Returns one entry per channel of every layer of `wanted`, which are kept, with the pixels of
-  // the picture of `area`. `radiance` holds the film's own sums, three per pixel [1 / scale.units].
-  std::vector<NamedChannel> Resolve(AovSet wanted, const FilmArea& area,
-                                    const std::vector<std::uint64_t>& radiance,
-                                    const FilmScale& scale, const SampleCounts& samples) const;
+  // Returns one entry per channel of every layer of `wanted`, which are kept, with room for so many
+  // pixels.
+  std::vector<NamedChannel> Channels(AovSet wanted, std::size_t pixels) const;
+  // Writes rows [first, end) of the picture of `area` to those channels, which are of the whole
+  // picture. `radiance` holds the film's own sums, three per pixel [1 / scale.units].
+  void Resolve(AovSet wanted, const FilmArea& area, int first, int end,
+               std::span<const std::uint64_t> radiance, const FilmScale& scale,
+               const SampleCounts& samples, std::vector<NamedChannel>& channels) const;
 
  private:
   // A layer of first hits has its values at [pixel * channels + channel] of `sums` or `values`.
   struct HitLayer {
     const Aov* aov;
-    double unit = 0;                 // unit of the sums
-    std::vector<std::int64_t> sums;  // kMeanOfHits
-    std::vector<float> values;       // kNearestHit
+    double unit = 0;                // unit of the sums
+    FilmValues<std::int64_t> sums;  // kMeanOfHits
+    FilmValues<float> values;       // kNearestHit
   };
   // Returns true if a sample with this key is nearer to the centre than all before, and makes it
   // the nearest.
@@ -101,15 +109,15 @@ class AovFilm {
   std::size_t pixels_;
   bool has_signs_;
   std::vector<HitLayer> layers_;
-  std::vector<std::uint32_t> hits_;     // samples that hit something, by pixel
-  std::vector<std::uint64_t> nearest_;  // key of the sample nearest to the centre, by pixel
-  std::vector<Uint128> squares_;        // squares of radiance, three per pixel [1 / scale.units^2]
-  std::vector<std::uint32_t> half_samples_;  // in second halves, by pixel
-  std::vector<std::uint64_t> half_;          // their sums, three per pixel [1 / scale.units]
-  std::vector<Uint128> half_squares_;        // their squares, likewise
-  std::vector<std::uint64_t> direct_;        // three per pixel [1 / scale.units]
+  FilmValues<std::uint32_t> hits_;     // samples that hit something, by pixel
+  FilmValues<std::uint64_t> nearest_;  // key of the sample nearest to the centre, by pixel
+  FilmValues<Uint128> squares_;        // squares of radiance, three per pixel [1 / scale.units^2]
+  FilmValues<std::uint32_t> half_samples_;  // in second halves, by pixel
+  FilmValues<std::uint64_t> half_;          // their sums, three per pixel [1 / scale.units]
+  FilmValues<Uint128> half_squares_;        // their squares, likewise
+  FilmValues<std::uint64_t> direct_;        // three per pixel [1 / scale.units]
   std::vector<std::string> light_groups_;
-  std::vector<std::uint64_t> lit_;  // three per pixel and group, group by group [1 / scale.units]
+  FilmValues<std::uint64_t> lit_;  // three per pixel and group, group by group [1 / scale.units]
 };
 
 }  // namespace skywave

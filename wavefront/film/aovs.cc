@@ -153,6 +153,12 @@ std::string ToString(AovSet aovs) {
   return text;
 }
 
+std::size_t ChannelCount(AovSet aovs, std::size_t light_groups) {
+  std::size_t channels = 0;
+  ForEachChannel(aovs, light_groups, [&](const Aov&, std::size_t, std::size_t) { ++channels; });
+  return channels;
+}
+
 bool Sums(AovSet aovs, AovSum sum) {
   return Any(aovs, [&](const Aov& aov) { return aov.sum == sum; });
 }

@@ -3,6 +3,7 @@
 // EXR has its name.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -67,6 +68,21 @@ AovSet AllAovs();
 std::optional<AovSet> ParseAovs(std::string_view names);
 // Returns the names, separated by commas.
 std::string ToString(AovSet aovs);
+// Calls f(aov, group, channel) for each channel of the layers `aovs`, in their order. The layer of
+// light groups is there once for each of `light_groups` groups; the others have group 0.
+template <class F>
+void ForEachChannel(AovSet aovs, std::size_t light_groups, F f) {
+  for (std::size_t k = 0; k < Aovs().size(); ++k) {
+    if ((aovs >> k & 1) == 0) continue;
+    const Aov& aov = Aovs()[k];
+    const std::size_t groups = aov.sum == AovSum::kLightGroups ? light_groups : 1;
+    for (std::size_t group = 0; group < groups; ++group) {
+      for (std::size_t c = 0; c < aov.channels.size(); ++c) f(aov, group, c);
+    }
+  }
+}
+// Returns how many channels these layers have.
+std::size_t ChannelCount(AovSet aovs, std::size_t light_groups);
 // True if any line of `aovs` sums like that.
 bool Sums(AovSet aovs, AovSum sum);
 // True if any line needs texture coordinates in scenes without textures.

@@ -44,6 +44,18 @@ void Film::ForEachColumn(F f) const {
   });
 }
 
+PixelBytes Film::BytesOfPixel(FilmLayout layout) {
+  layout.area = {1, 1, {0, 0, 1, 1}};
+  const Film pixel(std::move(layout));
+  PixelBytes bytes;
+  pixel.ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    const std::size_t of_column = column.planes * column.per_pixel * sizeof(values_of(pixel)[0]);
+    bytes.kept += of_column;
+    if (column.starts_filled) bytes.at_first += of_column;
+  });
+  return bytes;
+}
+
 double Film::sample_units() const { return layout_.has_signs ? kSignedSampleUnits : kSampleUnits; }
 
 FilmScale Film::scale() const {
@@ -138,11 +150,7 @@ Film Film::Cut(const CropWindow& window) const {
 
 std::size_t Film::packed_bytes() const {
   const CropWindow& picture = layout_.area.picture;
-  std::size_t bytes = 0;
-  ForEachColumn([&](auto values_of, const FilmColumn& column) {
-    bytes += column.planes * column.per_pixel * sizeof(values_of(*this)[0]);
-  });
-  return bytes * std::size_t(picture.width) * std::size_t(picture.height);
+  return BytesOfPixel(layout_).kept * std::size_t(picture.width) * std::size_t(picture.height);
 }
 
 template <class Self, class F>
@@ -161,12 +169,16 @@ void Film::ForEachPictureRow(Self& self, F f) {
   });
 }
 
+void Film::PackPicture(const std::function<void(std::string_view row)>& take) const {
+  ForEachPictureRow(*this, [&](const void* row, std::size_t size) {
+    take({static_cast<const char*>(row), size});
+  });
+}
+
 std::string Film::PackPicture() const {
   std::string bytes;
   bytes.reserve(packed_bytes());
-  ForEachPictureRow(*this, [&](const void* row, std::size_t size) {
-    bytes.append(static_cast<const char*>(row), size);
-  });
+  PackPicture([&](std::string_view row) { bytes += row; });
   return bytes;
 }
 
@@ -180,7 +192,38 @@ void Film::UnpackPicture(std::string_view bytes) {
 
 std::vector<NamedChannel> Film::ResolveAovs(const SampleCounts& samples, AovSet wanted) const {
   if (!aovs_) return {};
-  return aovs_->Resolve(wanted, layout_.area, sums_, scale(), samples);
+  const FilmArea& area = layout_.area;
+  auto channels =
+      aovs_->Channels(wanted, std::size_t(area.picture.width) * std::size_t(area.picture.height));
+  aovs_->Resolve(wanted, area, 0, area.picture.height, sums_, scale(), samples, channels);
+  return channels;
+}
+
+LayeredImage Film::EmptyPicture(AovSet wanted) const {
+  const CropWindow& picture = layout_.area.picture;
+  LayeredImage empty = {Image(picture.width, picture.height), {}};
+  if (aovs_) empty.layers = aovs_->Channels(wanted, empty.image.rgb.size() / 3);
+  return empty;
+}
+
+void Film::ResolveRows(const SampleCounts& samples, AovSet wanted, int first, int end,
+                       LayeredImage& picture) const {
+  ResolveImage(samples, first, end, picture.image);
+  if (!aovs_) return;
+  aovs_->Resolve(wanted, layout_.area, first, end, sums_, scale(), samples, picture.layers);
+}
+
+void Film::Forget(int first, int end) {
+  const std::size_t pixels = sums_.size() / 3;
+  const std::size_t width = std::size_t(layout_.area.width);
+  ForEachColumn([&](auto values_of, const FilmColumn& column) {
+    auto& values = values_of(*this);
+    for (std::size_t plane = 0; plane < column.planes; ++plane) {
+      const std::size_t before = plane * pixels + std::size_t(first) * width;
+      GiveBack(std::span(&values[before * column.per_pixel],
+                         std::size_t(end - first) * width * column.per_pixel));
+    }
+  });
 }
 
 std::span<const std::uint64_t> Film::light_group_sums() const {
@@ -204,25 +247,48 @@ NoiseSums Film::SumNoise(const CropWindow& window, const SampleCounts& samples) 
   return sums;
 }
 
-double Film::Noise(const SampleCounts& samples) const {
-  const NoiseSums sums = SumNoise(layout_.area.picture, samples);
+std::vector<NoiseSums> Film::NoiseOfRows(const SampleCounts& samples, int first, int end) const {
+  const CropWindow& picture = layout_.area.picture;
+  std::vector<NoiseSums> rows;
+  for (int y = first; y < end; ++y) {
+    rows.push_back(SumNoise({picture.x, picture.y + y, picture.width, 1}, samples));
+  }
+  return rows;
+}
+
+double Film::Noise(std::span<const NoiseSums> rows) {
+  NoiseSums sums;
+  for (const NoiseSums& row : rows) {
+    sums.variance_of_mean += row.variance_of_mean;
+    sums.mean += row.mean;
+    sums.values += row.values;
+  }
   if (!(sums.mean > 0)) return 0;
   return std::sqrt(sums.variance_of_mean / sums.values) / (sums.mean / sums.values);
 }
 
+double Film::Noise(const SampleCounts& samples) const {
+  return Noise(NoiseOfRows(samples, 0, layout_.area.picture.height));
+}
+
 Image Film::Resolve(const SampleCounts& samples) const {
-  const FilmArea& area = layout_.area;
-  Image image(area.picture.width, area.picture.height);
-  ResolveRows(area, [&](std::size_t to, std::size_t from, std::size_t n) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const double count = double(std::max<std::uint64_t>(samples[from + i], 1));
-      const double scale = unit_ / count;
-      for (std::size_t c = 0; c < 3; ++c) {
-        image.rgb[(to + i) * 3 + c] = float(value((from + i) * 3 + c) * scale);
-      }
-    }
-  });
+  const CropWindow& picture = layout_.area.picture;
+  Image image(picture.width, picture.height);
+  ResolveImage(samples, 0, picture.height, image);
   return image;
+}
+
+void Film::ResolveImage(const SampleCounts& samples, int first, int end, Image& image) const {
+  skywave::ResolveRows(
+      layout_.area, first, end, [&](std::size_t to, std::size_t from, std::size_t n) {
+        for (std::size_t i = 0; i < n; ++i) {
+          const double count = double(std::max<std::uint64_t>(samples[from + i], 1));
+          const double scale = unit_ / count;
+          for (std::size_t c = 0; c < 3; ++c) {
+            image.rgb[(to + i) * 3 + c] = float(value((from + i) * 3 + c) * scale);
+          }
+        }
+      });
 }
 
 }  // namespace skywave

@@ -6,9 +6,10 @@
 // brightest texel or more; brighter samples are clamped and counted. A sum saturates at 2^64 units,
 // which stays order-free because nothing is ever subtracted.
 //
-// With a control variate (kernels/lights/irradiance.h) samples may be negative. Then sums are
-// signed numbers in two's complement, a sample holds 2^42 units, and they do not saturate: that
-// would take 2^27 samples as bright as the brightest texel.
+// Samples may be negative with a control variate (kernels/lights/irradiance.h) and with a pixel
+// filter that has negative weights. Then sums are signed numbers in two's complement, a sample
+// holds 2^42 units, and they do not saturate: that would take 2^27 samples as bright as the
+// brightest texel.
 //
 // Splats, the contributions of light paths to pixels of their choice, go to the same sums in the
 // same unit: a splat is divided by the number of light paths per sample of every pixel, so that a
@@ -17,6 +18,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +31,7 @@
 #include "wavefront/film/aov_film.h"
 #include "wavefront/film/film_area.h"
 #include "wavefront/film/film_column.h"
+#include "wavefront/film/film_memory.h"
 #include "wavefront/stats.h"
 
 namespace skywave {
@@ -42,6 +45,12 @@ struct FilmLayout {
   bool shared = false;                         // gets splats
   std::vector<std::string> light_groups = {};  // see AovFilm
   bool has_signs = false;                      // samples may be negative
+};
+
+// The memory of a pixel of a film [bytes].
+struct PixelBytes {
+  std::size_t kept = 0;      // of all its sums
+  std::size_t at_first = 0;  // of those that are in use before the first sample
 };
 
 // Sums over pixels and channels, from which noise is estimated [units, squared].
@@ -65,6 +74,8 @@ class Film {
               shared}) {}
 
   const FilmLayout& layout() const { return layout_; }
+  // Returns the memory of a pixel of such a film, which need not be made for that.
+  static PixelBytes BytesOfPixel(FilmLayout layout);
 
   // Adds the radiance of paths [0, n) to their pixels. Two threads must not add to the same pixel,
   // unless the film is shared. Samples brighter than the range are clamped; NaN and, without signs,
@@ -97,8 +108,9 @@ class Film {
   // Returns a film of the pixels `window` of this film, which is all picture.
   Film Cut(const CropWindow& window) const;
 
-  // Returns all sums of the picture's pixels as bytes, column by column and row by row, and puts
-  // them back into a film of the same layout. The rim of the film is left out.
+  // Hands on all sums of the picture's pixels as bytes, column by column and row by row, returns
+  // them, or puts them back into a film of the same layout. The rim of the film is left out.
+  void PackPicture(const std::function<void(std::string_view row)>& take) const;
   std::string PackPicture() const;
   std::size_t packed_bytes() const;  // of PackPicture
   void UnpackPicture(std::string_view bytes);
@@ -109,6 +121,10 @@ class Film {
   // Returns the noise of the picture: the root of the mean variance of its pixels and channels over
   // its mean.
   double Noise(const SampleCounts& samples) const;
+  // Returns the sums of each of the rows [first, end) of the picture, and the noise of all of them
+  // together.
+  std::vector<NoiseSums> NoiseOfRows(const SampleCounts& samples, int first, int end) const;
+  static double Noise(std::span<const NoiseSums> rows);
 
   // Returns the picture: the mean of the samples of every pixel.
   Image Resolve(const SampleCounts& samples) const;
@@ -117,6 +133,13 @@ class Film {
   std::vector<NamedChannel> ResolveAovs(const SampleCounts& samples) const {
     return ResolveAovs(samples, layout_.aovs);
   }
+  // Does both for rows [first, end) of a picture that EmptyPicture has made.
+  LayeredImage EmptyPicture(AovSet wanted) const;
+  void ResolveRows(const SampleCounts& samples, AovSet wanted, int first, int end,
+                   LayeredImage& picture) const;
+  // Gives back the memory of rows [first, end) of the film, which then hold nothing to be read. No
+  // other thread may use them.
+  void Forget(int first, int end);
 
   // Returns the sums as they are kept, three per pixel of the film [units].
   std::span<const std::uint64_t> sums() const { return sums_; }
@@ -137,11 +160,12 @@ class Film {
   // Calls f(values, bytes) for each row of the picture in each column of `self`.
   template <class Self, class F>
   static void ForEachPictureRow(Self& self, F f);
+  void ResolveImage(const SampleCounts& samples, int first, int end, Image& image) const;
   void AddWindow(const Film& other, const CropWindow& window, int x, int y);
 
   FilmLayout layout_;
-  double unit_;                      // [scene radiance]
-  std::vector<std::uint64_t> sums_;  // [units], three per pixel
+  double unit_;                     // [scene radiance]
+  FilmValues<std::uint64_t> sums_;  // [units], three per pixel
   std::optional<AovFilm> aovs_;
 };
 

@@ -85,7 +85,7 @@ void RenderBdptWave(const FrameView& frame, const WaveRange& range, Worker& w, F
     n = ScatterSubpaths(frame, kCameraEnd, b.at, first_kind, bounce, *next, b.eye, w, clock);
     std::swap(rays, next);
   }
-  FinishWave(range.count, bounce, w, film, clock);
+  FinishWave(frame, range.count, bounce, w, film, clock);
 }
 
 void AddConnectionTables(const RenderOptions& options, Worker& worker) {

@@ -31,7 +31,7 @@ void RenderDirectWave(const FrameView& frame, const WaveRange& range, Worker& w,
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     std::swap(rays, next);
   }
-  FinishWave(range.count, bounce, w, film, clock);
+  FinishWave(frame, range.count, bounce, w, film, clock);
 }
 
 }  // namespace

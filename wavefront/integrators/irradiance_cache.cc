@@ -41,7 +41,7 @@ void RenderCachedWave(const FrameView& frame, const WaveRange& range, Worker& w,
     if (ended > 0) IntersectLights(frame, w.irradiance->ended, ended, bounce + 1, w, clock);
     std::swap(rays, next);
   }
-  FinishWave(range.count, bounce, w, film, clock);
+  FinishWave(frame, range.count, bounce, w, film, clock);
 }
 
 void AddTables(const RenderOptions& options, Worker& worker) {

@@ -36,7 +36,7 @@ void RenderLightWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   } else {
     IntersectLights(frame, *rays, range.count, 0, w, clock);
   }
-  FinishWave(range.count, 0, w, film, clock);
+  FinishWave(frame, range.count, 0, w, film, clock);
   if (frame.options.max_depth == 0) return;
 
   StartLightPaths(frame.options, FirstLightPath(frame, range), range.count, w.paths);

@@ -41,7 +41,7 @@ void RenderPathWave(const FrameView& frame, const WaveRange& range, Worker& w, F
   clock.Lap(Stage::kGenerate);
   const std::uint32_t end =
       FollowPaths(frame, FromOwnSurfaces(frame, w), range.count, 0, w, &film, clock);
-  FinishWave(range.count, end, w, film, clock);
+  FinishWave(frame, range.count, end, w, film, clock);
 }
 
 namespace {

@@ -100,7 +100,7 @@ void RenderSplitWave(const FrameView& frame, const WaveRange& range, Worker& w, 
   const PathColumns& indirect = c.wave.paths;
   AddMeans({indirect.r, indirect.g, indirect.b}, range.count, frame.options.split, w.paths);
   w.stats += std::exchange(c.wave.stats, {});
-  FinishPaths(range.count, w, film, clock);
+  FinishPaths(frame, range.count, w, film, clock);
 }
 
 }  // namespace skywave

@@ -37,7 +37,7 @@ void RenderVplWave(const FrameView& frame, const WaveRange& range, Worker& w, Fi
     delta_rays = w.ranges.total() > w.ranges.light_sampled();
     std::swap(rays, next);
   }
-  FinishWave(range.count, bounce, w, film, clock);
+  FinishWave(frame, range.count, bounce, w, film, clock);
 }
 
 void AddTables(const RenderOptions& options, Worker& worker) {

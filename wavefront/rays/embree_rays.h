@@ -56,7 +56,7 @@ inline void Occluded8(EmbreeQuery& query, const int* valid, RTCRay8& rays) {
 }
 
 void IntersectStream(EmbreeQuery& query, const RayStream& rays, const HitColumns& hits,
-                     std::uint32_t n);
+                     std::uint32_t* instances, std::uint32_t n);
 void OccludedStream(EmbreeQuery& query, const RayStream& rays, std::uint32_t n);
 void IntersectArray(EmbreeQuery& query, RTCRayHit* rays, std::uint32_t n);
 void OccludedArray(EmbreeQuery& query, RTCRay* rays, std::uint32_t n);
@@ -95,14 +95,16 @@ inline RTCRayNp StreamOf(const RayStream& rays) {
   ray.id = const_cast<std::uint32_t*>(rays.keys);  // only read
   return ray;
 }
-// A miss leaves its row of `hits` as it was.
+// A miss leaves its row of `hits` as it was. Where `instances` is not null, it gets the instance
+// of each hit, or RTC_INVALID_GEOMETRY_ID.
 inline void IntersectStream(EmbreeQuery& query, const RayStream& rays, const HitColumns& hits,
-                            std::uint32_t n) {
+                            std::uint32_t* instances, std::uint32_t n) {
   RTCRayHitNp batch = {};
   batch.ray = StreamOf(rays);
   batch.hit.Ng_x = hits.ng_x, batch.hit.Ng_y = hits.ng_y, batch.hit.Ng_z = hits.ng_z;
   batch.hit.u = hits.u, batch.hit.v = hits.v;
   batch.hit.primID = hits.triangle, batch.hit.geomID = hits.geom;
+  batch.hit.instID[0] = instances;
   rtcIntersectNp(query.scene, &query.context, &batch, n);
 }
 inline void OccludedStream(EmbreeQuery& query, const RayStream& rays, std::uint32_t n) {

@@ -18,6 +18,14 @@ RayStream View(const RayColumns& r, const std::uint32_t* keys) {
   return {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.t_far, keys};
 }
 
+// Returns the rays from row `begin` on.
+RayStream From(const RayStream& rays, std::uint32_t begin) {
+  return {rays.org_x + begin, rays.org_y + begin,
+          rays.org_z + begin, rays.dir_x + begin,
+          rays.dir_y + begin, rays.dir_z + begin,
+          rays.t_far + begin, rays.keys == nullptr ? nullptr : rays.keys + begin};
+}
+
 static_assert(kPacket == kBeamRays);
 
 // These calls are the fastest for rays that promise nothing
@@ -122,12 +130,48 @@ RTCRayHit SingleRayHit(const RayStream& rays, std::uint32_t i) {
   return hit;
 }
 
-void StoreHit(const RTCRayHit& hit, std::uint32_t i, const RayColumns& rays,
+// Gives a hit of Embree the meaning that it has in HitColumns: one numbering of the triangles of
+// the world and of all objects, the instance, and the normal in the world.
+void PlaceHit(const Tracer& tracer, std::uint32_t instance, std::uint32_t& triangle,
+              std::uint32_t& geom, float& ng_x, float& ng_y, float& ng_z) {
+  if (geom == kNoHit) return;
+  const std::uint32_t row = instance == RTC_INVALID_GEOMETRY_ID ? 0 : instance - kFirstInstance + 1;
+  triangle += tracer.places->first[row].of_geometry[geom];
+  geom = row;
+  const float* const m = tracer.instances[row].normal;
+  const float x = ng_x, y = ng_y, z = ng_z;
+  ng_x = m[0] * x + m[1] * y + m[2] * z;
+  ng_y = m[3] * x + m[4] * y + m[5] * z;
+  ng_z = m[6] * x + m[7] * y + m[8] * z;
+}
+
+void StoreHit(const Tracer& tracer, RTCRayHit hit, std::uint32_t i, const RayColumns& rays,
               const HitColumns& hits) {
+  if (tracer.places != nullptr) {
+    PlaceHit(tracer, hit.hit.instID[0], hit.hit.primID, hit.hit.geomID, hit.hit.Ng_x, hit.hit.Ng_y,
+             hit.hit.Ng_z);
+  }
   rays.t_far[i] = hit.ray.tfar;
   hits.ng_x[i] = hit.hit.Ng_x, hits.ng_y[i] = hit.hit.Ng_y, hits.ng_z[i] = hit.hit.Ng_z;
   hits.u[i] = hit.hit.u, hits.v[i] = hit.hit.v;
   hits.triangle[i] = hit.hit.primID, hits.geom[i] = hit.hit.geomID;
+}
+
+// Traces a stream in pieces whose instances fit on the stack.
+void IntersectInstancedStream(const Tracer& tracer, EmbreeQuery& query, const RayStream& rays,
+                              const HitColumns& hits, std::uint32_t n) {
+  for (std::uint32_t begin = 0; begin < n; begin += kArray) {
+    std::uint32_t instances[kArray];
+    const std::uint32_t count = std::min(kArray, n - begin);
+    const HitColumns at = Slice(hits, begin);
+    if constexpr (kEmbreeHasStreams) {
+      IntersectStream(query, From(rays, begin), at, instances, count);
+    }
+    for (std::uint32_t i = 0; i < count; ++i) {
+      PlaceHit(tracer, instances[i], at.triangle[i], at.geom[i], at.ng_x[i], at.ng_y[i],
+               at.ng_z[i]);
+    }
+  }
 }
 
 void Record(RayRecorder* recorder, RayKind kind, bool occlusion, const RayStream& rays,
@@ -162,7 +206,11 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
     case Backend::kStream:
       // A miss leaves the hit as it was, so geom is set to "no hit" beforehand.
       std::fill_n(hits.geom, n, kNoHit);
-      if constexpr (kEmbreeHasStreams) IntersectStream(query, view, hits, n);
+      if (tracer.places != nullptr) {
+        IntersectInstancedStream(tracer, query, view, hits, n);
+      } else if constexpr (kEmbreeHasStreams) {
+        IntersectStream(query, view, hits, nullptr, n);
+      }
       break;
     case Backend::kPacket: {
       Packet packet;
@@ -171,7 +219,11 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
         packet.Load(view, i, count);
         std::fill_n(packet.rays.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
         Intersect8(query, packet.valid, packet.rays);
-        const RTCHit8& hit = packet.rays.hit;
+        RTCHit8& hit = packet.rays.hit;
+        for (std::uint32_t k = 0; tracer.places != nullptr && k < count; ++k) {
+          PlaceHit(tracer, hit.instID[0][k], hit.primID[k], hit.geomID[k], hit.Ng_x[k], hit.Ng_y[k],
+                   hit.Ng_z[k]);
+        }
         CopyPacket(packet.rays.ray.tfar, count, rays.t_far + i);
         CopyPacket(hit.Ng_x, count, hits.ng_x + i);
         CopyPacket(hit.Ng_y, count, hits.ng_y + i);
@@ -189,18 +241,22 @@ void TraceClosest(const Tracer& tracer, RayKind kind, const RayColumns& rays, st
         const std::uint32_t count = std::min(kArray, n - i);
         for (std::uint32_t k = 0; k < count; ++k) array[k] = SingleRayHit(view, i + k);
         if constexpr (kEmbreeHasStreams) IntersectArray(query, array, count);
-        for (std::uint32_t k = 0; k < count; ++k) StoreHit(array[k], i + k, rays, hits);
+        for (std::uint32_t k = 0; k < count; ++k) {
+          StoreHit(tracer, array[k], i + k, rays, hits);
+        }
       }
       break;
     case Backend::kSingle:
       for (std::uint32_t i = 0; i < n; ++i) {
         RTCRayHit hit = SingleRayHit(view, i);
         Intersect1(query, hit);
-        StoreHit(hit, i, rays, hits);
+        StoreHit(tracer, hit, i, rays, hits);
       }
       break;
   }
-  if (tracer.first_with_alpha) NumberTriangles(hits, *tracer.first_with_alpha, n);
+  if (tracer.first_with_alpha && tracer.places == nullptr) {
+    NumberTriangles(hits, *tracer.first_with_alpha, n);
+  }
 }
 
 void TraceShadows(const Tracer& tracer, const SurfaceColumns& surfaces, std::uint32_t n,

@@ -8,6 +8,7 @@
 
 #include "base/names.h"
 #include "kernels/columns.h"
+#include "scene/embree_scene.h"
 #include "wavefront/rays/embree_rays.h"
 
 namespace skywave {
@@ -56,9 +57,12 @@ struct Tracer {
   Backend occlusion = Backend::kBest;
   bool beams = true;  // false: camera rays are traced as others are
   RayRecorder* recorder = nullptr;
-  // Triangles from here on are in the geometry with alpha (scene/geometry.h). If this is unset,
-  // there is none, and rays need no keys.
+  // Set if some triangle has alpha, be it of an object: rays then need keys. Triangles of the world
+  // from here on are in the geometry with alpha (scene/geometry.h).
   std::optional<std::uint32_t> first_with_alpha = std::nullopt;
+  // Both are null in scenes without instances.
+  const TrianglePlaces* places = nullptr;
+  const InstanceRecord* instances = nullptr;
 };
 
 // In scenes with alpha `keys` decides, ray by ray, which triangles stop it (DrawRayKeys); else it

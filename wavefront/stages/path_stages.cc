@@ -128,11 +128,11 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                  std::uint32_t n, SortedHits sorted, Worker& w, StageClock& clock) {
   w.ranges = sorted.ranges;
-  MoveSurfaces(rays, w.hits, sorted.queues, n, w.ranges, w.surfaces);
+  MoveSurfaces(*frame.geometry, rays, w.hits, sorted.queues, n, w.ranges, w.surfaces);
   CountMeeting(n, sorted.escaped, w.ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
-                  w.ranges.total(), w.surfaces);
+                  frame.geometry->instances(), w.ranges.total(), w.surfaces);
   TextureSurfaces(frame, end, w.ranges, w.surfaces);
   if (frame.weighs_control()) {
     FindControlWeights(frame.control_weights, w.ranges.total(), w.surfaces, w.control->weights);
@@ -269,7 +269,23 @@ void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, F
   if (bounce <= kFirstIndirectBounce) film.AddDirect(w.paths, n);
 }
 
-void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
+// Multiplies the radiance of paths [0, n) by the factors of a filter with signs.
+void WeighByFilter(const FrameView& frame, std::uint32_t n, const Worker& w) {
+  const float* const factor = frame.filter.factor;
+  if (factor == nullptr) return;
+  const FilmUniforms film(w.scratch);
+  DrawUniforms(w.paths, nullptr, n, kFilmPair, {}, film);
+  const PathColumns& paths = w.paths;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const auto cell = [](float u) { return std::uint32_t(u * float(kFilterCells)); };
+    const float weight = factor[cell(film->u[i])] * factor[cell(film->v[i])];
+    paths.r[i] *= weight, paths.g[i] *= weight, paths.b[i] *= weight;
+  }
+}
+
+void FinishPaths(const FrameView& frame, std::uint32_t n, Worker& w, Film& film,
+                 StageClock& clock) {
+  WeighByFilter(frame, n, w);
   film.Add(w.paths, n, w.stats);
   // Every path of the wave passes these two kernels.
   for (const Kernel kernel : {Kernel::kGenerate, Kernel::kFilm}) {
@@ -279,9 +295,10 @@ void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock) {
   clock.Lap(Stage::kFilm);
 }
 
-void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock) {
+void FinishWave(const FrameView& frame, std::uint32_t n, std::uint32_t bounce, Worker& w,
+                Film& film, StageClock& clock) {
   KeepDirectOfEnded(n, bounce, w, film);
-  FinishPaths(n, w, film, clock);
+  FinishPaths(frame, n, w, film, clock);
 }
 
 }  // namespace skywave

@@ -85,11 +85,12 @@ void KeepAovs(const FrameView& frame, std::uint32_t bounce, std::uint32_t paths,
               Film& film, StageClock& clock);
 
 // Gives paths [0, n) to the film. The last one ended at `bounce`.
-void FinishWave(std::uint32_t n, std::uint32_t bounce, Worker& w, Film& film, StageClock& clock);
+void FinishWave(const FrameView& frame, std::uint32_t n, std::uint32_t bounce, Worker& w,
+                Film& film, StageClock& clock);
 
 // FinishWave has these two parts: what KeepAovs did not see because paths had ended, and all
 // radiance.
 void KeepDirectOfEnded(std::uint32_t n, std::uint32_t bounce, const Worker& w, Film& film);
-void FinishPaths(std::uint32_t n, Worker& w, Film& film, StageClock& clock);
+void FinishPaths(const FrameView& frame, std::uint32_t n, Worker& w, Film& film, StageClock& clock);
 
 }  // namespace skywave

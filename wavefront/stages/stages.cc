@@ -109,16 +109,21 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
   return count[kMissQueue];
 }
 
-void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const RayQueues& queues,
-                  std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces) {
+void MoveSurfaces(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
+                  const RayQueues& queues, std::uint32_t n, const SurfaceRanges& ranges,
+                  const SurfaceColumns& surfaces) {
+  const bool instanced = geometry.instances() != nullptr;
   ForEachBsdf(ranges, kAllBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
-    MoveHits(rays, hits, queues->queue, rows.kind, n, Slice(surfaces, rows.begin));
+    const SurfaceColumns to = Slice(surfaces, rows.begin);
+    MoveHits(rays, hits, queues->queue, rows.kind, n, to);
+    if (instanced) MoveInstances(hits, queues->queue, rows.kind, n, to);
   });
 }
 
 void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRanges& ranges,
                      const SurfaceColumns& surfaces) {
-  const MaterialRecord* const materials = frame.geometry->materials().records;
+  const MaterialView view = frame.geometry->materials();
+  const MaterialRecord* const materials = view.records;
   const TextureView textures = frame.geometry->textures();
   const float angle = end.transport == Transport::kFlux ? 0 : PixelAngle(frame.camera);
   if (!textures.empty()) {
@@ -140,8 +145,14 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
       case Varying::kRoughness:
         PrepareMetallicRoughness(textures, materials, angle, n, rows);
         break;
+      case Varying::kAlpha:
+        if (view.varied) PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        break;
+      case Varying::kSecondColor:
+        if (view.varied) PrepareSecondColor(textures, materials, angle, n, rows);
+        break;
       case Varying::kTangent:
-        PrepareTangents(frame.geometry->tangents(), n, rows);
+        PrepareTangents(frame.geometry->tangents(), frame.geometry->instances(), n, rows);
         break;
     }
   });

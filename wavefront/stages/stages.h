@@ -57,8 +57,9 @@ std::uint32_t SortHits(const Geometry& geometry, const RayColumns& rays, const H
                        SurfaceRanges& ranges);
 
 // Moves what shading needs of hits and their rays to the ranges of their BSDFs.
-void MoveSurfaces(const RayColumns& rays, const HitColumns& hits, const RayQueues& queues,
-                  std::uint32_t n, const SurfaceRanges& ranges, const SurfaceColumns& surfaces);
+void MoveSurfaces(const Geometry& geometry, const RayColumns& rays, const HitColumns& hits,
+                  const RayQueues& queues, std::uint32_t n, const SurfaceRanges& ranges,
+                  const SurfaceColumns& surfaces);
 
 // Does what surface preparation leaves to do where materials have textures or parameters that vary.
 // Light paths, which know of no pixel, look up level 0.

@@ -1,0 +1,156 @@
+// Parameters of pbrt's materials that have an image: an image of one value is that value, and an
+// image of two halves is each of them on its side.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <ostream>
+#include <string>
+
+#include "image/image.h"
+#include "scene/pbrt/reader.h"
+#include "tests/support/render_scenes.h"
+#include "tests/support/temporary_folder.h"
+#include "wavefront/option_names.h"
+#include "wavefront/render.h"
+
+namespace skywave {
+namespace {
+
+constexpr int kSide = 32;
+
+// A material with @ for its parameter, as a number, a colour or a texture of the type; the values
+// are a float's if `type` is.
+struct TexturedCase {
+  std::string name, material, type, parameter;
+  glm::vec3 left, right;
+  std::string more = "";
+};
+void PrintTo(const TexturedCase& test, std::ostream* out) { *out << test.name; }
+
+class TexturedParameters : public testing::TestWithParam<TexturedCase> {
+ protected:
+  // Renders a sheet that faces the camera, under a faint sky, a sun on each side and a lamp.
+  Image Render(const std::string& parameter, const std::string& textures = "",
+               Integrator integrator = Integrator::kPath) const {
+    const TexturedCase& test = GetParam();
+    const std::string text =
+        "LookAt 0 0 -4  0 0 0  0 1 0 Camera \"perspective\" \"float fov\" 40\n"
+        "PixelFilter \"box\" WorldBegin\n"
+        "LightSource \"infinite\" \"rgb L\" [.2 .3 .4]\n"
+        "LightSource \"distant\" \"rgb L\" [2 2 2] \"point3 from\" [1 1 -3]\n"
+        "LightSource \"distant\" \"rgb L\" [1 2 1] \"point3 from\" [-1 1 3]\n"
+        "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [3 3 3] \"bool twosided\" true\n"
+        "Translate 0 0 -5 Shape \"disk\" \"float radius\" 2 \"float innerradius\" 1 "
+        "AttributeEnd\n" +
+        textures + "Material \"" + test.material + "\" " + parameter + " " + test.more +
+        " Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
+        "[-1.4 -1.4 0 1.4 -1.4 0 1.4 1.4 0 -1.4 1.4 0] \"point2 uv\" [0 0 1 0 1 1 0 1]\n";
+    const Scene scene = ParsePbrt(text, folder_.Path("t.pbrt"), {.strict = true});
+    JobRequest request = SmallRequest(kSide, kSide, 256);
+    request.max_depth = 3;
+    request.integrator = integrator;
+    const RenderJob job(scene, request);
+    Film film = job.MakeFilm();
+    RenderFrame(job.frame(), film);
+    return film.Resolve(job.options().samples_per_pixel);
+  }
+  Image RenderConstant(const glm::vec3& value) const {
+    const TexturedCase& test = GetParam();
+    const std::string numbers = test.type == "float"
+                                    ? fmt::format("{}", value.x)
+                                    : fmt::format("{} {} {}", value.x, value.y, value.z);
+    const std::string type = test.type == "float" ? "float" : "rgb";
+    return Render(fmt::format("\"{} {}\" [{}]", type, test.parameter, numbers));
+  }
+  Image RenderTextured(const glm::vec3& left, const glm::vec3& right,
+                       Integrator integrator = Integrator::kPath) const {
+    const TexturedCase& test = GetParam();
+    Image image(32, 1);
+    for (int x = 0; x < 32; ++x) {
+      for (int c = 0; c < 3; ++c) image.Pixel(x, 0)[c] = x < 16 ? left[c] : right[c];
+    }
+    WriteImage(folder_.Path("image.pfm"), image);
+    return Render(fmt::format("\"texture {}\" \"t\"", test.parameter),
+                  fmt::format("Texture \"t\" \"{}\" \"imagemap\" \"string filename\" "
+                              "\"image.pfm\" \"string wrap\" \"clamp\"\n",
+                              test.type),
+                  integrator);
+  }
+
+  TemporaryFolder folder_;
+};
+
+// Returns the mean of a channel over columns [begin, end).
+double Mean(const Image& image, int begin, int end, int channel) {
+  double sum = 0;
+  for (int y = 3; y < kSide - 3; ++y) {
+    for (int x = begin; x < end; ++x) sum += double(image.Pixel(x, y)[channel]);
+  }
+  return sum / double((end - begin) * (kSide - 6));
+}
+
+TEST_P(TexturedParameters, AreTheirValues) {
+  const TexturedCase& test = GetParam();
+  const Image left = RenderConstant(test.left), right = RenderConstant(test.right);
+  const Image uniform = RenderTextured(test.left, test.left);
+  const Image halves = RenderTextured(test.left, test.right);
+  double change = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double bound = 0.006;
+    const double a = Mean(left, 3, 14, c), b = Mean(right, 18, 29, c);
+    EXPECT_NEAR(Mean(uniform, 3, 29, c), Mean(left, 3, 29, c), bound * Mean(left, 3, 29, c)) << c;
+    // uv (0, 0) is in the lower left corner, which a left-handed camera sees there.
+    EXPECT_NEAR(Mean(halves, 3, 14, c), a, bound * a) << c;
+    EXPECT_NEAR(Mean(halves, 18, 29, c), b, bound * b) << c;
+    change = std::max(change, std::fabs(Mean(left, 18, 29, c) / b - 1));
+  }
+  // The parameter matters.
+  EXPECT_GT(change, 0.04);
+}
+
+// Light paths scatter by the same textures.
+TEST_P(TexturedParameters, AreTheSameForLightPaths) {
+  const TexturedCase& test = GetParam();
+  const Image path = RenderTextured(test.left, test.right);
+  const Image bdpt = RenderTextured(test.left, test.right, Integrator::kBdpt);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(Mean(bdpt, 3, 29, c), Mean(path, 3, 29, c), 0.02 * Mean(path, 3, 29, c)) << c;
+  }
+}
+
+const std::string kGold = "\"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"";
+INSTANTIATE_TEST_SUITE_P(
+    Pbrt, TexturedParameters,
+    testing::Values(TexturedCase{"ConductorRoughness", "conductor", "float", "roughness",
+                                 glm::vec3(0.05f), glm::vec3(0.4f), kGold},
+                    TexturedCase{"MetalRoughness", "metal", "float", "roughness", glm::vec3(0.05f),
+                                 glm::vec3(0.4f), kGold},
+                    TexturedCase{"ConductorWidth", "conductor", "float", "roughness",
+                                 glm::vec3(0.2f), glm::vec3(0.6f),
+                                 kGold + " \"bool remaproughness\" false"},
+                    TexturedCase{"ConductorReflectance",
+                                 "conductor",
+                                 "spectrum",
+                                 "reflectance",
+                                 {0.8f, 0.5f, 0.2f},
+                                 {0.1f, 0.4f, 0.9f},
+                                 "\"float roughness\" 0.1"},
+                    TexturedCase{"BrushedReflectance",
+                                 "conductor",
+                                 "spectrum",
+                                 "reflectance",
+                                 {0.8f, 0.5f, 0.2f},
+                                 {0.1f, 0.4f, 0.9f},
+                                 "\"float uroughness\" 0.1 \"float vroughness\" 0.3"},
+                    TexturedCase{"DielectricRoughness", "dielectric", "float", "roughness",
+                                 glm::vec3(0.04f), glm::vec3(0.5f)},
+                    TexturedCase{"Transmittance",
+                                 "diffusetransmission",
+                                 "spectrum",
+                                 "transmittance",
+                                 {0.6f, 0.5f, 0.1f},
+                                 {0.1f, 0.4f, 0.6f}}),
+    [](const testing::TestParamInfo<TexturedCase>& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace skywave

@@ -1,0 +1,54 @@
+// The memory of a film's columns. It can be larger than the machine's, as long as only a part of it
+// is in use: pages take memory from the first write on, until they are given back.
+#pragma once
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace skywave {
+
+// Gives zeros without writing them. Values that a vector makes without arguments are left as they
+// are given, so a vector must not shrink and grow again.
+template <class T>
+struct ZeroPages {
+  using value_type = T;
+  ZeroPages() = default;
+  template <class U>
+  ZeroPages(const ZeroPages<U>&) {}  // NOLINT: allocators convert
+  T* allocate(std::size_t count) {
+    void* const memory = std::calloc(count, sizeof(T));
+    if (memory == nullptr) throw std::bad_alloc();
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t) { std::free(memory); }
+  template <class U>
+  void construct(U*) {}
+  template <class U, class... Args>
+  void construct(U* at, Args&&... args) {
+    ::new (static_cast<void*>(at)) U(std::forward<Args>(args)...);
+  }
+  friend bool operator==(const ZeroPages&, const ZeroPages&) { return true; }
+};
+static_assert(alignof(std::max_align_t) >= alignof(unsigned __int128));
+
+template <class T>
+using FilmValues = std::vector<T, ZeroPages<T>>;
+
+// Gives the whole pages of these values back, which are zeros then.
+template <class T>
+void GiveBack(std::span<T> values) {
+  const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE));
+  const auto first = (reinterpret_cast<std::uintptr_t>(values.data()) + page - 1) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + values.size()) / page * page;
+  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+}
+
+}  // namespace skywave
