@@ -51,7 +51,7 @@ class Borrowed {
   }
 #else
   Borrowed(const Columns& columns, std::uint32_t, const char*) : columns_(columns) {}
-  Borrowed(Borrowed&&) = default;
+  Borrowed(Borrowed&&) noexcept = default;
 #endif
 
  private:

@@ -45,10 +45,12 @@ using FilmValues = std::vector<T, ZeroPages<T>>;
 // Gives the whole pages of these values back, which are zeros then.
 template <class T>
 void GiveBack(std::span<T> values) {
-  const auto page = std::uintptr_t(sysconf(_SC_PAGESIZE));
-  const auto first = (reinterpret_cast<std::uintptr_t>(values.data()) + page - 1) / page * page;
-  const auto end = reinterpret_cast<std::uintptr_t>(values.data() + values.size()) / page * page;
-  if (first < end) madvise(reinterpret_cast<void*>(first), end - first, MADV_DONTNEED);
+  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
+  const auto bytes = std::as_writable_bytes(values);
+  const auto before = (page - reinterpret_cast<std::uintptr_t>(bytes.data()) % page) % page;
+  if (before >= bytes.size()) return;
+  const std::size_t whole = (bytes.size() - before) / page * page;
+  if (whole > 0) madvise(bytes.data() + before, whole, MADV_DONTNEED);
 }
 
 }  // namespace skywave
