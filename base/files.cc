@@ -16,6 +16,7 @@
 #include <stdexcept>
 
 #include "base/error.h"
+#include "base/large_memory.h"
 
 namespace skywave {
 namespace {
@@ -146,6 +147,7 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes) {
   const auto size = std::filesystem::file_size(path, ignored);
   if (!ignored && size > max_bytes) refuse();
   if (!ignored) bytes.reserve(size);
+  AdviseHugePages(bytes.data(), bytes.capacity());
   char chunk[1 << 16];
   while (const std::size_t got = std::fread(chunk, 1, sizeof chunk, file.get())) {
     if (bytes.size() + got > max_bytes) refuse();

@@ -48,7 +48,9 @@ bool ExrScanLines::Inflate(std::string_view stored, std::size_t decoded_bytes, B
 
 void ExrScanLines::Allocate() {
   picture_.image = Image(int(width_), int(header_.data_window.height()));
-  for (NamedChannel& layer : picture_.layers) layer.values.resize(picture_.image.rgb.size() / 3);
+  for (NamedChannel& layer : picture_.layers) {
+    ResizeLarge(layer.values, picture_.image.rgb.size() / 3);
+  }
 }
 
 void ExrScanLines::Convert(const Bytes& bytes, bool is_half, float* values,

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/large_memory.h"
 #include "base/names.h"
 
 namespace skywave {
@@ -21,7 +22,7 @@ struct Image {
   std::vector<float> rgb;  // width * height * 3
 
   Image() = default;
-  Image(int w, int h) : width(w), height(h), rgb(std::size_t(w) * h * 3) {}
+  Image(int w, int h) : width(w), height(h) { ResizeLarge(rgb, std::size_t(w) * h * 3); }
   float* Pixel(int x, int y) { return &rgb[(std::size_t(y) * width + x) * 3]; }
   const float* Pixel(int x, int y) const { return &rgb[(std::size_t(y) * width + x) * 3]; }
 };

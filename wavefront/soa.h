@@ -9,6 +9,7 @@
 #include <new>
 #include <type_traits>
 
+#include "base/large_memory.h"
 #include "kernels/columns.h"
 
 namespace skywave::soa {
@@ -51,6 +52,7 @@ class Table {
     Columns::ForEachColumn(columns_, [&](auto*& column) { bytes += Room(column, padded); });
     block_.reset(static_cast<std::byte*>(std::aligned_alloc(kColumnAlignment, bytes)));
     if (!block_) throw std::bad_alloc();
+    AdviseHugePages(block_.get(), bytes);
     std::byte* next = block_.get();
     if (touch == Touch::kHere) std::fill_n(next, bytes, std::byte{0});
     Columns::ForEachColumn(columns_, [&](auto*& column) {

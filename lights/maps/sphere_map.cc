@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/large_memory.h"
 #include "lights/maps/environment_map.h"
 
 namespace skywave {
@@ -63,7 +64,7 @@ SphereMap MakeSphereMap(const Image& image) {
   map.image = &image;
   map.width = image.width;
   map.height = image.height;
-  map.luminance.resize(std::size_t(map.width) * map.height);
+  ResizeLarge(map.luminance, std::size_t(map.width) * map.height);
   FillGeometry(map);
 
   std::vector<double> row_energy(map.height);

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "base/large_memory.h"
+
 namespace skywave {
 namespace {
 
@@ -44,7 +46,7 @@ SearchTrees::SearchTrees(std::uint32_t items, std::uint32_t trees) : items_(item
   for (std::uint32_t level = levels_; level-- > 0;) {
     width = (width + kNodeFan - 1) / kNodeFan;
     nodes_[level] = width;
-    level_[level].resize(std::size_t(width) * trees + 1);  // the padding starts with a 0
+    ResizeLarge(level_[level], std::size_t(width) * trees + 1);  // the padding starts with a 0
   }
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/large_memory.h"
+
 namespace skywave {
 namespace {
 
@@ -70,9 +72,9 @@ Texels::Texels(const EnvironmentMap& map, const Image& light)
       height_(std::uint32_t(map.latlong.height)),
       lines_per_row_((width_ + kLineTexels - 1) / kLineTexels),
       map_from_world_(map.map_from_world),
-      lines_(std::size_t(lines_per_row_) * height_),
       rgb_(map.latlong.rgb.data()),
       row_area_(height_) {
+  ResizeLarge(lines_, std::size_t(lines_per_row_) * height_);
   for (std::uint32_t row = 0; row < height_; ++row) row_area_[row] = AreaOfRow(row, height_);
   const float brightest = *std::max_element(light.rgb.begin(), light.rgb.end());
   int exponent = 0;

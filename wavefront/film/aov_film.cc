@@ -186,7 +186,8 @@ std::vector<NamedChannel> AovFilm::Channels(AovSet wanted, std::size_t pixels) c
                    const bool split = aov.sum == AovSum::kLightGroups;
                    const std::string layer =
                        std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
-                   channels.push_back({layer + "." + aov.channels[c], std::vector<float>(pixels)});
+                   NamedChannel& channel = channels.emplace_back(layer + "." + aov.channels[c]);
+                   ResizeLarge(channel.values, pixels);
                  });
   return channels;
 }

@@ -2,16 +2,14 @@
 // is in use: pages take memory from the first write on, until they are given back.
 #pragma once
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 #include <new>
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "base/large_memory.h"
 
 namespace skywave {
 
@@ -26,6 +24,7 @@ struct ZeroPages {
   T* allocate(std::size_t count) {
     void* const memory = std::calloc(count, sizeof(T));
     if (memory == nullptr) throw std::bad_alloc();
+    AdviseHugePages(memory, count * sizeof(T));
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t) { std::free(memory); }
@@ -45,12 +44,7 @@ using FilmValues = std::vector<T, ZeroPages<T>>;
 // Gives the whole pages of these values back, which are zeros then.
 template <class T>
 void GiveBack(std::span<T> values) {
-  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
-  const auto bytes = std::as_writable_bytes(values);
-  const auto before = (page - reinterpret_cast<std::uintptr_t>(bytes.data()) % page) % page;
-  if (before >= bytes.size()) return;
-  const std::size_t whole = (bytes.size() - before) / page * page;
-  if (whole > 0) madvise(bytes.data() + before, whole, MADV_DONTNEED);
+  GivePagesBack(values.data(), values.size_bytes());
 }
 
 }  // namespace skywave

@@ -1,0 +1,29 @@
+#include "base/large_memory.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+
+namespace skywave {
+namespace {
+
+// Gives an advice about the whole pages of a block. It is an advice: a refusal changes nothing.
+void AdvisePages(void* memory, std::size_t bytes, int advice) {
+  const auto page = std::size_t(sysconf(_SC_PAGESIZE));
+  const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(memory) % page) % page;
+  if (before >= bytes) return;
+  const std::size_t whole = (bytes - before) / page * page;
+  if (whole > 0) madvise(static_cast<std::byte*>(memory) + before, whole, advice);
+}
+
+}  // namespace
+
+void AdviseHugePages(void* memory, std::size_t bytes) {
+  constexpr std::size_t kHugePage = std::size_t{2} << 20;
+  if (bytes >= kHugePage) AdvisePages(memory, bytes, MADV_HUGEPAGE);
+}
+
+void GivePagesBack(void* memory, std::size_t bytes) { AdvisePages(memory, bytes, MADV_DONTNEED); }
+
+}  // namespace skywave
