@@ -650,7 +650,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
                            "Material \"glass\" \"rgb Kt\" [0 0 0]",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
-                           "Shape \"curve\"",
+                           "Shape \"cone\"",
                            "Shape \"sphere\" \"integer radius\" 2",
                            "Material \"none\" Shape \"sphere\"",
                            "AreaLightSource \"goniometric\""}) {
