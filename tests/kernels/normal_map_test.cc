@@ -14,6 +14,7 @@
 #include "scene/materials/texture_tables.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/mesh.h"
+#include "tests/support/bent_normal.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/targets.h"
@@ -59,19 +60,7 @@ struct Relief {
                           edges.y * (mesh.positions[t.z] - mesh.positions[t.x]));
   }
   glm::vec3 Bent(const glm::vec3& wo, glm::vec2 place = {0.25f, 0.25f}) const {
-    const Geometry geometry(scene, "test");
-    const soa::Table<SurfaceColumns> table(1);
-    const SurfaceColumns& s = table;
-    const Mesh& mesh = scene.meshes[0];
-    const glm::uvec3& t = mesh.triangles[0];
-    const glm::vec3 ng = glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
-                                    mesh.positions[t.z] - mesh.positions[t.x]);
-    s.ng_x[0] = ng.x, s.ng_y[0] = ng.y, s.ng_z[0] = ng.z;
-    s.wo_x[0] = wo.x, s.wo_y[0] = wo.y, s.wo_z[0] = wo.z;
-    s.u[0] = place.x, s.v[0] = place.y, s.t[0] = 1, s.triangle[0] = 0;
-    PrepareSurfaces(geometry.triangles(), geometry.materials().records, nullptr, 1, s);
-    BendNormals(geometry.textures(), geometry.normal_maps(), 0, 1, s);
-    return {s.ns_x[0], s.ns_y[0], s.ns_z[0]};
+    return BentNormal(Geometry(scene, "test"), scene.meshes[0], 0, place, wo);
   }
 };
 
