@@ -170,6 +170,50 @@ TEST(NormalMaps, HeightsAreLengthsOfTheWorld) {
   }
 }
 
+// A ramp along both axes of an image that is no square, laid on triangles by coordinates that
+// stretch, skew and mirror it, rises over the triangle as its heights at the corners do.
+TEST(NormalMaps, HeightsFollowTheirCoordinates) {
+  const glm::dvec2 rise(0.7, -0.4);
+  Image ramp(48, 20);
+  for (int y = 0; y < ramp.height; ++y) {
+    for (int x = 0; x < ramp.width; ++x) {
+      const double height =
+          rise.x * (x + 0.5) / ramp.width + rise.y * (y + 0.5) / ramp.height + 0.5;
+      std::fill_n(ramp.Pixel(x, y), 3, float(height));
+    }
+  }
+  Relief relief(TextureUse::kHeights, ramp);
+  relief.scene.textures[0].wrap_u = relief.scene.textures[0].wrap_v = TextureWrap::kClamp;
+  Random random(85);
+  int used = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Mesh mesh;
+    mesh.triangles = {{0, 1, 2}};
+    double heights[3];
+    for (double& height : heights) {
+      mesh.positions.emplace_back(random.Between(-1, 1), random.Between(-1, 1),
+                                  random.Between(-1, 1));
+      mesh.uvs.emplace_back(random.Between(0.15, 0.85), random.Between(0.15, 0.85));
+      const glm::mat3x2 upwards(1, 0, 0, -1, 0, 1);
+      relief.scene.textures[0].transform = upwards;
+      height = glm::dot(rise, glm::dvec2(upwards * glm::vec3(mesh.uvs.back(), 1)));
+    }
+    const glm::dvec3 a(mesh.positions[0]), e1 = glm::dvec3(mesh.positions[1]) - a,
+                                           e2 = glm::dvec3(mesh.positions[2]) - a;
+    const glm::dvec3 up = glm::normalize(glm::cross(e1, e2));
+    // Along the surface, the gradient is what the heights of the edges ask for.
+    const glm::dvec3 gradient = glm::inverse(glm::transpose(glm::dmat3(e1, e2, up))) *
+                                glm::dvec3(heights[1] - heights[0], heights[2] - heights[0], 0);
+    const glm::dvec2 d1 = mesh.uvs[1] - mesh.uvs[0], d2 = mesh.uvs[2] - mesh.uvs[0];
+    if (glm::length(gradient) > 3 || std::abs(d1.x * d2.y - d1.y * d2.x) < 0.02) continue;
+    ++used;
+    relief.scene.meshes = {mesh};
+    const glm::vec3 expected(glm::normalize(up - gradient));
+    ForEachTarget([&] { ExpectNear(relief.Bent(glm::vec3(up), {0.3f, 0.4f}), expected); });
+  }
+  EXPECT_GT(used, 100);
+}
+
 TEST(NormalMaps, NormalsNeverLookAwayFromTheEye) {
   Relief relief(TextureUse::kNormals, Plain(NormalColor({3, 0, 1})));
   const glm::vec3 x = Relief::Axis(relief.scene.meshes[0], {1, 0});
