@@ -53,7 +53,9 @@ TextureView Geometry::textures() const {
 
 NormalMapView Geometry::normal_maps() const {
   if (tables_.normal_maps.empty()) return {};
-  return {.records = tables_.normal_maps.data(), .tangents = tables_.map_axes.data()};
+  return {.records = tables_.normal_maps.data(),
+          .tangents = tables_.map_axes.data(),
+          .slopes = tables_.map_slopes.empty() ? nullptr : tables_.map_slopes.data()};
 }
 
 glm::vec3 Geometry::Corner(std::size_t triangle, int corner) const {

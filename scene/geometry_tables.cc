@@ -285,6 +285,10 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
     tables.normal_maps.push_back(MakeNormalMap(material, scene, tables.textures));
   }
   tables.map_axes.resize(tables.triangles.size());
+  if (std::any_of(tables.normal_maps.begin(), tables.normal_maps.end(),
+                  [](const NormalMapRecord& map) { return map.per_texel != 0; })) {
+    tables.map_slopes.resize(tables.triangles.size());
+  }
   for (std::uint32_t record = 0; record < tables.triangles.size(); ++record) {
     const std::uint32_t tag = tables.triangles[record].tag;
     const auto& texture = scene.materials[tag & kMaterialMask].normal_texture;
@@ -292,9 +296,14 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
     const std::uint32_t triangle = tables.TriangleOf(record);
     const MeshPlace& place = tables.PlaceOf(triangle);
     const std::uint32_t* const corners = &tables.indices[3 * std::size_t{triangle}];
-    tables.map_axes[record] = MakeTriangleTangents(
-        *meshes[place.mesh], glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex,
-        scene.textures[*texture]);
+    const Mesh& mesh = *meshes[place.mesh];
+    const glm::uvec3 local = glm::uvec3(corners[0], corners[1], corners[2]) - place.first_vertex;
+    const Texture& map = scene.textures[*texture];
+    tables.map_axes[record] = MakeTriangleTangents(mesh, local, map);
+    if (tables.normal_maps[tag & kMaterialMask].per_texel != 0) {
+      const Image& image = scene.images[map.image];
+      tables.map_slopes[record] = MakeTriangleSlopes(mesh, local, map, image.width, image.height);
+    }
   }
 }
 
@@ -380,7 +389,7 @@ std::size_t GeometryTables::bytes() const {
     return (... + (table.size() * sizeof table[0]));
   };
   return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, mixed, measured,
-                  coats, normal_maps, map_axes, opacity, instances, instance_records,
+                  coats, normal_maps, map_axes, map_slopes, opacity, instances, instance_records,
                   places.first) +
          textures.bytes();
 }

@@ -43,6 +43,7 @@ struct GeometryTables {
   std::vector<std::uint32_t> tangents;       // by record, for PrepareTangents
   std::vector<std::uint32_t> vertex_colors;  // three per record, packed as texels
   std::vector<TriangleTangents> map_axes;    // by record, for BendNormals
+  std::vector<TriangleSlopes> map_slopes;    // likewise
   BsdfSet bsdfs = 0;                         // those of the triangles
 
   std::vector<MaterialRecord> materials;

@@ -31,17 +31,6 @@ SquarePoint ConePoint(const PunctualLight& light, double s, double t) {
           x * x * (3 - 2 * x)};
 }
 
-SquarePoint SpherePoint(double s, double t) {
-  const double a = 2 * s - 1, b = 2 * t - 1;
-  const double inside = 1 - (std::abs(a) + std::abs(b)), r = 1 - std::abs(inside);
-  const double phi = (r > 0 ? (std::abs(b) - std::abs(a)) / r + 1 : 0) * kFullTurn / 8;
-  const double side = r * std::sqrt(2 - r * r);
-  return {{side * std::copysign(std::cos(phi), a), side * std::copysign(std::sin(phi), b),
-           std::copysign(1 - r * r, inside)},
-          1 / (2 * kFullTurn),
-          1};
-}
-
 SquarePoint PlanePoint(const glm::vec2& half_size, double s, double t) {
   const glm::dvec2 half(half_size);
   const glm::dvec3 at((2 * s - 1) * half.x, (1 - 2 * t) * half.y, 1);
@@ -54,7 +43,7 @@ SquarePoint PointOfSquare(const PunctualLight& light, double s, double t) {
     case LightMapping::kCone:
       return ConePoint(light, s, t);
     case LightMapping::kSphere:
-      return SpherePoint(s, t);
+      return {DirectionOfSquare(s, t), 1 / (2 * kFullTurn), 1};
     case LightMapping::kPlane:
       break;
   }
@@ -68,6 +57,15 @@ void CopyRows(const glm::dmat3& matrix, float* to) {
 }
 
 }  // namespace
+
+glm::dvec3 DirectionOfSquare(double s, double t) {
+  const double a = 2 * s - 1, b = 2 * t - 1;
+  const double inside = 1 - (std::abs(a) + std::abs(b)), r = 1 - std::abs(inside);
+  const double phi = (r > 0 ? (std::abs(b) - std::abs(a)) / r + 1 : 0) * kFullTurn / 8;
+  const double side = r * std::sqrt(2 - r * r);
+  return {side * std::copysign(std::cos(phi), a), side * std::copysign(std::sin(phi), b),
+          std::copysign(1 - r * r, inside)};
+}
 
 LightShapeView LightShapeTables::view() const {
   if (shapes.empty()) return {};

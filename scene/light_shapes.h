@@ -11,6 +11,9 @@
 
 namespace skywave {
 
+// Returns the direction, unit, of a point of the square of LightMapping::kSphere.
+glm::dvec3 DirectionOfSquare(double s, double t);
+
 struct LightShapeTables {
   std::vector<LightShape> shapes;
   std::vector<float> texels;

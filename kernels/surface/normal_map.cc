@@ -27,11 +27,20 @@ void BendNormals(const TextureView& view, const NormalMapView& maps, float pixel
                  std::uint32_t n, const SurfaceColumns& s) {
   const auto* records = reinterpret_cast<const std::uint32_t*>(maps.records);
   const auto* tangents = reinterpret_cast<const std::uint32_t*>(maps.tangents);
+  const auto* slopes = reinterpret_cast<const float*>(maps.slopes);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const TexturedLanes<kLogNormalMapWords> textured(
         maps.records, SKYWAVE_WORD(NormalMapRecord, texture), s, i, n);
     if (!textured.any) continue;
-    const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackNormalTexel);
+    V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackNormalTexel);
+    if (slopes != nullptr) {
+      const VU slope = hn::ShiftLeft<kLogSlopeWords>(textured.triangle);
+      const auto factor = [&](std::uint32_t word)
+                              HWY_ATTR { return Gather(slopes, hn::Add(slope, SetU(word))); };
+      seen.y = hn::Add(hn::Mul(factor(SKYWAVE_WORD(TriangleSlopes, across)), seen.y),
+                       hn::Mul(factor(SKYWAVE_WORD(TriangleSlopes, shear)), seen.x));
+      seen.x = hn::Mul(factor(SKYWAVE_WORD(TriangleSlopes, along)), seen.x);
+    }
     const VU record = hn::ShiftLeft<kLogNormalMapWords>(textured.material);
     VF scale =
         AsFloat(Gather(records, hn::Add(record, SetU(SKYWAVE_WORD(NormalMapRecord, scale)))));

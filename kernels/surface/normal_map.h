@@ -27,10 +27,22 @@ struct TriangleTangents {
 inline constexpr int kLogTangentWords = 2;
 static_assert(sizeof(TriangleTangents) == sizeof(std::uint32_t) << kLogTangentWords);
 
-// Both pointers are null in scenes without normal maps.
+// How slopes per texel lie on a triangle: its texels may be stretched and skewed. The slope along x
+// is `along` times that of the map, that along y is `across` times that of the map and `shear`
+// times the one along x; all by texels per length, the root of texels per area.
+struct TriangleSlopes {
+  float along = 1, across = 1, shear = 0;
+  std::uint32_t unused = 0;
+};
+inline constexpr int kLogSlopeWords = 2;
+static_assert(sizeof(TriangleSlopes) == sizeof(std::uint32_t) << kLogSlopeWords);
+
+// The first two pointers are null in scenes without normal maps, the third in those without heights
+// that are lengths.
 struct NormalMapView {
   const NormalMapRecord* records = nullptr;    // by material
   const TriangleTangents* tangents = nullptr;  // by triangle
+  const TriangleSlopes* slopes = nullptr;  // by triangle; they are {} where there are no heights
   bool empty() const { return records == nullptr; }
 };
 

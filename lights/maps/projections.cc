@@ -283,7 +283,10 @@ void CheckProjectionSize(Projection projection, int width, int height) {
 int LatLongHeight(Projection projection, int width, int height) {
   if (projection == Projection::kLatLong) return height;
   if (const CubeLayout* layout = LayoutOf(projection)) return 2 * (width / layout->columns);
-  // An angular map has as many texels around as its width; a ball and a square have four for three.
+  // From pole to pole, along the diagonals and the middles of its sides, a square has as many
+  // texels as on a side, and twice as many around the equator.
+  if (projection == Projection::kOctahedral) return width;
+  // An angular map has as many texels around as its width, and a ball four for three.
   const int rows =
       projection == Projection::kAngular ? width / 2 : int(std::int64_t(width) * 2 / 3);
   return std::max(rows, 1);

@@ -70,7 +70,8 @@ void CheckProjectionSize(Projection projection, int width, int height);
 int LatLongHeight(Projection projection, int width, int height);
 
 // Sets the size that keeps the number of texels of a lat-long map of height `latlong_height` around
-// the equator: the default of a conversion.
+// the equator, with half as many more for an octahedral square, whose texels are no squares there:
+// the default of a conversion.
 void DefaultSize(Projection projection, int latlong_height, int& width, int& height);
 
 }  // namespace skywave

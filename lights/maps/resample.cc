@@ -112,12 +112,13 @@ bool IsWhole(const Image& image, int x, int y) {
 }
 
 // Returns the number of samples along each side of a target pixel: three for each source pixel
-// along it if both were uniform over the sphere, and at least four, or two where source pixels are
-// twice as large and more.
+// along it if both were uniform over the sphere, and at least four, or three where source pixels
+// are larger by a quarter and two where they are twice as large.
 int SamplesAlongSide(const Image& image, int width, int height) {
   constexpr int kMost = 64;
   const double ratio = std::sqrt(double(image.width) * image.height / (double(width) * height));
-  return std::clamp(int(std::ceil(3 * ratio)), ratio > 0.5 ? 4 : 2, kMost);
+  const int least = ratio > 0.8 ? 4 : ratio > 0.5 ? 3 : 2;
+  return std::clamp(int(std::ceil(3 * ratio)), least, kMost);
 }
 
 // The directions of samples on a grid of `side` x `side` in each pixel of a picture, and the solid

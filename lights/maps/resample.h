@@ -20,9 +20,9 @@ namespace skywave {
 Image Resample(const Image& image, Projection from, Projection to, int width, int height);
 
 // Returns the lat-long version of a map: itself, or any other projection resampled to a size that
-// keeps its angular resolution: as many columns as an angular map has, 4 columns for 3 of a ball or
-// an octahedral square, 4 for each pixel of a cube's edge. Throws InputError for a cube whose faces
-// are not square.
+// keeps its angular resolution: as many columns as an angular map has, 4 columns for 3 of a ball, 2
+// for each of an octahedral square, 4 for each pixel of a cube's edge. Throws InputError for a cube
+// whose faces are not square.
 Image ToLatLong(Image image, Projection projection);
 
 // Returns the integral over the sphere per channel [radiance * sr]: every pixel times its solid

@@ -127,6 +127,25 @@ Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables&
   return pyramid;
 }
 
+// The directions in which x of an image and its y (upwards) grow on a triangle with uvs; their
+// lengths have a common factor.
+struct TriangleAxes {
+  glm::dvec3 x, y;
+};
+TriangleAxes ImageAxes(const Mesh& mesh, const glm::uvec3& corners, const Texture& texture) {
+  glm::dvec2 place[3];
+  for (int i = 0; i < 3; ++i) {
+    place[i] = glm::dmat3x2(texture.transform) * glm::dvec3(mesh.uvs[corners[i]], 1);
+    place[i].y = -place[i].y;
+  }
+  const glm::dvec3 a(mesh.positions[corners.x]);
+  const glm::dvec3 e1 = glm::dvec3(mesh.positions[corners.y]) - a;
+  const glm::dvec3 e2 = glm::dvec3(mesh.positions[corners.z]) - a;
+  const glm::dvec2 d1 = place[1] - place[0], d2 = place[2] - place[0];
+  const double area = d1.x * d2.y - d1.y * d2.x;
+  return {(e1 * d2.y - e2 * d1.y) * area, (e2 * d1.x - e1 * d2.x) * area};
+}
+
 }  // namespace
 
 Image HalfSize(const Image& image) {
@@ -194,6 +213,21 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
   return tables;
 }
 
+TriangleSlopes MakeTriangleSlopes(const Mesh& mesh, const glm::uvec3& corners,
+                                  const Texture& texture, int width, int height) {
+  if (!mesh.tangents.empty() || mesh.uvs.empty()) return {};
+  const auto [x, y] = ImageAxes(mesh, corners, texture);
+  // These are the sides of a texel, up to a common factor. The second one has a part along the
+  // first one, and one across it.
+  const glm::dvec3 right = x / double(width), up = y / double(height);
+  const double length = glm::length(right), part = glm::dot(up, right) / length;
+  const double across = glm::length(glm::cross(right, up)) / length;
+  const double stretch = std::sqrt(across / length), shear = -part / length / stretch;
+  constexpr double kMost = 1e3;
+  if (!(stretch < kMost && stretch > 1 / kMost && std::abs(shear) < kMost)) return {};
+  return {.along = float(stretch), .across = float(1 / stretch), .shear = float(shear)};
+}
+
 TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corners,
                                       const Texture& texture) {
   TriangleTangents record = {};
@@ -213,18 +247,10 @@ TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corner
     return record;
   }
   if (mesh.uvs.empty()) return record;
-  // x and y are the directions in which x of the image and its y (upwards) grow on the triangle.
-  glm::dvec2 place[3];
-  for (int i = 0; i < 3; ++i) {
-    place[i] = glm::dmat3x2(texture.transform) * glm::dvec3(mesh.uvs[corners[i]], 1);
-    place[i].y = -place[i].y;
-  }
+  const auto [x, y] = ImageAxes(mesh, corners, texture);
   const glm::dvec3 a(mesh.positions[corners.x]);
   const glm::dvec3 e1 = glm::dvec3(mesh.positions[corners.y]) - a;
   const glm::dvec3 e2 = glm::dvec3(mesh.positions[corners.z]) - a;
-  const glm::dvec2 d1 = place[1] - place[0], d2 = place[2] - place[0];
-  const double area = d1.x * d2.y - d1.y * d2.x;
-  const glm::dvec3 x = (e1 * d2.y - e2 * d1.y) * area, y = (e2 * d1.x - e1 * d2.x) * area;
   glm::dvec3 outer = glm::cross(e1, e2);
   if (!mesh.normals.empty()) {
     outer = glm::dvec3(mesh.normals[corners.x]) + glm::dvec3(mesh.normals[corners.y]) +

@@ -36,6 +36,11 @@ TriangleUvs MakeTriangleUvs(const Mesh& mesh, const glm::uvec3& corners);
 TriangleTangents MakeTriangleTangents(const Mesh& mesh, const glm::uvec3& corners,
                                       const Texture& texture);
 
+// Returns how the slopes of heights, which `texture` has in an image of width x height, lie on one
+// triangle. Those of a mesh with tangents of its own are not stretched.
+TriangleSlopes MakeTriangleSlopes(const Mesh& mesh, const glm::uvec3& corners,
+                                  const Texture& texture, int width, int height);
+
 // Returns `image` halved in both directions, to one texel at least: each texel is the mean over its
 // area.
 Image HalfSize(const Image& image);

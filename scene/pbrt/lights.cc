@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "scene/light_shapes.h"
 #include "scene/local_lights.h"
+#include "scene/materials/texture_baking.h"
 #include "scene/pbrt/state.h"
 #include "scene/portals.h"
 
@@ -126,11 +128,48 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.lights.push_back(light);
 }
 
-// Returns the index of the image of a light, which names it as pbrt-v4 does.
-std::uint32_t FindLightImage(PbrtReader& reader, PbrtParameters& parameters) {
-  const std::string file = FindString(parameters, "filename").value();
-  return AddTextureImage(reader.texture_files, ResolvePbrtPath(reader, file, parameters.position),
-                         Encoding::kSrgb);
+// The image of a light. pbrt-v4 names it "filename"; pbrt-v3 names it "mapname", lays it otherwise,
+// takes bytes as they are, and does without one.
+struct LightImage {
+  std::uint32_t index;  // into Scene::images
+  bool v4;
+};
+LightImage FindLightImage(PbrtReader& reader, PbrtParameters& parameters) {
+  for (const bool v4 : {true, false}) {
+    const auto file = FindString(parameters, v4 ? "filename" : "mapname");
+    if (!file || file->empty()) continue;
+    const std::uint32_t index =
+        AddTextureImage(reader.texture_files, ResolvePbrtPath(reader, *file, parameters.position),
+                        v4 ? Encoding::kSrgb : Encoding::kLinear);
+    return {index, v4};
+  }
+  Image white(1, 1);
+  std::fill(white.rgb.begin(), white.rgb.end(), 1.0f);
+  return {AddTextureImage(reader.scene, std::move(white)), false};
+}
+
+// Returns the equal-area square (LightMapping::kSphere) of a lat-long image whose first row is
+// about +z, and whose columns turn from +x to +y.
+Image SquareOfLatLong(const Image& latlong) {
+  constexpr int kPoints = 2;  // along each side of a texel
+  Texture around;
+  around.wrap_v = TextureWrap::kClamp;
+  const int side = std::max((latlong.width + 1) / 2, latlong.height);
+  Image square(side, side);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      glm::vec3 sum(0);
+      for (int i = 0; i < kPoints * kPoints; ++i) {
+        const glm::dvec3 to = DirectionOfSquare((x + (i % kPoints + 0.5) / kPoints) / side,
+                                                (y + (i / kPoints + 0.5) / kPoints) / side);
+        const double turn = std::atan2(to.y, to.x) / (2 * kPi);
+        const double down = std::acos(std::clamp(to.z, -1.0, 1.0)) / kPi;
+        sum += LookUpImage(latlong, around, {turn - std::floor(turn), down});
+      }
+      for (int c = 0; c < 3; ++c) square.Pixel(x, y)[c] = sum[c] / (kPoints * kPoints);
+    }
+  }
+  return square;
 }
 
 // Scales the emission to the power that the file asks for, if it does, of a light that sends out
@@ -145,23 +184,25 @@ void SetPower(PbrtParameters& parameters, double per_unit, PunctualLight& light)
   light.emission *= float(*power / per_unit);
 }
 
-// Reads a light whose directions have the factors of an equal-area square, y up.
+// Reads a light whose directions have the factors of an equal-area square (pbrt-v4) or of a
+// lat-long image (pbrt-v3), y up.
 void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
   light.position = glm::vec3(reader.state.to_world[3]);
-  const Image& colors = reader.scene.images[FindLightImage(reader, parameters)];
-  if (colors.width != colors.height) {
+  const auto [index, v4] = FindLightImage(reader, parameters);
+  const Image& given = reader.scene.images[index];
+  Image image = v4 ? given : SquareOfLatLong(given);
+  if (image.width != image.height) {
     throw InputError(parameters.position,
                      fmt::format("{}: its image of {} x {} is no equal-area square",
-                                 parameters.directive, colors.width, colors.height));
+                                 parameters.directive, image.width, image.height));
   }
-  // The colours do not count, their means do.
-  Image image = colors;
   double sum = 0;
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
     const float mean = (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3;
-    for (std::size_t c = 0; c < 3; ++c) image.rgb[i + c] = mean;
+    // To pbrt-v4, the colours do not count, their means do.
+    for (std::size_t c = 0; v4 && c < 3; ++c) image.rgb[i + c] = mean;
     sum += double(mean);
   }
   SetPower(parameters, 4 * kPi * sum / (double(image.rgb.size()) / 3), light);
@@ -172,18 +213,27 @@ void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.lights.push_back(light);
 }
 
-// Reads a light that projects an image along +z, its top towards +y, with `fov` along the shorter
-// side.
+Image UpsideDown(Image image) {
+  for (int y = 0; y < image.height / 2; ++y) {
+    std::swap_ranges(image.Pixel(0, y), image.Pixel(0, y) + 3 * image.width,
+                     image.Pixel(0, image.height - 1 - y));
+  }
+  return image;
+}
+
+// Reads a light that projects an image along +z, its top towards +y (pbrt-v4) or -y (pbrt-v3), with
+// `fov` along the shorter side.
 void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
   light.position = glm::vec3(reader.state.to_world[3]);
-  const float fov = FindFloat(parameters, "fov").value_or(90);
+  auto [index, v4] = FindLightImage(reader, parameters);
+  const float fov = FindFloat(parameters, "fov").value_or(v4 ? 90.0f : 45.0f);
   if (!(fov > 0 && fov < 180)) {
     throw InputError(parameters.position,
                      fmt::format("{}: \"fov\" is {}", parameters.directive, fov));
   }
-  const std::uint32_t index = FindLightImage(reader, parameters);
+  if (!v4) index = AddTextureImage(reader.scene, UpsideDown(reader.scene.images[index]));
   const Image& image = reader.scene.images[index];
   const glm::dvec2 size(image.width, image.height);
   const glm::dvec2 half = std::tan(glm::radians(double(fov)) / 2) * size / std::min(size.x, size.y);
@@ -321,12 +371,6 @@ void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken
   } else if (type == "distant") {
     DistantLight(reader, parameters);
   } else if (type == "goniometric" || type == "projection") {
-    // The images of pbrt-v3 have another name, and lie otherwise.
-    if (!Find(parameters, {"string"}, "filename")) {
-      AddWarning(reader.warnings, position,
-                 parameters.directive + " without a \"filename\" is not supported: left out");
-      return;
-    }
     type == "projection" ? ProjectionLight(reader, parameters)
                          : GoniometricLight(reader, parameters);
   } else {

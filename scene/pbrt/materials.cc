@@ -9,6 +9,7 @@
 
 #include "scene/materials/merl.h"
 #include "scene/materials/metals.h"
+#include "scene/pbrt/solid_textures.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -71,7 +72,8 @@ void SetReflectance(Context& context, float fallback, Material& material, float 
   for (const std::string_view name : {"reflectance", "Kd"}) {
     const auto solid = FindSolidTexture(context.parameters, name, context.reader.color_textures);
     if (!solid) continue;
-    context.reader.solid = {.color = solid, .fallback = fallback};
+    context.reader.solids.push_back(
+        {.use = PbrtSolidUse::kReflectance, .value = solid, .fallback = fallback});
     material.reflectance = glm::vec3(scale);
     return;
   }
@@ -227,6 +229,7 @@ struct Widths {
   float along, across;
   // A texture of both (Material::roughness_texture); the widths are 1 then.
   std::optional<std::uint32_t> texture = std::nullopt;
+  bool solid = false;  // both vary in space; they are 1 then, too
   float mean() const { return std::sqrt(along * across); }
 };
 Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
@@ -241,11 +244,30 @@ Widths FindWidths(Context& context, const std::string& prefix, float fallback, b
   return {AlphaFromRoughness(u, remap, v4), AlphaFromRoughness(v, remap, v4)};
 }
 
+// Returns widths of roughness that varies in space.
+Widths SolidWidths(Context& context, const std::shared_ptr<const PbrtSolid>& roughness,
+                   float fallback, bool v4) {
+  const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
+  const auto root_of_alpha = [=](const glm::dvec3& place, const glm::dvec3& normal) {
+    const float value = std::max((*roughness)(place, normal).x, 0.0f);
+    return glm::vec3(std::sqrt(std::clamp(AlphaFromRoughness(value, remap, v4), 1e-3f, 1.0f)));
+  };
+  context.reader.solids.push_back(
+      {.use = PbrtSolidUse::kRoughness,
+       .value = std::make_shared<const PbrtSolid>(root_of_alpha),
+       .fallback = std::max(AlphaFromRoughness(fallback, remap, v4), 1e-3f)});
+  return {.along = 1, .across = 1, .solid = true};
+}
+
 // Does so for materials whose roughness may have an image.
 Widths FindVariedWidths(Context& context, float fallback, bool v4) {
   const auto image = [&](std::string_view name) {
     return FindImageTexture(context.parameters, name, context.reader.float_textures);
   };
+  if (const auto solid =
+          FindSolidTexture(context.parameters, "roughness", context.reader.float_textures)) {
+    return SolidWidths(context, solid, fallback, v4);
+  }
   const auto both = image("roughness"), u = image("uroughness"), v = image("vroughness");
   if (!both && !u && !v) return FindWidths(context, "", fallback, v4);
   const float constant = both ? fallback : FindScalar(context, "roughness").value_or(fallback);
@@ -433,7 +455,7 @@ Material Dielectric(Context& context, bool v4) {
                                    return parameter.name.ends_with("roughness") &&
                                           !parameter.floats.empty() && parameter.floats[0] != 0;
                                  }) ||
-                     widths.texture;
+                     widths.texture || widths.solid;
   // A rough surface between equal indices refracts nothing, so its facets are undetermined.
   if (rough && widths.mean() >= kSmoothWidth && std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;
@@ -502,7 +524,7 @@ Material Mix(Context& context) {
          "its parameter is used");
     std::vector<Material>& materials = context.reader.scene.materials;
     Material copy = materials[rows[i]];
-    copy.reflectance *= solid->second.fallback;
+    SetPbrtFallbacks(solid->second, copy);
     materials.push_back(std::move(copy));
     rows[i] = std::uint32_t(materials.size() - 1);
   }
@@ -510,6 +532,18 @@ Material Mix(Context& context) {
   if (const auto shares = FindImageTexture(parameters, "amount", context.reader.float_textures)) {
     material.mixture = {rows[0], rows[1], 0.5f};
     material.mixture_texture = PbrtShareTexture(context.reader, *shares, list == nullptr);
+    return material;
+  }
+  if (const auto shares = FindSolidTexture(parameters, "amount", context.reader.float_textures)) {
+    const bool inverted = list == nullptr;
+    const auto share = [=](const glm::dvec3& place, const glm::dvec3& normal) {
+      const float value = std::clamp((*shares)(place, normal).x, 0.0f, 1.0f);
+      return glm::vec3(inverted ? 1 - value : value);
+    };
+    material.mixture = {rows[0], rows[1], 0.5f};
+    context.reader.solids.push_back({.use = PbrtSolidUse::kShare,
+                                     .value = std::make_shared<const PbrtSolid>(share),
+                                     .fallback = 0.5f});
     return material;
   }
   // The amount is a colour in version 3 and a float in version 4.

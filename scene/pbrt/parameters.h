@@ -36,7 +36,8 @@ struct PbrtParameters {
   std::vector<PbrtParameter> list;
 };
 
-// A colour that depends on the place and the unit normal, both in world space.
+// A colour, or a number in all of its channels, that depends on the place and the unit normal, both
+// in world space.
 using PbrtSolid = std::function<glm::vec3(const glm::dvec3& place, const glm::dvec3& normal)>;
 
 struct PbrtTexture {

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
 
 #include "base/error.h"
+#include "scene/shapes/curves.h"
 #include "scene/shapes/patches.h"
 #include "scene/shapes/ply.h"
 #include "scene/shapes/shapes.h"
@@ -225,6 +229,113 @@ Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit) {
   return mesh;
 }
 
+// Returns the name that is given, or the first of those that are known. Throws InputError on
+// others.
+std::string FindName(PbrtParameters& parameters, std::string_view parameter,
+                     std::initializer_list<std::string_view> known) {
+  const std::string name = FindString(parameters, parameter).value_or(std::string(*known.begin()));
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    throw InputError(
+        Find(parameters, {"string"}, parameter)->position,
+        fmt::format("{}: there is no {} \"{}\"", parameters.directive, parameter, name));
+  }
+  return name;
+}
+
+// Returns segment `i` of a curve as a cubic Bezier curve.
+std::array<glm::dvec3, 4> BezierPoints(std::span<const glm::vec3> points, bool spline, int degree,
+                                       std::size_t i) {
+  const auto at = [&](std::size_t k) {
+    return glm::dvec3(points[i * (spline ? 1 : std::size_t(degree)) + k]);
+  };
+  if (degree == 3) {
+    if (!spline) return {at(0), at(1), at(2), at(3)};
+    return {(at(0) + 4.0 * at(1) + at(2)) / 6.0, (2.0 * at(1) + at(2)) / 3.0,
+            (at(1) + 2.0 * at(2)) / 3.0, (at(1) + 4.0 * at(2) + at(3)) / 6.0};
+  }
+  const glm::dvec3 begin = spline ? (at(0) + at(1)) / 2.0 : at(0),
+                   end = spline ? (at(1) + at(2)) / 2.0 : at(2);
+  return {begin, (begin + 2.0 * at(1)) / 3.0, (2.0 * at(1) + end) / 3.0, end};
+}
+
+// Returns the number of segments of a curve of so many points. Throws InputError if they are none.
+std::size_t CountSegments(const PbrtParameters& parameters, std::size_t points, bool spline,
+                          std::size_t degree) {
+  if (points <= degree || (!spline && (points - 1) % degree != 0)) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: {} points \"P\" are no {} of degree {}", parameters.directive,
+                                 points, spline ? "B-spline" : "Bezier segments", degree));
+  }
+  return spline ? points - degree : (points - 1) / degree;
+}
+
+// Sets the normals of a ribbon, of which there is one at each end of a segment.
+void SetRibbonNormals(PbrtParameters& parameters, std::span<CurveSegment> segments) {
+  const std::vector<glm::vec3> normals = FindVectors(parameters, {"normal", "normal3"}, "N");
+  if (normals.size() != segments.size() + 1) {
+    throw InputError(
+        parameters.position,
+        fmt::format("{}: {} normals \"N\" for {} segments, which need {}", parameters.directive,
+                    normals.size(), segments.size(), segments.size() + 1));
+  }
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    for (std::size_t end = 0; end < 2; ++end) {
+      const glm::dvec3 normal = glm::normalize(glm::dvec3(normals[i + end]));
+      if (!std::isfinite(normal.x + normal.y + normal.z)) {
+        throw InputError(
+            Find(parameters, {"normal", "normal3"}, "N")->position,
+            fmt::format("{}: normal {} is no direction", parameters.directive, i + end));
+      }
+      segments[i].normals[end] = normal;
+    }
+  }
+}
+
+// A flat curve, which faces every ray, has the outline of a tube for each of them.
+Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std::size_t limit,
+               Warnings& warnings) {
+  const std::vector<glm::vec3> points = RequirePositions(parameters);
+  const int degree = FindInt(parameters, "degree").value_or(3);
+  if (degree != 2 && degree != 3) {
+    throw InputError(Find(parameters, {"integer"}, "degree")->position,
+                     fmt::format("{}: the degree is {}, not 2 or 3", parameters.directive, degree));
+  }
+  const bool spline = FindName(parameters, "basis", {"bezier", "bspline"}) == "bspline";
+  const bool ribbon = FindName(parameters, "type", {"flat", "cylinder", "ribbon"}) == "ribbon";
+  const float width = FindFloat(parameters, "width").value_or(1);
+  const float begin = FindFloat(parameters, "width0").value_or(width),
+              end = FindFloat(parameters, "width1").value_or(width);
+  if (!(begin >= 0 && end >= 0 && std::max(begin, end) > 0)) {
+    throw InputError(parameters.position, fmt::format("{}: widths of {} and {} are none",
+                                                      parameters.directive, begin, end));
+  }
+  FindInt(parameters, "splitdepth");  // changes nothing but pbrt's speed
+
+  std::vector<CurveSegment> segments(
+      CountSegments(parameters, points.size(), spline, std::size_t(degree)));
+  const double count = double(segments.size());
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    segments[i].points = BezierPoints(points, spline, degree, i);
+    segments[i].widths = {glm::mix(double(begin), double(end), double(i) / count),
+                          glm::mix(double(begin), double(end), double(i + 1) / count)};
+  }
+  if (ribbon) {
+    SetRibbonNormals(parameters, segments);
+  } else if (Find(parameters, {"normal", "normal3"}, "N")) {
+    AddNote(warnings, parameters.position,
+            parameters.directive + ": only ribbons have normals \"N\": ignored");
+  }
+  const CurveForm form = ribbon ? CurveForm::kRibbon : CurveForm::kTube;
+  if (CurveTriangles(segments, form) > limit) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: {} segments may become more than {} triangles",
+                                 parameters.directive, segments.size(), limit));
+  }
+  Mesh mesh = TessellateCurve(segments, form);
+  if (!options.needs_uvs) mesh.uvs.clear();
+  return mesh;
+}
+
 }  // namespace
 
 std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
@@ -248,6 +359,8 @@ std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& param
     mesh = PbrtCylinder(parameters);
   } else if (type == "bilinearmesh") {
     mesh = BilinearMesh(parameters, limit);
+  } else if (type == "curve") {
+    mesh = PbrtCurve(parameters, options, limit, warnings);
   } else {
     AddWarning(warnings, parameters.position, parameters.directive + " is not supported: left out");
     return std::nullopt;

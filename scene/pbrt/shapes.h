@@ -1,5 +1,5 @@
 // Builds pbrt's shapes as meshes in their own space: trianglemesh, plymesh, loopsubdiv,
-// bilinearmesh, sphere, cylinder, disk.
+// bilinearmesh, sphere, cylinder, disk, curve.
 #pragma once
 
 #include <functional>
@@ -15,15 +15,15 @@
 namespace skywave {
 
 struct PbrtShapeOptions {
-  bool needs_uvs = false;   // gives round shapes texture coordinates, at the price of a seam
+  bool needs_uvs = false;   // gives round shapes and curves texture coordinates
   bool corner_uvs = false;  // gives coordinates to the corners of meshes that have none
   std::size_t max_triangles = kMaxSubdividedTriangles;  // limit for one shape
 };
 
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
 // that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the
-// scene into a path. Throws InputError on wrong counts, indices out of range, missing files and a
-// loopsubdiv of more than kMaxSubdividedTriangles.
+// scene into a path. Throws InputError on wrong counts, indices out of range, missing files and
+// shapes of more than kMaxSubdividedTriangles.
 std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
                                   const std::function<std::string(const std::string&)>& resolve,
                                   const PbrtShapeOptions& options, Warnings& warnings);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "base/error.h"
 #include "scene/materials/noise.h"
@@ -82,9 +84,17 @@ void LayOut(const Atlas& atlas, Mesh& mesh) {
   }
 }
 
-// Evaluates the texture at texels of triangle `t` whose barycentric coordinates are at least
-// `least`, which may be beyond its edges.
-void BakeTriangle(const Mesh& mesh, const glm::uvec3& t, const PbrtSolid& color, double least,
+// A texel of an image on a surface.
+struct SurfaceTexel {
+  glm::dvec3 place, normal;  // in the world, unit
+  glm::dvec3 right, up;      // axes of the image along the surface, unit, as normal maps have them
+  double size;               // of the texel, in the world
+};
+using TexelValue = std::function<glm::vec3(const SurfaceTexel&)>;
+
+// Evaluates texels of triangle `t` whose barycentric coordinates are at least `least`, which may be
+// beyond its edges.
+void BakeTriangle(const Mesh& mesh, const glm::uvec3& t, const TexelValue& value, double least,
                   const glm::ivec2& begin, const glm::ivec2& end, Image& image,
                   std::vector<bool>& done) {
   const glm::dvec2 size(image.width, image.height);
@@ -98,26 +108,35 @@ void BakeTriangle(const Mesh& mesh, const glm::uvec3& t, const PbrtSolid& color,
   const glm::dmat2 inverse = glm::inverse(edges);
   const glm::dvec3 p[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
   const glm::dvec3 flat = glm::cross(p[1] - p[0], p[2] - p[0]);
+  // One texel to the right, and one up.
+  const glm::dvec3 right = inverse[0][0] * (p[1] - p[0]) + inverse[0][1] * (p[2] - p[0]);
+  const glm::dvec3 up = -inverse[1][0] * (p[1] - p[0]) - inverse[1][1] * (p[2] - p[0]);
+  SurfaceTexel texel;
+  texel.size = std::sqrt(glm::length(glm::cross(right, up)));
   for (int y = begin.y; y < end.y; ++y) {
     for (int x = begin.x; x < end.x; ++x) {
       const glm::dvec2 b = inverse * (glm::dvec2(x + 0.5, y + 0.5) - at[0]);
       if (!(b.x >= least && b.y >= least && 1 - b.x - b.y >= least)) continue;
       const glm::dvec3 weights(1 - b.x - b.y, b.x, b.y);
-      glm::dvec3 place(0), normal(0);
+      glm::dvec3 normal(0);
+      texel.place = glm::dvec3(0);
       for (int i = 0; i < 3; ++i) {
-        place += weights[i] * p[i];
+        texel.place += weights[i] * p[i];
         if (!mesh.normals.empty()) normal += weights[i] * glm::dvec3(mesh.normals[t[i]]);
       }
-      if (mesh.normals.empty()) normal = flat;
-      const glm::vec3 value = color(place, glm::normalize(normal));
-      for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = std::clamp(value[c], 0.0f, 1.0f);
+      texel.normal = glm::normalize(mesh.normals.empty() ? flat : normal);
+      texel.right = glm::normalize(right - texel.normal * glm::dot(texel.normal, right));
+      texel.up = glm::cross(texel.normal, texel.right);
+      if (glm::dot(texel.up, up) < 0) texel.up = -texel.up;
+      const glm::vec3 color = value(texel);
+      for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = color[c];
       done[std::size_t(y) * std::size_t(image.width) + std::size_t(x)] = true;
     }
   }
 }
 
 // (u, v) of the shape cover the unit square, except for slivers at poles.
-Image BakePatch(const Mesh& mesh, const PbrtSolid& color) {
+Image BakePatch(const Mesh& mesh, const TexelValue& value) {
   Image image(kPatchWidth, kPatchHeight);
   std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
   const glm::ivec2 size(image.width, image.height);
@@ -129,7 +148,7 @@ Image BakePatch(const Mesh& mesh, const PbrtSolid& color) {
     }
     const glm::ivec2 begin = glm::max(glm::ivec2(glm::floor(low * glm::dvec2(size))) - 1, 0);
     const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high * glm::dvec2(size))) + 1, size);
-    BakeTriangle(mesh, t, color, -1e-6, begin, end, image, done);
+    BakeTriangle(mesh, t, value, -1e-6, begin, end, image, done);
   }
   // A texel that no triangle has gets the value of the one before it in its row.
   for (int y = 0; y < image.height; ++y) {
@@ -144,7 +163,7 @@ Image BakePatch(const Mesh& mesh, const PbrtSolid& color) {
   return image;
 }
 
-Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const PbrtSolid& color) {
+Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const TexelValue& value) {
   Image image(atlas.squares * atlas.side, atlas.squares * atlas.side);
   std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -152,9 +171,74 @@ Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const PbrtSolid& color) {
     // v points upwards, and rows of the image downwards.
     const glm::ivec2 begin(int(t) % atlas.squares * atlas.side,
                            (atlas.squares - 1 - row) * atlas.side);
-    BakeTriangle(mesh, mesh.triangles[t], color, -1e6, begin, begin + atlas.side, image, done);
+    BakeTriangle(mesh, mesh.triangles[t], value, -1e6, begin, begin + atlas.side, image, done);
   }
   return image;
+}
+
+// Returns the value of a texture that is not below 0 nor above 1.
+TexelValue ShareAt(const PbrtSolid& solid) {
+  return [&](const SurfaceTexel& texel) {
+    return glm::clamp(solid(texel.place, texel.normal), 0.0f, 1.0f);
+  };
+}
+
+// Returns the slopes of heights along the axes of the image, over a texel.
+TexelValue SlopeAt(const PbrtSolid& height) {
+  return [&](const SurfaceTexel& texel) {
+    if (!(texel.size > 0)) return glm::vec3(0);
+    const auto slope = [&](const glm::dvec3& along) {
+      const glm::dvec3 step = texel.size / 2 * along;
+      const double rise = double(height(texel.place + step, texel.normal).x) -
+                          double(height(texel.place - step, texel.normal).x);
+      return std::isfinite(rise) ? float(rise / texel.size) : 0.0f;
+    };
+    return glm::vec3(slope(texel.right), slope(texel.up), 0);
+  };
+}
+
+// Turns slopes into a normal map, steepened or flattened so that the steepest slope is 1, and
+// returns what that was.
+float NormalsOfSlopes(Image& image) {
+  float steepest = 0;
+  for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+    steepest = std::max(steepest, std::abs(image.rgb[i]));
+  }
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    glm::vec3 normal(0, 0, 1);
+    if (steepest > 0) normal = {-image.rgb[i] / steepest, -image.rgb[i + 1] / steepest, 1};
+    normal = 0.5f * glm::normalize(normal) + 0.5f;
+    for (int c = 0; c < 3; ++c) image.rgb[i + std::size_t(c)] = normal[c];
+  }
+  return steepest;
+}
+
+// Adds the texture of an image over the unit square of (u, v).
+std::uint32_t AddSurfaceTexture(Scene& scene, Image image, TextureUse use) {
+  Texture texture;
+  texture.image = AddTextureImage(scene, std::move(image));
+  texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
+  texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
+  texture.use = use;
+  scene.textures.push_back(texture);
+  return std::uint32_t(scene.textures.size() - 1);
+}
+
+// Bakes a parameter by `bake` and gives it to the material.
+void BakeParameter(const PbrtSolidParameter& solid,
+                   const std::function<Image(const TexelValue&)>& bake, Scene& scene,
+                   Material& material) {
+  if (solid.use == PbrtSolidUse::kHeight) {
+    Image normals = bake(SlopeAt(*solid.value));
+    material.normal_scale = NormalsOfSlopes(normals);
+    material.normal_texture = AddSurfaceTexture(scene, std::move(normals), TextureUse::kNormals);
+    return;
+  }
+  const std::uint32_t texture =
+      AddSurfaceTexture(scene, bake(ShareAt(*solid.value)), TextureUse::kColor);
+  if (solid.use == PbrtSolidUse::kReflectance) material.color_texture = texture;
+  if (solid.use == PbrtSolidUse::kRoughness) material.roughness_texture = texture;
+  if (solid.use == PbrtSolidUse::kShare) material.mixture_texture = texture;
 }
 
 // Returns a point of a cubic Bezier curve.
@@ -245,34 +329,36 @@ PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const Pbr
       });
 }
 
-std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& solid,
-                                const std::string& type, std::uint32_t material,
-                                const InputPosition& position, Mesh& mesh) {
+void SetPbrtFallbacks(std::span<const PbrtSolidParameter> solids, Material& material) {
+  for (const PbrtSolidParameter& solid : solids) {
+    if (solid.use == PbrtSolidUse::kReflectance) material.reflectance *= solid.fallback;
+    if (solid.use == PbrtSolidUse::kRoughness) material.alpha = solid.fallback;
+    if (solid.use == PbrtSolidUse::kShare) material.mixture->share = solid.fallback;
+  }
+}
+
+std::uint32_t MaterialWithSolids(PbrtReader& reader, std::span<const PbrtSolidParameter> solids,
+                                 std::uint32_t material, const PbrtSolidShape& shape, Mesh& mesh) {
   Material copy = reader.scene.materials[material];
-  // Images of lamps are laid over the shape's own (u, v).
-  bool has_textures = reader.state.area_light && reader.state.area_light->image;
-  ForEachTexture(copy, [&](std::uint32_t) { has_textures = true; });
-  const bool patch = type == "sphere" || type == "disk" || type == "cylinder";
-  const bool few = !has_textures && mesh.triangles.size() <= kMostSquares;
+  const bool patch = shape.type == "sphere" || shape.type == "disk" || shape.type == "cylinder";
+  const bool few = !shape.fixed_uvs && mesh.triangles.size() <= kMostSquares;
   const Atlas atlas = AtlasOf(std::max<std::size_t>(mesh.triangles.size(), 1));
   const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);
-  const std::size_t texels = patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side;
+  const std::size_t texels =
+      solids.size() * (patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side);
   if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
     AddWarning(
-        reader.warnings, position,
+        reader.warnings, shape.position,
         "a texture that varies in space is not supported on so many triangles, together with "
         "other textures, or on so many shapes: the default of its parameter is used");
-    copy.reflectance *= solid.fallback;
+    SetPbrtFallbacks(solids, copy);
   } else {
     reader.baked_texels += texels;
     if (!patch) LayOut(atlas, mesh);
-    Texture texture;
-    texture.image = AddTextureImage(
-        reader.scene, patch ? BakePatch(mesh, *solid.color) : BakeAtlas(mesh, atlas, *solid.color));
-    texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
-    texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
-    reader.scene.textures.push_back(texture);
-    copy.color_texture = std::uint32_t(reader.scene.textures.size() - 1);
+    const auto bake = [&](const TexelValue& value) {
+      return patch ? BakePatch(mesh, value) : BakeAtlas(mesh, atlas, value);
+    };
+    for (const PbrtSolidParameter& solid : solids) BakeParameter(solid, bake, reader.scene, copy);
   }
   reader.scene.materials.push_back(std::move(copy));
   return std::uint32_t(reader.scene.materials.size() - 1);

@@ -2,6 +2,8 @@
 // has them, into an image over the shape's (u, v).
 #pragma once
 
+#include <span>
+
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -19,12 +21,20 @@ PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std:
 // vectors "v1" and "v2"; one without an image stays as it is.
 PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const PbrtTexture& texture);
 
-// Returns the material of one shape, whose mesh is in the world: `material` with the image of
-// `solid` on it. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the
+// The shape for which textures are evaluated.
+struct PbrtSolidShape {
+  const std::string& type;
+  const InputPosition& position;
+  bool fixed_uvs;  // something else on it depends on its (u, v)
+};
+// Returns the material of one shape, whose mesh is in the world: `material` with the images of
+// `solids` on it. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the
 // image for each triangle. Where that cannot be, because there are too many triangles or other
-// textures, the material gets its default, with a warning at `position`.
-std::uint32_t MaterialWithSolid(PbrtReader& reader, const PbrtSolidReflectance& solid,
-                                const std::string& type, std::uint32_t material,
-                                const InputPosition& position, Mesh& mesh);
+// textures, the material gets its defaults, with a warning at the shape.
+std::uint32_t MaterialWithSolids(PbrtReader& reader, std::span<const PbrtSolidParameter> solids,
+                                 std::uint32_t material, const PbrtSolidShape& shape, Mesh& mesh);
+
+// Gives a material the defaults of parameters that vary in space.
+void SetPbrtFallbacks(std::span<const PbrtSolidParameter> solids, Material& material);
 
 }  // namespace skywave

@@ -35,10 +35,13 @@ struct PbrtAreaLight {
 using PbrtAttributeMap = std::map<std::string, std::vector<PbrtParameter>, std::less<>>;
 using PbrtAttributes = std::shared_ptr<const PbrtAttributeMap>;
 
-// The reflectance of a material that varies in space.
-struct PbrtSolidReflectance {
-  std::shared_ptr<const PbrtSolid> color;
-  float fallback;  // what shapes get on which it cannot be
+// A parameter of a material that varies in space: the factor of the reflectance, the square root of
+// alpha, the height of the surface, or the share of the second of two materials.
+enum class PbrtSolidUse { kReflectance, kRoughness, kHeight, kShare };
+struct PbrtSolidParameter {
+  PbrtSolidUse use;
+  std::shared_ptr<const PbrtSolid> value;
+  float fallback = 0;  // what shapes get on which it cannot be: for roughness alpha
 };
 
 // The state that AttributeBegin saves and AttributeEnd restores.
@@ -71,8 +74,8 @@ struct PbrtReader {
   TextureFiles texture_files{&scene};
   // The copy of a material for shapes with alpha, by material, opacity and opacity texture.
   std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;
-  std::optional<PbrtSolidReflectance> solid;  // of the material that is being read
-  std::map<std::uint32_t, PbrtSolidReflectance> solid_materials;  // by material
+  std::vector<PbrtSolidParameter> solids;  // of the material that is being read
+  std::map<std::uint32_t, std::vector<PbrtSolidParameter>> solid_materials;  // by material
   std::uint32_t area_lights = 0;
   // The emitting copy of a material, by material and area light.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;

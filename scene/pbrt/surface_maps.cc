@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace skywave {
 namespace {
@@ -46,6 +47,8 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
     if (const auto heights = FindImageTexture(parameters, name, reader.float_textures)) {
       material.normal_texture = CopyTexture(reader.scene, *heights->image, TextureUse::kHeights);
       material.normal_scale = Mean(heights->value.value_or(glm::vec3(1)));
+    } else if (auto solid = FindSolidTexture(parameters, name, reader.float_textures)) {
+      reader.solids.push_back({.use = PbrtSolidUse::kHeight, .value = std::move(solid)});
     } else {
       // A constant height has no effect; this names values that are not understood.
       FindColor(parameters, name, reader.float_textures, reader.warnings);

@@ -95,9 +95,33 @@ PbrtTexture AddTexture(PbrtReader& reader, const Texture& texture, const glm::ve
   return {.value = factor, .image = static_cast<std::uint32_t>(reader.scene.textures.size() - 1)};
 }
 
+// Applies `combine`, which is kept, to textures of which one at least varies in space.
+PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
+                           const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
+  if (std::any_of(textures.begin(), textures.end(), [](auto& t) { return t.image.has_value(); })) {
+    Warn(reader, parameters,
+         "images and textures that vary in space are not combined: its users take their default");
+    return {};
+  }
+  return {.value = {},
+          .image = {},
+          .solid = std::make_shared<const PbrtSolid>(
+              [textures, combine](const glm::dvec3& place, const glm::dvec3& normal) {
+                std::vector<glm::vec3> values;
+                for (const PbrtTexture& texture : textures) {
+                  values.push_back(texture.solid ? (*texture.solid)(place, normal)
+                                                 : texture.value.value_or(glm::vec3(1)));
+                }
+                return combine(values);
+              })};
+}
+
 // Applies `combine` to textures. A combination of constants stays constant; images are baked.
 PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
-                    std::initializer_list<PbrtTexture> textures, const CombineTexels& combine) {
+                    const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
+  if (std::any_of(textures.begin(), textures.end(), [](auto& t) { return t.solid != nullptr; })) {
+    return CombineInSpace(reader, parameters, textures, combine);
+  }
   std::vector<TextureOperand> operands;
   std::vector<glm::vec3> values;
   for (const PbrtTexture& texture : textures) {
@@ -162,6 +186,9 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
 PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& textures,
                     std::string_view name, float otherwise) {
   if (const auto image = FindImageTexture(parameters, name, textures)) return *image;
+  if (auto solid = FindSolidTexture(parameters, name, textures)) {
+    return {.value = {}, .image = {}, .solid = std::move(solid)};
+  }
   const auto color = FindColor(parameters, name, textures, reader.warnings);
   return {.value = color.value_or(glm::vec3(otherwise)), .image = {}};
 }
@@ -174,7 +201,9 @@ PbrtTexture Scale(PbrtReader& reader, PbrtParameters& parameters, const PbrtText
                            : Operand(reader, parameters, reader.float_textures, "scale", 1);
   const glm::vec3 factor = a.value.value_or(glm::vec3(1)) * b.value.value_or(glm::vec3(1));
   // With a single image, a factor suffices and no copy is needed.
-  if (!a.image || !b.image) return {.value = factor, .image = a.image ? a.image : b.image};
+  const bool solid = a.solid || b.solid;
+  if (!solid && (!a.image || !b.image))
+    return {.value = factor, .image = a.image ? a.image : b.image};
   return Combine(reader, parameters, {a, b},
                  [](std::span<const glm::vec3> values) { return values[0] * values[1]; });
 }
@@ -331,12 +360,12 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
   const PbrtParameter* const mapping = Find(parameters, {"string"}, "mapping");
   const bool planar = mapping && mapping->strings == std::vector<std::string>{"planar"};
   // Operands lie over (u, v), whatever the checks do.
-  if (planar && (type == "float" || HasImageOperand(parameters, textures))) {
+  if (planar && HasImageOperand(parameters, textures)) {
     textures[name] = {};
     AddWarning(reader.warnings, position,
                parameters.directive +
-                   ": the mapping \"planar\" is supported for colours alone, and "
-                   "not for textures of textures: its users take their default");
+                   ": the mapping \"planar\" is not supported for textures of textures: its users "
+                   "take their default");
     return;
   }
   PbrtTexture texture;
@@ -354,7 +383,7 @@ void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     texture = Bilerp(reader, parameters, textures);
   } else if (kind == "dots" && !planar) {
     texture = Dots(reader, parameters, textures);
-  } else if ((kind == "fbm" || kind == "windy" || kind == "wrinkled") && type != "float") {
+  } else if (kind == "fbm" || kind == "windy" || kind == "wrinkled") {
     texture = ReadNoise(reader, parameters, kind);
   } else if (kind == "directionmix") {
     texture = ReadDirectionMix(reader, parameters, textures);

@@ -148,17 +148,17 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     return ResolvePbrtPath(reader, name, position);
   };
   std::optional<std::uint32_t> material = reader.state.material;
-  const PbrtSolidReflectance* solid = nullptr;
+  const std::vector<PbrtSolidParameter>* solids = nullptr;
   if (material) {
     if (const auto found = reader.solid_materials.find(*material);
         found != reader.solid_materials.end()) {
-      solid = &found->second;
+      solids = &found->second;
     }
     material = MaterialWithPbrtAlpha(reader, parameters, *material);
   }
   const auto& lamp = reader.state.area_light;
-  const bool uses_uvs =
-      material && (UsesUvs(reader.scene, *material) || (lamp && lamp->image) || solid != nullptr);
+  const bool fixed_uvs = material && (UsesUvs(reader.scene, *material) || (lamp && lamp->image));
+  const bool uses_uvs = fixed_uvs || solids != nullptr;
   std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
                                            {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
                                             .corner_uvs = uses_uvs,
@@ -174,7 +174,9 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
   MirrorPbrtTangents(reader.scene, type, parameters, glm::dmat3(reader.state.to_world), *material,
                      *mesh);
-  if (solid) material = MaterialWithSolid(reader, *solid, type, *material, position, *mesh);
+  if (solids) {
+    material = MaterialWithSolids(reader, *solids, *material, {type, position, fixed_uvs}, *mesh);
+  }
   mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
   AddMesh(reader, position, std::move(*mesh));
@@ -186,16 +188,16 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
     ReportUnused(parameters, reader.warnings);
     return std::nullopt;
   }
+  reader.solids.clear();
   Material relief;
   if (type != "mix") ReadPbrtRelief(reader, parameters, relief);
-  reader.solid.reset();
   Material material = MakePbrtMaterial(type, parameters, reader);
   material.name = name;
   material.normal_texture = relief.normal_texture;
   material.normal_scale = relief.normal_scale;
   reader.scene.materials.push_back(std::move(material));
   const auto index = static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
-  if (reader.solid) reader.solid_materials.emplace(index, *reader.solid);
+  if (!reader.solids.empty()) reader.solid_materials.emplace(index, reader.solids);
   return index;
 }
 

@@ -8,15 +8,17 @@
 namespace skywave {
 namespace {
 
-struct SurfacePoint {
-  glm::dvec3 position, normal;
-  glm::dvec2 uv;
-};
+int Steps(double degrees) { return std::max(1, int(std::ceil(std::abs(degrees) / kPatchDegrees))); }
 
-// Adds columns x rows quads of `surface`(u, v). Triangles with two coincident corners, as at poles,
-// are left out.
-template <class Surface>
-void AddPatch(int columns, int rows, const Surface& surface, Mesh& mesh) {
+// Returns (cos, sin) of a fraction of a turn; a whole turn ends exactly where it begins.
+glm::dvec2 OnCircle(double u, double phi_degrees) {
+  const double phi = glm::radians(u * phi_degrees);
+  return u * phi_degrees == 360 ? glm::dvec2(1, 0) : glm::dvec2(std::cos(phi), std::sin(phi));
+}
+
+}  // namespace
+
+void AddPatch(int columns, int rows, const PatchSurface& surface, Mesh& mesh) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   for (int row = 0; row <= rows; ++row) {
     for (int column = 0; column <= columns; ++column) {
@@ -39,16 +41,6 @@ void AddPatch(int columns, int rows, const Surface& surface, Mesh& mesh) {
     }
   }
 }
-
-int Steps(double degrees) { return std::max(1, int(std::ceil(std::abs(degrees) / kPatchDegrees))); }
-
-// Returns (cos, sin) of a fraction of a turn; a whole turn ends exactly where it begins.
-glm::dvec2 OnCircle(double u, double phi_degrees) {
-  const double phi = glm::radians(u * phi_degrees);
-  return u * phi_degrees == 360 ? glm::dvec2(1, 0) : glm::dvec2(std::cos(phi), std::sin(phi));
-}
-
-}  // namespace
 
 Mesh SpherePatch(float radius, float low, float high, float phi_degrees) {
   const auto polar = [&](float z) { return std::acos(std::clamp(double(z) / radius, -1.0, 1.0)); };

@@ -3,6 +3,7 @@
 // from the true circle by 1.5e-4 of the radius.
 #pragma once
 
+#include <functional>
 #include <glm/glm.hpp>
 #include <span>
 
@@ -11,6 +12,16 @@
 namespace skywave {
 
 inline constexpr float kPatchDegrees = 2;
+
+struct SurfacePoint {
+  glm::dvec3 position, normal;  // the normal may have any length
+  glm::dvec2 uv;
+};
+// A surface over (u, v) in the unit square.
+using PatchSurface = std::function<SurfacePoint(double u, double v)>;
+// Adds columns x rows quads of a surface to `mesh`. Triangles with two coincident corners, as at
+// poles, are left out.
+void AddPatch(int columns, int rows, const PatchSurface& surface, Mesh& mesh);
 
 // u runs about the z axis from angle 0 to `phi_degrees`, v from `low` to `high` in z. -radius <=
 // low < high <= radius.

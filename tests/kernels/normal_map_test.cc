@@ -14,6 +14,7 @@
 #include "scene/materials/texture_tables.h"
 #include "scene/pbrt/reader.h"
 #include "scene/shapes/mesh.h"
+#include "tests/support/bent_normal.h"
 #include "tests/support/random_rows.h"
 #include "tests/support/screens_scene.h"
 #include "tests/support/targets.h"
@@ -59,19 +60,7 @@ struct Relief {
                           edges.y * (mesh.positions[t.z] - mesh.positions[t.x]));
   }
   glm::vec3 Bent(const glm::vec3& wo, glm::vec2 place = {0.25f, 0.25f}) const {
-    const Geometry geometry(scene, "test");
-    const soa::Table<SurfaceColumns> table(1);
-    const SurfaceColumns& s = table;
-    const Mesh& mesh = scene.meshes[0];
-    const glm::uvec3& t = mesh.triangles[0];
-    const glm::vec3 ng = glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
-                                    mesh.positions[t.z] - mesh.positions[t.x]);
-    s.ng_x[0] = ng.x, s.ng_y[0] = ng.y, s.ng_z[0] = ng.z;
-    s.wo_x[0] = wo.x, s.wo_y[0] = wo.y, s.wo_z[0] = wo.z;
-    s.u[0] = place.x, s.v[0] = place.y, s.t[0] = 1, s.triangle[0] = 0;
-    PrepareSurfaces(geometry.triangles(), geometry.materials().records, nullptr, 1, s);
-    BendNormals(geometry.textures(), geometry.normal_maps(), 0, 1, s);
-    return {s.ns_x[0], s.ns_y[0], s.ns_z[0]};
+    return BentNormal(Geometry(scene, "test"), scene.meshes[0], 0, place, wo);
   }
 };
 
@@ -179,6 +168,50 @@ TEST(NormalMaps, HeightsAreLengthsOfTheWorld) {
     const float of_texels = 0.8f / float(width);
     ExpectNear(relief.Bent({0, 1, 0}), glm::normalize(glm::vec3(0, 1, 0) - of_texels * x));
   }
+}
+
+// A ramp along both axes of an image that is no square, laid on triangles by coordinates that
+// stretch, skew and mirror it, rises over the triangle as its heights at the corners do.
+TEST(NormalMaps, HeightsFollowTheirCoordinates) {
+  const glm::dvec2 rise(0.7, -0.4);
+  Image ramp(48, 20);
+  for (int y = 0; y < ramp.height; ++y) {
+    for (int x = 0; x < ramp.width; ++x) {
+      const double height =
+          rise.x * (x + 0.5) / ramp.width + rise.y * (y + 0.5) / ramp.height + 0.5;
+      std::fill_n(ramp.Pixel(x, y), 3, float(height));
+    }
+  }
+  Relief relief(TextureUse::kHeights, ramp);
+  relief.scene.textures[0].wrap_u = relief.scene.textures[0].wrap_v = TextureWrap::kClamp;
+  Random random(85);
+  int used = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Mesh mesh;
+    mesh.triangles = {{0, 1, 2}};
+    double heights[3];
+    for (double& height : heights) {
+      mesh.positions.emplace_back(random.Between(-1, 1), random.Between(-1, 1),
+                                  random.Between(-1, 1));
+      mesh.uvs.emplace_back(random.Between(0.15, 0.85), random.Between(0.15, 0.85));
+      const glm::mat3x2 upwards(1, 0, 0, -1, 0, 1);
+      relief.scene.textures[0].transform = upwards;
+      height = glm::dot(rise, glm::dvec2(upwards * glm::vec3(mesh.uvs.back(), 1)));
+    }
+    const glm::dvec3 a(mesh.positions[0]), e1 = glm::dvec3(mesh.positions[1]) - a,
+                                           e2 = glm::dvec3(mesh.positions[2]) - a;
+    const glm::dvec3 up = glm::normalize(glm::cross(e1, e2));
+    // Along the surface, the gradient is what the heights of the edges ask for.
+    const glm::dvec3 gradient = glm::inverse(glm::transpose(glm::dmat3(e1, e2, up))) *
+                                glm::dvec3(heights[1] - heights[0], heights[2] - heights[0], 0);
+    const glm::dvec2 d1 = mesh.uvs[1] - mesh.uvs[0], d2 = mesh.uvs[2] - mesh.uvs[0];
+    if (glm::length(gradient) > 3 || std::abs(d1.x * d2.y - d1.y * d2.x) < 0.02) continue;
+    ++used;
+    relief.scene.meshes = {mesh};
+    const glm::vec3 expected(glm::normalize(up - gradient));
+    ForEachTarget([&] { ExpectNear(relief.Bent(glm::vec3(up), {0.3f, 0.4f}), expected); });
+  }
+  EXPECT_GT(used, 100);
 }
 
 TEST(NormalMaps, NormalsNeverLookAwayFromTheEye) {

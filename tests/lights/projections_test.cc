@@ -312,6 +312,29 @@ TEST(Projections, CubesNeedSquareFaces) {
   EXPECT_THROW(ToLatLong(Image(10, 10), Projection::kCubeStrip), InputError);
 }
 
+// No texel of the lat-long map is larger than the texels of the square, which are equal.
+TEST(Projections, SquaresKeepTheirDetail) {
+  for (const int side : {1, 2, 7, 64, 1024}) {
+    const int height = LatLongHeight(Projection::kOctahedral, side, side);
+    EXPECT_LE(RowSolidAngle(2 * height, height, height / 2), 4 * M_PI / (double(side) * side));
+  }
+  // Checks of two by two texels keep half of their contrast.
+  Image checks(64, 64);
+  for (int i = 0; i < 64 * 64; ++i) {
+    std::fill_n(checks.Pixel(i % 64, i / 64), 3, float((i % 64 / 2 + i / 64 / 2) % 2));
+  }
+  const Image latlong = ToLatLong(checks, Projection::kOctahedral);
+  double squares = 0, weights = 0;
+  for (int y = 0; y < latlong.height; ++y) {
+    const double area = RowSolidAngle(latlong.width, latlong.height, y);
+    for (int x = 0; x < latlong.width; ++x) {
+      const double off = 2 * double(latlong.Pixel(x, y)[0]) - 1;
+      squares += area * off * off, weights += area;
+    }
+  }
+  EXPECT_GT(std::sqrt(squares / weights), 0.5);
+}
+
 TEST(Projections, ShapesOfCrossesAreDetected) {
   EXPECT_EQ(DetectProjection(Image(8, 6), "m"), Projection::kHorizontalCross);
   EXPECT_EQ(DetectProjection(Image(6, 8), "m"), Projection::kVerticalCross);

@@ -154,6 +154,65 @@ TEST(PbrtLights, GoniometricOnes) {
   EXPECT_THROW(parse(""), InputError);
 }
 
+// pbrt-v3 has a lat-long image, whose first row is up (y) and whose columns turn from +x to +z, and
+// whose colours count.
+TEST(PbrtLights, GoniometricOnesOfVersionThree) {
+  const TemporaryFolder folder;
+  const int width = 128, height = 64;
+  Image image(width, height);
+  const auto factor = [&](double turn, double down) {
+    return 1.5 + glm::dvec3(std::sin(down) * std::cos(turn), std::sin(down) * std::sin(turn),
+                            std::cos(down));
+  };
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const glm::dvec3 value = factor(2 * kPi * (x + 0.5) / width, kPi * (y + 0.5) / height);
+      for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = float(value[c]);
+    }
+  }
+  WriteImage(folder.Path("image.pfm"), image);
+  const auto parse = [&](const std::string& more) {
+    return ParsePbrt("WorldBegin Translate 1 2 3 LightSource \"goniometric\" " + more,
+                     folder.Path("t.pbrt"), {.strict = true});
+  };
+  const Scene scene =
+      parse("\"rgb I\" [1 2 3] \"rgb scale\" [2 2 1] \"string mapname\" \"image.pfm\"");
+  ExpectNear(scene.lights.at(0).emission, {2, 4, 3});
+  for (int i = 0; i < 200; ++i) {
+    const double up = 1 - (i + 0.5) / 100, turn = std::fmod(i * 2.4, 2 * kPi);
+    const double side = std::sqrt(1 - up * up);
+    const glm::dvec3 to(side * std::cos(turn), up, side * std::sin(turn));
+    const glm::dvec3 expected = factor(turn, std::acos(up));
+    const glm::dvec3 sent = SentTo(scene, glm::dvec3(1, 2, 3) + to);
+    // A texel of the square is 0.06 wide, over which the factor changes by a tenth at most.
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(sent[c] / expected[c], 1, 0.15) << up << " " << turn;
+  }
+  // Without an image it is a point.
+  const Scene plain = parse("\"rgb I\" [1 2 3]");
+  EXPECT_EQ(SentTo(plain, {2, 3, 4}), glm::dvec3(1));
+}
+
+// pbrt-v3 projects the first row to the bottom, by default in a square of 45 degrees.
+TEST(PbrtLights, ProjectionsOfVersionThree) {
+  const TemporaryFolder folder;
+  Image image(1, 2);
+  for (int i = 0; i < 6; ++i) image.rgb[std::size_t(i)] = float(1 + i);
+  WriteImage(folder.Path("image.pfm"), image);
+  const auto parse = [&](const std::string& more) {
+    return ParsePbrt("WorldBegin LightSource \"projection\" " + more, folder.Path("t.pbrt"),
+                     {.strict = true});
+  };
+  const Scene scene = parse("\"rgb I\" [2 2 2] \"string mapname\" \"image.pfm\"");
+  const double half = std::tan(kPi / 8);
+  EXPECT_EQ(SentTo(scene, {0.9 * half, -1.9 * half, 1}), glm::dvec3(1, 2, 3));
+  EXPECT_EQ(SentTo(scene, {-0.9 * half, 1.9 * half, 1}), glm::dvec3(4, 5, 6));
+  EXPECT_EQ(SentTo(scene, {1.02 * half, 0, 1}), glm::dvec3(0));
+  EXPECT_EQ(SentTo(scene, {0, 2.02 * half, 1}), glm::dvec3(0));
+  const Scene plain = parse("");
+  EXPECT_EQ(SentTo(plain, {0.98 * half, 0.98 * half, 1}), glm::dvec3(1));
+  EXPECT_EQ(SentTo(plain, {1.02 * half, 0, 1}), glm::dvec3(0));
+}
+
 // The image is upright for an eye behind the light, and `fov` is that of its shorter side.
 TEST(PbrtLights, Projections) {
   const TemporaryFolder folder;

@@ -157,6 +157,28 @@ TEST(BadPbrt, IsRefusedWithFileLineAndReason) {
       {"Shape \"loopsubdiv\" \"integer levels\" -1 \"integer indices\" [0 1 2] \"point P\" "
        "[0 0 0 1 0 0 0 1 0]",
        "t.pbrt:1", "-1 levels"},
+      {"\nShape \"curve\"", "t.pbrt:2", "needs vertices"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0 4 0 0]", "t.pbrt:1",
+       "5 points \"P\" are no Bezier segments of degree 3"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0] \"integer degree\" 2 \"string basis\" "
+       "\"bspline\"",
+       "t.pbrt:1", "2 points \"P\" are no B-spline of degree 2"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0]\n\"integer degree\" 4", "t.pbrt:2",
+       "the degree is 4"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0]\n\"string basis\" \"nurbs\"",
+       "t.pbrt:2", "no basis \"nurbs\""},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0]\n\"string type\" \"round\"",
+       "t.pbrt:2", "no type \"round\""},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"float width1\" -1", "t.pbrt:1",
+       "widths of 1 and -1"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"float width\" 0", "t.pbrt:1",
+       "widths of 0 and 0"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"string type\" \"ribbon\"",
+       "t.pbrt:1", "0 normals \"N\" for 1 segments"},
+      {"Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"string type\" "
+       "\"ribbon\"\n\"normal N\" "
+       "[0 0 1 0 0 0]",
+       "t.pbrt:2", "normal 1 is no direction"},
   };
   for (const BadText& bad : cases) {
     const std::string error = PbrtError(bad.text);

@@ -592,7 +592,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
   const Scene scene = Parse(
       "Film \"rgb\" \"string filename\" \"out.exr\"\n"              // 1
       "WorldBegin\n"                                                // 2
-      "LightSource \"goniometric\" \"rgb I\" [1 1 1]\n"             // 3
+      "LightSource \"laser\" \"rgb I\" [1 1 1]\n"                   // 3
       "Material \"velvet\"\n"                                       // 4
       "Shape \"cone\"\n"                                            // 5
       "Shape \"sphere\"\n"                                          // 6
@@ -606,7 +606,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
       "WorldBegin\n");                                              // 14
   const std::vector<std::string> expected = {
       "t.pbrt:1: Film \"rgb\": \"filename\" is ignored: the output is named on the command line",
-      "t.pbrt:3: LightSource \"goniometric\" without a \"filename\" is not supported: left out",
+      "t.pbrt:3: LightSource \"laser\" is not supported: left out",
       "t.pbrt:4: Material \"velvet\" is not supported: rendered as grey Lambert",
       "t.pbrt:5: Shape \"cone\" is not supported: left out (2 times)",
       "t.pbrt:7: Shape \"sphere\": \"float bulge\" is not understood: ignored",
@@ -637,7 +637,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "MediumInterface \"m\" \"\"",
                            "Attribute \"medium\" \"float scale\" 2",
                            "Attribute \"shape\" \"float bulge\" 2 Shape \"sphere\"",
-                           "LightSource \"projection\"",
+                           "LightSource \"laser\"",
                            "LightSource \"point\" \"float bulge\" 1",
                            "Film \"rgb\" \"float maxcomponentvalue\" 3",
                            "LightSource \"infinite\" \"spectrum L\" \"stdillum-X\"",
@@ -650,7 +650,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Material \"conductor\" \"spectrum eta\" \"metal-Xx-eta\"",
                            "Material \"glass\" \"rgb Kt\" [0 0 0]",
                            "Material \"matte\" \"rgb Kd\" [2 0 0]",
-                           "Shape \"curve\"",
+                           "Shape \"cone\"",
                            "Shape \"sphere\" \"integer radius\" 2",
                            "Material \"none\" Shape \"sphere\"",
                            "AreaLightSource \"goniometric\""}) {

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <string>
 
+#include "scene/geometry.h"
 #include "scene/materials/noise.h"
 #include "scene/pbrt/reader.h"
+#include "tests/support/bent_normal.h"
 
 namespace skywave {
 namespace {
@@ -26,12 +29,15 @@ struct Place {
   glm::vec3 position, normal, color;
 };
 
-// Returns points of the only mesh, uniform in each triangle, with what a lookup shows there: the
-// nearest texel.
-std::vector<Place> Places(const Scene& scene, int per_triangle) {
+// Returns points of the only mesh, uniform in each triangle, with what a lookup of one of the
+// material's textures shows there: the nearest texel.
+std::vector<Place> Places(
+    const Scene& scene, int per_triangle,
+    std::optional<std::uint32_t> Material::*which = &Material::color_texture) {
   const Mesh& mesh = scene.meshes.at(0);
   const Material& material = scene.materials[mesh.material];
-  const Texture& texture = scene.textures[material.color_texture.value()];
+  const Texture& texture = scene.textures[(material.*which).value()];
+  const glm::vec3 factor = which == &Material::color_texture ? material.reflectance : glm::vec3(1);
   const Image& image = scene.images[texture.image];
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -49,7 +55,7 @@ std::vector<Place> Places(const Scene& scene, int per_triangle) {
                       glm::clamp(int(at.y * float(image.height)), 0, image.height - 1));
       places.push_back({blend(mesh.positions),
                         mesh.normals.empty() ? glm::vec3(0) : glm::normalize(blend(mesh.normals)),
-                        material.reflectance * glm::vec3(texel[0], texel[1], texel[2])});
+                        factor * glm::vec3(texel[0], texel[1], texel[2])});
     }
   }
   return places;
@@ -172,6 +178,115 @@ TEST(SolidTextures, NoiseIsInTheSpaceOfItsTexture) {
     const double wind = std::abs(FractalNoise(0.1 * at, 0.5, 3));
     ASSERT_NEAR(p.color.z, Clamped(wind * FractalNoise(at, 0.5, 6)), 0.03);
   }
+}
+
+// Roughness of noise is remapped as a number is, and the baked value is the root of alpha.
+TEST(SolidTextures, MakeRoughness) {
+  const Scene scene = Parse(
+      "Texture \"n\" \"float\" \"wrinkled\" \"integer octaves\" 2 Material \"conductor\" "
+      "\"texture roughness\" \"n\" Shape \"sphere\"");
+  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  const Material& material = scene.materials[scene.meshes[0].material];
+  EXPECT_EQ(material.bsdf, BsdfKind::kConductor);
+  EXPECT_EQ(material.alpha, 1);
+  for (const Place& p : Places(scene, 1, &Material::roughness_texture)) {
+    const glm::dvec3 at(p.position);
+    const double sum =
+        std::abs(GradientNoise(at)) + 0.5 * std::abs(GradientNoise(1.99 * at)) + 0.2 * 0.25;
+    // pbrt-v4 takes the root of roughness for alpha.
+    ASSERT_NEAR(std::pow(double(p.color.y), 4), Clamped(sum), 0.04);
+  }
+}
+
+// Versions 3 and 4 mean shares of the first and of the second material.
+TEST(SolidTextures, MixMaterials) {
+  const std::string checks =
+      "Texture \"c\" \"float\" \"checkerboard\" \"integer dimension\" 3 \"float tex1\" .8 \"float "
+      "tex2\" .1 MakeNamedMaterial \"p\" \"string type\" \"matte\" MakeNamedMaterial \"q\" "
+      "\"string "
+      "type\" \"mirror\" Material \"mix\" \"texture amount\" \"c\" ";
+  for (const bool v4 : {false, true}) {
+    const Scene scene =
+        Parse(checks +
+              (v4 ? "\"string materials\" [\"p\" \"q\"]"
+                  : "\"string namedmaterial1\" \"p\" \"string namedmaterial2\" \"q\"") +
+              " Shape \"trianglemesh\" \"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9]");
+    ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+    for (const Place& place : Places(scene, 500, &Material::mixture_texture)) {
+      const glm::vec3 to_edge = glm::abs(place.position - glm::round(place.position));
+      if (std::min({to_edge.x, to_edge.y, to_edge.z}) < 0.02f) continue;
+      const glm::ivec3 cell(glm::floor(place.position));
+      const float amount = (cell.x + cell.y + cell.z) % 2 == 0 ? .8f : .1f;
+      ASSERT_NEAR(place.color.x, v4 ? amount : 1 - amount, 1e-5f);
+    }
+  }
+}
+
+// The bent normal is that of a surface raised by the noise, whatever the shape, its transform and
+// the place of its triangles in the image. Half a texel of the coarsest is 0.005.
+TEST(SolidTextures, RaiseSurfaces) {
+  const std::string noise =
+      "AttributeBegin Scale .8 1 .9 Texture \"n\" \"float\" \"fbm\" \"integer octaves\" 2 "
+      "AttributeEnd Texture \"h\" \"float\" \"scale\" \"texture tex\" \"n\" \"float scale\" .3 "
+      "Material \"diffuse\" \"texture displacement\" \"h\" ";
+  const auto height = [](const glm::dvec3& p) {
+    const glm::dvec3 at = p / glm::dvec3(.8, 1, .9);
+    return 0.3 * (GradientNoise(at) + 0.5 * GradientNoise(1.99 * at));
+  };
+  for (const char* shape :
+       {"Shape \"sphere\"", "ReverseOrientation Shape \"sphere\" \"float zmax\" .7",
+        "Scale 1 2 1 Shape \"cylinder\" \"float phimax\" 200",
+        "Rotate 20 1 1 0 Scale -1 1 1 Shape \"disk\" \"float innerradius\" .3",
+        "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9 -1 1 .4] "
+        "\"integer indices\" [0 1 2 0 2 3]",
+        "Scale 1 -.3 1 Shape \"trianglemesh\" \"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9]"}) {
+    SCOPED_TRACE(shape);
+    const Scene scene = Parse(noise + shape);
+    ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+    const Geometry geometry(scene, "t.pbrt");
+    const Mesh& mesh = scene.meshes.at(0);
+    std::mt19937 random(9);
+    std::uniform_real_distribution<float> uniform(0, 0.5f);
+    double steepest = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const auto triangle = std::uint32_t(random() % mesh.triangles.size());
+      const glm::uvec3& t = mesh.triangles[triangle];
+      const glm::vec2 b(uniform(random), uniform(random));
+      const auto blend = [&](const auto& of) {
+        return glm::dvec3((1 - b.x - b.y) * of[t.x] + b.x * of[t.y] + b.y * of[t.z]);
+      };
+      const glm::dvec3 place = blend(mesh.positions);
+      const glm::dvec3 edge = glm::dvec3(mesh.positions[t.y] - mesh.positions[t.x]);
+      const glm::dvec3 normal = glm::normalize(
+          mesh.normals.empty()
+              ? glm::cross(edge, glm::dvec3(mesh.positions[t.z] - mesh.positions[t.x]))
+              : blend(mesh.normals));
+      // Where coordinates meet in a point, a texel is long and thin.
+      if (std::abs(glm::normalize(place).z) > 0.95) continue;
+      glm::dvec3 gradient;
+      for (int c = 0; c < 3; ++c) {
+        glm::dvec3 step(0);
+        step[c] = 1e-4;
+        gradient[c] = (height(place + step) - height(place - step)) / 2e-4;
+      }
+      gradient -= normal * glm::dot(normal, gradient);
+      steepest = std::max(steepest, glm::length(gradient));
+      const glm::dvec3 raised = glm::normalize(normal - gradient);
+      const glm::dvec3 bent(BentNormal(geometry, mesh, triangle, b, glm::vec3(normal)));
+      ASSERT_LT(glm::length(bent - raised), 0.02)
+          << place.x << " " << place.y << " " << place.z << " on " << triangle;
+    }
+    EXPECT_GT(steepest, 0.4);
+  }
+}
+
+// What cannot be evaluated is named.
+TEST(SolidTextures, AreNotCombinedWithImages) {
+  const Scene scene = Parse(
+      "Texture \"n\" \"float\" \"fbm\" Texture \"c\" \"float\" \"checkerboard\"\nTexture \"m\" "
+      "\"float\" \"mix\" \"texture tex1\" \"n\" \"texture tex2\" \"c\" Shape \"sphere\"");
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(scene.warnings[0].starts_with("t.pbrt:2: ")) << scene.warnings[0];
 }
 
 // The plane of the checks is spanned by two vectors of the texture's space, which is turned.
