@@ -9,7 +9,6 @@
 
 #include "scene/materials/merl.h"
 #include "scene/materials/metals.h"
-#include "scene/pbrt/solid_textures.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -517,16 +516,6 @@ Material Mix(Context& context) {
                                                         parameters.directive, names[i]));
     }
     rows[i] = *found->second;
-    const auto solid = context.reader.solid_materials.find(rows[i]);
-    if (solid == context.reader.solid_materials.end()) continue;
-    Warn(context,
-         "a texture that varies in space is not supported in a mixture: the default of "
-         "its parameter is used");
-    std::vector<Material>& materials = context.reader.scene.materials;
-    Material copy = materials[rows[i]];
-    SetPbrtFallbacks(solid->second, copy);
-    materials.push_back(std::move(copy));
-    rows[i] = std::uint32_t(materials.size() - 1);
   }
   Material material;
   if (const auto shares = FindImageTexture(parameters, "amount", context.reader.float_textures)) {

@@ -224,9 +224,10 @@ std::uint32_t AddSurfaceTexture(Scene& scene, Image image, TextureUse use) {
   return std::uint32_t(scene.textures.size() - 1);
 }
 
-// Bakes a parameter by `bake` and gives it to the material.
-void BakeParameter(const PbrtSolidParameter& solid,
-                   const std::function<Image(const TexelValue&)>& bake, Scene& scene,
+using BakeTexels = std::function<Image(const TexelValue&)>;
+
+// Gives the material the image of a parameter.
+void BakeParameter(const PbrtSolidParameter& solid, const BakeTexels& bake, Scene& scene,
                    Material& material) {
   if (solid.use == PbrtSolidUse::kHeight) {
     Image normals = bake(SlopeAt(*solid.value));
@@ -239,6 +240,40 @@ void BakeParameter(const PbrtSolidParameter& solid,
   if (solid.use == PbrtSolidUse::kReflectance) material.color_texture = texture;
   if (solid.use == PbrtSolidUse::kRoughness) material.roughness_texture = texture;
   if (solid.use == PbrtSolidUse::kShare) material.mixture_texture = texture;
+}
+
+void SetFallback(const PbrtSolidParameter& solid, Material& material) {
+  if (solid.use == PbrtSolidUse::kReflectance) material.reflectance *= solid.fallback;
+  if (solid.use == PbrtSolidUse::kRoughness) material.alpha = solid.fallback;
+  if (solid.use == PbrtSolidUse::kShare) material.mixture->share = solid.fallback;
+}
+
+// Returns how many images the material and those that it is mixed of need.
+std::size_t CountSolids(const PbrtReader& reader, std::uint32_t named) {
+  const auto found = reader.solid_materials.find(named);
+  if (found == reader.solid_materials.end()) return 0;
+  const auto& mixture = reader.scene.materials[named].mixture;
+  return found->second.size() +
+         (mixture ? CountSolids(reader, mixture->first) + CountSolids(reader, mixture->second) : 0);
+}
+
+// Returns a copy of `material`, which is `named` or a copy of that, with the images that `bake`
+// makes, or else with its defaults, and likewise of those that it is mixed of.
+std::uint32_t CopyWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
+                             const BakeTexels& bake) {
+  const auto found = reader.solid_materials.find(named);
+  if (found == reader.solid_materials.end()) return material;
+  Material copy = reader.scene.materials[material];
+  for (const PbrtSolidParameter& solid : found->second) {
+    bake ? BakeParameter(solid, bake, reader.scene, copy) : SetFallback(solid, copy);
+  }
+  if (copy.mixture) {
+    for (std::uint32_t* part : {&copy.mixture->first, &copy.mixture->second}) {
+      *part = CopyWithSolids(reader, *part, *part, bake);
+    }
+  }
+  reader.scene.materials.push_back(std::move(copy));
+  return std::uint32_t(reader.scene.materials.size() - 1);
 }
 
 // Returns a point of a cubic Bezier curve.
@@ -329,39 +364,28 @@ PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const Pbr
       });
 }
 
-void SetPbrtFallbacks(std::span<const PbrtSolidParameter> solids, Material& material) {
-  for (const PbrtSolidParameter& solid : solids) {
-    if (solid.use == PbrtSolidUse::kReflectance) material.reflectance *= solid.fallback;
-    if (solid.use == PbrtSolidUse::kRoughness) material.alpha = solid.fallback;
-    if (solid.use == PbrtSolidUse::kShare) material.mixture->share = solid.fallback;
-  }
-}
-
-std::uint32_t MaterialWithSolids(PbrtReader& reader, std::span<const PbrtSolidParameter> solids,
-                                 std::uint32_t material, const PbrtSolidShape& shape, Mesh& mesh) {
-  Material copy = reader.scene.materials[material];
+std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
+                                 const PbrtSolidShape& shape, Mesh& mesh) {
   const bool patch = shape.type == "sphere" || shape.type == "disk" || shape.type == "cylinder";
   const bool few = !shape.fixed_uvs && mesh.triangles.size() <= kMostSquares;
   const Atlas atlas = AtlasOf(std::max<std::size_t>(mesh.triangles.size(), 1));
   const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);
   const std::size_t texels =
-      solids.size() * (patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side);
+      CountSolids(reader, named) * (patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side);
+  BakeTexels bake;
   if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
     AddWarning(
         reader.warnings, shape.position,
         "a texture that varies in space is not supported on so many triangles, together with "
         "other textures, or on so many shapes: the default of its parameter is used");
-    SetPbrtFallbacks(solids, copy);
   } else {
     reader.baked_texels += texels;
     if (!patch) LayOut(atlas, mesh);
-    const auto bake = [&](const TexelValue& value) {
+    bake = [&](const TexelValue& value) {
       return patch ? BakePatch(mesh, value) : BakeAtlas(mesh, atlas, value);
     };
-    for (const PbrtSolidParameter& solid : solids) BakeParameter(solid, bake, reader.scene, copy);
   }
-  reader.scene.materials.push_back(std::move(copy));
-  return std::uint32_t(reader.scene.materials.size() - 1);
+  return CopyWithSolids(reader, named, material, bake);
 }
 
 }  // namespace skywave

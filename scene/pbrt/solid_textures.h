@@ -2,8 +2,6 @@
 // has them, into an image over the shape's (u, v).
 #pragma once
 
-#include <span>
-
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -27,14 +25,12 @@ struct PbrtSolidShape {
   const InputPosition& position;
   bool fixed_uvs;  // something else on it depends on its (u, v)
 };
-// Returns the material of one shape, whose mesh is in the world: `material` with the images of
-// `solids` on it. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the
+// Returns the material of one shape, whose mesh is in the world: `material`, which is `named` or a
+// copy of it with alpha, with the images of what varies in space on it and on the materials that it
+// is mixed of. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the
 // image for each triangle. Where that cannot be, because there are too many triangles or other
 // textures, the material gets its defaults, with a warning at the shape.
-std::uint32_t MaterialWithSolids(PbrtReader& reader, std::span<const PbrtSolidParameter> solids,
-                                 std::uint32_t material, const PbrtSolidShape& shape, Mesh& mesh);
-
-// Gives a material the defaults of parameters that vary in space.
-void SetPbrtFallbacks(std::span<const PbrtSolidParameter> solids, Material& material);
+std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
+                                 const PbrtSolidShape& shape, Mesh& mesh);
 
 }  // namespace skywave

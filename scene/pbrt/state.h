@@ -75,7 +75,8 @@ struct PbrtReader {
   // The copy of a material for shapes with alpha, by material, opacity and opacity texture.
   std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;
   std::vector<PbrtSolidParameter> solids;  // of the material that is being read
-  std::map<std::uint32_t, std::vector<PbrtSolidParameter>> solid_materials;  // by material
+  // By material; a mixture of such materials is among them, even if it has none itself.
+  std::map<std::uint32_t, std::vector<PbrtSolidParameter>> solid_materials;
   std::uint32_t area_lights = 0;
   // The emitting copy of a material, by material and area light.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;

@@ -148,17 +148,12 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     return ResolvePbrtPath(reader, name, position);
   };
   std::optional<std::uint32_t> material = reader.state.material;
-  const std::vector<PbrtSolidParameter>* solids = nullptr;
-  if (material) {
-    if (const auto found = reader.solid_materials.find(*material);
-        found != reader.solid_materials.end()) {
-      solids = &found->second;
-    }
-    material = MaterialWithPbrtAlpha(reader, parameters, *material);
-  }
+  const std::optional<std::uint32_t> named = material;
+  const bool varies = named && reader.solid_materials.contains(*named);
+  if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
   const auto& lamp = reader.state.area_light;
   const bool fixed_uvs = material && (UsesUvs(reader.scene, *material) || (lamp && lamp->image));
-  const bool uses_uvs = fixed_uvs || solids != nullptr;
+  const bool uses_uvs = fixed_uvs || varies;
   std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
                                            {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
                                             .corner_uvs = uses_uvs,
@@ -174,8 +169,8 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   if (reader.state.reverse_orientation) FlipOrientation(*mesh);
   MirrorPbrtTangents(reader.scene, type, parameters, glm::dmat3(reader.state.to_world), *material,
                      *mesh);
-  if (solids) {
-    material = MaterialWithSolids(reader, *solids, *material, {type, position, fixed_uvs}, *mesh);
+  if (varies) {
+    material = MaterialWithSolids(reader, *named, *material, {type, position, fixed_uvs}, *mesh);
   }
   mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
   mesh->name = fmt::format("{} ({})", type, ToString(position));
@@ -195,9 +190,13 @@ std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& 
   material.name = name;
   material.normal_texture = relief.normal_texture;
   material.normal_scale = relief.normal_scale;
+  const auto& mixture = material.mixture;
+  const bool varies =
+      !reader.solids.empty() || (mixture && (reader.solid_materials.contains(mixture->first) ||
+                                             reader.solid_materials.contains(mixture->second)));
   reader.scene.materials.push_back(std::move(material));
   const auto index = static_cast<std::uint32_t>(reader.scene.materials.size() - 1);
-  if (!reader.solids.empty()) reader.solid_materials.emplace(index, reader.solids);
+  if (varies) reader.solid_materials.emplace(index, reader.solids);
   return index;
 }
 

@@ -222,6 +222,43 @@ TEST(SolidTextures, MixMaterials) {
   }
 }
 
+// The parts of a mixture, and those of a mixture in it, have images of their own over one (u, v).
+TEST(SolidTextures, VaryInThePartsOfMixtures) {
+  const Scene scene = Parse(
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 \"rgb tex1\" [.8 .1 .1] "
+      "\"rgb tex2\" [.1 .2 .7] Texture \"n\" \"float\" \"wrinkled\" \"integer octaves\" 1 "
+      "MakeNamedMaterial \"p\" \"string type\" \"diffuse\" \"texture reflectance\" \"c\" "
+      "MakeNamedMaterial \"q\" \"string type\" \"conductor\" \"texture roughness\" \"n\" "
+      "MakeNamedMaterial \"m\" \"string type\" \"mix\" \"string materials\" [\"p\" \"q\"] "
+      "Material \"mix\" \"string materials\" [\"q\" \"m\"] "
+      "Shape \"trianglemesh\" \"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9] \"float alpha\" .5");
+  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  Scene part = scene;
+  std::uint32_t& material = part.meshes[0].material;
+  EXPECT_EQ(part.materials[material].opacity, 0.5f);
+  const auto noise = [](const Place& p) {
+    const glm::dvec3 at(p.position);
+    return Clamped(std::abs(GradientNoise(at)) + 0.2 * 0.5);
+  };
+  const Mixture outer = *part.materials[material].mixture;
+  material = outer.first;
+  for (const Place& p : Places(part, 200, &Material::roughness_texture)) {
+    ASSERT_NEAR(std::pow(double(p.color.y), 4), noise(p), 0.04);
+  }
+  const Mixture inner = *part.materials[outer.second].mixture;
+  material = inner.first;
+  for (const Place& p : Places(part, 200)) {
+    const glm::vec3 to_edge = glm::abs(p.position - glm::round(p.position));
+    if (std::min({to_edge.x, to_edge.y, to_edge.z}) < 0.02f) continue;
+    const glm::ivec3 cell(glm::floor(p.position));
+    ASSERT_NEAR(p.color.x, (cell.x + cell.y + cell.z) % 2 == 0 ? .8f : .1f, 1e-5f);
+  }
+  material = inner.second;
+  for (const Place& p : Places(part, 200, &Material::roughness_texture)) {
+    ASSERT_NEAR(std::pow(double(p.color.y), 4), noise(p), 0.04);
+  }
+}
+
 // The bent normal is that of a surface raised by the noise, whatever the shape, its transform and
 // the place of its triangles in the image. Half a texel of the coarsest is 0.005.
 TEST(SolidTextures, RaiseSurfaces) {
@@ -366,8 +403,9 @@ TEST(SolidTextures, AreReportedWhereTheyCannotBe) {
   const Scene mixed = Parse(checks +
                             "MakeNamedMaterial \"p\" \"string type\" \"diffuse\" \"texture "
                             "reflectance\" \"c\" Material \"mix\" \"string materials\" [\"p\" "
-                            "\"p\"] Shape \"sphere\"");
-  ASSERT_FALSE(mixed.warnings.empty());
+                            "\"p\"] Shape \"loopsubdiv\" \"integer levels\" 7 \"integer indices\" "
+                            "[0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+  ASSERT_EQ(mixed.warnings.size(), 1u);
   const auto& mixture = mixed.materials[mixed.meshes[0].material].mixture;
   EXPECT_EQ(mixed.materials[mixture->first].reflectance, glm::vec3(0.5f));
 }
