@@ -55,4 +55,5 @@ Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -lskywave
 ]])
 install(FILES ${CMAKE_BINARY_DIR}/skywave.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
         COMPONENT development)
-install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development
+        USE_SOURCE_PERMISSIONS)
