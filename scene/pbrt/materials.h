@@ -22,7 +22,8 @@
 //   anything else         grey Lambert, with a warning
 //
 // A reflectance, Kd or transmittance may be an image (textures.cc), and so may the roughness of
-// conductors and dielectrics; other parameters are constant.
+// conductors and dielectrics and the amount of mix; all but transmittance may vary in space
+// (solid_textures.h), the reflectance of diffuse bodies alone. Other parameters are constant.
 #pragma once
 
 #include <string>

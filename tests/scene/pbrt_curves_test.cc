@@ -262,6 +262,23 @@ TEST(Curves, AreBounded) {
   }
 }
 
+// White hair nearly vanishes in a furnace, seen from so near that it fills the film.
+TEST(Curves, ThinOnesLoseLittleLight) {
+  const RenderJob job(
+      ParsePbrt(
+          "LookAt 0 0 1 0 0 0 0 1 0 Camera \"orthographic\" \"float screenwindow\" [-.0024 "
+          ".0024 -.0024 .0024] WorldBegin LightSource \"infinite\" Material \"diffuse\" \"rgb "
+          "reflectance\" [1 1 1] Shape \"curve\" \"point3 P\" [0 -.5 0 0 -.2 0 0 .2 0 0 .5 0] "
+          "\"float width\" .005",
+          "t.pbrt"),
+      SmallRequest(24, 24, 64));
+  const PictureEstimate picture = MeanOfBlocks(EstimateFromEngine(job, 4, 60), 24);
+  for (const double mean : picture.mean) {
+    EXPECT_GT(mean, 0.993);
+    EXPECT_LT(mean, 1);
+  }
+}
+
 // A thick tube and pbrt's cylinder, whose sides are finer, are the same picture.
 TEST(Curves, LookLikeCylinders) {
   const std::string scene =
