@@ -161,8 +161,7 @@ void Renderer::Render(const RenderControl& control) {
             PartOf(*state.job, ChooseSamples(state.limits, state.identity.samples));
         const Picture picture = PictureOf(state, rows.With(film, samples), part);
         try {
-          skywave::WriteExr(snapshot, picture);
-          skywave::WritePng(PngBeside(snapshot), picture);
+          skywave::WriteExrAndPng(snapshot, picture);
         } catch (const InputError& error) {
           state.notes.push_back(error.what());  // a look at a picture does not end its render
         }
@@ -199,6 +198,15 @@ void Renderer::Render(const RenderControl& control) {
 const RenderedFilm& Renderer::State::finished() const {
   Require(rendered.has_value(), "Renderer", "there is no picture yet; call Render first");
   return *rendered;
+}
+
+void Renderer::State::Write(const std::function<void()>& write) {
+  Translated([&] {
+    finished();
+    const Clock::time_point start = Clock::now();
+    write();
+    write_seconds += SecondsSince(start);
+  });
 }
 
 void Renderer::CopyPicture(std::span<float> rgb) const {
@@ -241,32 +249,23 @@ std::string Renderer::Summary() const {
 }
 
 void Renderer::WriteExr(const std::string& path) const {
-  Translated([&] {
-    state_->finished();
-    const Clock::time_point start = Clock::now();
-    skywave::WriteExr(path, state_->picture);
-    state_->write_seconds += SecondsSince(start);
-  });
+  state_->Write([&] { skywave::WriteExr(path, state_->picture); });
 }
 
 void Renderer::WriteFilm(const std::string& path) const {
-  Translated([&] {
-    const RenderedFilm& rendered = state_->finished();
-    Require(rendered.has_film, "WriteFilm",
+  state_->Write([&] {
+    Require(state_->rendered->has_film, "WriteFilm",
             "the film was not kept; render with RenderControl::keep_film");
-    const Clock::time_point start = Clock::now();
-    skywave::WriteFilm(path, state_->identity, state_->job->options().aovs, rendered);
-    state_->write_seconds += SecondsSince(start);
+    skywave::WriteFilm(path, state_->identity, state_->job->options().aovs, *state_->rendered);
   });
 }
 
 void Renderer::WritePng(const std::string& path) const {
-  Translated([&] {
-    state_->finished();
-    const Clock::time_point start = Clock::now();
-    skywave::WritePng(path, state_->picture);
-    state_->write_seconds += SecondsSince(start);
-  });
+  state_->Write([&] { skywave::WritePng(path, state_->picture); });
+}
+
+void Renderer::WriteExrAndPng(const std::string& path) const {
+  state_->Write([&] { skywave::WriteExrAndPng(path, state_->picture); });
 }
 
 std::string Renderer::EncodePng() const {

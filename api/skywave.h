@@ -252,6 +252,9 @@ class SKYWAVE_API Renderer {
   void WriteFilm(const std::string& path) const;
   // Writes 8-bit sRGB, exposed and tone-mapped as the options say.
   void WritePng(const std::string& path) const;
+  // Writes the EXR `path` and the PNG of that name. If either cannot be written, both remain what
+  // they were.
+  void WriteExrAndPng(const std::string& path) const;
   // Returns the bytes that WritePng writes.
   std::string EncodePng() const;
 

@@ -1,6 +1,7 @@
 // The objects of the library hold this state.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -42,6 +43,8 @@ struct Renderer::State {
 
   // Throws Error if there is no picture.
   const RenderedFilm& finished() const;
+  // Writes a file of the finished picture, and adds the time to `write_seconds`.
+  void Write(const std::function<void()>& write);
 };
 
 // Returns the options of a job, except for those of its scene, bound to `request`.

@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cassert>
 #include <cerrno>
 #include <cstdio>
@@ -106,6 +108,41 @@ std::unique_ptr<FileLock> MakeLocked(const std::string& temporary) {
   }
 }
 
+// A temporary file that RemoveUnfinishedFiles has to know.
+struct UnfinishedFile {
+  std::string name;
+  pid_t writer;  // a process that was forked meanwhile has this record too
+};
+// There are as many writers as threads that write, a handful; the files of more are left to
+// RemoveLeftovers.
+std::array<std::atomic<UnfinishedFile*>, 64> unfinished_files;
+static_assert(std::atomic<UnfinishedFile*>::is_always_lock_free, "handlers of signals use these");
+
+// Keeps a file among the unfinished ones until its end.
+class UnfinishedFileScope {
+ public:
+  explicit UnfinishedFileScope(const std::string& name)
+      : file_(new UnfinishedFile{name, ::getpid()}) {
+    for (auto& place : unfinished_files) {
+      UnfinishedFile* nobody = nullptr;
+      if (!place.compare_exchange_strong(nobody, file_)) continue;
+      place_ = &place;
+      return;
+    }
+  }
+  ~UnfinishedFileScope() {
+    UnfinishedFile* own = file_;
+    // A handler that has taken the record is reading it, and the process is about to end.
+    if (place_ == nullptr || place_->compare_exchange_strong(own, nullptr)) delete file_;
+  }
+  UnfinishedFileScope(const UnfinishedFileScope&) = delete;
+  UnfinishedFileScope& operator=(const UnfinishedFileScope&) = delete;
+
+ private:
+  UnfinishedFile* file_;
+  std::atomic<UnfinishedFile*>* place_ = nullptr;
+};
+
 // A file that is written under another name than its own. Errors tell its own.
 class OutputFile {
  public:
@@ -159,14 +196,21 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes) {
 }
 
 void WriteFileAtomically(const std::string& path,
-                         const std::function<void(const std::string&)>& write) {
-  if (IsSpecial(path)) return write(path);
+                         const std::function<void(const std::string&)>& write,
+                         const std::function<void()>& before_rename) {
+  if (IsSpecial(path)) {
+    write(path);
+    if (before_rename) before_rename();
+    return;
+  }
   const std::string target = Target(path);
   const std::string temporary = TemporaryName(target);
+  const UnfinishedFileScope unfinished(temporary);
   try {
     const std::unique_ptr<FileLock> lock = MakeLocked(temporary);
     write(temporary);
     SyncToDisk(temporary);
+    if (before_rename) before_rename();
     std::filesystem::rename(temporary, target);
   } catch (const InputError&) {
     std::remove(temporary.c_str());
@@ -187,14 +231,16 @@ void WriteFileInPieces(const std::string& path,
 }
 
 void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
-                        const std::function<std::string(const PieceWriter& out)>& write) {
-  if (IsSpecial(path)) {  // cannot be gone back in
+                        const std::function<std::string(const PieceWriter& out)>& write,
+                        const std::function<void()>& before_rename) {
+  const auto at_once = [&](const std::string& special) {  // which cannot be gone back in
     std::string bytes(start_bytes, '\0');
     const std::string start = write([&](std::string_view piece) { bytes += piece; });
-    bytes.replace(0, start_bytes, start);
-    return WriteFileAtomically(path, bytes);
-  }
-  WriteFileAtomically(path, [&](const std::string& temporary) {
+    OutputFile file(path, special);
+    file.Write(bytes.replace(0, start_bytes, start));
+    file.Close();
+  };
+  const auto start_last = [&](const std::string& temporary) {
     OutputFile file(path, temporary);
     file.Write(std::string(start_bytes, '\0'));
     const std::string start = write([&](std::string_view piece) { file.Write(piece); });
@@ -202,7 +248,9 @@ void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
     file.Rewind();
     file.Write(start);
     file.Close();
-  });
+  };
+  if (IsSpecial(path)) return WriteFileAtomically(path, at_once, before_rename);
+  WriteFileAtomically(path, start_last, before_rename);
 }
 
 void WriteFileAtomically(const std::string& path, std::string_view bytes) {
@@ -236,6 +284,15 @@ std::size_t RemoveLeftovers(std::span<const std::string> targets) {
   return removed;
 }
 
+void RemoveUnfinishedFiles() noexcept {
+  const int error = errno;
+  for (auto& place : unfinished_files) {
+    const UnfinishedFile* const file = place.exchange(nullptr);
+    if (file != nullptr && file->writer == ::getpid()) ::unlink(file->name.c_str());
+  }
+  errno = error;
+}
+
 void CheckNotInput(const std::string& output, const std::string& input) {
   std::error_code ignored;
   if (!std::filesystem::equivalent(output, input, ignored)) return;
@@ -259,6 +316,7 @@ void CheckWritable(const std::string& path) {
   if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
   std::fclose(file);
   std::remove(temporary.c_str());
+  RemoveLeftovers({&path, 1});
 }
 
 }  // namespace skywave

@@ -18,9 +18,12 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes = std::size_
 // file, "PATH.PROCESS.part", is locked meanwhile, so `write` may not replace it. If `write` throws
 // or the rename fails, the temporary file is removed, `path` remains unchanged, and an InputError
 // (kExitIo) gives the reason. Links are followed; a target that is not a regular file (a pipe, a
-// terminal) is written into.
+// terminal) is written into. `before_rename` is called when the temporary file is on disk and
+// counts as a part of the writing: a second file that it writes is replaced together with `path`,
+// or neither is.
 void WriteFileAtomically(const std::string& path,
-                         const std::function<void(const std::string& temporary_path)>& write);
+                         const std::function<void(const std::string& temporary_path)>& write,
+                         const std::function<void()>& before_rename = {});
 void WriteFileAtomically(const std::string& path, std::string_view bytes);
 
 // Does so with the bytes that `write` hands on piece by piece.
@@ -31,7 +34,8 @@ void WriteFileInPieces(const std::string& path,
 // Does so with a file whose first `start_bytes` bytes are known only when all others are there:
 // `write` hands on what follows them, and returns them.
 void WriteFileStartLast(const std::string& path, std::size_t start_bytes,
-                        const std::function<std::string(const PieceWriter& out)>& write);
+                        const std::function<std::string(const PieceWriter& out)>& write,
+                        const std::function<void()>& before_rename = {});
 
 // Flushes the folder of `path` to disk, so that the name of a file that has just been written
 // survives a loss of power. A folder that cannot be flushed is left as it is.
@@ -43,8 +47,13 @@ void SyncFolderOf(const std::string& path);
 // locked. Where a file system has no locks, nothing is removed.
 std::size_t RemoveLeftovers(std::span<const std::string> targets);
 
+// Removes the temporary files that this process is writing at the moment. A handler of a signal may
+// call it, right before the process ends: what is being written fails.
+void RemoveUnfinishedFiles() noexcept;
+
 // Throws InputError (kExitIo) unless a file could be created at `path`. It is called before a long
-// render, so that an unwritable output fails in the first second rather than the last.
+// render, so that an unwritable output fails in the first second rather than the last. Removes what
+// killed writers of `path` have left.
 void CheckWritable(const std::string& path);
 
 // Throws InputError (kExitUsage) if both names denote the same existing file.

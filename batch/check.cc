@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <vector>
@@ -45,9 +47,10 @@ void CheckFolder(const std::string& folder) {
                      kExitIo);
   }
   if (::access(existing.c_str(), W_OK | X_OK) == 0) return;
+  const char* const reason = std::strerror(errno);
   throw InputError(
       InputPosition::File(folder),
-      fmt::format("pictures cannot be written there: {} is not writable", existing.string()),
+      fmt::format("pictures cannot be written there: {}: {}", existing.string(), reason),
       kExitIo);
 }
 

@@ -61,11 +61,9 @@ std::string HashText(const std::string& bytes) {
   return fmt::format("{:016x}", XXH3_64bits(bytes.data(), bytes.size()));
 }
 
-// Writes the PNG, then the EXR by which a finished picture is known, and reads that back. Returns
-// its hash.
+// Writes both files and reads back the EXR, by which a finished picture is known. Returns its hash.
 std::string WriteAndReadBack(const std::string& exr, const Picture& picture) {
-  WritePng(PngBeside(exr), picture);
-  WriteExr(exr, picture);
+  WriteExrAndPng(exr, picture);
   const std::string bytes = ReadFile(exr);
   DecodeExr(exr, bytes, {.trust_input = true});
   return HashText(bytes);

@@ -146,7 +146,7 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   reporter.save = [&](const BatchSummary& summary) { files.Save(summary); };
   const BatchSummary summary = files.WithEarlier(RunBatch(plan, render, reporter));
   display.Clear();
-  if (!flags.progress.quiet) std::fputs(Text(ResultTable(plan, summary)).c_str(), stdout);
+  if (!flags.progress.quiet) Put(stdout, Text(ResultTable(plan, summary)));
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
     const PictureResult& result = summary.results[i];
     if (result.status != PictureStatus::kFailed) continue;

@@ -65,8 +65,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
     exposure.exposure = ExposureChoice{.automatic = true};
   }
   Expose(exposure, picture);
-  WritePng(PngBeside(flags.output), picture);
-  WriteExr(flags.output, picture);
+  WriteExrAndPng(flags.output, picture);
   if (!flags.quiet) {
     for (const std::string& note : picture.notes) {
       fmt::print(stderr, "note: {}\n", SpellFlags(note));

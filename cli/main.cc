@@ -4,6 +4,8 @@
 #include "cli/signals.h"
 
 int main(int argc, char** argv) {
+  skywave::KeepStandardStreams();
   skywave::TakeFileLimitsAsErrors();
+  skywave::EndWithoutUnfinishedFiles();
   return skywave::RunCommandLine(argc, argv, skywave::AllCommands());
 }

@@ -31,6 +31,7 @@ int MergeMain(const MergeFlags& flags) {
   const bool to_film = ending == ".film";
   for (const std::string& film : flags.request.films) CheckNotInput(flags.output, film);
   CheckWritable(flags.output);
+  if (!to_film) CheckWritable(PngBeside(flags.output));
   const MergedFilm merged = MergeFilms(flags.request);
   if (to_film) {
     WriteFilm(flags.output, merged.file, merged.film);
@@ -40,8 +41,7 @@ int MergeMain(const MergeFlags& flags) {
     for (const std::string& note : picture.notes) {
       if (!flags.quiet) fmt::print(stderr, "note: {}\n", SpellFlags(note));
     }
-    WritePng(PngBeside(flags.output), picture);
-    WriteExr(flags.output, picture);
+    WriteExrAndPng(flags.output, picture);
   }
   if (!flags.quiet) {
     fmt::print("merged {} film{}, {:.1f} s of rendering; wrote {}{}\n", flags.request.films.size(),

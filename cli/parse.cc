@@ -4,6 +4,10 @@
 #include <tbb/task_arena.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
 
 #include "base/error.h"
 #include "base/granted.h"
@@ -93,14 +97,33 @@ void AddCommand(CLI::App& parent, const Command& command, GivenOptions& given,
   if (command.run) app->callback([&command, &chosen] { chosen = &command; });
 }
 
+// Returns `code`, or that of an error, which it prints, if standard output has not taken all that
+// was printed.
+int AfterOutput(int code) {
+  const bool lost = std::ferror(stdout) != 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && !lost) return code;
+  const std::string reason = flushed ? "" : std::string(": ") + std::strerror(errno);
+  fmt::print(stderr, "skywave: standard output: cannot be written{}\n", reason);
+  return code == 0 ? kExitIo : code;
+}
+
+// Prints the error and returns its exit code.
+int Report(const std::exception_ptr& thrown) {
+  const ErrorDescription error = DescribeError(thrown);
+  fmt::print(stderr, "skywave: {}\n", error.text);
+  return error.exit_code;
+}
+
 // Returns the exit code of `run`; prints what it throws.
 int Run(const std::function<int()>& run) {
   try {
     return run();
+  } catch (const std::system_error&) {
+    // Printing throws it where standard output fails, and then AfterOutput tells.
+    return std::ferror(stdout) != 0 ? kExitIo : Report(std::current_exception());
   } catch (...) {
-    const ErrorDescription error = DescribeError(std::current_exception());
-    fmt::print(stderr, "skywave: {}\n", error.text);
-    return error.exit_code;
+    return Report(std::current_exception());
   }
 }
 
@@ -168,7 +191,9 @@ ErrorDescription DescribeError(const std::exception_ptr& thrown) {
   }
 }
 
-int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
+namespace {
+
+int ParseAndRun(int argc, char** argv, const std::vector<Command>& commands) {
   CLI::App program{std::string(kProgramDescription) +
                    "\nStart with:  skywave render gallery -o gallery.exr"};
   program.set_version_flag("--version", VersionText());
@@ -184,6 +209,12 @@ int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) 
   // The arena is for what runs in parallel without an option for the number of threads.
   tbb::task_arena arena(GrantedHere().threads);
   return arena.execute([&] { return Run([&] { return chosen->run(given); }); });
+}
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv, const std::vector<Command>& commands) {
+  return AfterOutput(ParseAndRun(argc, argv, commands));
 }
 
 }  // namespace skywave

@@ -145,8 +145,8 @@ int PathsMain(PathsFlags& flags) {
   const Metadata metadata = {
       {"command", "skywave paths" + PictureOptions(job.request(), kNotOfPaths)},
       {"software", fmt::format("skywave {}", Version())}};
-  WriteExr(flags.output, whole, metadata, layers);
-  WritePng(png, sheet.width, sheet.height, sheet.rgb);
+  WriteExr(flags.output, whole, metadata, layers, {},
+           [&] { WritePng(png, sheet.width, sheet.height, sheet.rgb); });
   if (!flags.progress.quiet) {
     fmt::print("wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
                flags.output, pictures.size() / 2, png);

@@ -1,7 +1,9 @@
 #include "cli/progress.h"
 
+#include <stdio_ext.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -14,12 +16,6 @@ namespace {
 ProgressForm FormOf(const ProgressFlags& flags) {
   const bool terminal = isatty(STDERR_FILENO) != 0;
   return flags.form.value_or(terminal ? ProgressForm::kBar : ProgressForm::kPlain);
-}
-
-// Who reads this may have left, which is no reason to end.
-void Put(std::FILE* file, const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), file);
-  std::fflush(file);
 }
 
 // Seconds between two lines, at least.
@@ -37,6 +33,13 @@ double Pause(ProgressForm form) {
 }
 
 }  // namespace
+
+void Put(std::FILE* file, const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), file);
+  if (std::fflush(file) == 0 || errno != EPIPE) return;
+  __fpurge(file);
+  std::clearerr(file);
+}
 
 ProgressDisplay::ProgressDisplay(const ProgressFlags& flags, std::size_t pictures)
     : form_(FormOf(flags)), quiet_(flags.quiet), start_(Clock::now()), picture_start_(start_) {

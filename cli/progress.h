@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <optional>
 #include <string>
@@ -72,6 +73,9 @@ void ShowProgress(ProgressDisplay& display, const std::string& what, std::uint64
 // Returns what `work` returns. Where the form is that of Open Job Description, an error that `work`
 // throws is told there too.
 int TellFailures(const ProgressFlags& flags, const std::function<int()>& work);
+
+// Prints at once. That nobody reads it any more (a closed pipe) is no error.
+void Put(std::FILE* file, const std::string& text);
 
 // Prints each note as a line of standard error.
 void PrintNotes(const std::vector<std::string>& notes);

@@ -75,6 +75,10 @@ std::string CheckpointPath(const RenderFlags& flags) {
   return std::filesystem::path(beside).replace_extension(".checkpoint").string();
 }
 
+std::string SnapshotPath(const RenderFlags& flags) {
+  return std::filesystem::path(flags.output).replace_extension(".snapshot.exr").string();
+}
+
 // Returns the names of all files that are written.
 std::vector<std::string> Outputs(const RenderFlags& flags) {
   std::vector<std::string> outputs;
@@ -112,6 +116,9 @@ void CheckOutputs(const RenderFlags& flags) {
     CheckNotInput(path, MapFile(flags.request));
     CheckWritable(path);
   }
+  // Of snapshots it is known only later whether they are written.
+  const std::string snapshot = SnapshotPath(flags);
+  RemoveLeftovers(std::vector<std::string>{snapshot, PngBeside(snapshot)});
 }
 
 // Renders, and shows progress and what signals ask for.
@@ -135,8 +142,7 @@ void RenderWatched(const RenderFlags& flags, api::Renderer& renderer) {
   }
   if (!flags.output.empty()) {
     CatchSnapshotSignal();
-    const auto snapshot = std::filesystem::path(flags.output).replace_extension(".snapshot.exr");
-    control.snapshot = [snapshot] { return TakeSnapshotAsked() ? snapshot.string() : ""; };
+    control.snapshot = [&] { return TakeSnapshotAsked() ? SnapshotPath(flags) : ""; };
   }
   // Nobody knows how many samples go where the noise is.
   display.Begin("", flags.limits.adaptive > 0 ? 0 : renderer.samples());
@@ -164,10 +170,7 @@ int RenderMain(RenderFlags& flags) {
     return kExitTryAgain;
   }
   if (!flags.film.empty()) renderer.WriteFilm(flags.film);
-  if (!flags.output.empty()) {
-    renderer.WritePng(PngBeside(flags.output));
-    renderer.WriteExr(flags.output);
-  }
+  if (!flags.output.empty()) renderer.WriteExrAndPng(flags.output);
   if (!flags.stats.empty()) WriteFileAtomically(flags.stats, renderer.Statistics());
   if (flags.keeps_checkpoint()) std::filesystem::remove(CheckpointPath(flags));
   if (!flags.progress.quiet) {

@@ -1,8 +1,12 @@
 #include "cli/signals.h"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <atomic>
+
+#include "base/files.h"
 
 namespace skywave {
 namespace {
@@ -18,13 +22,34 @@ void Catch(int signal, void (*handler)(int), int flags) {
   sigaction(signal, &action, nullptr);
 }
 
+void End(int number) {
+  RemoveUnfinishedFiles();
+  ::signal(number, SIG_DFL);
+  ::raise(number);
+}
+
 }  // namespace
+
+void KeepStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // A file gets the least number that is free. This one is open the wrong way round.
+    [[maybe_unused]] const int opened =
+        ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+void EndWithoutUnfinishedFiles() {
+  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM}) {
+    struct sigaction before = {};
+    sigaction(number, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) Catch(number, End, 0);
+  }
+}
 
 void CatchStopSignals() {
   const auto ask = [](int number) {
-    if (!stop_asked.exchange(true)) return;
-    ::signal(number, SIG_DFL);
-    ::raise(number);
+    if (stop_asked.exchange(true)) End(number);
   };
   for (const int number : {SIGINT, SIGTERM}) Catch(number, ask, 0);
 }

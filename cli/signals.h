@@ -1,8 +1,17 @@
 // Signals ask a long render to save what it has and end, or to show it; others are errors of
-// writing.
+// writing, or end the process.
 #pragma once
 
 namespace skywave {
+
+// Gives the process the three standard streams, each of which may have been closed (`>&-`): the
+// next file to be opened would take its place, and what is printed would get into that file.
+// Reading or writing such a stream fails.
+void KeepStandardStreams();
+
+// The signals that end a process remove the files that it is writing first. Those that it was
+// started to ignore (nohup) stay ignored.
+void EndWithoutUnfinishedFiles();
 
 // The first SIGINT or SIGTERM asks for an end; a second signal, either of them, ends the process as
 // usual.

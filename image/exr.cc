@@ -276,7 +276,8 @@ LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const Re
 }
 
 void WriteExr(const std::string& path, const Image& image, const Metadata& metadata,
-              const std::vector<NamedChannel>& layers, const ExrFormat& format) {
+              const std::vector<NamedChannel>& layers, const ExrFormat& format,
+              const std::function<void()>& before_rename) {
   assert(image.rgb.size() == std::size_t(image.width) * image.height * 3);
   std::vector<WrittenChannel> channels;
   const char* const kNames[] = {"R", "G", "B"};
@@ -319,7 +320,7 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
       throw failed(error);
     }
   };
-  WriteFileStartLast(path, start.size(), [&](const PieceWriter& out) {
+  const auto write = [&](const PieceWriter& out) {
     std::vector<std::uint64_t> offsets;
     std::uint64_t before = start.size();
     EncodeInOrder(strips, ThreadsFor(format.threads), encode, [&](const std::string& strip) {
@@ -331,7 +332,8 @@ void WriteExr(const std::string& path, const Image& image, const Metadata& metad
     const std::size_t bytes = offsets.size() * sizeof(std::uint64_t);
     std::memcpy(&start[start.size() - bytes], offsets.data(), bytes);
     return start;
-  });
+  };
+  WriteFileStartLast(path, start.size(), write, before_rename);
 }
 
 Metadata ReadExrMetadata(const std::string& path, const ReadLimits& limits) {

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -99,9 +100,11 @@ struct ExrFormat {
   int threads = 0;  // 0: as many as the process may use
 };
 // Writes a scan-line EXR with R, G, B and `layers`, all of them 32-bit floats unless `format` says
-// otherwise. Identical input gives identical bytes for any number of threads.
+// otherwise. Identical input gives identical bytes for any number of threads. `before_rename`: as
+// in WriteFileAtomically.
 void WriteExr(const std::string& path, const Image& image, const Metadata& metadata = {},
-              const std::vector<NamedChannel>& layers = {}, const ExrFormat& format = {});
+              const std::vector<NamedChannel>& layers = {}, const ExrFormat& format = {},
+              const std::function<void()>& before_rename = {});
 // A picture with channels next to it.
 struct LayeredImage {
   Image image;

@@ -293,6 +293,11 @@ void WritePng(const std::string& path, const Picture& picture) {
   WriteFileAtomically(path, EncodePng(picture));
 }
 
+void WriteExrAndPng(const std::string& exr, const Picture& picture) {
+  WriteExr(exr, picture.image, picture.metadata, picture.layers, picture.format,
+           [&] { WritePng(PngBeside(exr), picture); });
+}
+
 std::string PngBeside(const std::string& exr) {
   return std::filesystem::path(exr).replace_extension(".png").string();
 }

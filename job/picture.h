@@ -116,6 +116,9 @@ std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
 // Write the files of a picture. A file that exists is replaced.
 void WriteExr(const std::string& path, const Picture& picture);
 void WritePng(const std::string& path, const Picture& picture);
+// Writes an EXR and the PNG beside it. If either cannot be written, both remain what they were. The
+// EXR is replaced last: if it is there, the PNG is too.
+void WriteExrAndPng(const std::string& exr, const Picture& picture);
 
 // Returns the bytes that WritePng writes.
 std::string EncodePng(const Picture& picture);

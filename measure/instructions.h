@@ -1,5 +1,7 @@
-// Counts the instructions of the stages of a render under callgrind. Counts repeat to the last one,
-// where times scatter by percents, but belong to a compiler, libraries and a version of valgrind.
+// Counts the instructions of the stages of a render under callgrind, those of the program and of
+// Embree: what other libraries do, the C library first of all, changes with their point releases.
+// Counts repeat to the last one, where times scatter by percents, but belong to a compiler,
+// versions of Embree and Highway and one of valgrind.
 #pragma once
 
 #include <cstdint>
@@ -31,8 +33,9 @@ inline constexpr int kInstructionSamples = 8;
 // the names of functions. Throws InputError if the render fails there.
 InstructionCounts CountInstructions(const JobRequest& resolved);
 
-// Returns the counts of the stages that are among the lines of callgrind_annotate with inclusive
-// costs, in the order of their names.
-StageInstructions StagesOf(std::string_view annotated);
+// Returns the counts of the stages in a file of callgrind that tells functions apart by their
+// callers (--separate-callers), in the order of their names. `program`: the object that is counted
+// besides Embree's.
+StageInstructions StagesOf(std::string_view profile, std::string_view program);
 
 }  // namespace skywave

@@ -35,7 +35,7 @@ printf '%-12s %-14s %-14s %s\n' "slow-down" counters instructions "wall clock ($
 for percent in "${percents[@]}"; do
   counters=$(verdict scripts/counter_gate.sh "$(folder "$percent")/skywave")
   instructions=$(verdict scripts/instruction_gate.sh "$(folder "$percent")/skywave")
-  stage=$(awk '/^light_sample/ { print $4 }' "$log")
+  stage=$(awk '/^path\/light_sample/ { print $4 }' "$log")
   wall=$(verdict scripts/bench_compare.py --programs --pairs "$pairs" \
     "$(folder 0)/skywave" "$(folder "$percent")/skywave")
   printf '%-12s %-14s %-14s %s\n' "$percent %" "$counters" "$instructions $stage" "$wall"

@@ -1,15 +1,23 @@
 #!/usr/bin/env bash
-# Counts the instructions of every stage of a small render under callgrind and compares them with
-# tests/baselines/instructions.txt; fails if one differs by more than 0.5 %, in either direction:
+# Counts the instructions of every stage of small renders under callgrind, of paths, of paths from
+# both ends, of photon maps and of textures, and compares them with tests/baselines/instructions.txt;
+# fails if one differs by more than 0.5 %, in either direction:
 #   scripts/instruction_gate.sh [PROGRAM]                     default: build/release/skywave
 #   scripts/instruction_gate.sh --update "REASON" [PROGRAM]   stores new counts with the reason
-# `skywave bench spheres --instructions` counts (measure/instructions.h). Counts depend on the
-# compiler and the libraries: if these differ from the baseline's, the gate is skipped, as it is
-# without valgrind or AVX2 (exit code 77).
+# `skywave bench SCENE --instructions` counts (measure/instructions.h). Counts depend on the compiler
+# and on the versions of Embree, Highway and valgrind: if these differ from the baseline's, the gate
+# is skipped, as it is without valgrind or AVX2 (exit code 77).
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 baseline=${SKYWAVE_INSTRUCTIONS:-$root/tests/baselines/instructions.txt}
 limit_percent=0.5
+# What is rendered, with the name that its stages get in the baseline.
+pictures=(
+  "path: spheres"
+  "bdpt: spheres --integrator bdpt"
+  "photon: spheres --integrator photon --photons 2000 --caustic-photons 2000 --gather 2"
+  "textures: tests/data/textures.pbrt"
+)
 reason=
 if [[ ${1:-} == --update ]]; then
   reason=${2:?"--update wants the reason for new counts"}
@@ -20,17 +28,32 @@ program=$(realpath "${1:-$root/build/release/skywave}")
 skip() { echo "skipped: $1"; exit 77; }
 
 toolchain="$(c++ -dumpfullversion) $(dpkg-query -W -f='${Package}=${Version} ' \
-  libembree-dev libhwy-dev libc6 libtbb-dev valgrind 2>/dev/null || true)"
+  libembree-dev libhwy-dev valgrind 2>/dev/null || true)"
 if [[ -z $reason ]] && ! grep -qxF "# $toolchain" "$baseline"; then
   skip "the baseline is that of $(sed -n 's/^# \([0-9].*\)/\1/p' "$baseline" | head -1), not $toolchain"
 fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-"$program" bench spheres --instructions > "$work/counts" || {
-  status=$?; cat "$work/counts"; exit "$status"; }
-[[ $(wc -l < "$work/counts") == 12 ]] || {
-  echo "not every stage was found; has a function another name?"; cat "$work/counts"; exit 1; }
+# Each is one process at a time that waits for nothing, so they can go side by side.
+count() {
+  local name=${1%%:*} arguments
+  read -ra arguments <<< "${1#*:}"
+  cd "$root"
+  "$program" bench "${arguments[@]}" --instructions > "$work/$name.out" 2> "$work/$name.err"
+}
+running=()
+for picture in "${pictures[@]}"; do
+  count "$picture" &
+  running+=($!)
+done
+for index in "${!pictures[@]}"; do
+  name=${pictures[$index]%%:*}
+  status=0
+  wait "${running[$index]}" || status=$?
+  [[ $status -eq 0 ]] || { cat "$work/$name.out" "$work/$name.err"; exit "$status"; }
+  sed "s,^,$name/," "$work/$name.out" >> "$work/counts"
+done
 
 if [[ -n $reason ]]; then
   [[ ! -f $baseline ]] || grep '^## ' "$baseline" > "$work/reasons" || true
@@ -46,11 +69,15 @@ if [[ -n $reason ]]; then
 fi
 awk -v limit="$limit_percent" '
   FNR == NR { if ($1 !~ /^#/) expected[$1] = $2; next }
+  !($1 in expected) { bad += 1; printf "%-22s %12s %12d  NOT IN THE BASELINE\n", $1, "", $2; next }
   { change = 100 * ($2 / expected[$1] - 1)
     far = change > limit || change < -limit
     bad += far
-    printf "%-14s %12d %12d %+9.4f %%%s\n", $1, expected[$1], $2, change, far ? "  BEYOND" : "" }
-  END { exit bad > 0 }' "$baseline" "$work/counts" || {
+    printf "%-22s %12d %12d %+9.4f %%%s\n", $1, expected[$1], $2, change, far ? "  BEYOND" : ""
+    delete expected[$1] }
+  END {
+    for (stage in expected) { bad += 1; printf "%-22s %12d  NOT FOUND: another name?\n", stage, expected[stage] }
+    exit bad > 0 }' "$baseline" "$work/counts" || {
   echo "instructions differ by more than $limit_percent %; if they should:"
   echo "  scripts/instruction_gate.sh --update \"why\""
   exit 1; }

@@ -10,8 +10,8 @@ the tests do not see:
 
 Each fault is made in a copy of the tree (build/mutations/tree), in which only the programs of its
 tests are built; the tree itself is never touched. The tests first have to pass without any fault.
-Ends with 1 if a fault survives that the list does not call unseen, if one does not compile, or if
-the list does not fit the sources; with 77 if nothing can be built here. The tree without faults
+Ends with 1 if a fault survives that the list does not call unseen, if one does not compile, if none
+is chosen, without git, or if the list does not fit the sources; with 77 if nothing can be built here. The tree without faults
 comes out of ccache if it was built with the same options; a share is skipped where there is no
 ccache whose base_dir (CCACHE_BASEDIR) is the tree or above it."""
 
@@ -84,26 +84,42 @@ def read_list():
     return mutations, problems
 
 
+def git(*words):
+    """What git says of the tree, which has to be a repository."""
+    try:
+        return subprocess.run(["git", *words], cwd=SOURCE, check=True, text=True,
+                              capture_output=True).stdout
+    except (OSError, subprocess.CalledProcessError) as error:
+        why = getattr(error, "stderr", None) or error
+        sys.exit(f"git {words[0]} is needed here: {str(why).strip()}")
+
+
 def choose(mutations, only, share):
+    chosen = f"--only {only}" if only else ""
     if only:
         mutations = [m for m in mutations if fnmatch.fnmatch(m["name"], only)
                      or fnmatch.fnmatch(m["file"], only)]
     if share:
-        index, count = share.split("/")
+        if not (numbers := re.fullmatch(r"(commit|[1-9]\d*)/([1-9]\d*)", share)):
+            sys.exit(f"--share {share} is not K/N or commit/N")
+        index, count = numbers[1], int(numbers[2])
         if index == "commit":
-            commit = subprocess.run(["git", "rev-parse", "HEAD"], cwd=SOURCE, check=True, text=True,
-                                    capture_output=True).stdout
-            index = 1 + int(commit[:8], 16) % int(count)
+            commit = git("rev-parse", "HEAD")
+            index = 1 + int(commit[:8], 16) % count
             print(f"share {index}/{count}, by the commit {commit[:8]}")
-        mutations = mutations[int(index) - 1::int(count)]
+        if int(index) > count:
+            sys.exit(f"--share {share}: there are only {count} shares")
+        mutations = mutations[int(index) - 1::count]
+        chosen = f"{chosen} --share {share}".strip()
+    if not mutations:
+        sys.exit(f"{chosen} chooses none of the faults")
     return mutations
 
 
 def copy_tree(tree):
     """Makes `tree` what the sources are, and leaves files alone that have not changed, so that an
     earlier fault is undone and little is compiled again."""
-    listed = subprocess.run(["git", "ls-files", "-zco", "--exclude-standard"], cwd=SOURCE,
-                            check=True, capture_output=True, text=True).stdout.split("\0")
+    listed = git("ls-files", "-zco", "--exclude-standard").split("\0")
     files = {name for name in listed if name and (SOURCE / name).is_file()}
     for name in files:
         source, target = SOURCE / name, tree / name

@@ -1,4 +1,4 @@
-// Tests what writers of files leave behind when they are killed.
+// Tests what writers of files leave behind when they are killed or fail.
 #include "base/files.h"
 
 #include <gtest/gtest.h>
@@ -8,22 +8,34 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {
 namespace {
 
-// Starts a process that writes half of `path` and then waits to be killed. Returns its number.
-pid_t StartStuckWriter(const std::string& path) {
+void RemoveAndEnd(int) {
+  RemoveUnfinishedFiles();
+  ::_exit(0);
+}
+
+// Starts a process that writes half of `path`, calls `meanwhile` and then waits to be killed;
+// SIGTERM makes it remove its unfinished files. Returns its number.
+pid_t StartStuckWriter(
+    const std::string& path, const std::function<void()>& meanwhile = [] {}) {
   int ready[2];
   EXPECT_EQ(::pipe(ready), 0);
   const pid_t child = ::fork();
   if (child == 0) {
+    ::signal(SIGTERM, RemoveAndEnd);
     WriteFileAtomically(path, [&](const std::string& temporary) {
       std::ofstream(temporary, std::ios::binary) << "half of it";
+      meanwhile();
       [[maybe_unused]] const ssize_t told = ::write(ready[1], "x", 1);
       for (;;) ::pause();
     });
@@ -49,6 +61,56 @@ TEST(Leftovers, AreRemovedOnceTheirWriterIsDeadAndNotBefore) {
   EXPECT_EQ(RemoveLeftovers(targets), 1u);
   EXPECT_FALSE(std::filesystem::exists(temporary));
   EXPECT_EQ(ReadFile(target), "the old one");
+}
+
+TEST(Leftovers, AreRemovedWhereItIsCheckedWhetherTheTargetCanBeWritten) {
+  const TemporaryFolder folder;
+  const std::string leftover = folder.Write("a.exr.77.part", "left over");
+  const std::string other = folder.Write("b.exr.77.part", "another's");
+  CheckWritable(folder.Path("a.exr"));
+  EXPECT_FALSE(std::filesystem::exists(leftover));
+  EXPECT_TRUE(std::filesystem::exists(other));
+}
+
+TEST(Unfinished, FilesAreRemovedByAHandlerOfSignals) {
+  const TemporaryFolder folder;
+  const std::string target = folder.Write("a.exr", "the old one");
+  const pid_t writer = StartStuckWriter(target, [&] {
+    // A process that was forked while its parent writes leaves the file.
+    const pid_t forked = ::fork();
+    if (forked == 0) RemoveAndEnd(0);
+    ::waitpid(forked, nullptr, 0);
+  });
+  const std::string temporary = target + "." + std::to_string(writer) + ".part";
+  ASSERT_TRUE(std::filesystem::exists(temporary));
+  ::kill(writer, SIGTERM);
+  ::waitpid(writer, nullptr, 0);
+  EXPECT_FALSE(std::filesystem::exists(temporary));
+  EXPECT_EQ(ReadFile(target), "the old one");
+}
+
+TEST(Unfinished, FilesThatAreFinishedStay) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 100; ++i) {  // more than are known at once
+    WriteFileAtomically(folder.Path(std::to_string(i)), "all of it");
+  }
+  RemoveUnfinishedFiles();
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.Path(".")), {}), 100);
+}
+
+TEST(BeforeRename, AFailureLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  const std::string target = folder.Write("a.exr", "the old one");
+  const auto write = [](const std::string& temporary) {
+    std::ofstream(temporary, std::ios::binary) << "the new one";
+  };
+  EXPECT_THROW(WriteFileAtomically(target, write, [] { throw std::runtime_error("no room"); }),
+               InputError);
+  EXPECT_EQ(ReadFile(target), "the old one");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.Path(".")), {}), 1);
+  // The other file is replaced while this one is still the old one.
+  WriteFileAtomically(target, write, [&] { EXPECT_EQ(ReadFile(target), "the old one"); });
+  EXPECT_EQ(ReadFile(target), "the new one");
 }
 
 TEST(Leftovers, OfOtherTargetsAndOtherNamesStay) {

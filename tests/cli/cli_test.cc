@@ -655,53 +655,6 @@ TEST_F(Cli, TheSceneHashTellsScenesApart) {
   EXPECT_NE(hash("good.ply --env map.exr"), hash("good.ply --env map.exr --env-rotate 5"));
 }
 
-TEST_F(Cli, CompareOfEqualPicturesIsZero) {
-  const Result result = Run("compare map.exr map.exr --json c.json --map d.png");
-  EXPECT_EQ(result.exit_code, 0);
-  const auto json = nlohmann::json::parse(Bytes("c.json"));
-  for (const char* const key : {"mse", "rmse", "relative_mse", "mean_absolute", "thesis_euclidean",
-                                "thesis_luminance", "max_absolute"}) {
-    EXPECT_EQ(json.at(key).get<double>(), 0) << key;
-    EXPECT_TRUE(Contains(result.out, key)) << key;
-  }
-  EXPECT_EQ(json.at("different_pixels"), 0);
-  EXPECT_TRUE(Files().contains("d.png"));
-}
-
-TEST_F(Cli, CompareFindsTheDifference) {
-  Image other = Map(1);
-  other.Pixel(3, 2)[1] += 0.5f;
-  WriteExr(Path("other.exr"), other);
-  ASSERT_EQ(Run("compare other.exr map.exr --json c.json").exit_code, 0);
-  const auto json = nlohmann::json::parse(Bytes("c.json"));
-  EXPECT_EQ(json.at("max_absolute").get<double>(), 0.5);
-  EXPECT_EQ(json.at("max_at"), nlohmann::json({3, 2}));
-  EXPECT_EQ(json.at("different_pixels"), 1);
-  EXPECT_NEAR(json.at("mse").get<double>(), 0.25 / 3 / 32, 1e-9);
-}
-
-// The map shows an error of `full-scale` in the brightest colour, and smaller ones in darker
-// colours.
-TEST_F(Cli, TheFullScaleOfAnErrorMapIsItsBrightestColour) {
-  Image other = Map(1), reference = Map(1);
-  for (float& value : reference.rgb) value = 1;
-  other = reference;
-  for (int c = 0; c < 3; ++c) other.Pixel(3, 2)[c] += 0.25f;
-  WriteExr(Path("other.exr"), other);
-  WriteExr(Path("reference.exr"), reference);
-  const auto brightest = [&](const std::string& scale) {
-    EXPECT_EQ(Run("compare other.exr reference.exr --map e.png --full-scale " + scale).exit_code,
-              0);
-    const Image map = DecodeTexture("e.png", Bytes("e.png"), Encoding::kLinear);
-    return Luminance(map.Pixel(3, 2));
-  };
-  const double full = brightest("0.2");
-  EXPECT_NEAR(full, 0.2126 * 0.99 + 0.7152 * 0.99 + 0.0722 * 0.65, 0.01);
-  EXPECT_NEAR(brightest("0.1"), full, 1e-6);
-  EXPECT_LT(brightest("0.5"), 0.6 * full);
-  EXPECT_LT(brightest("100"), 0.05 * full);
-}
-
 // What options of the command line decide is what a render has counted.
 TEST_F(Cli, OptionsOfSplitPathsArrive) {
   const auto rays = [&](const std::string& kind, const std::string& options) {

@@ -349,16 +349,52 @@ TEST(Copies, OneThatFailsEndsAll) {
   EXPECT_NE(killed.find("ended by signal 9"), std::string::npos) << killed;
 }
 
-TEST(Instructions, StagesAreFoundInAnAnnotatedProfile) {
-  const StageInstructions stages = StagesOf(
-      "1,000,000 (50.0%)  wavefront/x.cc:skywave::TraceClosest(skywave::Frame const&) [/x]\n"
-      "    2,000 ( 0.1%)  std/vector:skywave::TraceClosest(skywave::Frame const&) [/x]\n"
-      "      500 ( 0.1%)  wavefront/x.cc:skywave::TraceEscapes(int) [/x]\n"
-      "   70,001 ( 3.5%)  film.cc:skywave::Film::Add(skywave::Rows const&) [/x]\n"
-      "   90,000 ( 3.5%)  film.cc:skywave::Film::Adder(int) [/x]\n"
-      "8 (0%)  ???:0x00001 [/lib/x.so]\n");
-  EXPECT_EQ(stages, (StageInstructions{{"film", 70001}, {"intersect", 1000500}}));
-  EXPECT_TRUE(StagesOf("").empty());
+// The format: valgrind.org/docs/manual/cl-format.html.
+TEST(Instructions, AreThoseOfTheInnermostStageAndNotOfOtherLibraries) {
+  constexpr std::string_view kProfile = R"(# callgrind format
+version: 1
+cmd: /bin/skywave render
+positions: line
+events: Ir
+summary: 999999
+
+ob=(1) /bin/skywave
+fl=(1) trace.cc
+fn=(1) skywave::TraceClosest(skywave::Frame const&)'skywave::RenderPathWave(int)'main
+0 100
+fi=(2) vector
+0 20
+cob=(2) /usr/lib/libembree3.so.3
+cfn=(2) 0x00001'skywave::TraceClosest(skywave::Frame const&)'skywave::RenderPathWave(int)'main
+calls=7 0
+0 70000
+cob=(3) /lib/libc.so.6
+cfn=(3) memcpy'skywave::TraceClosest(skywave::Frame const&)'skywave::RenderPathWave(int)'main
+calls=1 0
+0 900
+
+ob=(2)
+fn=(2)
+0 70000
+ob=(3)
+fn=(3)
+0 900
+
+ob=(1)
+fn=(4) skywave::N_AVX2::Kernel()'skywave::Scatter(int)'skywave::(anonymous namespace)::RenderPhotonWave()'main
++3 8
+* 30
+fn=(5) skywave::Scatter(int)'skywave::ConnectLights(int)'main
+-2 5
+fn=(6) skywave::Scattered(int)'main
+0 1000
+fn=(1)
+3 1
+totals: 72064
+)";
+  EXPECT_EQ(StagesOf(kProfile, "/bin/skywave"),
+            (StageInstructions{{"intersect", 70121}, {"scatter", 43}, {"wave", 70159}}));
+  EXPECT_TRUE(StagesOf("", "/bin/skywave").empty());
 }
 
 Baseline SomeBaseline() {

@@ -11,7 +11,7 @@
 #include "scene/scene_hash.h"
 #include "scene/shapes/mesh.h"
 #include "tests/support/picture_estimate.h"
-#include "tests/support/render_scenes.h"
+#include "tests/support/room_lights.h"
 #include "tests/support/shade_points.h"
 #include "tests/support/statistics.h"
 #include "wavefront/render.h"
@@ -192,16 +192,6 @@ TEST(LocalLightIrradiance, TheEyeSeesALampsRadiance) {
   }
 }
 
-enum Lights {
-  kLamp = 1,
-  kBall = 2,
-  kPoint = 4,
-  kSpot = 8,
-  kDistant = 16,
-  kEnvironment = 32,
-  kShaped = 64
-};
-
 // Matt, metal, mirror and glass objects under some lights, always with the same camera. All lamps
 // exist as surfaces, whether they emit or not.
 Scene LitBalls(int lights) {
@@ -219,11 +209,7 @@ Scene LitBalls(int lights) {
   if (lights & kPoint) {
     scene.lights.push_back({.emission = {1, 2, 3}, .position = {-1.6f, 2.1f, 1.1f}});
   }
-  if (lights & kSpot) scene.lights.push_back(SlantingSpot());
-  if (lights & kDistant) scene.lights.push_back(SlantingSun());
-  if (lights & kShaped) {
-    for (const PunctualLight& light : ShapedLights(scene)) scene.lights.push_back(light);
-  }
+  AddSlantingLights(scene, lights);
   if (lights & kEnvironment) SetLight(scene, SkyWithSun(32, 16, 3, 0.5));
   scene.camera = LookAtCamera({0.4f, 1.9f, 4.5f}, {0, 0.8f, 0}, {0, 1, 0}, 44, false);
   return scene;
@@ -255,8 +241,7 @@ TEST_P(LocalLightPictures, PathsAreTheOracles) {
 }
 INSTANTIATE_TEST_SUITE_P(Oracle, LocalLightPictures,
                          testing::Values(kLamp, kBall, kPoint | kEnvironment, kSpot, kDistant,
-                                         kShaped, kLamp | kBall | kPoint | kSpot | kDistant,
-                                         kLamp | kBall | kPoint | kSpot | kDistant | kEnvironment));
+                                         kShaped, kLocal, kLocal | kEnvironment));
 
 TEST(LocalLightEstimators, EveryDepthIsTheOracles) {
   const Scene scene = LitBalls(kLamp | kPoint | kEnvironment);

@@ -13,6 +13,7 @@
 #include "scene/local_lights.h"
 #include "scene/obj/mtl.h"
 #include "scene/pbrt/reader.h"
+#include "tests/support/made_image.h"
 #include "tests/support/oracle_lights.h"
 #include "tests/support/temporary_folder.h"
 
@@ -27,6 +28,13 @@ void ExpectNear(const glm::vec3& a, const glm::vec3& b) {
 }
 
 Scene Parse(const std::string& text) { return ParsePbrt("WorldBegin\n" + text, "t.pbrt"); }
+
+// Reads a file beside which `image` lies as image.pfm.
+Scene ParseWithImage(const Image& image, const std::string& text) {
+  const TemporaryFolder folder;
+  WriteImage(folder.Path("image.pfm"), image);
+  return ParsePbrt("WorldBegin " + text, folder.Path("t.pbrt"));
+}
 
 PunctualLight OnlyLight(const std::string& text) {
   const Scene scene = Parse(text);
@@ -116,21 +124,12 @@ TEST(PbrtLights, StretchedSpots) {
 
 // pbrt-v4 lays the square with its middle along y and its sides along x and z.
 TEST(PbrtLights, GoniometricOnes) {
-  const TemporaryFolder folder;
-  Image image(4, 4);
-  for (int y = 0; y < 4; ++y) {
-    for (int x = 0; x < 4; ++x) {
-      const float value[3] = {float(1 + x), float(1 + x), float(1 + x + 30 * y)};
-      std::copy_n(value, 3, image.Pixel(x, y));
-    }
-  }
-  WriteImage(folder.Path("image.pfm"), image);
+  const std::string light =
+      "Translate 1 2 3 LightSource \"goniometric\" \"rgb I\" [1 2 3] "
+      "\"string filename\" \"image.pfm\" ";
   const auto parse = [&](const std::string& more) {
-    return ParsePbrt(
-        "WorldBegin Translate 1 2 3 LightSource \"goniometric\" \"rgb I\" [1 2 3] "
-        "\"string filename\" \"image.pfm\" " +
-            more,
-        folder.Path("t.pbrt"));
+    const auto color = [](int x, int y) { return glm::vec3(1 + x, 1 + x, 1 + x + 30 * y); };
+    return ParseWithImage(MadeImage(4, 4, color), light + more);
   };
   const Scene scene = parse("\"float scale\" 2");
   EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
@@ -150,8 +149,7 @@ TEST(PbrtLights, GoniometricOnes) {
   const Scene powerful = parse("\"float power\" 8");
   ExpectNear(powerful.lights.at(0).emission,
              glm::vec3(1, 2, 3) * float(8 / (4 * kPi * (2.5 + 15))));
-  WriteImage(folder.Path("image.pfm"), Image(4, 2));
-  EXPECT_THROW(parse(""), InputError);
+  EXPECT_THROW(ParseWithImage(Image(4, 2), light), InputError);
 }
 
 // pbrt-v3 has a lat-long image, whose first row is up (y) and whose columns turn from +x to +z, and
@@ -215,19 +213,12 @@ TEST(PbrtLights, ProjectionsOfVersionThree) {
 
 // The image is upright for an eye behind the light, and `fov` is that of its shorter side.
 TEST(PbrtLights, Projections) {
-  const TemporaryFolder folder;
-  Image image(4, 2);
-  for (int i = 0; i < 8; ++i) {
-    const float value[3] = {float(1 + i), 0, float(i == 7)};
-    std::copy_n(value, 3, image.Pixel(i % 4, i / 4));
-  }
-  WriteImage(folder.Path("image.pfm"), image);
-  const auto parse = [&](const std::string& more) {
-    return ParsePbrt(
-        "WorldBegin Translate 1 0 0 LightSource \"projection\" \"string filename\" "
-        "\"image.pfm\" \"float fov\" 60 " +
-            more,
-        folder.Path("t.pbrt"));
+  const auto parse = [](const std::string& more) {
+    const auto color = [](int x, int y) { return glm::vec3(1 + x + 4 * y, 0, x + 4 * y == 7); };
+    return ParseWithImage(MadeImage(4, 2, color),
+                          "Translate 1 0 0 LightSource \"projection\" \"string filename\" "
+                          "\"image.pfm\" \"float fov\" 60 " +
+                              more);
   };
   const Scene scene = parse("\"float scale\" 2");
   EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);
@@ -309,14 +300,11 @@ TEST(PbrtLights, PowerIsThatOfEachShape) {
 
 // v points upwards on the image, and the power is that of the mean of the whole image.
 TEST(PbrtLights, AreaLightsHaveImages) {
-  const TemporaryFolder folder;
-  Image image(1, 2);
-  for (int c = 0; c < 3; ++c) image.Pixel(0, 0)[c] = 1, image.Pixel(0, 1)[c] = 3;
-  WriteImage(folder.Path("image.pfm"), image);
-  const auto parse = [&](const std::string& more) {
-    return ParsePbrt("WorldBegin AreaLightSource \"diffuse\" \"string filename\" \"image.pfm\" " +
-                         more + kTriangle,
-                     folder.Path("t.pbrt"));
+  const auto parse = [](const std::string& more) {
+    const auto color = [](int, int y) { return glm::vec3(1 + 2 * y); };
+    return ParseWithImage(
+        MadeImage(1, 2, color),
+        "AreaLightSource \"diffuse\" \"string filename\" \"image.pfm\" " + more + kTriangle);
   };
   const Scene scene = parse("\"float scale\" 2");
   EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.at(0);

@@ -63,8 +63,45 @@ std::vector<Place> Places(
 
 Scene Parse(const std::string& text) { return ParsePbrt("WorldBegin " + text, "t.pbrt"); }
 
-// The space of the texture is moved and stretched; texels within a hundredth of an edge may be
-// either.
+// Returns the scene of a text of which nothing is left out.
+Scene ParseAll(const std::string& text) {
+  Scene scene = Parse(text);
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  return scene;
+}
+
+// Returns whether a cell of checks, the one around `at`, has the first colour; nothing within
+// `margin` of an edge, where texels may be either.
+template <class Vector>
+std::optional<bool> IsFirst(const Vector& at, double margin) {
+  bool first = true;
+  for (int i = 0; i < Vector::length(); ++i) {
+    if (std::abs(double(at[i]) - std::round(double(at[i]))) < margin) return std::nullopt;
+    if (int(std::floor(at[i])) % 2 != 0) first = !first;
+  }
+  return first;
+}
+
+// Expects checks of two colours in space or in a plane, both of them often; `at` returns where in
+// them a place is.
+template <class At>
+void ExpectChecks(const std::vector<Place>& places, double margin, const glm::vec3& first,
+                  const glm::vec3& second, const At& at) {
+  int counts[2] = {0, 0};
+  for (const Place& place : places) {
+    const std::optional<bool> is_first = IsFirst(at(place), margin);
+    if (!is_first) continue;
+    ++counts[*is_first];
+    const glm::vec3 expected = *is_first ? first : second;
+    ASSERT_LT(glm::length(place.color - expected), 1e-3f)
+        << place.position.x << " " << place.position.y << " " << place.position.z << " shows "
+        << place.color.x;
+  }
+  EXPECT_GT(counts[0] + counts[1], int(places.size()) / 2);
+  EXPECT_GT(std::min(counts[0], counts[1]), (counts[0] + counts[1]) / 4);
+}
+
+// The space of the texture is moved and stretched.
 TEST(SolidTextures, ChecksInSpace) {
   const std::string checks =
       "AttributeBegin Translate .3 .1 .2 Scale .5 .25 1 Texture \"c\" \"spectrum\" "
@@ -77,23 +114,11 @@ TEST(SolidTextures, ChecksInSpace) {
         "Scale -1 1 1 Shape \"loopsubdiv\" \"integer levels\" 2 \"integer indices\" [0 1 2 0 2 3] "
         "\"point3 P\" [-1 -1 .3 1 -1 .2 1 1 .9 -1 1 .4]"}) {
     SCOPED_TRACE(shape);
-    const Scene scene = Parse(checks + shape);
-    ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
-    int counted = 0;
-    const std::vector<Place> places =
-        Places(scene, scene.meshes[0].triangles.size() > 99 ? 2 : 999);
-    for (const Place& place : places) {
-      const glm::vec3 at = (place.position - glm::vec3(.3f, .1f, .2f)) / glm::vec3(.5f, .25f, 1);
-      const glm::vec3 to_edge = glm::abs(at - glm::round(at));
-      if (std::min({to_edge.x, to_edge.y, to_edge.z}) < 0.04f) continue;
-      const glm::ivec3 cell(glm::floor(at));
-      const bool even = (cell.x + cell.y + cell.z) % 2 == 0;
-      const glm::vec3 expected = even ? glm::vec3(.9f, .8f, .7f) : glm::vec3(.1f, .2f, .3f);
-      ASSERT_LT(glm::length(place.color - expected), 1e-3f)
-          << at.x << " " << at.y << " " << at.z << " shows " << place.color.x;
-      ++counted;
-    }
-    EXPECT_GT(counted, int(places.size()) / 2);
+    const Scene scene = ParseAll(checks + shape);
+    ExpectChecks(Places(scene, scene.meshes[0].triangles.size() > 99 ? 2 : 999), 0.04,
+                 {.9f, .8f, .7f}, {.1f, .2f, .3f}, [](const Place& place) {
+                   return (place.position - glm::vec3(.3f, .1f, .2f)) / glm::vec3(.5f, .25f, 1);
+                 });
   }
 }
 
@@ -107,20 +132,15 @@ TEST(SolidTextures, HaveDefaults) {
   }
   const Scene checks =
       Parse("Texture \"t\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3" + ball);
-  for (const Place& place : Places(checks, 1)) {
-    const glm::vec3 away = glm::abs(place.position);
-    if (std::min({away.x, away.y, away.z}) < 0.02f) continue;
-    const glm::ivec3 cell(glm::floor(place.position));
-    ASSERT_EQ(place.color.x, (cell.x + cell.y + cell.z) % 2 == 0 ? 1 : 0);
-  }
+  ExpectChecks(Places(checks, 1), 0.02, glm::vec3(1), glm::vec3(0),
+               [](const Place& place) { return place.position; });
 }
 
 TEST(SolidTextures, MixByDirection) {
-  const Scene scene = Parse(
+  const Scene scene = ParseAll(
       "Rotate 90 0 0 1 Texture \"d\" \"spectrum\" \"directionmix\" \"rgb tex1\" [1 .5 0] "
       "\"float tex2\" .2 \"vector3 dir\" [0 3 0] Material \"matte\" \"texture Kd\" \"d\" "
       "Shape \"sphere\"");
-  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
   for (const Place& place : Places(scene, 1)) {
     // The turn takes y to -x.
     const float share = std::abs(place.normal.x);
@@ -131,10 +151,9 @@ TEST(SolidTextures, MixByDirection) {
 
 // Without noise, the darkest stone is where the sine along y is highest but for the last knot.
 TEST(SolidTextures, MarbleFollowsItsCurve) {
-  const Scene scene = Parse(
+  const Scene scene = ParseAll(
       "Texture \"m\" \"spectrum\" \"marble\" \"float variation\" 0 \"float scale\" 2 Material "
       "\"diffuse\" \"texture reflectance\" \"m\" Shape \"sphere\"");
-  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
   for (const Place& place : Places(scene, 1)) {
     const double along = 6 * (0.5 + 0.5 * std::sin(2.0 * double(place.position.y)));
     if (along > 0.98) continue;
@@ -150,12 +169,12 @@ double Clamped(double x) { return std::clamp(x, 0.0, 1.0); }
 // Half a texel is 0.003 of a radius, over which noise of two octaves changes by less than 0.03.
 TEST(SolidTextures, NoiseIsInTheSpaceOfItsTexture) {
   const auto places = [](const std::string& noise) {
-    const Scene scene =
-        Parse("AttributeBegin Translate .2 0 0 Scale .5 1 1 Texture \"n\" \"spectrum\" " + noise +
-              " AttributeEnd Material \"diffuse\" \"texture reflectance\" \"n\" "
-              "Shape \"sphere\"");
-    EXPECT_TRUE(scene.warnings.empty());
-    return Places(scene, 1);
+    return Places(
+        ParseAll("AttributeBegin Translate .2 0 0 Scale .5 1 1 Texture \"n\" \"spectrum\" " +
+                 noise +
+                 " AttributeEnd Material \"diffuse\" \"texture reflectance\" \"n\" "
+                 "Shape \"sphere\""),
+        1);
   };
   const auto inside = [](const Place& place) {
     return glm::dvec3((place.position - glm::vec3(.2f, 0, 0)) / glm::vec3(.5f, 1, 1));
@@ -328,27 +347,18 @@ TEST(SolidTextures, AreNotCombinedWithImages) {
 
 // The plane of the checks is spanned by two vectors of the texture's space, which is turned.
 TEST(SolidTextures, PlanarChecks) {
-  const Scene scene = Parse(
+  const Scene scene = ParseAll(
       "AttributeBegin Rotate 90 0 0 1 Texture \"c\" \"spectrum\" \"checkerboard\" \"string "
       "mapping\" \"planar\" \"vector3 v1\" [2 0 0] \"vector3 v2\" [0 1.5 1] \"float udelta\" .3 "
       "\"rgb tex1\" [1 .5 0] \"rgb tex2\" [0 0 1] AttributeEnd Material \"diffuse\" \"texture "
       "reflectance\" \"c\" Shape \"sphere\"");
-  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
-  int counted = 0, even_ones = 0;
-  for (const Place& place : Places(scene, 1)) {
+  const std::vector<Place> places = Places(scene, 1);
+  EXPECT_GT(places.size(), 2000u);
+  ExpectChecks(places, 0.05, {1, .5f, 0}, {0, 0, 1}, [](const Place& place) {
     // The turn takes x to y, and y to -x.
     const glm::dvec3 p(place.position.y, -place.position.x, place.position.z);
-    const glm::dvec2 st(2 * p.x + 0.3, 1.5 * p.y + p.z);
-    const glm::dvec2 to_edge = glm::abs(st - glm::round(st));
-    if (std::min(to_edge.x, to_edge.y) < 0.05) continue;
-    const bool even = int(std::floor(st.x) + std::floor(st.y)) % 2 == 0;
-    const glm::vec3 expected = even ? glm::vec3(1, .5f, 0) : glm::vec3(0, 0, 1);
-    ASSERT_LT(glm::length(place.color - expected), 1e-3f) << st.x << " " << st.y;
-    ++counted, even_ones += even;
-  }
-  EXPECT_GT(counted, 1000);
-  EXPECT_GT(even_ones, counted / 4);
-  EXPECT_LT(even_ones, 3 * counted / 4);
+    return glm::dvec2(2 * p.x + 0.3, 1.5 * p.y + p.z);
+  });
 }
 
 // Dots are disks of radius 0.35, each within its cell around whole numbers.
@@ -375,12 +385,11 @@ TEST(Dots, AreDisksInCells) {
 }
 
 TEST(Dots, LieOverTheUnitSquare) {
-  const Scene scene = Parse(
+  const Scene scene = ParseAll(
       "Texture \"d\" \"spectrum\" \"dots\" \"float uscale\" 5 \"float vscale\" 8 \"float udelta\" "
       "2 \"rgb inside\" [.9 .5 .1] \"rgb outside\" [.1 .2 .3] Material \"diffuse\" \"texture "
       "reflectance\" \"d\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"point2 uv\" "
       "[0 0 1 0 0 1]");
-  ASSERT_TRUE(scene.warnings.empty()) << scene.warnings[0];
   int differ = 0, inside = 0;
   const std::vector<Place> places = Places(scene, 4000);
   for (const Place& place : places) {

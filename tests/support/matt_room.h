@@ -3,21 +3,9 @@
 #pragma once
 
 #include "scene/shapes/mesh.h"
-#include "tests/support/render_scenes.h"
+#include "tests/support/room_lights.h"
 
 namespace skywave {
-
-// The lights of a room; any combination is possible.
-enum Lights {
-  kLamp = 1,
-  kBall = 2,
-  kPoint = 4,
-  kSpot = 8,
-  kDistant = 16,
-  kEnvironment = 32,
-  kShaped = 64
-};
-inline constexpr int kLocal = kLamp | kBall | kPoint | kSpot | kDistant;
 
 // Adds a rectangle parallel to the floor that emits downwards.
 inline void AddLamp(Scene& scene, float size, const glm::vec3& centre, const glm::vec3& radiance) {
@@ -51,11 +39,7 @@ inline Scene MattRoom(const Material& material, int lights) {
     Place(scene, Facetted(Sphere(0.2f, 2)), ball, {-0.5f, 0.35f, 1.2f});
   }
   if (lights & kPoint) scene.lights.push_back({.emission = {2, 2, 3}, .position = {-1.6f, 2, 1}});
-  if (lights & kSpot) scene.lights.push_back(SlantingSpot());
-  if (lights & kDistant) scene.lights.push_back(SlantingSun());
-  if (lights & kShaped) {
-    for (const PunctualLight& light : ShapedLights(scene)) scene.lights.push_back(light);
-  }
+  AddSlantingLights(scene, lights);
   // The map is constant because the eye sees a map interpolated while light paths do not
   // (design.md).
   if (lights & kEnvironment) SetConstantLight(scene, 0.5f);

@@ -1,0 +1,76 @@
+// Tests skywave compare from the outside.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "image/image.h"
+#include "tests/support/made_image.h"
+#include "tests/support/program.h"
+
+namespace skywave {
+namespace {
+
+Image Picture() {
+  return MadeImage(8, 4, [](int x, int y) {
+    const int i = 3 * (8 * y + x);
+    return glm::vec3(1 + i % 5, 1 + (i + 1) % 5, 1 + (i + 2) % 5);
+  });
+}
+
+class CompareCli : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    WriteExr(Path("map.exr"), Picture());
+  }
+};
+
+TEST_F(CompareCli, EqualPicturesHaveNoError) {
+  const Result result = Run("compare map.exr map.exr --json c.json --map d.png");
+  EXPECT_EQ(result.exit_code, 0);
+  const auto json = nlohmann::json::parse(Bytes("c.json"));
+  for (const char* const key : {"mse", "rmse", "relative_mse", "mean_absolute", "thesis_euclidean",
+                                "thesis_luminance", "max_absolute"}) {
+    EXPECT_EQ(json.at(key).get<double>(), 0) << key;
+    EXPECT_NE(result.out.find(key), std::string::npos) << key;
+  }
+  EXPECT_EQ(json.at("different_pixels"), 0);
+  EXPECT_TRUE(Files().contains("d.png"));
+}
+
+TEST_F(CompareCli, ADifferenceIsFound) {
+  Image other = Picture();
+  other.Pixel(3, 2)[1] += 0.5f;
+  WriteExr(Path("other.exr"), other);
+  ASSERT_EQ(Run("compare other.exr map.exr --json c.json").exit_code, 0);
+  const auto json = nlohmann::json::parse(Bytes("c.json"));
+  EXPECT_EQ(json.at("max_absolute").get<double>(), 0.5);
+  EXPECT_EQ(json.at("max_at"), nlohmann::json({3, 2}));
+  EXPECT_EQ(json.at("different_pixels"), 1);
+  EXPECT_NEAR(json.at("mse").get<double>(), 0.25 / 3 / 32, 1e-9);
+}
+
+// The map shows an error of `full-scale` in the brightest colour, and smaller ones in darker
+// colours.
+TEST_F(CompareCli, TheFullScaleOfAnErrorMapIsItsBrightestColour) {
+  const Image reference = MadeImage(8, 4, [](int, int) { return glm::vec3(1); });
+  Image other = reference;
+  for (int c = 0; c < 3; ++c) other.Pixel(3, 2)[c] += 0.25f;
+  WriteExr(Path("other.exr"), other);
+  WriteExr(Path("reference.exr"), reference);
+  const auto brightest = [&](const std::string& scale) {
+    EXPECT_EQ(Run("compare other.exr reference.exr --map e.png --full-scale " + scale).exit_code,
+              0);
+    const Image map = DecodeTexture("e.png", Bytes("e.png"), Encoding::kLinear);
+    return Luminance(map.Pixel(3, 2));
+  };
+  const double full = brightest("0.2");
+  EXPECT_NEAR(full, 0.2126 * 0.99 + 0.7152 * 0.99 + 0.0722 * 0.65, 0.01);
+  EXPECT_NEAR(brightest("0.1"), full, 1e-6);
+  EXPECT_LT(brightest("0.5"), 0.6 * full);
+  EXPECT_LT(brightest("100"), 0.05 * full);
+}
+
+}  // namespace
+}  // namespace skywave
