@@ -9,6 +9,7 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/coat_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/columns.h"
 #include "kernels/partition.h"
 #include "kernels/surface/instances.h"
@@ -51,9 +52,11 @@ struct GeometryTables {
   bool varied = false;                       // MaterialView::varied
   bool absorbs = false;                      // light is lost inside some material
   std::vector<float> measured;
-  std::vector<CoatTable> coats;  // by kCoatTable of the materials that have one
+  std::vector<CoatTable> coats;              // by kCoatTable of the materials that have one
+  std::vector<DielectricTable> dielectrics;  // likewise by kDielectricTable
   const ConductorTables* ggx = nullptr;
   const SheenTables* sheen = nullptr;
+  const AnisotropicTables* anisotropic = nullptr;
   TextureTables textures;
 
   std::size_t vertex_count() const { return vertices.size() / 3; }

@@ -20,8 +20,10 @@
 
 namespace skywave {
 
+struct AnisotropicTables;
 struct CoatTable;
 struct ConductorTables;
+struct DielectricTable;
 struct Material;
 struct MeasuredBrdf;
 struct SheenTables;
@@ -36,6 +38,8 @@ struct MaterialView {
   const CoatTable* coats = nullptr;
   // Some material has a texture of Varying::kAlpha or kSecondColor, or is a metal of its colour.
   bool varied = false;
+  const DielectricTable* dielectrics = nullptr;
+  const AnisotropicTables* anisotropic = nullptr;
 };
 
 // Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2
@@ -120,9 +124,10 @@ enum class Varying {
 
 // The tables that the kernels of a BSDF read besides the records of materials.
 struct BsdfTables {
-  bool ggx = false, sheen = false;  // kernels/bsdf/conductor_tables.h
-  bool measured = false;            // the MeasuredBrdf that the material names
-  bool coat = false;                // a CoatTable of the material (kernels/bsdf/coat_tables.h)
+  bool ggx = false, sheen = false, anisotropic = false;  // kernels/bsdf/conductor_tables.h
+  bool measured = false;                                 // the MeasuredBrdf that the material names
+  bool coat = false;        // a CoatTable of the material (kernels/bsdf/coat_tables.h)
+  bool dielectric = false;  // a DielectricTable of the material (kernels/bsdf/dielectric_tables.h)
 };
 
 // A field of Material that a BSDF reads (besides reflectance and textures), and the name under

@@ -47,15 +47,22 @@ void PackAlpha(const Material& material, MaterialRecord& record) {
   }
 }
 
+void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of) {
+  if (!material.energy_compensation) return;
+  glm::vec3 factors;
+  for (int c = 0; c < 3; ++c) factors[c] = of(material.eta[c], material.k[c]);
+  // A channel that reflects nothing must not look like a material without compensation.
+  factors.x = std::max(factors.x, 1e-30f);
+  PutField(record, MaterialField::kMultiscatter, factors);
+}
+
 void PackConductor(const Material& material, MaterialRecord& record) {
   const float alpha = MicrofacetWidth(material.alpha);
   PackAlpha(material, record);
   PackConductorIndex(material, record);
-  glm::vec3 multiscatter;
-  for (int c = 0; c < 3; ++c) {
-    multiscatter[c] = ConductorMultiscatter(GgxTables(), alpha, material.eta[c], material.k[c]);
-  }
-  PutField(record, MaterialField::kMultiscatter, multiscatter);
+  PackMultiscatter(material, record, [&](float eta, float k) {
+    return ConductorMultiscatter(GgxTables(), alpha, eta, k);
+  });
 }
 
 void PackWidths(const Material& material, MaterialRecord& record) {

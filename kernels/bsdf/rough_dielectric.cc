@@ -1,9 +1,12 @@
 // The rough dielectric has GGX microfacets that reflect and refract (Walter et al. 2007), visible
 // normals (Heitz 2018), and masking and shadowing 1 / (1 + Lambda(wo) + Lambda(wi)) on both sides;
-// refraction scales radiance by the squared index ratio, as smooth glass does. A facet is drawn,
-// then reflection with the probability of its Fresnel reflectance. Scattering between facets is
-// left out: at alpha 1 up to a third of the light is lost.
+// refraction scales radiance by the squared index ratio, as smooth glass does. Lobes of both sides
+// return the light that scatters between facets (dielectric_tables.h), so that white glass loses
+// nothing. They are drawn with the probability that light scatters more than once; otherwise a
+// facet is drawn, then reflection with the probability of its Fresnel reflectance.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/dielectric_tables.h"
+#include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -16,17 +19,99 @@ HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
 
+// The lobes of the light that scatters more than once, for one vector of surfaces. Lanes whose
+// material leaves them out (kDielectricTable is 0) lose nothing.
+struct InterfaceLosses {
+  HWY_INLINE InterfaceLosses(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
+      : words(reinterpret_cast<const float*>(m.dielectrics)) {
+    // Rows behind the end have another material.
+    const VU table = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kDielectricTable));
+    lanes = hn::RebindMask(F(), hn::Ne(table, hn::Zero(U())));
+    any = !hn::AllFalse(F(), lanes);
+    first = hn::Mul(hn::Sub(table, SetU(1)), SetU(kDielectricWords));
+    if (any) transmittance = Field(m, fields, kDielectricTransmittance);
+  }
+
+  // Reads a value of the row of each width, linearly between rows.
+  HWY_INLINE VF Between(const Ggx& ggx, VU word) const {
+    const VU row = hn::Add(first, hn::Mul(ggx.table_row, SetU(kDielectricRowWords)));
+    const VU low = hn::IfThenElseZero(hn::RebindMask(U(), lanes), hn::Add(row, word));
+    const VF above = Gather(words, low);
+    const VF below = Gather(words, hn::Add(low, SetU(kDielectricRowWords)));
+    return hn::Add(above, hn::Mul(ggx.row_share, hn::Sub(below, above)));
+  }
+  // Returns the share that light from a direction on that side loses.
+  HWY_INLINE VF Lost(const Ggx& ggx, VF cosine, MF inside) const {
+    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VU column = ToUnsigned(at);
+    const VF share = hn::Sub(at, ToFloat(column));
+    const VU word =
+        hn::Add(column, Side(inside, std::uint32_t(SKYWAVE_WORD(DielectricRow, lost[1]))));
+    const VF left = Between(ggx, word), right = Between(ggx, hn::Add(word, SetU(1)));
+    return hn::IfThenElseZero(lanes, hn::Add(left, hn::Mul(share, hn::Sub(right, left))));
+  }
+  static HWY_INLINE VU Side(MF inside, std::uint32_t word) {
+    return hn::IfThenElseZero(hn::RebindMask(U(), inside), SetU(word));
+  }
+
+  const float* words;
+  VU first;
+  MF lanes;
+  bool any;
+  VF transmittance;  // of diffuse light from outside
+};
+
 struct RoughDielectric {
   static constexpr bool kTransmits = true, kRefracts = true;
 
   HWY_INLINE RoughDielectric(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                              std::uint32_t n)
-      : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)), ggx(Field(m, fields, kAlpha)) {
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        ggx(Field(m, fields, kAlpha)),
+        losses(m, fields, i, n) {
     if (m.varied) ggx = VariedGgx(s, i);
     ratio = IndexRatio(s, m, fields, i);
+    if (losses.any) MakeLobes(SeenFromBehind(s, i));
+  }
+  // Splits what facets lose on wo's side between both sides.
+  HWY_INLINE void MakeLobes(MF back) {
+    inside = back;
+    const VF one = Set(1.0f), tiny = Set(1e-6f);
+    const auto mean = [&](MF side) HWY_ATTR {
+      const VU word = hn::Add(SetU(std::uint32_t(SKYWAVE_WORD(DielectricRow, mean))),
+                              InterfaceLosses::Side(side, 1));
+      return hn::Max(losses.Between(ggx, word), tiny);
+    };
+    const VF own = mean(inside), other = mean(hn::Not(inside));
+    const VF larger = hn::Max(own, other);
+    // Of diffuse light on wo's side, the smooth interface lets through t, or t / n^2 from inside.
+    const VF diffuse =
+        IfThen(inside, hn::Div(losses.transmittance, hn::Mul(ratio, ratio)), losses.transmittance);
+    through_share = hn::Div(hn::Mul(diffuse, other), larger);
+    through = hn::Div(hn::Mul(Set(kInvPi), diffuse), larger);
+    back_again = hn::Div(hn::Mul(Set(kInvPi), hn::Sub(one, through_share)), own);
+  }
+  // Adds the lobes of light that scatters more than once to the value of single scattering.
+  HWY_INLINE BsdfValue WithLobes(const V3& wo, const V3& wi, const BsdfValue& single) const {
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    const MF above = hn::Gt(wi.z, zero);
+    const VF cosine = hn::Abs(wi.z);
+    const VF lost_o = losses.Lost(ggx, wo.z, inside);
+    const VF lost_i = losses.Lost(ggx, cosine, hn::Xor(inside, hn::Not(above)));
+    const VF lobe = IfThen(above, back_again, hn::Mul(through, hn::Mul(ratio, ratio)));
+    const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), hn::Mul(lobe, cosine));
+    const VF share = IfThen(above, hn::Sub(one, through_share), through_share);
+    const VF diffuse = hn::Mul(hn::Mul(share, cosine), Set(kInvPi));
+    return {Add(single.value, Scale(color, multiple)),
+            hn::Add(single.pdf, hn::Mul(lost_o, hn::Sub(diffuse, single.pdf)))};
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    const BsdfValue single = Single(wo, wi);
+    return losses.any ? WithLobes(wo, wi, single) : single;
+  }
+  HWY_INLINE BsdfValue Single(const V3& wo, const V3& wi) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     const MF above = hn::Gt(wi.z, zero);
     // With refraction h is along -(n_o wo + n_i wi), on wo's side whatever the indices are.
@@ -57,6 +142,18 @@ struct RoughDielectric {
   }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    MF again = hn::Lt(one, zero);
+    V3 diffuse = {zero, zero, one};
+    if (losses.any) {
+      const VF lost = losses.Lost(ggx, wo.z, inside);
+      again = hn::Lt(lobe, lost);
+      diffuse = CosineHemisphere(u, v);
+      const MF passes = hn::Lt(lobe, hn::Mul(lost, through_share));
+      diffuse.z = IfThen(passes, hn::Neg(diffuse.z), diffuse.z);
+      const VF rest = hn::Div(hn::Sub(lobe, lost), hn::Max(hn::Sub(one, lost), Set(1e-6f)));
+      lobe = Clamp(rest, 0.0f, 0x1.fffffep-1f);
+    }
     const V3 h = ggx.VisibleNormal(wo, u, v);
     const VF cosine = Clamp(Dot(wo, h), 0.0f, 1.0f);
     const Refraction refraction = FresnelDielectric(cosine, ratio);
@@ -64,18 +161,25 @@ struct RoughDielectric {
     const V3 refracted = Normalize(
         Sub(Scale(h, hn::Sub(hn::Mul(ratio, cosine), refraction.cosine)), Scale(wo, ratio)));
     const MF reflects = hn::Lt(lobe, refraction.reflectance);
-    const V3 wi = IfThen(reflects, reflected, refracted);
+    const V3 wi = IfThen(again, diffuse, IfThen(reflects, reflected, refracted));
     BsdfSample sample = SampleOf(wi, Evaluate(wo, wi));
-    // A reflection below the surface, or a refraction above it, meets the facets again and is lost.
-    const MF stays = hn::Gt(wi.z, hn::Zero(F()));
-    sample.pdf = hn::IfThenElseZero(hn::Not(hn::Xor(stays, reflects)), sample.pdf);
+    // A reflection below the surface, or a refraction above it, meets the facets again: the lobes
+    // return it.
+    const MF stays = hn::Gt(wi.z, zero);
+    const MF alive = hn::Or(again, hn::Not(hn::Xor(stays, reflects)));
+    sample.pdf = hn::IfThenElseZero(alive, sample.pdf);
     return sample;
   }
 
   VU fields;
   V3 color;
   Ggx ggx;
+  InterfaceLosses losses;
   VF ratio;  // index on wo's side over index on the other
+  // These exist where `losses` are any.
+  MF inside;               // wo is there
+  VF through_share;        // of the light that is lost on wo's side: it passes
+  VF through, back_again;  // factors of lost(wo) lost(wi) cos [1/sr]
 };
 
 SKYWAVE_BSDF_KERNELS(RoughDielectric)
@@ -94,10 +198,13 @@ inline constexpr BsdfTraits RoughDielectricTraits = {
     .transmits = true,
     .refracts = true,
     .inside = true,
+    .tables = {.dielectric = true},
     .parameters = {{"alpha"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
+      if (!m.energy_compensation) return;
+      PutField(r, MaterialField::kDielectricTransmittance, DiffuseTransmittance(m.ior));
     }};
 SKYWAVE_BSDF_TABLE(RoughDielectric)
 

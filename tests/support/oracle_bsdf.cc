@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
 
@@ -204,7 +205,12 @@ OracleValue EvaluateFormula(const OracleMaterial& m, bool back, const dvec3& wo,
   const FormulaValue exact =
       BsdfFormula(back ? *m.formula_of_back : *m.formula, {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
   OracleValue out = {{exact.rgb[0], exact.rgb[1], exact.rgb[2]}, exact.pdf};
-  if (m.bsdf == BsdfKind::kRoughDielectric) return out;  // its density is that of its draws
+  if (m.bsdf == BsdfKind::kRoughDielectric) {
+    const double facets = FacetDensityOfGlass(back ? *m.formula_of_back : *m.formula,
+                                              {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
+    out.pdf = 0.7 * facets + 0.3 * std::abs(wi.z) / (2 * kPi);
+    return out;
+  }
   out.pdf = std::abs(wi.z) / kPi;
   if (m.bsdf == BsdfKind::kDiffuseTransmission) {
     out.pdf /= 2;
@@ -221,6 +227,8 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
     return random() < 0.5 ? up : -up;
   }
   if (m.bsdf == BsdfKind::kRoughDielectric) {
+    // Three in ten are drawn for the light that scatters between facets.
+    if (random() < 0.3) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
     const dvec3 h = VisibleNormal(m.alpha, wo, random);
     const double c = std::min(glm::dot(wo, h), 1.0), ratio = back ? m.ior : 1 / m.ior;
     const double sine2 = ratio * ratio * (1 - c * c), inside = std::sqrt(std::max(0.0, 1 - sine2));
@@ -248,6 +256,56 @@ OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleR
   out.weight = value.value / value.pdf, out.pdf = value.pdf;
   out.alive = true;
   return out;
+}
+
+// Returns the table of kernels/bsdf/dielectric_tables.h, by a quadrature of its own: half vectors
+// are distributed as D(h) cos, and not as an eye sees them.
+DielectricTable LossesByQuadrature(double alpha, double ior) {
+  constexpr int kRadii = 400, kTurns = 48, kHeights = 64;
+  const auto lost = [&](bool inside, double mu) {
+    const double ratio = inside ? ior : 1 / ior;
+    const dvec3 wo(std::sqrt(1 - mu * mu), 0, mu);
+    double kept = 0;
+    for (int i = 0; i < kRadii; ++i) {
+      // Steep facets are few and are seen large: places are dense where u is near 1.
+      const double v = 1 - (i + 0.5) / kRadii, u = 1 - v * v;
+      const double slope = alpha * std::sqrt(u / (1 - u));
+      for (int j = 0; j < kTurns; ++j) {
+        const double phi = kPi * (j + 0.5) / kTurns;  // the other half mirrors it
+        const dvec3 h = glm::normalize(dvec3(slope * std::cos(phi), slope * std::sin(phi), 1));
+        const double c = std::min(glm::dot(wo, h), 1.0);
+        if (c <= 0) continue;
+        const double sine2 = ratio * ratio * (1 - c * c);
+        const double inner = std::sqrt(std::max(0.0, 1 - sine2));
+        const double across = (ratio * c - inner) / (ratio * c + inner);
+        const double along = (c - ratio * inner) / (c + ratio * inner);
+        const double f = sine2 >= 1 ? 1 : 0.5 * (Square(across) + Square(along));
+        const auto arrives = [&](const dvec3& wi) {
+          return 2 * v * c / (mu * h.z) / (1 + Lambda(alpha, wo) + Lambda(alpha, wi));
+        };
+        const dvec3 back = 2 * c * h - wo, on = ratio * (c * h - wo) - inner * h;
+        if (back.z > 0) kept += f * arrives(back);
+        if (on.z < 0 && f < 1) kept += (1 - f) * arrives(on);
+      }
+    }
+    return std::max(0.0, 1 - kept / (kRadii * kTurns));
+  };
+  DielectricTable table;
+  DielectricRow& row = table.rows[0];
+  for (const bool inside : {false, true}) {
+    for (std::size_t column = 0; column < kSideColumns; ++column) {
+      const double root = std::min(double(column) / (kAlbedoColumns - 1), 1.0);
+      row.lost[inside][column] = float(lost(inside, std::max(root * root, 1e-4)));
+    }
+    double mean = 0;
+    for (int i = 0; i < kHeights; ++i) {
+      const double s = (i + 0.5) / kHeights;
+      mean += 4 * s * s * s / kHeights * lost(inside, s * s);
+    }
+    row.mean[inside] = float(mean);
+  }
+  std::fill(std::begin(table.rows), std::end(table.rows), row);
+  return table;
 }
 
 Basis BasisOf(const OracleSurface& s) {
@@ -323,11 +381,14 @@ OracleMaterial MakeOracleMaterial(const Material& material) {
                       .ior = material.ior,
                       .metallic = material.metallic,
                       .multiscatter = dvec3(0)};
-  if (m.bsdf == kConductor) m.multiscatter = MultiscatterFactor(m);
+  if (m.bsdf == kConductor && material.energy_compensation) m.multiscatter = MultiscatterFactor(m);
   if (!own) {
     const bool coated = material.bsdf == kCoatedConductor || material.bsdf == kCoatedDiffuse;
     MaterialCase packed = {name, material.bsdf,
                            coated ? RecordWithCoat(material) : PackMaterial(material, {})};
+    if (m.bsdf == kRoughDielectric && material.energy_compensation) {
+      packed.record = RecordOfGlass(material, LossesByQuadrature(m.alpha, m.ior));
+    }
     m.formula = std::make_shared<MaterialCase>(packed);
     packed.back = true;
     m.formula_of_back = std::make_shared<MaterialCase>(packed);

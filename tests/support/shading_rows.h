@@ -8,6 +8,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/coat_tables.h"
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "tests/support/random_rows.h"
 
 namespace skywave {
@@ -43,6 +44,9 @@ const float* MeasuredForTests();  // SyntheticMeasuredTable, built once
 // Returns the record of a material with a coat, and the tables of all such records.
 MaterialRecord RecordWithCoat(const Material& material);
 const CoatTable* CoatsForTests();
+// The same of rough glass whose facets scatter more than once.
+MaterialRecord RecordOfGlass(const Material& material, const DielectricTable& table);
+const DielectricTable* DielectricsForTests();
 
 // One surface in all rows. Its material is record 1, so that ignoring the index is detected.
 struct ShadingRows {
@@ -72,7 +76,11 @@ struct ShadingRows {
     s.varying_1[i] = tangent ? float(std::sin(turn)) : records[1].eta[0];
   }
   MaterialView materials() const {
-    return {records.data(), &GgxTables(), &GetSheenTables(), measured, CoatsForTests()};
+    MaterialView view = {records.data(), &GgxTables(), &GetSheenTables(), measured,
+                         CoatsForTests()};
+    view.dielectrics = DielectricsForTests();
+    if (kernels.tables.anisotropic) view.anisotropic = &GetAnisotropicTables();
+    return view;
   }
 
   // Returns the value and density of one direction per row.
