@@ -43,6 +43,7 @@ MaterialView Geometry::materials() const {
           .measured = tables_.measured.data(),
           .coats = tables_.coats.data(),
           .varied = tables_.varied,
+          .two_widths = tables_.two_widths,
           .dielectrics = tables_.dielectrics.data(),
           .anisotropic = tables_.anisotropic};
 }

@@ -1,6 +1,7 @@
 #include "scene/geometry_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <iterator>
@@ -34,9 +35,7 @@ struct TriangleColumns {
 TriangleColumns ColumnsOf(const Scene& scene, std::span<const Mesh* const> meshes, bool uvs) {
   const auto& materials = scene.materials;
   return {.uvs = uvs,
-          .tangents =
-              std::any_of(materials.begin(), materials.end(),
-                          [](const Material& m) { return BsdfOf(m).varying == Varying::kTangent; }),
+          .tangents = std::any_of(materials.begin(), materials.end(), HasTangent),
           .colors = std::any_of(meshes.begin(), meshes.end(),
                                 [](const Mesh* mesh) { return !mesh->colors.empty(); })};
 }
@@ -308,7 +307,7 @@ bool IsVaried(const Material& material) {
 // or equal glass, share a table.
 void AddMaterials(const Scene& scene, GeometryTables& tables) {
   std::map<CoatKey, std::uint32_t> coats;
-  std::map<std::pair<float, float>, std::uint32_t> dielectrics;
+  std::map<std::array<float, 3>, std::uint32_t> dielectrics;
   for (const Material& material : scene.materials) {
     tables.materials.push_back(PackMaterial(material, scene.measured));
     if (BsdfOf(material).tables.coat) {
@@ -321,15 +320,20 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
       // One table serves all widths that a texture may give.
       const bool varies = material.roughness_texture.has_value();
       const float alpha = varies ? 0 : MicrofacetWidth(material.alpha);
-      const auto [glass, is_new] = dielectrics.emplace(std::pair(material.ior, alpha),
+      const float across =
+          varies || !material.alpha_across ? 0 : MicrofacetWidth(*material.alpha_across);
+      const auto [glass, is_new] = dielectrics.emplace(std::array{material.ior, alpha, across},
                                                        std::uint32_t(tables.dielectrics.size()));
       if (is_new) {
         tables.dielectrics.push_back(varies ? MakeDielectricTable(material.ior)
-                                            : MakeDielectricTable(alpha, material.ior));
+                                     : across != 0
+                                         ? MakeDielectricTable(alpha, across, material.ior)
+                                         : MakeDielectricTable(alpha, material.ior));
       }
       PutField(tables.materials.back(), MaterialField::kDielectricTable, glass->second + 1);
     }
     tables.varied = tables.varied || IsVaried(material);
+    tables.two_widths = tables.two_widths || (BsdfOf(material).two_widths && material.alpha_across);
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
     // These take tens of milliseconds, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();

@@ -38,6 +38,8 @@ struct MaterialView {
   const CoatTable* coats = nullptr;
   // Some material has a texture of Varying::kAlpha or kSecondColor, or is a metal of its colour.
   bool varied = false;
+  // Some rough dielectric has two widths: Varying::kAlpha is written with its second column.
+  bool two_widths = false;
   const DielectricTable* dielectrics = nullptr;
   const AnisotropicTables* anisotropic = nullptr;
 };
@@ -117,7 +119,7 @@ enum class Varying {
   kNothing,
   kRoughness,  // GGX width, share of metal
   // These two are written, and read, only if MaterialView::varied.
-  kAlpha,        // GGX width; the other column means nothing
+  kAlpha,        // GGX width; the other column means nothing, or is a FacetTurn, see two_widths
   kSecondColor,  // texture of the second colour: red and green, 16 bits each, and blue
   kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
 };
@@ -146,13 +148,18 @@ struct BsdfTraits {
   bool guided = false;
   bool transmits = false;  // light passes through
   bool refracts = false;   // and enters another medium: the value has the squared index ratio
-  bool inside = false;     // light goes through the material itself, which may absorb it
+  // With alpha_across its facets have two widths, and a surface needs a tangent.
+  bool two_widths = false;
+  bool inside = false;  // light goes through the material itself, which may absorb it
   BsdfTables tables = {};
   MaterialParameter parameters[8] = {};  // behind the last one they have no name (ParametersOf)
   // Packs the parameters into `record`, which holds what all BSDFs have (PackMaterial). Null: the
   // BSDF has no parameters.
   void (*pack)(const Material& material, MeasuredBrdfs measured, MaterialRecord& record) = nullptr;
 };
+
+// Returns true if a material has facets of two widths, or another grain, along its tangent.
+bool HasTangent(const Material& material);
 
 struct BsdfKernels : BsdfTraits {
   bool delta = false;  // no density: no light samples, value and pdf are 0

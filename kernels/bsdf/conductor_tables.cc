@@ -181,22 +181,6 @@ double TabledWidth(std::size_t row) {
   return std::max(root * root, 1e-4);
 }
 
-// Returns the mean over the hemisphere of the albedos of two widths, as kernels interpolate them.
-double MeanAlbedo(const float (&albedo)[kTabledCosines][kTabledAzimuths]) {
-  constexpr int kTurns = 128;
-  std::array<double, kCosines> column = {};
-  for (int turn = 0; turn < kTurns; ++turn) {
-    const double phi = std::numbers::pi / 2 * (turn + 0.5) / kTurns;
-    const double at = std::sin(phi) / (std::sin(phi) + std::cos(phi)) * double(kAzimuths - 1);
-    const auto low = std::min(std::size_t(at), kAzimuths - 2);
-    for (std::size_t c = 0; c < kCosines; ++c) {
-      column[c] +=
-          std::lerp(double(albedo[c][low]), double(albedo[c][low + 1]), at - double(low)) / kTurns;
-    }
-  }
-  return MeanOverCosine(column);
-}
-
 std::unique_ptr<AnisotropicTables> BuildAnisotropic() {
   auto tables = std::make_unique<AnisotropicTables>();
   for (std::size_t a = 0; a < kWidths; ++a) {
@@ -210,7 +194,8 @@ std::unique_ptr<AnisotropicTables> BuildAnisotropic() {
           tables->albedo[b][a][c][kAzimuths - 1 - p] = albedo;
         }
       }
-      tables->mean_albedo[a][b] = float(MeanAlbedo(tables->albedo[a][b]));
+      tables->mean_albedo[a][b] = float(MeanOverHemisphere<kCosines>(
+          kAzimuths, [&](std::size_t p, std::size_t c) { return tables->albedo[a][b][c][p]; }));
       tables->mean_albedo[b][a] = tables->mean_albedo[a][b];
     }
   }

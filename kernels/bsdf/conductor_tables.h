@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numbers>
 
 namespace skywave {
 
@@ -45,6 +47,24 @@ double MeanOverCosine(const std::array<double, kColumns>& column) {
   return mean;
 }
 
+// Returns that of a table of cosines and azimuths, at(azimuth, column), whose azimuths are equally
+// spaced in |y| / (|x| + |y|).
+template <std::size_t kColumns, class At>
+double MeanOverHemisphere(std::size_t azimuths, const At& at) {
+  constexpr int kTurns = 128;
+  std::array<double, kColumns> column = {};
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const double phi = std::numbers::pi / 2 * (turn + 0.5) / kTurns;
+    const double place = std::sin(phi) / (std::sin(phi) + std::cos(phi)) * double(azimuths - 1);
+    const auto low = std::min(std::size_t(place), azimuths - 2);
+    for (std::size_t c = 0; c < kColumns; ++c) {
+      column[c] +=
+          std::lerp(double(at(low, c)), double(at(low + 1, c)), place - double(low)) / kTurns;
+    }
+  }
+  return MeanOverCosine(column);
+}
+
 // Returns the tables, which the first call computes in double, by quadrature over the visible
 // normals; that takes tens of milliseconds.
 const ConductorTables& GgxTables();
@@ -56,7 +76,7 @@ float ConductorMultiscatter(const ConductorTables& tables, float alpha, float et
 // The same albedo for facets of two widths. Places are equally spaced in the square roots of the
 // widths and of the cosine, from 0 to 1, and in |y| / (|x| + |y|) of the direction, whose x is
 // along the first width. Interpolation in all four makes errors of 0.2 % in the mean, and of 1 % at
-// most at cosines above 0.1, or 1.5 % where one width is more than eight times the other.
+// most at cosines above 0.1, or 1.5 % where one width is six times the other or more.
 inline constexpr std::uint32_t kTabledWidths = 12, kTabledCosines = 16, kTabledAzimuths = 13;
 struct AnisotropicTables {
   float albedo[kTabledWidths][kTabledWidths][kTabledCosines][kTabledAzimuths];

@@ -32,17 +32,29 @@ double Kept(double x_width, double y_width, const Facing& wo, double ratio) {
   return kept / (kTurns * kHeights);
 }
 
+using Losses = std::array<double, kAlbedoColumns>;
+
+// Returns what is lost by column on a side, where light comes from that azimuth (FacingAt).
+Losses LossesOf(double along, double across, double y_share, double ratio) {
+  Losses lost;
+  for (std::size_t c = 0; c < kAlbedoColumns; ++c) {
+    const double root = double(c) / (kAlbedoColumns - 1), mu = std::max(root * root, 1e-4);
+    lost[c] = std::max(1 - Kept(along, across, FacingAt(mu, y_share), ratio), 0.0);
+  }
+  return lost;
+}
+
+void Store(const Losses& lost, float (&row)[kSideColumns]) {
+  for (std::size_t c = 0; c < kSideColumns; ++c) {
+    row[c] = float(lost[std::min<std::size_t>(c, kAlbedoColumns - 1)]);
+  }
+}
+
 DielectricRow RowOf(double alpha, double ior) {
   DielectricRow row;
   for (const bool inside : {false, true}) {
-    std::array<double, kAlbedoColumns> lost;
-    for (std::size_t c = 0; c < kAlbedoColumns; ++c) {
-      const double root = double(c) / (kAlbedoColumns - 1), mu = std::max(root * root, 1e-4);
-      lost[c] = std::max(1 - Kept(alpha, alpha, FacingAt(mu, 0), inside ? ior : 1 / ior), 0.0);
-    }
-    for (std::size_t c = 0; c < kSideColumns; ++c) {
-      row.lost[inside][c] = float(lost[std::min<std::size_t>(c, kAlbedoColumns - 1)]);
-    }
+    const Losses lost = LossesOf(alpha, alpha, 0, inside ? ior : 1 / ior);
+    Store(lost, row.lost[inside]);
     row.mean[inside] = float(MeanOverCosine(lost));
   }
   return row;
@@ -53,6 +65,24 @@ DielectricRow RowOf(double alpha, double ior) {
 DielectricTable MakeDielectricTable(float alpha, float ior) {
   DielectricTable table;
   std::fill(std::begin(table.rows), std::end(table.rows), RowOf(alpha, ior));
+  return table;
+}
+
+DielectricTable MakeDielectricTable(float along, float across, float ior) {
+  DielectricTable table;
+  for (const bool inside : {false, true}) {
+    std::array<Losses, kAlbedoRows> rows;
+    for (std::size_t r = 0; r < kAlbedoRows; ++r) {
+      const double y_share = double(r) / (kAlbedoRows - 1);
+      rows[r] = LossesOf(along, across, y_share, inside ? double(ior) : 1 / double(ior));
+    }
+    const double mean = MeanOverHemisphere<kAlbedoColumns>(
+        kAlbedoRows, [&](std::size_t azimuth, std::size_t c) { return rows[azimuth][c]; });
+    for (std::size_t r = 0; r <= kAlbedoRows; ++r) {
+      Store(rows[std::min<std::size_t>(r, kAlbedoRows - 1)], table.rows[r].lost[inside]);
+      table.rows[r].mean[inside] = float(mean);
+    }
+  }
   return table;
 }
 

@@ -35,6 +35,10 @@ inline constexpr std::uint32_t kDielectricWords = sizeof(DielectricTable) / size
 
 // Computes the table of facets of width `alpha`, whose rows are all alike; that takes milliseconds.
 DielectricTable MakeDielectricTable(float alpha, float ior);
+// Computes the table of facets of two widths, whose rows are not widths but azimuths: row r is for
+// |y| / (|x| + |y|) = r / (rows - 1), where x is along the first width. That takes a quarter of a
+// second.
+DielectricTable MakeDielectricTable(float along, float across, float ior);
 // Computes the table for the widths of the rows; that takes two tenths of a second.
 DielectricTable MakeDielectricTable(float ior);
 

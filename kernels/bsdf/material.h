@@ -59,7 +59,7 @@ struct Material {
   // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
   // is 2 / alpha^2 - 2.
   float alpha = 0.1f;
-  // Anisotropic conductors, Ward: the width across the tangent; unset: alpha.
+  // Anisotropic conductors, rough dielectrics, Ward: the width across the tangent; unset: alpha.
   std::optional<float> alpha_across;
   float ior = 1.5f;    // dielectric: index inside (where the normal points away) / outside
   float metallic = 0;  // metallic-roughness: share of metal

@@ -17,6 +17,8 @@ namespace HWY_NAMESPACE {
 
 // A rotation of the shading frame about its normal, by Varying::kTangent.
 struct TangentTurn {
+  TangentTurn() = default;
+  HWY_INLINE TangentTurn(VF c, VF s) : cosine(c), sine(s) {}
   HWY_INLINE TangentTurn(const SurfaceColumns& s, std::uint32_t i)
       : cosine(Load(s.varying_0 + i)), sine(Load(s.varying_1 + i)) {}
   HWY_INLINE V3 To(const V3& w) const {

@@ -77,6 +77,11 @@ void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
   PutField(record, MaterialField::kIor, material.ior);
 }
 
+bool HasTangent(const Material& material) {
+  const BsdfTraits& bsdf = Bsdfs()[std::size_t(material.bsdf)];
+  return bsdf.varying == Varying::kTangent || (bsdf.two_widths && material.alpha_across);
+}
+
 MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured) {
   const BsdfKernels& bsdf = Bsdfs()[std::size_t(material.bsdf)];
   MaterialRecord record = {};

@@ -116,6 +116,14 @@ std::vector<MaterialCase> MakeDenseCases() {
       list.push_back({"Milky" + std::to_string(int(alpha * 100)) + side, kRoughDielectric,
                       Milky(alpha, 1.5f), back});
     }
+    Material ground = RoughGlass(0.3f, 1.5f);
+    ground.alpha_across = HeldWidth(0.1), ground.energy_compensation = false;
+    list.push_back(
+        {"Ground" + side, kRoughDielectric, PackMaterial(ground, {}), back, HeldTurn(0.7)});
+    ground = RoughGlass(0.15f, 1.33f), ground.alpha_across = HeldWidth(0.6);
+    list.push_back({"MilkyGround" + side, kRoughDielectric,
+                    RecordOfGlass(ground, MakeDielectricTable(0.15f, 0.6f, 1.33f)), back,
+                    HeldTurn(-2.1)});
     list.push_back({"MilkyBubble" + side, kRoughDielectric, Milky(0.6f, 0.75f), back});
   }
   for (const BsdfKind kind : {kAnisotropicConductor, kBeckmannConductor}) {
@@ -224,15 +232,15 @@ FormulaValue DiffuseTransmissionFormula(const MaterialRecord& m, Vec wi) {
 FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
   const MaterialRecord& m = material.record;
   const double near = material.back ? m.ior : 1, far = material.back ? 1 : m.ior;
-  const double a = m.alpha;
+  const double x = m.alpha, y = m.multiscatter[2] > 0 ? m.multiscatter[2] : m.alpha;
   const bool reflects = wi.z > 0;
   Vec h = reflects ? HalfOf(wo, wi) : Unit(-(near * wo + far * wi));
   if (h.z < 0) h = -h;
   FormulaValue out;
   const double oh = Dot(wo, h), ih = Dot(wi, h);
   if (oh <= 0 || ih * wi.z <= 0) return out;
-  const double d = GgxDensity(h, a, a);
-  const double lo = GgxLambda(wo, a, a), li = GgxLambda(wi, a, a);
+  const double d = GgxDensity(h, x, y);
+  const double lo = GgxLambda(wo, x, y), li = GgxLambda(wi, x, y);
   const double f = RealFresnel(oh, near / far);
   const double visible = d * oh / (wo.z * (1 + lo));  // density of h
   double value = 0;
@@ -267,19 +275,24 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
   const auto table = std::bit_cast<std::uint32_t>(m.multiscatter[0]);
   if (table == 0) return out;
   const DielectricRow* const rows = Dielectrics()[table - 1].rows;
-  const double at = std::sqrt(m.alpha) * (kAlbedoRows - 1), between = at - std::floor(at);
-  const DielectricRow &low = rows[std::size_t(at)], &high = rows[std::size_t(at) + 1];
-  const auto lost = [&](bool inside, double cosine) {
-    const double place = std::sqrt(cosine) * (kAlbedoColumns - 1);
+  // The rows are widths, or azimuths if there are two widths.
+  const auto between = [&](Vec w, const auto& of_row) {
+    const double place = m.multiscatter[2] > 0
+                             ? std::fabs(w.y) / std::max(std::fabs(w.x) + std::fabs(w.y), 1e-30)
+                             : std::sqrt(double(m.alpha));
+    const double at = place * (kAlbedoRows - 1), low = std::floor(at);
+    return std::lerp(of_row(rows[std::size_t(at)]), of_row(rows[std::size_t(at) + 1]), at - low);
+  };
+  const auto lost = [&](bool inside, Vec w) {
+    const double place = std::sqrt(std::fabs(w.z)) * (kAlbedoColumns - 1);
     const auto column = std::min(std::size_t(place), std::size_t(kAlbedoColumns - 2));
-    const auto along = [&](const DielectricRow& row) {
+    return between(w, [&](const DielectricRow& row) {
       return std::lerp(double(row.lost[inside][column]), double(row.lost[inside][column + 1]),
                        place - double(column));
-    };
-    return std::lerp(along(low), along(high), between);
+    });
   };
   const auto mean = [&](bool inside) {
-    return std::lerp(double(low.mean[inside]), double(high.mean[inside]), between);
+    return between(wo, [&](const DielectricRow& row) { return double(row.mean[inside]); });
   };
   const bool passes = wi.z < 0, wi_inside = material.back != passes;
   static std::map<float, double> transmittances;
@@ -290,9 +303,9 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
   const double of_diffuse = known->second / (material.back ? Square(m.ior) : 1);
   const double own = mean(material.back), other = mean(!material.back);
   const double through = of_diffuse * other / std::max(own, other);
-  const double lost_o = lost(material.back, wo.z), cosine = std::fabs(wi.z);
+  const double lost_o = lost(material.back, wo), cosine = std::fabs(wi.z);
   const double share = passes ? through : 1 - through;
-  double value = lost_o * share * lost(wi_inside, cosine) / mean(wi_inside) * cosine / kPi;
+  double value = lost_o * share * lost(wi_inside, wi) / mean(wi_inside) * cosine / kPi;
   if (passes) value *= material.back ? Square(m.ior) : 1 / Square(m.ior);
   for (int c = 0; c < 3; ++c) out.rgb[c] += m.color[c] * value;
   out.pdf = (1 - lost_o) * out.pdf + lost_o * share * cosine / kPi;
@@ -590,6 +603,8 @@ double LobeWidth(const MaterialCase& material) {
     case BsdfKind::kBeckmannConductor:
     case BsdfKind::kWard:
       return std::min(m.alpha, m.ior);
+    case BsdfKind::kRoughDielectric:
+      return m.multiscatter[2] > 0 ? std::min(m.alpha, m.multiscatter[2]) : m.alpha;
     case BsdfKind::kCoatedMetallicRoughness:
       return std::min(m.alpha, m.k[1]);
     case BsdfKind::kCoatedConductor:

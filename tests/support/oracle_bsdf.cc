@@ -162,8 +162,8 @@ OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, 
 }
 
 // Draws a visible normal by the projected area of the stretched hemisphere (Heitz 2018, listing 1).
-dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
-  const dvec3 view = glm::normalize(dvec3(alpha * wo.x, alpha * wo.y, wo.z));
+dvec3 VisibleNormal(double x_width, double y_width, const dvec3& wo, OracleRandom& random) {
+  const dvec3 view = glm::normalize(dvec3(x_width * wo.x, y_width * wo.y, wo.z));
   const Basis basis(view);
   const double radius = std::sqrt(random()), turn = 2 * kPi * random();
   // basis.x is perpendicular to view; the half disk towards +z is compressed along the axis that
@@ -174,7 +174,10 @@ dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
   const double t1 = radius * std::cos(turn), s = 0.5 * (1 + view.z);
   const double t2 = (1 - s) * std::sqrt(1 - t1 * t1) + s * radius * std::sin(turn);
   const dvec3 n = t1 * side + t2 * lean + std::sqrt(std::max(0.0, 1 - t1 * t1 - t2 * t2)) * view;
-  return glm::normalize(dvec3(alpha * n.x, alpha * n.y, std::max(1e-9, n.z)));
+  return glm::normalize(dvec3(x_width * n.x, y_width * n.y, std::max(1e-9, n.z)));
+}
+dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
+  return VisibleNormal(alpha, alpha, wo, random);
 }
 
 OracleValue EvaluateRough(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
@@ -229,7 +232,7 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
   if (m.bsdf == BsdfKind::kRoughDielectric) {
     // Three in ten are drawn for the light that scatters between facets.
     if (random() < 0.3) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
-    const dvec3 h = VisibleNormal(m.alpha, wo, random);
+    const dvec3 h = VisibleNormal(m.alpha, m.alpha_across, wo, random);
     const double c = std::min(glm::dot(wo, h), 1.0), ratio = back ? m.ior : 1 / m.ior;
     const double sine2 = ratio * ratio * (1 - c * c), inside = std::sqrt(std::max(0.0, 1 - sine2));
     const double across = (ratio * c - inside) / (ratio * c + inside);
@@ -260,19 +263,25 @@ OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleR
 
 // Returns the table of kernels/bsdf/dielectric_tables.h, by a quadrature of its own: half vectors
 // are distributed as D(h) cos, and not as an eye sees them.
-DielectricTable LossesByQuadrature(double alpha, double ior) {
-  constexpr int kRadii = 400, kTurns = 48, kHeights = 64;
-  const auto lost = [&](bool inside, double mu) {
-    const double ratio = inside ? ior : 1 / ior;
-    const dvec3 wo(std::sqrt(1 - mu * mu), 0, mu);
+DielectricTable LossesByQuadrature(double x_width, double y_width, double ior) {
+  constexpr int kRadii = 200, kTurns = 64, kHeights = 64, kAzimuths = 8;
+  const auto lambda = [&](const dvec3& w) {
+    const double slope2 = (Square(x_width * w.x) + Square(y_width * w.y)) / Square(w.z);
+    return 0.5 * (std::sqrt(1 + slope2) - 1);
+  };
+  const auto lost = [&](bool inside, double mu, double azimuth) {
+    const double ratio = inside ? ior : 1 / ior, sine = std::sqrt(1 - mu * mu);
+    const dvec3 wo(sine * std::cos(azimuth), sine * std::sin(azimuth), mu);
+    const double lambda_o = lambda(wo);
     double kept = 0;
     for (int i = 0; i < kRadii; ++i) {
       // Steep facets are few and are seen large: places are dense where u is near 1.
       const double v = 1 - (i + 0.5) / kRadii, u = 1 - v * v;
-      const double slope = alpha * std::sqrt(u / (1 - u));
+      const double slope = std::sqrt(u / (1 - u));
       for (int j = 0; j < kTurns; ++j) {
-        const double phi = kPi * (j + 0.5) / kTurns;  // the other half mirrors it
-        const dvec3 h = glm::normalize(dvec3(slope * std::cos(phi), slope * std::sin(phi), 1));
+        const double phi = 2 * kPi * (j + 0.5) / kTurns;
+        const dvec3 h = glm::normalize(
+            dvec3(x_width * slope * std::cos(phi), y_width * slope * std::sin(phi), 1));
         const double c = std::min(glm::dot(wo, h), 1.0);
         if (c <= 0) continue;
         const double sine2 = ratio * ratio * (1 - c * c);
@@ -281,7 +290,7 @@ DielectricTable LossesByQuadrature(double alpha, double ior) {
         const double along = (c - ratio * inner) / (c + ratio * inner);
         const double f = sine2 >= 1 ? 1 : 0.5 * (Square(across) + Square(along));
         const auto arrives = [&](const dvec3& wi) {
-          return 2 * v * c / (mu * h.z) / (1 + Lambda(alpha, wo) + Lambda(alpha, wi));
+          return 2 * v * c / (mu * h.z) / (1 + lambda_o + lambda(wi));
         };
         const dvec3 back = 2 * c * h - wo, on = ratio * (c * h - wo) - inner * h;
         if (back.z > 0) kept += f * arrives(back);
@@ -290,21 +299,35 @@ DielectricTable LossesByQuadrature(double alpha, double ior) {
     }
     return std::max(0.0, 1 - kept / (kRadii * kTurns));
   };
+  // With two widths, the rows are azimuths by |y| / (|x| + |y|).
+  const int azimuths = x_width == y_width ? 1 : kAzimuths;
   DielectricTable table;
-  DielectricRow& row = table.rows[0];
   for (const bool inside : {false, true}) {
     for (std::size_t column = 0; column < kSideColumns; ++column) {
       const double root = std::min(double(column) / (kAlbedoColumns - 1), 1.0);
-      row.lost[inside][column] = float(lost(inside, std::max(root * root, 1e-4)));
+      std::vector<double> of_azimuth;
+      for (int a = 0; a <= azimuths; ++a) {
+        const double share = double(a) / azimuths;
+        of_azimuth.push_back(
+            lost(inside, std::max(root * root, 1e-4), std::atan2(share, 1 - share)));
+      }
+      for (std::size_t r = 0; r <= kAlbedoRows; ++r) {
+        const double at = std::min(double(r) / (kAlbedoRows - 1), 1.0) * azimuths;
+        const std::size_t low = std::min(std::size_t(at), std::size_t(azimuths - 1));
+        table.rows[r].lost[inside][column] =
+            float(std::lerp(of_azimuth[low], of_azimuth[low + 1], at - double(low)));
+      }
     }
     double mean = 0;
     for (int i = 0; i < kHeights; ++i) {
       const double s = (i + 0.5) / kHeights;
-      mean += 4 * s * s * s / kHeights * lost(inside, s * s);
+      for (int a = 0; a < azimuths; ++a) {
+        const double azimuth = kPi / 2 * (a + 0.5) / azimuths;
+        mean += 4 * s * s * s / (kHeights * azimuths) * lost(inside, s * s, azimuth);
+      }
     }
-    row.mean[inside] = float(mean);
+    for (DielectricRow& row : table.rows) row.mean[inside] = float(mean);
   }
-  std::fill(std::begin(table.rows), std::end(table.rows), row);
   return table;
 }
 
@@ -373,21 +396,23 @@ OracleMaterial MakeOracleMaterial(const Material& material) {
   if (!own && (material.color_texture || material.roughness_texture)) {
     throw std::logic_error("the oracle knows no textures of " + name);
   }
-  OracleMaterial m = {.bsdf = material.bsdf,
-                      .reflectance = material.reflectance,
-                      .eta = material.eta,
-                      .k = material.k,
-                      .alpha = std::clamp(double(material.alpha), 1e-3, 1.0),
-                      .ior = material.ior,
-                      .metallic = material.metallic,
-                      .multiscatter = dvec3(0)};
+  OracleMaterial m = {
+      .bsdf = material.bsdf,
+      .reflectance = material.reflectance,
+      .eta = material.eta,
+      .k = material.k,
+      .alpha = std::clamp(double(material.alpha), 1e-3, 1.0),
+      .alpha_across = std::clamp(double(material.alpha_across.value_or(material.alpha)), 1e-3, 1.0),
+      .ior = material.ior,
+      .metallic = material.metallic,
+      .multiscatter = dvec3(0)};
   if (m.bsdf == kConductor && material.energy_compensation) m.multiscatter = MultiscatterFactor(m);
   if (!own) {
     const bool coated = material.bsdf == kCoatedConductor || material.bsdf == kCoatedDiffuse;
     MaterialCase packed = {name, material.bsdf,
                            coated ? RecordWithCoat(material) : PackMaterial(material, {})};
     if (m.bsdf == kRoughDielectric && material.energy_compensation) {
-      packed.record = RecordOfGlass(material, LossesByQuadrature(m.alpha, m.ior));
+      packed.record = RecordOfGlass(material, LossesByQuadrature(m.alpha, m.alpha_across, m.ior));
     }
     m.formula = std::make_shared<MaterialCase>(packed);
     packed.back = true;
