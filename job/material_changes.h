@@ -18,8 +18,8 @@ namespace skywave {
 // BSDFs, parameters and values that do not exist; each lists what there is.
 void ChangeMaterials(const std::vector<std::string>& changes, Scene& scene);
 
-// Gives rough conductors, but those with a texture of their width, the lobe of a single reflection
-// alone (the option `energy-compensation`).
+// Leaves out the light that the facets of rough conductors and dielectrics scatter more than once
+// (the option `energy-compensation`).
 void LeaveOutCompensation(Scene& scene);
 
 }  // namespace skywave

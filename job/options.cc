@@ -233,7 +233,7 @@ std::vector<JobOption> MakeJobOptions() {
 
     Plain({.name = "material", .group = kMaterials, .help = "give the material NAME another BSDF with these parameters, or without a BSDF only other parameters (KEY=1 or KEY=0.8/0.2/0.1); several are separated by ;", .scope = kPixels, .example = "moving.gltf --material 'paint=conductor:alpha=0.2,reflectance=0.9/0.5/0.1;steel=:alpha=0.4'", .default_text = "the scene's", .metavar = "NAME=[BSDF][:KEY=VALUE,...]", .most_values = 1000, .delimiter = ';'},
           FIELD(materials), Texts("NAME=[BSDF][:KEY=VALUE,...]")),
-    Plain({.name = "energy-compensation", .group = kMaterials, .help = "surfaces of the BSDF conductor keep the light that their facets reflect more than once; without: they lose it, as in other programs", .scope = kPixels, .example = "materials --no-energy-compensation"},
+    Plain({.name = "energy-compensation", .group = kMaterials, .help = "rough conductors and rough glass keep the light that their facets scatter more than once; without: they lose it, as in other programs", .scope = kPixels, .example = "materials --no-energy-compensation"},
           FIELD(energy_compensation), Switches()),
 
     Resolved(MakeOption<JobRequest>({.name = "crop", .group = kFilm, .help = "render this part of the film only [pixels]", .scope = kPixels, .example = "--size 12x9 --crop 7x5+2+3", .default_text = "all of it"},

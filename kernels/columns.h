@@ -268,6 +268,11 @@ enum class MaterialField : std::uint32_t {
   kCoatTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
   kCoatAlpha = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
   kCoatMedium = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
+  // Rough dielectrics: the index of a table (kernels/bsdf/dielectric_tables.h) + 1, 0 without one;
+  // DiffuseTransmittance; and the width across the tangent, 0 where there is one width.
+  kDielectricTable = SKYWAVE_WORD(MaterialRecord, multiscatter[0]),
+  kDielectricTransmittance = SKYWAVE_WORD(MaterialRecord, multiscatter[1]),
+  kDielectricAcross = SKYWAVE_WORD(MaterialRecord, multiscatter[2]),
   kAbsorption = kK  // BSDFs with an inside (BsdfTraits): absorption there [1/length], RGB
 };
 

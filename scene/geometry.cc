@@ -42,7 +42,10 @@ MaterialView Geometry::materials() const {
           .sheen = tables_.sheen,
           .measured = tables_.measured.data(),
           .coats = tables_.coats.data(),
-          .varied = tables_.varied};
+          .varied = tables_.varied,
+          .two_widths = tables_.two_widths,
+          .dielectrics = tables_.dielectrics.data(),
+          .anisotropic = tables_.anisotropic};
 }
 
 TextureView Geometry::textures() const {

@@ -1,6 +1,7 @@
 #include "scene/geometry_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <iterator>
@@ -34,9 +35,7 @@ struct TriangleColumns {
 TriangleColumns ColumnsOf(const Scene& scene, std::span<const Mesh* const> meshes, bool uvs) {
   const auto& materials = scene.materials;
   return {.uvs = uvs,
-          .tangents =
-              std::any_of(materials.begin(), materials.end(),
-                          [](const Material& m) { return BsdfOf(m).varying == Varying::kTangent; }),
+          .tangents = std::any_of(materials.begin(), materials.end(), HasTangent),
           .colors = std::any_of(meshes.begin(), meshes.end(),
                                 [](const Mesh* mesh) { return !mesh->colors.empty(); })};
 }
@@ -313,10 +312,11 @@ bool IsVaried(const Material& material) {
          (material.roughness_texture && BsdfOf(material).varying == Varying::kAlpha);
 }
 
-// Adds the records of materials and the tables that their BSDFs read. Materials with equal coats
-// share a table.
+// Adds the records of materials and the tables that their BSDFs read. Materials with equal coats,
+// or equal glass, share a table.
 void AddMaterials(const Scene& scene, GeometryTables& tables) {
   std::map<CoatKey, std::uint32_t> coats;
+  std::map<std::array<float, 3>, std::uint32_t> dielectrics;
   for (const Material& material : scene.materials) {
     tables.materials.push_back(PackMaterial(material, scene.measured));
     if (BsdfOf(material).tables.coat) {
@@ -325,10 +325,30 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
       if (is_new) tables.coats.push_back(MakeCoatTable(material));
       PutField(tables.materials.back(), MaterialField::kCoatTable, coat->second);
     }
+    if (BsdfOf(material).tables.dielectric && material.energy_compensation) {
+      // One table serves all widths that a texture may give.
+      const bool varies = material.roughness_texture.has_value();
+      const float alpha = varies ? 0 : MicrofacetWidth(material.alpha);
+      const float across =
+          varies || !material.alpha_across ? 0 : MicrofacetWidth(*material.alpha_across);
+      const auto [glass, is_new] = dielectrics.emplace(std::array{material.ior, alpha, across},
+                                                       std::uint32_t(tables.dielectrics.size()));
+      if (is_new) {
+        tables.dielectrics.push_back(varies ? MakeDielectricTable(material.ior)
+                                     : across != 0
+                                         ? MakeDielectricTable(alpha, across, material.ior)
+                                         : MakeDielectricTable(alpha, material.ior));
+      }
+      PutField(tables.materials.back(), MaterialField::kDielectricTable, glass->second + 1);
+    }
     tables.varied = tables.varied || IsVaried(material);
+    tables.two_widths = tables.two_widths || (BsdfOf(material).two_widths && material.alpha_across);
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
     // These take tens of milliseconds, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();
+    if (BsdfOf(material).tables.anisotropic && material.energy_compensation) {
+      tables.anisotropic = &GetAnisotropicTables();
+    }
     if (BsdfOf(material).tables.sheen) tables.sheen = &GetSheenTables();
   }
   for (const MeasuredBrdf& brdf : scene.measured) {
@@ -389,8 +409,8 @@ std::size_t GeometryTables::bytes() const {
     return (... + (table.size() * sizeof table[0]));
   };
   return bytes_of(vertices, indices, triangles, materials, tangents, vertex_colors, mixed, measured,
-                  coats, normal_maps, map_axes, map_slopes, opacity, instances, instance_records,
-                  places.first) +
+                  coats, dielectrics, normal_maps, map_axes, map_slopes, opacity, instances,
+                  instance_records, places.first) +
          textures.bytes();
 }
 

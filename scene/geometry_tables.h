@@ -9,6 +9,7 @@
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/coat_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/columns.h"
 #include "kernels/partition.h"
 #include "kernels/surface/instances.h"
@@ -50,11 +51,14 @@ struct GeometryTables {
   std::vector<NormalMapRecord> normal_maps;  // by material
   std::vector<OpacityRecord> opacity;        // by material
   bool varied = false;                       // MaterialView::varied
+  bool two_widths = false;                   // MaterialView::two_widths
   bool absorbs = false;                      // light is lost inside some material
   std::vector<float> measured;
-  std::vector<CoatTable> coats;  // by kCoatTable of the materials that have one
+  std::vector<CoatTable> coats;              // by kCoatTable of the materials that have one
+  std::vector<DielectricTable> dielectrics;  // likewise by kDielectricTable
   const ConductorTables* ggx = nullptr;
   const SheenTables* sheen = nullptr;
+  const AnisotropicTables* anisotropic = nullptr;
   TextureTables textures;
 
   std::size_t vertex_count() const { return vertices.size() / 3; }

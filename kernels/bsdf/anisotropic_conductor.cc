@@ -1,5 +1,7 @@
 // Brushed metal has GGX facets of two widths (microfacet-inl.h).
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -25,11 +27,18 @@ namespace skywave {
 
 inline constexpr BsdfTraits AnisotropicConductorTraits = {
     .name = "anisotropic-conductor",
+    .lobed = true,
     .varying = Varying::kTangent,
+    .tables = {.anisotropic = true},
     .parameters = {{"alpha"}, {"alpha_across"}, {"eta"}, {"k"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackWidths(m, r);
       PackConductorIndex(m, r);
+      const float along = MicrofacetWidth(m.alpha);
+      const float across = MicrofacetWidth(m.alpha_across.value_or(m.alpha));
+      PackMultiscatter(m, r, [&](float eta, float k) {
+        return ConductorMultiscatter(GetAnisotropicTables(), along, across, eta, k);
+      });
     }};
 SKYWAVE_BSDF_TABLE(AnisotropicConductor)
 

@@ -20,8 +20,10 @@
 
 namespace skywave {
 
+struct AnisotropicTables;
 struct CoatTable;
 struct ConductorTables;
+struct DielectricTable;
 struct Material;
 struct MeasuredBrdf;
 struct SheenTables;
@@ -36,6 +38,10 @@ struct MaterialView {
   const CoatTable* coats = nullptr;
   // Some material has a texture of Varying::kAlpha or kSecondColor, or is a metal of its colour.
   bool varied = false;
+  // Some rough dielectric has two widths: Varying::kAlpha is written with its second column.
+  bool two_widths = false;
+  const DielectricTable* dielectrics = nullptr;
+  const AnisotropicTables* anisotropic = nullptr;
 };
 
 // Light and BSDF samples of the same direction share the work by the power heuristic of exponent 2
@@ -113,16 +119,17 @@ enum class Varying {
   kNothing,
   kRoughness,  // GGX width, share of metal
   // These two are written, and read, only if MaterialView::varied.
-  kAlpha,        // GGX width; the other column means nothing
+  kAlpha,        // GGX width; the other column means nothing, or is a FacetTurn, see two_widths
   kSecondColor,  // texture of the second colour: red and green, 16 bits each, and blue
   kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
 };
 
 // The tables that the kernels of a BSDF read besides the records of materials.
 struct BsdfTables {
-  bool ggx = false, sheen = false;  // kernels/bsdf/conductor_tables.h
-  bool measured = false;            // the MeasuredBrdf that the material names
-  bool coat = false;                // a CoatTable of the material (kernels/bsdf/coat_tables.h)
+  bool ggx = false, sheen = false, anisotropic = false;  // kernels/bsdf/conductor_tables.h
+  bool measured = false;                                 // the MeasuredBrdf that the material names
+  bool coat = false;        // a CoatTable of the material (kernels/bsdf/coat_tables.h)
+  bool dielectric = false;  // a DielectricTable of the material (kernels/bsdf/dielectric_tables.h)
 };
 
 // A field of Material that a BSDF reads (besides reflectance and textures), and the name under
@@ -141,13 +148,18 @@ struct BsdfTraits {
   bool guided = false;
   bool transmits = false;  // light passes through
   bool refracts = false;   // and enters another medium: the value has the squared index ratio
-  bool inside = false;     // light goes through the material itself, which may absorb it
+  // With alpha_across its facets have two widths, and a surface needs a tangent.
+  bool two_widths = false;
+  bool inside = false;  // light goes through the material itself, which may absorb it
   BsdfTables tables = {};
   MaterialParameter parameters[8] = {};  // behind the last one they have no name (ParametersOf)
   // Packs the parameters into `record`, which holds what all BSDFs have (PackMaterial). Null: the
   // BSDF has no parameters.
   void (*pack)(const Material& material, MeasuredBrdfs measured, MaterialRecord& record) = nullptr;
 };
+
+// Returns true if a material has facets of two widths, or another grain, along its tangent.
+bool HasTangent(const Material& material);
 
 struct BsdfKernels : BsdfTraits {
   bool delta = false;  // no density: no light samples, value and pdf are 0

@@ -99,19 +99,6 @@ double ColumnCosine(std::size_t column) {
   return std::max(root * root, kLeastCosine);
 }
 
-// `ratio` is the index on the light's side over that on the other one.
-struct Split {
-  double reflectance, cosine;  // that of the refracted ray
-};
-Split FresnelSplit(double cosine, double ratio) {
-  const double sine2 = ratio * ratio * (1 - cosine * cosine);
-  if (sine2 >= 1) return {1, 0};
-  const double inner = std::sqrt(1 - sine2);
-  const double p = (cosine - ratio * inner) / (cosine + ratio * inner);
-  const double s = (ratio * cosine - inner) / (ratio * cosine + inner);
-  return {0.5 * (p * p + s * s), inner};
-}
-
 // This is FresnelConductor of the kernels.
 double MetalReflectance(double c, double eta, double k) {
   const double c2 = c * c, s2 = 1 - c2, t0 = eta * eta - k * k - s2;

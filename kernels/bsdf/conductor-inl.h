@@ -29,7 +29,8 @@ struct Conductor {
     if (!m.varied) return;
     ggx = VariedGgx(s, i);
     MetalOfColor(color, eta, k);
-    multiscatter = VariedMultiscatter(tables, ggx, eta, k);
+    const V3 varied = Multiscatter(ggx.Mean(tables.padded_mean_albedo), eta, k);
+    multiscatter = IfThen(Compensates(multiscatter), varied, multiscatter);
   }
 
   HWY_INLINE VF Albedo(VF cosine) const { return ggx.Table(tables.albedo, cosine); }

@@ -33,24 +33,6 @@ Albedos DirectionalAlbedo(double alpha, double mu) {
 
 using Column = std::array<double, kAlbedoColumns>;
 
-}  // namespace
-
-double MeanOverCosine(const std::array<double, kAlbedoColumns>& column) {
-  constexpr int kSteps = 1024;
-  double mean = 0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double s = (i + 0.5) / kSteps, at = s * (kAlbedoColumns - 1);
-    const auto low = std::uint32_t(at);
-    const double high_share = at - low;
-    const double e =
-        column[low] * (1 - high_share) + column[std::min(low + 1, kAlbedoColumns - 1)] * high_share;
-    mean += e * 4 * s * s * s / kSteps;
-  }
-  return mean;
-}
-
-namespace {
-
 void StoreRow(const Column& column, std::uint32_t row, float* table) {
   for (std::uint32_t c = 0; c <= kAlbedoColumns; ++c) {
     table[row * (kAlbedoColumns + 1) + c] = float(column[std::min(c, kAlbedoColumns - 1)]);
@@ -153,15 +135,93 @@ const SheenTables& GetSheenTables() {
   return *tables;
 }
 
+namespace {
+
+// Every further bounce meets F again, which makes a geometric series (Kulla and Conty 2017). `e` is
+// the mean albedo of single scattering.
+float FurtherBounces(double e, float eta, float k) {
+  const double f = MeanFresnel(eta, k);
+  const double lost = std::max(1 - e, 1e-6);
+  return float(f * f * e / (1 - f * lost) / (std::numbers::pi * lost));
+}
+
+}  // namespace
+
 float ConductorMultiscatter(const ConductorTables& tables, float alpha, float eta, float k) {
   const double at = std::sqrt(std::clamp(alpha, 0.0f, 1.0f)) * (kAlbedoRows - 1);
   const auto low = std::min(std::uint32_t(at), kAlbedoRows - 2);
   const double e = tables.mean_albedo[low] +
                    (at - low) * (tables.mean_albedo[low + 1] - tables.mean_albedo[low]);
-  const double f = MeanFresnel(eta, k);
-  const double lost = std::max(1 - e, 1e-6);
-  // Every further bounce meets F again, which makes a geometric series (Kulla and Conty 2017).
-  return float(f * f * e / (1 - f * lost) / (std::numbers::pi * lost));
+  return FurtherBounces(e, eta, k);
+}
+
+namespace {
+
+constexpr auto kWidths = std::size_t{kTabledWidths}, kCosines = std::size_t{kTabledCosines},
+               kAzimuths = std::size_t{kTabledAzimuths};
+
+// Computes DirectionalAlbedo for two widths; `y_share` is |y| / (|x| + |y|) of the direction.
+double DirectionalAlbedo(double x_width, double y_width, double mu, double y_share) {
+  constexpr int kTurns = 24, kHeights = 40;
+  const Facing wo = FacingAt(mu, y_share);
+  const double out = GgxLambda(x_width, y_width, wo);
+  double sum = 0;
+  const auto reflect = [&](const VisibleFacet& facet) {
+    const double twice = 2 * facet.toward;
+    const Facing wi = {twice * facet.normal.x - wo.x, twice * facet.normal.y - wo.y,
+                       twice * facet.z - mu};
+    if (wi.z > 0) sum += (1 + out) / (1 + out + GgxLambda(x_width, y_width, wi));
+  };
+  ForEachVisibleFacet(x_width, y_width, wo, kTurns, kHeights, reflect);
+  return sum / (kTurns * kHeights);
+}
+
+double TabledWidth(std::size_t row) {
+  const double root = double(row) / double(kWidths - 1);
+  return std::max(root * root, 1e-4);
+}
+
+std::unique_ptr<AnisotropicTables> BuildAnisotropic() {
+  auto tables = std::make_unique<AnisotropicTables>();
+  for (std::size_t a = 0; a < kWidths; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      for (std::size_t c = 0; c < kCosines; ++c) {
+        const double root = double(c) / double(kCosines - 1), mu = std::max(root * root, 1e-4);
+        for (std::size_t p = 0; p < kAzimuths; ++p) {
+          const double share = double(p) / double(kAzimuths - 1);
+          const auto albedo = float(DirectionalAlbedo(TabledWidth(a), TabledWidth(b), mu, share));
+          tables->albedo[a][b][c][p] = albedo;
+          tables->albedo[b][a][c][kAzimuths - 1 - p] = albedo;
+        }
+      }
+      tables->mean_albedo[a][b] = float(MeanOverHemisphere<kCosines>(
+          kAzimuths, [&](std::size_t p, std::size_t c) { return tables->albedo[a][b][c][p]; }));
+      tables->mean_albedo[b][a] = tables->mean_albedo[a][b];
+    }
+  }
+  return tables;
+}
+
+}  // namespace
+
+const AnisotropicTables& GetAnisotropicTables() {
+  static const std::unique_ptr<const AnisotropicTables> tables = BuildAnisotropic();
+  return *tables;
+}
+
+float ConductorMultiscatter(const AnisotropicTables& tables, float along, float across, float eta,
+                            float k) {
+  const auto place = [](float width) {
+    return std::sqrt(std::clamp(double(width), 0.0, 1.0)) * double(kWidths - 1);
+  };
+  const double a = place(along), b = place(across);
+  const auto low_a = std::min(std::size_t(a), kWidths - 2);
+  const auto low_b = std::min(std::size_t(b), kWidths - 2);
+  const auto of_row = [&](std::size_t row) {
+    const float* const means = tables.mean_albedo[row];
+    return std::lerp(double(means[low_b]), double(means[low_b + 1]), b - double(low_b));
+  };
+  return FurtherBounces(std::lerp(of_row(low_a), of_row(low_a + 1), a - double(low_a)), eta, k);
 }
 
 }  // namespace skywave

@@ -122,17 +122,17 @@ HWY_INLINE void MetalOfColor(V3& color, V3& eta, V3& k) {
   color = IfThen(lanes, {one, one, one}, color);
 }
 
-// Returns the factor of ConductorMultiscatter (conductor_tables.h) for widths that vary. The mean
-// Fresnel reflectance is summed at four points of Gauss and Legendre, for cosines from 0 to 1.
-HWY_INLINE V3 VariedMultiscatter(const ConductorTables& tables, const Ggx& ggx, const V3& eta,
-                                 const V3& k) {
+// Returns the factor of ConductorMultiscatter (conductor_tables.h) for facets whose single
+// scattering has the albedo `mean`. The mean Fresnel reflectance is summed at four points of Gauss
+// and Legendre, for cosines from 0 to 1.
+HWY_INLINE V3 Multiscatter(VF mean, const V3& eta, const V3& k) {
   constexpr float kAt[] = {0.06943184f, 0.33000948f, 0.66999052f, 0.93056816f};
   constexpr float kWeight[] = {0.17392742f, 0.32607258f, 0.32607258f, 0.17392742f};
   V3 f = {hn::Zero(F()), hn::Zero(F()), hn::Zero(F())};
   for (int i = 0; i < 4; ++i) {
     f = Add(f, Scale(FresnelConductor(Set(kAt[i]), eta, k), Set(2 * kAt[i] * kWeight[i])));
   }
-  const VF one = Set(1.0f), mean = ggx.Mean(tables.padded_mean_albedo);
+  const VF one = Set(1.0f);
   const VF lost = hn::Max(hn::Sub(one, mean), Set(1e-6f));
   const VF factor = hn::Div(hn::Mul(mean, Set(kInvPi)), lost);
   const auto further = [&](VF c) HWY_ATTR {
@@ -140,6 +140,10 @@ HWY_INLINE V3 VariedMultiscatter(const ConductorTables& tables, const Ggx& ggx, 
   };
   return {further(f.x), further(f.y), further(f.z)};
 }
+
+// Returns the lanes whose material returns what its facets reflect more than once: the first factor
+// of its kMultiscatter is not 0 (PackMultiscatter).
+HWY_INLINE MF Compensates(const V3& multiscatter) { return hn::Gt(multiscatter.x, hn::Zero(F())); }
 
 }  // namespace HWY_NAMESPACE
 }  // namespace skywave

@@ -39,6 +39,7 @@ enum class MaterialPart {
   kAbsorption,
   kCoatMedium,
   kMetalOfColor,
+  kSingleScattering,
   kSecondColorTexture,
   kEmission
 };
@@ -58,7 +59,7 @@ struct Material {
   // Width of microfacets in [0.001, 1]; Oren-Nayar: roughness in [0, 1]; Phong, Blinn: the exponent
   // is 2 / alpha^2 - 2.
   float alpha = 0.1f;
-  // Anisotropic conductors, Ward: the width across the tangent; unset: alpha.
+  // Anisotropic conductors, rough dielectrics, Ward: the width across the tangent; unset: alpha.
   std::optional<float> alpha_across;
   float ior = 1.5f;    // dielectric: index inside (where the normal points away) / outside
   float metallic = 0;  // metallic-roughness: share of metal
@@ -77,6 +78,9 @@ struct Material {
   std::uint32_t measured = 0;  // measured: index of its MeasuredBrdf
   // BSDFs with an inside: the light lost there, by Beer and Lambert [1/length].
   glm::vec3 absorption{0.0f};
+  // Conductors but Beckmann's, rough dielectrics: false: the light that facets scatter more than
+  // once is lost.
+  bool energy_compensation = true;
   // Textures are indices into the scene's textures. These are factors of the reflectance; of the
   // square root of alpha (green) and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
@@ -122,6 +126,8 @@ struct Material {
         return coat_thickness > 0;
       case MaterialPart::kMetalOfColor:
         return metal_of_color;
+      case MaterialPart::kSingleScattering:
+        return !energy_compensation;
       case MaterialPart::kSecondColorTexture:
         return second_color_texture.has_value();
       case MaterialPart::kEmission:
@@ -137,7 +143,7 @@ struct Material {
     // A new member does not compile until it is named here; a test counts that all are visited.
     auto& [name, bsdf, reflectance, eta, k, metal_of_color, alpha, alpha_across, ior, metallic,
            second_color, coat, coat_alpha, coat_thickness, coat_albedo, coat_asymmetry, sheen,
-           sheen_alpha, measured, absorption, color_texture, roughness_texture,
+           sheen_alpha, measured, absorption, energy_compensation, color_texture, roughness_texture,
            second_color_texture, opacity, opacity_cutoff, opacity_texture, normal_texture,
            normal_scale, height_in_texels, mixture, mixture_texture, emission, emits_on_both_sides,
            emission_texture] = self;
@@ -171,6 +177,7 @@ struct Material {
     f("height_in_texels", kNormalMap, height_in_texels);
     f("absorption", kAbsorption, absorption);
     f("metal_of_color", kMetalOfColor, metal_of_color);
+    f("energy_compensation", kSingleScattering, energy_compensation);
     f("second_color_texture", kSecondColorTexture, second_color_texture);
     f("emission", kEmission, emission);
     f("emits_on_both_sides", kEmission, emits_on_both_sides);

@@ -17,6 +17,8 @@ namespace HWY_NAMESPACE {
 
 // A rotation of the shading frame about its normal, by Varying::kTangent.
 struct TangentTurn {
+  TangentTurn() = default;
+  HWY_INLINE TangentTurn(VF c, VF s) : cosine(c), sine(s) {}
   HWY_INLINE TangentTurn(const SurfaceColumns& s, std::uint32_t i)
       : cosine(Load(s.varying_0 + i)), sine(Load(s.varying_1 + i)) {}
   HWY_INLINE V3 To(const V3& w) const {
@@ -38,6 +40,7 @@ HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
 }
 
 struct AnisotropicGgx {
+  static constexpr bool kCompensated = true;  // AnisotropicAlbedo is theirs
   // This is eq. 85 of Heitz 2014.
   HWY_INLINE VF Density(const V3& h) const {
     const VF one_plus = hn::Add(Set(1.0f), ScaledSlope2(h, x, y));
@@ -60,6 +63,7 @@ struct AnisotropicGgx {
 };
 
 struct Beckmann {
+  static constexpr bool kCompensated = false;
   HWY_INLINE VF Density(const V3& h) const {
     const VF z2 = hn::Max(hn::Mul(h.z, h.z), Set(1e-12f)), z4 = hn::Mul(z2, z2);
     const VF area = hn::Mul(hn::Mul(Set(kPi), hn::Mul(x, y)), z4);
@@ -124,8 +128,64 @@ struct Beckmann {
   VF x, y;
 };
 
+// One vector of widths of GGX facets and their places in AnisotropicTables.
+struct AnisotropicAlbedo {
+  struct Place {
+    VU low;
+    VF share;  // of the next one
+  };
+  static HWY_INLINE Place PlaceOf(VF from_0_to_1, std::uint32_t count) {
+    const VF at = hn::Mul(from_0_to_1, Set(float(count - 1)));
+    const VU low = hn::Min(ToUnsigned(at), SetU(count - 2));
+    return {low, hn::Sub(at, ToFloat(low))};
+  }
+  static HWY_INLINE VF Between(VF low, VF high, VF share) {
+    return hn::Add(low, hn::Mul(share, hn::Sub(high, low)));
+  }
+
+  HWY_INLINE AnisotropicAlbedo(const AnisotropicTables* from, VF x, VF y)
+      : tables(from),
+        along(PlaceOf(hn::Sqrt(Clamp(x, 0.0f, 1.0f)), kTabledWidths)),
+        across(PlaceOf(hn::Sqrt(Clamp(y, 0.0f, 1.0f)), kTabledWidths)) {}
+
+  // Reads a table of both widths, each entry of which has `words` words, by at(word).
+  template <class At>
+  HWY_INLINE VF OfWidths(std::uint32_t words, const At& at) const {
+    const VU row = hn::Add(hn::Mul(along.low, SetU(kTabledWidths)), across.low);
+    const VU first = hn::Mul(row, SetU(words));
+    const VU below = hn::Add(first, SetU(kTabledWidths * words));
+    const VF low = Between(at(first), at(hn::Add(first, SetU(words))), across.share);
+    const VF high = Between(at(below), at(hn::Add(below, SetU(words))), across.share);
+    return Between(low, high, along.share);
+  }
+  // Returns the albedo of single scattering of light from w, in the tangent frame.
+  HWY_INLINE VF Of(const V3& w) const {
+    const Place cosine = PlaceOf(hn::Sqrt(Clamp(w.z, 0.0f, 1.0f)), kTabledCosines);
+    const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
+    const VF y_share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
+    const Place azimuth = PlaceOf(hn::Min(y_share, Set(1.0f)), kTabledAzimuths);
+    const VU within = hn::Add(hn::Mul(cosine.low, SetU(kTabledAzimuths)), azimuth.low);
+    const float* const words = &tables->albedo[0][0][0][0];
+    const auto around = [&](VU at) HWY_ATTR {
+      return Between(Gather(words, at), Gather(words, hn::Add(at, SetU(1))), azimuth.share);
+    };
+    return OfWidths(kTabledCosines * kTabledAzimuths, [&](VU first) HWY_ATTR {
+      const VU at = hn::Add(first, within);
+      return Between(around(at), around(hn::Add(at, SetU(kTabledAzimuths))), cosine.share);
+    });
+  }
+  HWY_INLINE VF Mean() const {
+    const float* const words = &tables->mean_albedo[0][0];
+    return OfWidths(1, [&](VU at) HWY_ATTR { return Gather(words, at); });
+  }
+
+  const AnisotropicTables* tables;
+  Place along, across;
+};
+
 // A conductor of such facets: height-correlated Smith masking, Fresnel of a complex index, visible
-// normals. Scattering between facets is left out.
+// normals. Of GGX facets, the lobe of Kulla and Conty 2017 returns the light that they reflect more
+// than once; it is drawn with the probability that they do. Beckmann's facets lose that light.
 template <class Facets>
 struct MicrofacetConductor {
   HWY_INLINE MicrofacetConductor(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
@@ -135,8 +195,15 @@ struct MicrofacetConductor {
         facets{Field(m, fields, kAlpha), Field(m, fields, kAlphaAcross)},
         eta(Field3(m, fields, kEta)),
         k(Field3(m, fields, kK)),
-        turn(s, i) {
+        turn(s, i),
+        albedo(m.anisotropic, facets.x, facets.y) {
     if (m.varied) MetalOfColor(color, eta, k);
+    if constexpr (Facets::kCompensated) {
+      multiscatter = Field3(m, fields, kMultiscatter);
+      compensated = hn::And(Compensates(multiscatter), hn::RebindMask(F(), RowsBelow(i, n)));
+      any_compensated = !hn::AllFalse(F(), compensated);
+      if (any_compensated && m.varied) multiscatter = Multiscatter(albedo.Mean(), eta, k);
+    }
   }
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {
@@ -155,13 +222,31 @@ struct MicrofacetConductor {
     const VF lambda_o = facets.Lambda(wo), lambda_i = facets.Lambda(wi);
     const VF g2 = hn::Div(one, hn::Add(hn::Add(one, lambda_o), lambda_i));
     const V3 fresnel = FresnelConductor(hn::Min(hn::Abs(Dot(wo, h)), one), eta, k);
-    return {Scale(Mul(color, fresnel), hn::Mul(lobe, g2)), hn::Div(lobe, hn::Add(one, lambda_o))};
+    const VF visible = hn::Div(lobe, hn::Add(one, lambda_o));
+    if constexpr (Facets::kCompensated) {
+      if (any_compensated) {
+        const VF lost_o = Lost(wo);
+        const VF multiple = hn::Mul(hn::Mul(lost_o, Lost(wi)), wi.z);
+        const V3 again = Scale(multiscatter, multiple);
+        const VF diffuse = hn::Mul(wi.z, Set(kInvPi));
+        return {Mul(color, Add(Scale(fresnel, hn::Mul(lobe, g2)), again)),
+                hn::Add(visible, hn::Mul(lost_o, hn::Sub(diffuse, visible)))};
+      }
+    }
+    return {Scale(Mul(color, fresnel), hn::Mul(lobe, g2)), visible};
+  }
+  // Returns the share of the light from w that single scattering loses and the lobe returns.
+  HWY_INLINE VF Lost(const V3& w) const {
+    return hn::IfThenElseZero(compensated, hn::Sub(Set(1.0f), albedo.Of(w)));
   }
 
-  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF) const {
+  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
     const V3 eye = turn.To(wo);
     const V3 h = facets.VisibleNormal(eye, u, v);
-    const V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), Dot(eye, h))), eye);
+    V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), Dot(eye, h))), eye);
+    if constexpr (Facets::kCompensated) {
+      if (any_compensated) wi = IfThen(hn::Lt(lobe, Lost(eye)), CosineHemisphere(u, v), wi);
+    }
     return SampleOf(turn.From(wi), InTangentFrame(eye, wi));
   }
 
@@ -170,6 +255,10 @@ struct MicrofacetConductor {
   Facets facets;
   V3 eta, k;
   TangentTurn turn;
+  AnisotropicAlbedo albedo;  // this and the next ones only for facets that are compensated
+  V3 multiscatter;
+  MF compensated;
+  bool any_compensated = false;
 };
 
 }  // namespace HWY_NAMESPACE

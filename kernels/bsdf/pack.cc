@@ -47,15 +47,22 @@ void PackAlpha(const Material& material, MaterialRecord& record) {
   }
 }
 
+void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of) {
+  if (!material.energy_compensation) return;
+  glm::vec3 factors;
+  for (int c = 0; c < 3; ++c) factors[c] = of(material.eta[c], material.k[c]);
+  // A channel that reflects nothing must not look like a material without compensation.
+  factors.x = std::max(factors.x, 1e-30f);
+  PutField(record, MaterialField::kMultiscatter, factors);
+}
+
 void PackConductor(const Material& material, MaterialRecord& record) {
   const float alpha = MicrofacetWidth(material.alpha);
   PackAlpha(material, record);
   PackConductorIndex(material, record);
-  glm::vec3 multiscatter;
-  for (int c = 0; c < 3; ++c) {
-    multiscatter[c] = ConductorMultiscatter(GgxTables(), alpha, material.eta[c], material.k[c]);
-  }
-  PutField(record, MaterialField::kMultiscatter, multiscatter);
+  PackMultiscatter(material, record, [&](float eta, float k) {
+    return ConductorMultiscatter(GgxTables(), alpha, eta, k);
+  });
 }
 
 void PackWidths(const Material& material, MaterialRecord& record) {
@@ -68,6 +75,11 @@ void PackMetallicRoughness(const Material& material, MaterialRecord& record) {
   PackAlpha(material, record);
   PutField(record, MaterialField::kMetallic, material.metallic);
   PutField(record, MaterialField::kIor, material.ior);
+}
+
+bool HasTangent(const Material& material) {
+  const BsdfTraits& bsdf = Bsdfs()[std::size_t(material.bsdf)];
+  return bsdf.varying == Varying::kTangent || (bsdf.two_widths && material.alpha_across);
 }
 
 MaterialRecord PackMaterial(const Material& material, MeasuredBrdfs measured) {

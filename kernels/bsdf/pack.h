@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
+
 #include "kernels/columns.h"
 
 namespace skywave {
@@ -22,6 +24,9 @@ float MicrofacetWidth(float alpha);
 void PackConductorIndex(const Material& material, MaterialRecord& record);
 // alpha and its texture;
 void PackAlpha(const Material& material, MaterialRecord& record);
+// what facets reflect more than once, by of(eta, k) of each channel, or 0 without compensation;
+using MultiscatterOf = std::function<float(float eta, float k)>;
+void PackMultiscatter(const Material& material, MaterialRecord& record, const MultiscatterOf& of);
 // alpha, eta and k of a conductor with multiple scattering;
 void PackConductor(const Material& material, MaterialRecord& record);
 // alpha and alpha_across of anisotropic facets;

@@ -1,32 +1,172 @@
-// The rough dielectric has GGX microfacets that reflect and refract (Walter et al. 2007), visible
-// normals (Heitz 2018), and masking and shadowing 1 / (1 + Lambda(wo) + Lambda(wi)) on both sides;
-// refraction scales radiance by the squared index ratio, as smooth glass does. A facet is drawn,
-// then reflection with the probability of its Fresnel reflectance. Scattering between facets is
-// left out: at alpha 1 up to a third of the light is lost.
+// The rough dielectric has GGX microfacets, of one or two widths, that reflect and refract (Walter
+// et al. 2007), visible normals (Heitz 2018), and masking and shadowing 1 / (1 + Lambda(wo) +
+// Lambda(wi)) on both sides; refraction scales radiance by the squared index ratio, as smooth glass
+// does. Lobes of both sides return the light that scatters between facets (dielectric_tables.h), so
+// that white glass loses nothing. They are drawn with the probability that light scatters more than
+// once; otherwise a facet is drawn, then reflection with the probability of its Fresnel
+// reflectance.
 #include "kernels/bsdf/bsdf.h"
+#include "kernels/bsdf/dielectric_tables.h"
+#include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels/bsdf/rough_dielectric.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/bsdf/ggx-inl.h"
+#include "kernels/bsdf/microfacet-inl.h"
+#include "kernels/surface/facet_turn-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
 namespace HWY_NAMESPACE {
+
+// The lobes of the light that scatters more than once, for one vector of surfaces. Lanes whose
+// material leaves them out (kDielectricTable is 0) lose nothing.
+struct InterfaceLosses {
+  struct Row {
+    VU low;
+    VF share;  // of the next one
+  };
+
+  HWY_INLINE InterfaceLosses(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
+      : words(reinterpret_cast<const float*>(m.dielectrics)) {
+    // Rows behind the end have another material.
+    const VU table = hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kDielectricTable));
+    lanes = hn::RebindMask(F(), hn::Ne(table, hn::Zero(U())));
+    any = !hn::AllFalse(F(), lanes);
+    first = hn::Mul(hn::Sub(table, SetU(1)), SetU(kDielectricWords));
+    if (any) transmittance = Field(m, fields, kDielectricTransmittance);
+  }
+
+  // Reads a value of a row, linearly between rows.
+  HWY_INLINE VF Between(const Row& at, VU word) const {
+    const VU row = hn::Add(first, hn::Mul(at.low, SetU(kDielectricRowWords)));
+    const VU low = hn::IfThenElseZero(hn::RebindMask(U(), lanes), hn::Add(row, word));
+    const VF above = Gather(words, low);
+    const VF below = Gather(words, hn::Add(low, SetU(kDielectricRowWords)));
+    return hn::Add(above, hn::Mul(at.share, hn::Sub(below, above)));
+  }
+  // Returns the share that light from a direction on that side loses.
+  HWY_INLINE VF Lost(const Row& row, VF cosine, MF inside) const {
+    const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
+    const VU column = ToUnsigned(at);
+    const VF share = hn::Sub(at, ToFloat(column));
+    const VU word =
+        hn::Add(column, Side(inside, std::uint32_t(SKYWAVE_WORD(DielectricRow, lost[1]))));
+    const VF left = Between(row, word), right = Between(row, hn::Add(word, SetU(1)));
+    return hn::IfThenElseZero(lanes, hn::Add(left, hn::Mul(share, hn::Sub(right, left))));
+  }
+  static HWY_INLINE VU Side(MF inside, std::uint32_t word) {
+    return hn::IfThenElseZero(hn::RebindMask(U(), inside), SetU(word));
+  }
+
+  const float* words;
+  VU first;
+  MF lanes;
+  bool any;
+  VF transmittance;  // of diffuse light from outside
+};
 
 struct RoughDielectric {
   static constexpr bool kTransmits = true, kRefracts = true;
 
   HWY_INLINE RoughDielectric(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                              std::uint32_t n)
-      : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)), ggx(Field(m, fields, kAlpha)) {
-    if (m.varied) ggx = VariedGgx(s, i);
+      : fields(MaterialFields(s, i, n)),
+        color(ColorOf(s, i)),
+        ggx(Field(m, fields, kAlpha)),
+        losses(m, fields, i, n) {
+    if (m.varied || m.two_widths) ggx = VariedGgx(s, i);
+    if (m.two_widths) SplitWidths(s, m, i, n);
     ratio = IndexRatio(s, m, fields, i);
+    if (losses.any) MakeLobes(SeenFromBehind(s, i));
+  }
+  HWY_INLINE void SplitWidths(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                              std::uint32_t n) {
+    const FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
+    two_widths = hn::And(hn::RebindMask(F(), RowsBelow(i, n)), hn::Gt(turn.across, hn::Zero(F())));
+    any_two_widths = !hn::AllFalse(F(), two_widths);
+    if (!any_two_widths) return;
+    const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
+    facets = {ggx.alpha, Clamp(turn.across, 1e-3f, 1.0f)};
+    tangent = {IfThen(two_widths, turn.cosine, Set(1.0f)), hn::IfThenElseZero(two_widths, sine)};
+    // The rows of tables are azimuths, or the widths that an image may give: then both widths count
+    // for their mean.
+    const VU texture = IndexField(m, fields, kRoughnessTexture);
+    by_azimuth = hn::And(two_widths, hn::RebindMask(F(), hn::Eq(texture, hn::Zero(U()))));
+    const VF mean = hn::Sqrt(hn::Mul(facets.x, facets.y));
+    ggx = Ggx(IfThen(two_widths, mean, ggx.alpha));
+  }
+
+  HWY_INLINE V3 ToTangent(const V3& w) const { return any_two_widths ? tangent.To(w) : w; }
+  HWY_INLINE VF Lambda(const V3& w) const {
+    const VF round = ggx.Lambda(w);
+    return any_two_widths ? IfThen(two_widths, facets.Lambda(w), round) : round;
+  }
+  HWY_INLINE VF Density(const V3& h) const {
+    const VF round = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    return any_two_widths ? IfThen(two_widths, facets.Density(h), round) : round;
+  }
+  HWY_INLINE V3 VisibleNormal(const V3& wo, VF u, VF v) const {
+    if (!any_two_widths) return ggx.VisibleNormal(wo, u, v);
+    return VisibleGgxNormal(wo, IfThen(two_widths, facets.x, ggx.alpha),
+                            IfThen(two_widths, facets.y, ggx.alpha), u, v);
+  }
+  // Returns what light from w loses, in the tangent frame.
+  HWY_INLINE VF Lost(const V3& w, MF on_inside) const {
+    InterfaceLosses::Row row = {ggx.table_row, ggx.row_share};
+    if (any_two_widths) {
+      const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
+      const VF share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
+      const VF at = hn::Mul(Clamp(share, 0.0f, 1.0f), Set(float(kAlbedoRows - 1)));
+      const VU low = hn::Min(ToUnsigned(at), SetU(kAlbedoRows - 1));
+      row.low = hn::IfThenElse(hn::RebindMask(U(), by_azimuth), low, row.low);
+      row.share = IfThen(by_azimuth, hn::Sub(at, ToFloat(low)), row.share);
+    }
+    return losses.Lost(row, hn::Abs(w.z), on_inside);
+  }
+  // Splits what facets lose on wo's side between both sides.
+  HWY_INLINE void MakeLobes(MF back) {
+    inside = back;
+    const VF one = Set(1.0f), tiny = Set(1e-6f);
+    const auto mean = [&](MF side) HWY_ATTR {
+      const VU word = hn::Add(SetU(std::uint32_t(SKYWAVE_WORD(DielectricRow, mean))),
+                              InterfaceLosses::Side(side, 1));
+      return hn::Max(losses.Between({ggx.table_row, ggx.row_share}, word), tiny);
+    };
+    const VF own = mean(inside), other = mean(hn::Not(inside));
+    const VF larger = hn::Max(own, other);
+    // Of diffuse light on wo's side, the smooth interface lets through t, or t / n^2 from inside.
+    const VF diffuse =
+        IfThen(inside, hn::Div(losses.transmittance, hn::Mul(ratio, ratio)), losses.transmittance);
+    through_share = hn::Div(hn::Mul(diffuse, other), larger);
+    through = hn::Div(hn::Mul(Set(kInvPi), diffuse), larger);
+    back_again = hn::Div(hn::Mul(Set(kInvPi), hn::Sub(one, through_share)), own);
+  }
+  // Adds the lobes of light that scatters more than once to the value of single scattering.
+  HWY_INLINE BsdfValue WithLobes(const V3& wo, const V3& wi, const BsdfValue& single) const {
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    const MF above = hn::Gt(wi.z, zero);
+    const VF cosine = hn::Abs(wi.z);
+    const VF lost_o = Lost(wo, inside);
+    const VF lost_i = Lost(wi, hn::Xor(inside, hn::Not(above)));
+    const VF lobe = IfThen(above, back_again, hn::Mul(through, hn::Mul(ratio, ratio)));
+    const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), hn::Mul(lobe, cosine));
+    const VF share = IfThen(above, hn::Sub(one, through_share), through_share);
+    const VF diffuse = hn::Mul(hn::Mul(share, cosine), Set(kInvPi));
+    return {Add(single.value, Scale(color, multiple)),
+            hn::Add(single.pdf, hn::Mul(lost_o, hn::Sub(diffuse, single.pdf)))};
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return InTangentFrame(ToTangent(wo), ToTangent(wi));
+  }
+  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
+    const BsdfValue single = Single(wo, wi);
+    return losses.any ? WithLobes(wo, wi, single) : single;
+  }
+  HWY_INLINE BsdfValue Single(const V3& wo, const V3& wi) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     const MF above = hn::Gt(wi.z, zero);
     // With refraction h is along -(n_o wo + n_i wi), on wo's side whatever the indices are.
@@ -36,8 +176,8 @@ struct RoughDielectric {
     const VF cos_o = Dot(wo, h), cos_i = Dot(wi, h);
     const VF fresnel = FresnelDielectric(Clamp(cos_o, 0.0f, 1.0f), ratio).reflectance;
 
-    const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
-    const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
+    const VF lambda_o = Lambda(wo), lambda_i = Lambda(wi);
+    const VF d = Density(h);
     const VF over_cos = hn::Div(d, hn::Max(wo.z, Set(1e-6f)));
     // The Jacobian makes the density of wi from that of h (eqs. 14 and 17), with the |wo . h| of
     // the visible normals.
@@ -56,26 +196,52 @@ struct RoughDielectric {
             hn::Div(visible, hn::Add(one, lambda_o))};
   }
 
-  HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
-    const V3 h = ggx.VisibleNormal(wo, u, v);
+  HWY_INLINE BsdfSample Draw(const V3& eye, VF u, VF v, VF lobe) const {
+    const V3 wo = ToTangent(eye);
+    const VF zero = hn::Zero(F()), one = Set(1.0f);
+    MF again = hn::Lt(one, zero);
+    V3 diffuse = {zero, zero, one};
+    if (losses.any) {
+      const VF lost = Lost(wo, inside);
+      again = hn::Lt(lobe, lost);
+      diffuse = CosineHemisphere(u, v);
+      const MF passes = hn::Lt(lobe, hn::Mul(lost, through_share));
+      diffuse.z = IfThen(passes, hn::Neg(diffuse.z), diffuse.z);
+      const VF rest = hn::Div(hn::Sub(lobe, lost), hn::Max(hn::Sub(one, lost), Set(1e-6f)));
+      lobe = Clamp(rest, 0.0f, 0x1.fffffep-1f);
+    }
+    const V3 h = VisibleNormal(wo, u, v);
     const VF cosine = Clamp(Dot(wo, h), 0.0f, 1.0f);
     const Refraction refraction = FresnelDielectric(cosine, ratio);
     const V3 reflected = Sub(Scale(h, hn::Mul(Set(2.0f), cosine)), wo);
     const V3 refracted = Normalize(
         Sub(Scale(h, hn::Sub(hn::Mul(ratio, cosine), refraction.cosine)), Scale(wo, ratio)));
     const MF reflects = hn::Lt(lobe, refraction.reflectance);
-    const V3 wi = IfThen(reflects, reflected, refracted);
-    BsdfSample sample = SampleOf(wi, Evaluate(wo, wi));
-    // A reflection below the surface, or a refraction above it, meets the facets again and is lost.
-    const MF stays = hn::Gt(wi.z, hn::Zero(F()));
-    sample.pdf = hn::IfThenElseZero(hn::Not(hn::Xor(stays, reflects)), sample.pdf);
+    const V3 wi = IfThen(again, diffuse, IfThen(reflects, reflected, refracted));
+    BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi));
+    if (any_two_widths) sample.wi = tangent.From(wi);
+    // A reflection below the surface, or a refraction above it, meets the facets again: the lobes
+    // return it.
+    const MF stays = hn::Gt(wi.z, zero);
+    const MF alive = hn::Or(again, hn::Not(hn::Xor(stays, reflects)));
+    sample.pdf = hn::IfThenElseZero(alive, sample.pdf);
     return sample;
   }
 
   VU fields;
   V3 color;
-  Ggx ggx;
+  Ggx ggx;  // of two widths: the mean of both, for tables
+  InterfaceLosses losses;
+  bool any_two_widths = false;
+  // These exist where some lanes have two widths.
+  MF two_widths, by_azimuth;
+  AnisotropicGgx facets;
+  TangentTurn tangent;
   VF ratio;  // index on wo's side over index on the other
+  // These exist where `losses` are any.
+  MF inside;               // wo is there
+  VF through_share;        // of the light that is lost on wo's side: it passes
+  VF through, back_again;  // factors of lost(wo) lost(wi) cos [1/sr]
 };
 
 SKYWAVE_BSDF_KERNELS(RoughDielectric)
@@ -93,11 +259,18 @@ inline constexpr BsdfTraits RoughDielectricTraits = {
     .varying = Varying::kAlpha,
     .transmits = true,
     .refracts = true,
+    .two_widths = true,
     .inside = true,
-    .parameters = {{"alpha"}, {"ior"}},
+    .tables = {.dielectric = true},
+    .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
       PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
+      if (m.alpha_across) {
+        PutField(r, MaterialField::kDielectricAcross, MicrofacetWidth(*m.alpha_across));
+      }
+      if (!m.energy_compensation) return;
+      PutField(r, MaterialField::kDielectricTransmittance, DiffuseTransmittance(m.ior));
     }};
 SKYWAVE_BSDF_TABLE(RoughDielectric)
 

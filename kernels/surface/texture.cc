@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "kernels/surface/texture.cc"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/surface/facet_turn-inl.h"
 #include "kernels/surface/texture-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -66,6 +67,36 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
     }
     StoreBelow(alpha, s.varying_0, i, n);
     StoreBelow(metallic, s.varying_1, i, n);
+  }
+}
+
+void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
+                      MaterialField across_field, float pixel_angle, std::uint32_t n,
+                      const SurfaceColumns& s) {
+  const auto* fields = reinterpret_cast<const float*>(materials);
+  for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
+    const VU material =
+        hn::IfThenElseZero(RowsBelow(i, n), hn::And(Load(s.material + i), SetU(kMaterialMask)));
+    const VU first = hn::ShiftLeft<kLogMaterialWords>(material);
+    const auto field = [&](MaterialField f) HWY_ATTR {
+      return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
+    };
+    VF along = field(MaterialField::kAlpha);
+    const VF across = field(across_field);
+    if (view.records != nullptr) {
+      const TexturedLanes<kLogMaterialWords> textured(
+          materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
+      if (textured.any) {
+        const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
+        const VF wider = hn::Mul(along, hn::Mul(seen.y, seen.y));
+        along = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), along);
+      }
+    }
+    const VF sine = Load(s.varying_1 + i);
+    const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
+    const FacetTurn turn = {Load(s.varying_0 + i), IfThen(back, hn::Neg(sine), sine), across};
+    StoreBelow(along, s.varying_0, i, n);
+    StoreBelow(PackFacetTurn(turn), s.varying_1, i, n);
   }
 }
 
@@ -129,6 +160,7 @@ struct ScalarNeighbours {
 HWY_EXPORT(TextureColors);
 HWY_EXPORT(TintByVertices);
 HWY_EXPORT(PrepareMetallicRoughness);
+HWY_EXPORT(PrepareTwoWidths);
 HWY_EXPORT(PrepareSecondColor);
 
 void TextureColors(const TextureView& textures, const MaterialRecord* materials, float pixel_angle,
@@ -141,6 +173,11 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareMetallicRoughness)(textures, materials, pixel_angle, n, surfaces);
+}
+void PrepareTwoWidths(const TextureView& textures, const MaterialRecord* materials,
+                      MaterialField across, float pixel_angle, std::uint32_t n,
+                      const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareTwoWidths)(textures, materials, across, pixel_angle, n, surfaces);
 }
 void PrepareSecondColor(const TextureView& textures, const MaterialRecord* materials,
                         float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {

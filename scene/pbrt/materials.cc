@@ -456,9 +456,13 @@ Material Dielectric(Context& context, bool v4) {
                                  }) ||
                      widths.texture || widths.solid;
   // A rough surface between equal indices refracts nothing, so its facets are undetermined.
-  if (rough && widths.mean() >= kSmoothWidth && std::fabs(material.ior - 1) > 1e-3f) {
+  if (rough && std::max(widths.mean(), std::max(widths.along, widths.across)) >= kSmoothWidth &&
+      std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;
-    material.alpha = OneWidth(context, widths);
+    material.alpha = widths.mean();
+    if (widths.along != widths.across) {
+      material.alpha = widths.along, material.alpha_across = widths.across;
+    }
   }
   const glm::vec3 reflect = FractionOr(context, {"Kr"}, glm::vec3(1));
   const glm::vec3 transmit = FractionOr(context, {"Kt"}, glm::vec3(1));

@@ -131,7 +131,7 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 // a tangent.
 bool UsesUvs(const Scene& scene, std::uint32_t index) {
   const Material& material = scene.materials[index];
-  bool uses = Bsdfs()[std::size_t(material.bsdf)].varying == Varying::kTangent;
+  bool uses = HasTangent(material);
   ForEachTexture(material, [&](std::uint32_t) { uses = true; });
   if (const auto& mixture = material.mixture) {
     uses = uses || UsesUvs(scene, mixture->first) || UsesUvs(scene, mixture->second);

@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <optional>
 
+#include "kernels/bsdf/dielectric_tables.h"
 #include "tests/support/bsdf_cases.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/targets.h"
@@ -216,6 +219,100 @@ TEST(BsdfReference, AlbedosOfTheFacets) {
     }
     EXPECT_NEAR(tables.mean_albedo[row], mean.all, 1.5e-3) << "alpha " << alpha;
     EXPECT_NEAR(tables.mean_grazing[row], mean.grazing, 1.5e-3) << "alpha " << alpha;
+  }
+}
+
+// Returns the share of light from wo that facets of two widths keep by scattering once: those of a
+// metal with F = 1, or of glass where `ratio` (near index over far index) is given. Half vectors
+// are distributed as D(h) cos.
+double KeptByFacets(double x, double y, const Vec& wo, std::optional<double> ratio, int radii,
+                    int turns) {
+  const auto lambda = [&](const Vec& w) {
+    const double slope2 = (std::pow(x * w.x, 2) + std::pow(y * w.y, 2)) / (w.z * w.z);
+    return 0.5 * (std::sqrt(1 + slope2) - 1);
+  };
+  double sum = 0;
+  for (int i = 0; i < radii; ++i) {
+    // Steep facets are few and are seen large: places are dense where u is near 1.
+    const double v = 1 - (i + 0.5) / radii, u = 1 - v * v, radius = std::sqrt(u / (1 - u));
+    for (int j = 0; j < turns; ++j) {
+      const double phi = 2 * kPi * (j + 0.5) / turns;
+      const Vec h = Unit({x * radius * std::cos(phi), y * radius * std::sin(phi), 1});
+      const double facing = Dot(wo, h);
+      if (facing <= 0) continue;
+      const double seen = 2 * v * facing / (wo.z * h.z), lambda_o = lambda(wo);
+      const Vec reflected = 2 * facing * h - wo;
+      const double sine2 = ratio ? *ratio * *ratio * (1 - facing * facing) : 1;
+      const double reflectance =
+          sine2 < 1 ? FresnelReflectance(std::min(facing, 1.0), 1 / *ratio) : 1;
+      if (reflected.z > 0) sum += reflectance * seen / (1 + lambda_o + lambda(reflected));
+      if (reflectance == 1) continue;
+      const Vec refracted = (*ratio * facing - std::sqrt(1 - sine2)) * h - *ratio * wo;
+      if (refracted.z < 0) sum += (1 - reflectance) * seen / (1 + lambda_o + lambda(refracted));
+    }
+  }
+  return sum / (double(radii) * turns);
+}
+
+// The tables of glass and of brushed metal hold what a quadrature without visible normals finds.
+TEST(BsdfReference, LossesOfRoughGlass) {
+  for (const float ior : {1.2f, 1.5f, 0.7f}) {
+    for (const float alpha : {0.15f, 0.5f, 1.0f}) {
+      const DielectricRow row = MakeDielectricTable(alpha, ior).rows[3];
+      for (const bool inside : {false, true}) {
+        const double ratio = inside ? ior : 1 / ior;
+        const auto lost = [&](double mu, int radii, int turns) {
+          const Vec wo = {std::sqrt(1 - mu * mu), 0, mu};
+          return 1 - KeptByFacets(alpha, alpha, wo, ratio, radii, turns);
+        };
+        for (const std::size_t column : {10u, 16u, 24u, 31u}) {
+          const double mu = std::pow(double(column) / (kAlbedoColumns - 1), 2);
+          EXPECT_NEAR(row.lost[inside][column], lost(mu, 1000, 100), 2e-3)
+              << "ior " << ior << ", alpha " << alpha << ", cosine " << mu << ", side " << inside;
+        }
+        double mean = 0;
+        constexpr int kSteps = 40;
+        for (int i = 0; i < kSteps; ++i) {
+          const double mu = (i + 0.5) / kSteps;
+          mean += 2 * mu / kSteps * lost(mu, 300, 60);
+        }
+        EXPECT_NEAR(row.mean[inside], mean, 2e-3) << "ior " << ior << ", alpha " << alpha;
+      }
+    }
+  }
+}
+
+TEST(BsdfReference, AlbedosOfBrushedMetal) {
+  const AnisotropicTables& tables = GetAnisotropicTables();
+  const auto square = [](std::size_t place, std::size_t count) {
+    return std::pow(double(place) / double(count - 1), 2);
+  };
+  for (const std::size_t a : {4u, 8u, 11u}) {
+    for (const std::size_t b : {3u, 7u, 11u}) {
+      const double along = square(a, kTabledWidths), across = square(b, kTabledWidths);
+      for (const std::size_t c : {5u, 9u, 13u, 15u}) {
+        for (const std::size_t p : {0u, 4u, 7u, 12u}) {
+          const double mu = square(c, kTabledCosines), sine = std::sqrt(1 - mu * mu);
+          const double share = double(p) / (kTabledAzimuths - 1), x = 1 - share, y = share;
+          const double norm = std::hypot(x, y);
+          const Vec wo = {sine * x / norm, -sine * y / norm, mu};
+          EXPECT_NEAR(tables.albedo[a][b][c][p], KeptByFacets(along, across, wo, {}, 800, 100),
+                      3e-3)
+              << "widths " << along << " and " << across << ", cosine " << mu << ", azimuth " << p;
+        }
+      }
+      double mean = 0;
+      constexpr int kSteps = 24;
+      for (int i = 0; i < kSteps; ++i) {
+        for (int j = 0; j < kSteps; ++j) {
+          const double mu = (i + 0.5) / kSteps, phi = kPi / 2 * (j + 0.5) / kSteps;
+          const double sine = std::sqrt(1 - mu * mu);
+          const Vec wo = {sine * std::cos(phi), sine * std::sin(phi), mu};
+          mean += 2 * mu / (kSteps * kSteps) * KeptByFacets(along, across, wo, {}, 200, 60);
+        }
+      }
+      EXPECT_NEAR(tables.mean_albedo[a][b], mean, 4e-3) << "widths " << along << ", " << across;
+    }
   }
 }
 

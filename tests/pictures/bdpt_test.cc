@@ -67,6 +67,14 @@ INSTANTIATE_TEST_SUITE_P(
       return name + std::to_string(int(test.param.alpha * 100));
     });
 
+// Where light paths pass through glass of two widths, its tangent is seen from behind.
+TEST(Bdpt, GlassOfTwoWidthsIsThatOfPaths) {
+  Material glass = Of(BsdfKind::kRoughDielectric, 0.4f);
+  glass.alpha_across = 0.1f;
+  EXPECT_TRUE(SameAsPaths(MattRoom(glass, kEnvironment | kLamp), Request(Integrator::kBdpt, 5),
+                          kRuns, kLevel));
+}
+
 TEST(Bdpt, EveryDepthIsThatOfPaths) {
   const Scene scene = MattRoom(Of(BsdfKind::kConductor), kEnvironment | kLamp | kPoint);
   for (const std::uint32_t depth : {0u, 1u, 2u, 3u, 7u}) {

@@ -107,6 +107,15 @@ std::vector<FurnaceCase> Cases() {
                        White(BsdfKind::kConductor, float(percent) / 100), smooth,
                        mean + (narrow ? 2e-3 : 5e-4), block + (narrow ? 4e-3 : 1e-3)});
     }
+    for (const int percent : {10, 30, 60, 100}) {
+      cases.push_back({"RoughGlass" + std::to_string(percent) + shading,
+                       White(BsdfKind::kRoughDielectric, float(percent) / 100), smooth, mean + 2e-3,
+                       block + 4e-3});
+      Material brushed = White(BsdfKind::kAnisotropicConductor, float(percent) / 100);
+      brushed.alpha_across = 0.5f;
+      cases.push_back({"Brushed" + std::to_string(percent) + shading, brushed, smooth, mean + 5e-3,
+                       block + 1e-2});
+    }
   }
   return cases;
 }

@@ -182,6 +182,20 @@ TEST(OraclePictures, OtherBsdfsAgree) {
   EXPECT_EQ(seen.size(), kBsdfKinds - 6u);
 }
 
+// Glass of two widths, as a tile and as a wall: light passes through both.
+TEST(OraclePictures, GlassOfTwoWidthsAgrees) {
+  for (const bool compensated : {false, true}) {
+    SCOPED_TRACE(compensated);
+    Scene scene = TwoTiles({.bsdf = BsdfKind::kRoughDielectric,
+                            .reflectance = {1, 0.9f, 0.7f},
+                            .alpha = 0.15f,
+                            .alpha_across = 0.6f,
+                            .energy_compensation = compensated});
+    SetLight(scene, SkyWithSun(64, 32, 8, 0.5));
+    ExpectSame(scene, Request(Integrator::kPath, 6));
+  }
+}
+
 TEST(OracleItself, RefusesWhatItDoesNotKnow) {
   Scene scene = TwoBalls(kLambert);
   SetConstantLight(scene, 1);

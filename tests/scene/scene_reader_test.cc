@@ -396,6 +396,12 @@ TEST(Materials, RoughAndThinGlass) {
   EXPECT_FLOAT_EQ(frosted.ior, 1.4f);
   EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float uroughness\" .1 \"float vroughness\" .1").bsdf,
             BsdfKind::kRoughDielectric);
+  const Material ground =
+      OnlyMaterial("Material \"dielectric\" \"float uroughness\" .04 \"float vroughness\" .25");
+  EXPECT_EQ(ground.bsdf, BsdfKind::kRoughDielectric);
+  EXPECT_FLOAT_EQ(ground.alpha, 0.2f);
+  EXPECT_FLOAT_EQ(ground.alpha_across.value(), 0.5f);
+  EXPECT_FALSE(frosted.alpha_across);
   EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float roughness\" 0").bsdf, BsdfKind::kDielectric);
   EXPECT_EQ(OnlyMaterial("Material \"thindielectric\" \"float eta\" 1.2").bsdf,
             BsdfKind::kThinDielectric);
@@ -643,7 +649,6 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "LightSource \"infinite\" \"spectrum L\" \"stdillum-X\"",
                            "Scale 1 2 1 LightSource \"infinite\"",
                            "Material \"plastic\"",
-                           "Material \"glass\" \"float uroughness\" .2",
                            "Material \"coatedconductor\" \"float interface.vroughness\" .4",
                            "Material \"coateddiffuse\" \"float uroughness\" .4",
                            "Material \"translucent\"",

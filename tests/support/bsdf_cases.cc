@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "kernels/bsdf/coat_tables.h"
+#include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/material.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/oracle_bsdf.h"
@@ -63,6 +66,15 @@ std::vector<CoatTable>& Coats() {
   return coats;
 }
 
+std::vector<DielectricTable>& Dielectrics() {
+  static std::vector<DielectricTable> tables;
+  return tables;
+}
+
+MaterialRecord Milky(float alpha, float ior) {
+  return RecordOfGlass(RoughGlass(alpha, ior), MakeDielectricTable(alpha, ior));
+}
+
 std::vector<MaterialCase> MakeDenseCases() {
   using enum BsdfKind;
   std::vector<MaterialCase> list;
@@ -100,6 +112,19 @@ std::vector<MaterialCase> MakeDenseCases() {
                     kRoughDielectric,
                     {.color = {1, 1, 1}, .alpha = 0.2f, .ior = 0.75f},
                     back});
+    for (const float alpha : {0.1f, 0.4f, 1.0f}) {
+      list.push_back({"Milky" + std::to_string(int(alpha * 100)) + side, kRoughDielectric,
+                      Milky(alpha, 1.5f), back});
+    }
+    Material ground = RoughGlass(0.3f, 1.5f);
+    ground.alpha_across = HeldWidth(0.1), ground.energy_compensation = false;
+    list.push_back(
+        {"Ground" + side, kRoughDielectric, PackMaterial(ground, {}), back, HeldTurn(0.7)});
+    ground = RoughGlass(0.15f, 1.33f), ground.alpha_across = HeldWidth(0.6);
+    list.push_back({"MilkyGround" + side, kRoughDielectric,
+                    RecordOfGlass(ground, MakeDielectricTable(0.15f, 0.6f, 1.33f)), back,
+                    HeldTurn(-2.1)});
+    list.push_back({"MilkyBubble" + side, kRoughDielectric, Milky(0.6f, 0.75f), back});
   }
   for (const BsdfKind kind : {kAnisotropicConductor, kBeckmannConductor}) {
     const std::string name = kind == kBeckmannConductor ? "Gauss" : "Brushed";
@@ -109,6 +134,13 @@ std::vector<MaterialCase> MakeDenseCases() {
     list.push_back({name + "Narrow", kind, Brushed(0.01f, 0.02f, true), false, 3.0});
     list.push_back({name + "Rough", kind, Brushed(1, 0.8f, true), false, 1.5});
   }
+  const auto kept = [&](const std::string& name, MaterialRecord record, double turn) {
+    list.push_back(
+        {"Brushed" + name + "Kept", kAnisotropicConductor, Keeping(record), false, turn});
+  };
+  kept("Gold", Brushed(0.5f, 0.2f, false), 0.7);
+  kept("White", Brushed(0.15f, 0.9f, true), -2.1);
+  kept("Round", Brushed(0.3f, 0.3f, true), 0);
   for (const float alpha : {0.05f, 0.3f, 0.9f}) {
     const std::string name = std::to_string(int(alpha * 100));
     list.push_back({"Plastic" + name, kPhong, Glossy(alpha)});
@@ -197,18 +229,18 @@ FormulaValue DiffuseTransmissionFormula(const MaterialRecord& m, Vec wi) {
 
 // The equations are Walter et al. 2007, eqs. 20 and 21, in the original terms: the indices of both
 // sides.
-FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi) {
+FormulaValue GlassFacetsFormula(const MaterialCase& material, Vec wo, Vec wi) {
   const MaterialRecord& m = material.record;
   const double near = material.back ? m.ior : 1, far = material.back ? 1 : m.ior;
-  const double a = m.alpha;
+  const double x = m.alpha, y = m.multiscatter[2] > 0 ? m.multiscatter[2] : m.alpha;
   const bool reflects = wi.z > 0;
   Vec h = reflects ? HalfOf(wo, wi) : Unit(-(near * wo + far * wi));
   if (h.z < 0) h = -h;
   FormulaValue out;
   const double oh = Dot(wo, h), ih = Dot(wi, h);
   if (oh <= 0 || ih * wi.z <= 0) return out;
-  const double d = GgxDensity(h, a, a);
-  const double lo = GgxLambda(wo, a, a), li = GgxLambda(wi, a, a);
+  const double d = GgxDensity(h, x, y);
+  const double lo = GgxLambda(wo, x, y), li = GgxLambda(wi, x, y);
   const double f = RealFresnel(oh, near / far);
   const double visible = d * oh / (wo.z * (1 + lo));  // density of h
   double value = 0;
@@ -222,6 +254,86 @@ FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi
   }
   for (int c = 0; c < 3; ++c) out.rgb[c] = m.color[c] * value;
   return out;
+}
+
+// The transmittance of smooth glass for diffuse light from outside is integrated here.
+double DiffuseTransmittanceOf(double ior) {
+  constexpr int kSteps = 20000;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double sine = std::sin(kPi / 2 * (i + 0.5) / kSteps), cosine = std::sqrt(1 - sine * sine);
+    sum += (1 - RealFresnel(cosine, 1 / ior)) * 2 * sine * cosine * kPi / 2 / kSteps;
+  }
+  return sum;
+}
+
+// Adds the light that facets scatter more than once, by kernels/bsdf/dielectric_tables.h, in energy
+// and not in radiance.
+FormulaValue RoughDielectricFormula(const MaterialCase& material, Vec wo, Vec wi) {
+  const MaterialRecord& m = material.record;
+  FormulaValue out = GlassFacetsFormula(material, wo, wi);
+  const auto table = std::bit_cast<std::uint32_t>(m.multiscatter[0]);
+  if (table == 0) return out;
+  const DielectricRow* const rows = Dielectrics()[table - 1].rows;
+  // The rows are widths, or azimuths if there are two widths.
+  const auto between = [&](Vec w, const auto& of_row) {
+    const double place = m.multiscatter[2] > 0
+                             ? std::fabs(w.y) / std::max(std::fabs(w.x) + std::fabs(w.y), 1e-30)
+                             : std::sqrt(double(m.alpha));
+    const double at = place * (kAlbedoRows - 1), low = std::floor(at);
+    return std::lerp(of_row(rows[std::size_t(at)]), of_row(rows[std::size_t(at) + 1]), at - low);
+  };
+  const auto lost = [&](bool inside, Vec w) {
+    const double place = std::sqrt(std::fabs(w.z)) * (kAlbedoColumns - 1);
+    const auto column = std::min(std::size_t(place), std::size_t(kAlbedoColumns - 2));
+    return between(w, [&](const DielectricRow& row) {
+      return std::lerp(double(row.lost[inside][column]), double(row.lost[inside][column + 1]),
+                       place - double(column));
+    });
+  };
+  const auto mean = [&](bool inside) {
+    return between(wo, [&](const DielectricRow& row) { return double(row.mean[inside]); });
+  };
+  const bool passes = wi.z < 0, wi_inside = material.back != passes;
+  static std::map<float, double> transmittances;
+  auto known = transmittances.find(m.ior);
+  if (known == transmittances.end()) {
+    known = transmittances.emplace(m.ior, DiffuseTransmittanceOf(m.ior)).first;
+  }
+  const double of_diffuse = known->second / (material.back ? Square(m.ior) : 1);
+  const double own = mean(material.back), other = mean(!material.back);
+  const double through = of_diffuse * other / std::max(own, other);
+  const double lost_o = lost(material.back, wo), cosine = std::fabs(wi.z);
+  const double share = passes ? through : 1 - through;
+  double value = lost_o * share * lost(wi_inside, wi) / mean(wi_inside) * cosine / kPi;
+  if (passes) value *= material.back ? Square(m.ior) : 1 / Square(m.ior);
+  for (int c = 0; c < 3; ++c) out.rgb[c] += m.color[c] * value;
+  out.pdf = (1 - lost_o) * out.pdf + lost_o * share * cosine / kPi;
+  return out;
+}
+
+// Interpolates the tables of kernels/bsdf/conductor_tables.h for two widths.
+double AnisotropicAlbedoAt(double along, double across, Vec w) {
+  const AnisotropicTables& tables = GetAnisotropicTables();
+  const double places[4] = {
+      std::sqrt(along) * (kTabledWidths - 1), std::sqrt(across) * (kTabledWidths - 1),
+      std::sqrt(w.z) * (kTabledCosines - 1),
+      std::fabs(w.y) / std::max(std::fabs(w.x) + std::fabs(w.y), 1e-30) * (kTabledAzimuths - 1)};
+  const std::size_t counts[4] = {kTabledWidths, kTabledWidths, kTabledCosines, kTabledAzimuths};
+  double sum = 0;
+  for (std::size_t corner = 0; corner < 16; ++corner) {
+    double weight = 1;
+    std::size_t at[4];
+    for (std::size_t d = 0; d < 4; ++d) {
+      const std::size_t low = std::min(std::size_t(places[d]), counts[d] - 2);
+      const std::size_t step = corner >> d & 1;
+      at[d] = low + step;
+      const double share = places[d] - double(low);
+      weight *= step == 1 ? share : 1 - share;
+    }
+    sum += weight * double(tables.albedo[at[0]][at[1]][at[2]][at[3]]);
+  }
+  return sum;
 }
 
 FormulaValue ConductorFormula(const MaterialCase& material, Vec wo, Vec wi) {
@@ -238,6 +350,13 @@ FormulaValue ConductorFormula(const MaterialCase& material, Vec wo, Vec wi) {
     const double f = FresnelReflectance(std::min(1.0, Dot(wo, h)), {m.eta[c], m.k[c]});
     out.rgb[c] = m.color[c] * f * d / (4 * wo.z * (1 + lo + li));
   }
+  if (gauss || m.multiscatter[0] == 0) return out;
+  const double lost_o = 1 - AnisotropicAlbedoAt(x, y, wo);
+  const double lost_i = 1 - AnisotropicAlbedoAt(x, y, wi);
+  for (int c = 0; c < 3; ++c) {
+    out.rgb[c] += m.color[c] * double(m.multiscatter[c]) * lost_o * lost_i * wi.z;
+  }
+  out.pdf = (1 - lost_o) * out.pdf + lost_o * wi.z / kPi;
   return out;
 }
 
@@ -484,6 +603,8 @@ double LobeWidth(const MaterialCase& material) {
     case BsdfKind::kBeckmannConductor:
     case BsdfKind::kWard:
       return std::min(m.alpha, m.ior);
+    case BsdfKind::kRoughDielectric:
+      return m.multiscatter[2] > 0 ? std::min(m.alpha, m.multiscatter[2]) : m.alpha;
     case BsdfKind::kCoatedMetallicRoughness:
       return std::min(m.alpha, m.k[1]);
     case BsdfKind::kCoatedConductor:
@@ -517,6 +638,35 @@ MaterialRecord RecordWithCoat(const Material& material) {
   PutField(record, MaterialField::kCoatTable, std::uint32_t(Coats().size()));
   Coats().push_back(MakeCoatTable(material));
   return record;
+}
+
+Material RoughGlass(float alpha, float ior) {
+  return {.bsdf = BsdfKind::kRoughDielectric,
+          .reflectance = {1, 0.9f, 0.5f},
+          .alpha = alpha,
+          .ior = ior};
+}
+
+MaterialRecord RecordOfGlass(const Material& material, const DielectricTable& table) {
+  Dielectrics().push_back(table);
+  MaterialRecord record = PackMaterial(material, {});
+  PutField(record, MaterialField::kDielectricTable, std::uint32_t(Dielectrics().size()));
+  return record;
+}
+
+const DielectricTable* DielectricsForTests() { return Dielectrics().data(); }
+
+MaterialRecord Keeping(MaterialRecord anisotropic) {
+  for (int c = 0; c < 3; ++c) {
+    anisotropic.multiscatter[c] =
+        ConductorMultiscatter(GetAnisotropicTables(), anisotropic.alpha, anisotropic.ior,
+                              anisotropic.eta[c], anisotropic.k[c]);
+  }
+  return anisotropic;
+}
+
+double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi) {
+  return GlassFacetsFormula(material, wo, wi).pdf;
 }
 
 const CoatTable* CoatsForTests() { return Coats().data(); }

@@ -31,6 +31,13 @@ struct FormulaValue {
 };
 FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
 
+// Returns the density of RoughDielectric without its lobes of scattering between facets.
+double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi);
+
+// Returns rough glass that loses nothing, and GGX facets of two widths likewise.
+Material RoughGlass(float alpha, float ior);
+MaterialRecord Keeping(MaterialRecord anisotropic);
+
 // Returns the near index over the far index, 1 if nothing is refracted, or nothing if light cannot
 // pass.
 inline std::optional<double> TransmissionRatio(const MaterialCase& material) {

@@ -104,9 +104,9 @@ void Oracle::AddMesh(const Mesh& mesh) {
 
 // Returns the direction in which u grows and v does not.
 dvec3 Oracle::TangentOf(const Triangle& t) const {
-  const std::string name = scene_textures_.materials[t.material].name;
-  if (Bsdfs()[std::size_t(materials_[t.material].bsdf)].varying != Varying::kTangent)
-    return dvec3(0);
+  const Material& material = scene_textures_.materials[t.material];
+  const std::string name = material.name;
+  if (!HasTangent(material)) return dvec3(0);
   const dvec3 a = t.corner[1] - t.corner[0], b = t.corner[2] - t.corner[0];
   const glm::dvec2 p = t.uv[1] - t.uv[0], q = t.uv[2] - t.uv[0];
   const double area = p.x * q.y - q.x * p.y;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
 
@@ -161,8 +162,8 @@ OracleValue EvaluateMetallicRoughness(const OracleMaterial& m, const dvec3& wo, 
 }
 
 // Draws a visible normal by the projected area of the stretched hemisphere (Heitz 2018, listing 1).
-dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
-  const dvec3 view = glm::normalize(dvec3(alpha * wo.x, alpha * wo.y, wo.z));
+dvec3 VisibleNormal(double x_width, double y_width, const dvec3& wo, OracleRandom& random) {
+  const dvec3 view = glm::normalize(dvec3(x_width * wo.x, y_width * wo.y, wo.z));
   const Basis basis(view);
   const double radius = std::sqrt(random()), turn = 2 * kPi * random();
   // basis.x is perpendicular to view; the half disk towards +z is compressed along the axis that
@@ -173,7 +174,10 @@ dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
   const double t1 = radius * std::cos(turn), s = 0.5 * (1 + view.z);
   const double t2 = (1 - s) * std::sqrt(1 - t1 * t1) + s * radius * std::sin(turn);
   const dvec3 n = t1 * side + t2 * lean + std::sqrt(std::max(0.0, 1 - t1 * t1 - t2 * t2)) * view;
-  return glm::normalize(dvec3(alpha * n.x, alpha * n.y, std::max(1e-9, n.z)));
+  return glm::normalize(dvec3(x_width * n.x, y_width * n.y, std::max(1e-9, n.z)));
+}
+dvec3 VisibleNormal(double alpha, const dvec3& wo, OracleRandom& random) {
+  return VisibleNormal(alpha, alpha, wo, random);
 }
 
 OracleValue EvaluateRough(const OracleMaterial& m, const dvec3& wo, const dvec3& wi) {
@@ -204,7 +208,12 @@ OracleValue EvaluateFormula(const OracleMaterial& m, bool back, const dvec3& wo,
   const FormulaValue exact =
       BsdfFormula(back ? *m.formula_of_back : *m.formula, {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
   OracleValue out = {{exact.rgb[0], exact.rgb[1], exact.rgb[2]}, exact.pdf};
-  if (m.bsdf == BsdfKind::kRoughDielectric) return out;  // its density is that of its draws
+  if (m.bsdf == BsdfKind::kRoughDielectric) {
+    const double facets = FacetDensityOfGlass(back ? *m.formula_of_back : *m.formula,
+                                              {wo.x, wo.y, wo.z}, {wi.x, wi.y, wi.z});
+    out.pdf = 0.7 * facets + 0.3 * std::abs(wi.z) / (2 * kPi);
+    return out;
+  }
   out.pdf = std::abs(wi.z) / kPi;
   if (m.bsdf == BsdfKind::kDiffuseTransmission) {
     out.pdf /= 2;
@@ -221,7 +230,9 @@ dvec3 DrawFormula(const OracleMaterial& m, bool back, const dvec3& wo, OracleRan
     return random() < 0.5 ? up : -up;
   }
   if (m.bsdf == BsdfKind::kRoughDielectric) {
-    const dvec3 h = VisibleNormal(m.alpha, wo, random);
+    // Three in ten are drawn for the light that scatters between facets.
+    if (random() < 0.3) return random() < 0.5 ? CosineDirection(random) : -CosineDirection(random);
+    const dvec3 h = VisibleNormal(m.alpha, m.alpha_across, wo, random);
     const double c = std::min(glm::dot(wo, h), 1.0), ratio = back ? m.ior : 1 / m.ior;
     const double sine2 = ratio * ratio * (1 - c * c), inside = std::sqrt(std::max(0.0, 1 - sine2));
     const double across = (ratio * c - inside) / (ratio * c + inside);
@@ -248,6 +259,76 @@ OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleR
   out.weight = value.value / value.pdf, out.pdf = value.pdf;
   out.alive = true;
   return out;
+}
+
+// Returns the table of kernels/bsdf/dielectric_tables.h, by a quadrature of its own: half vectors
+// are distributed as D(h) cos, and not as an eye sees them.
+DielectricTable LossesByQuadrature(double x_width, double y_width, double ior) {
+  constexpr int kRadii = 200, kTurns = 64, kHeights = 64, kAzimuths = 8;
+  const auto lambda = [&](const dvec3& w) {
+    const double slope2 = (Square(x_width * w.x) + Square(y_width * w.y)) / Square(w.z);
+    return 0.5 * (std::sqrt(1 + slope2) - 1);
+  };
+  const auto lost = [&](bool inside, double mu, double azimuth) {
+    const double ratio = inside ? ior : 1 / ior, sine = std::sqrt(1 - mu * mu);
+    const dvec3 wo(sine * std::cos(azimuth), sine * std::sin(azimuth), mu);
+    const double lambda_o = lambda(wo);
+    double kept = 0;
+    for (int i = 0; i < kRadii; ++i) {
+      // Steep facets are few and are seen large: places are dense where u is near 1.
+      const double v = 1 - (i + 0.5) / kRadii, u = 1 - v * v;
+      const double slope = std::sqrt(u / (1 - u));
+      for (int j = 0; j < kTurns; ++j) {
+        const double phi = 2 * kPi * (j + 0.5) / kTurns;
+        const dvec3 h = glm::normalize(
+            dvec3(x_width * slope * std::cos(phi), y_width * slope * std::sin(phi), 1));
+        const double c = std::min(glm::dot(wo, h), 1.0);
+        if (c <= 0) continue;
+        const double sine2 = ratio * ratio * (1 - c * c);
+        const double inner = std::sqrt(std::max(0.0, 1 - sine2));
+        const double across = (ratio * c - inner) / (ratio * c + inner);
+        const double along = (c - ratio * inner) / (c + ratio * inner);
+        const double f = sine2 >= 1 ? 1 : 0.5 * (Square(across) + Square(along));
+        const auto arrives = [&](const dvec3& wi) {
+          return 2 * v * c / (mu * h.z) / (1 + lambda_o + lambda(wi));
+        };
+        const dvec3 back = 2 * c * h - wo, on = ratio * (c * h - wo) - inner * h;
+        if (back.z > 0) kept += f * arrives(back);
+        if (on.z < 0 && f < 1) kept += (1 - f) * arrives(on);
+      }
+    }
+    return std::max(0.0, 1 - kept / (kRadii * kTurns));
+  };
+  // With two widths, the rows are azimuths by |y| / (|x| + |y|).
+  const int azimuths = x_width == y_width ? 1 : kAzimuths;
+  DielectricTable table;
+  for (const bool inside : {false, true}) {
+    for (std::size_t column = 0; column < kSideColumns; ++column) {
+      const double root = std::min(double(column) / (kAlbedoColumns - 1), 1.0);
+      std::vector<double> of_azimuth;
+      for (int a = 0; a <= azimuths; ++a) {
+        const double share = double(a) / azimuths;
+        of_azimuth.push_back(
+            lost(inside, std::max(root * root, 1e-4), std::atan2(share, 1 - share)));
+      }
+      for (std::size_t r = 0; r <= kAlbedoRows; ++r) {
+        const double at = std::min(double(r) / (kAlbedoRows - 1), 1.0) * azimuths;
+        const std::size_t low = std::min(std::size_t(at), std::size_t(azimuths - 1));
+        table.rows[r].lost[inside][column] =
+            float(std::lerp(of_azimuth[low], of_azimuth[low + 1], at - double(low)));
+      }
+    }
+    double mean = 0;
+    for (int i = 0; i < kHeights; ++i) {
+      const double s = (i + 0.5) / kHeights;
+      for (int a = 0; a < azimuths; ++a) {
+        const double azimuth = kPi / 2 * (a + 0.5) / azimuths;
+        mean += 4 * s * s * s / (kHeights * azimuths) * lost(inside, s * s, azimuth);
+      }
+    }
+    for (DielectricRow& row : table.rows) row.mean[inside] = float(mean);
+  }
+  return table;
 }
 
 Basis BasisOf(const OracleSurface& s) {
@@ -315,19 +396,24 @@ OracleMaterial MakeOracleMaterial(const Material& material) {
   if (!own && (material.color_texture || material.roughness_texture)) {
     throw std::logic_error("the oracle knows no textures of " + name);
   }
-  OracleMaterial m = {.bsdf = material.bsdf,
-                      .reflectance = material.reflectance,
-                      .eta = material.eta,
-                      .k = material.k,
-                      .alpha = std::clamp(double(material.alpha), 1e-3, 1.0),
-                      .ior = material.ior,
-                      .metallic = material.metallic,
-                      .multiscatter = dvec3(0)};
-  if (m.bsdf == kConductor) m.multiscatter = MultiscatterFactor(m);
+  OracleMaterial m = {
+      .bsdf = material.bsdf,
+      .reflectance = material.reflectance,
+      .eta = material.eta,
+      .k = material.k,
+      .alpha = std::clamp(double(material.alpha), 1e-3, 1.0),
+      .alpha_across = std::clamp(double(material.alpha_across.value_or(material.alpha)), 1e-3, 1.0),
+      .ior = material.ior,
+      .metallic = material.metallic,
+      .multiscatter = dvec3(0)};
+  if (m.bsdf == kConductor && material.energy_compensation) m.multiscatter = MultiscatterFactor(m);
   if (!own) {
     const bool coated = material.bsdf == kCoatedConductor || material.bsdf == kCoatedDiffuse;
     MaterialCase packed = {name, material.bsdf,
                            coated ? RecordWithCoat(material) : PackMaterial(material, {})};
+    if (m.bsdf == kRoughDielectric && material.energy_compensation) {
+      packed.record = RecordOfGlass(material, LossesByQuadrature(m.alpha, m.alpha_across, m.ior));
+    }
     m.formula = std::make_shared<MaterialCase>(packed);
     packed.back = true;
     m.formula_of_back = std::make_shared<MaterialCase>(packed);

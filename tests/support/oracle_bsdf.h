@@ -15,7 +15,7 @@ struct MaterialCase;
 struct OracleMaterial {
   BsdfKind bsdf;
   glm::dvec3 reflectance, eta, k;
-  double alpha, ior, metallic;
+  double alpha, alpha_across, ior, metallic;
   glm::dvec3 multiscatter;  // conductor: factor of (1 - E(wo)) (1 - E(wi)) cos [1/sr]
   // Those BSDFs that are evaluated by the formulae of bsdf_cases.h have this, and no textures.
   std::shared_ptr<const MaterialCase> formula, formula_of_back;

@@ -1,6 +1,8 @@
 // Surfaces and materials for tests of BSDFs.
 #pragma once
 
+#include <bit>
+#include <cmath>
 #include <complex>
 #include <string>
 #include <vector>
@@ -8,6 +10,7 @@
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/coat_tables.h"
 #include "kernels/bsdf/conductor_tables.h"
+#include "kernels/bsdf/dielectric_tables.h"
 #include "tests/support/random_rows.h"
 
 namespace skywave {
@@ -43,6 +46,28 @@ const float* MeasuredForTests();  // SyntheticMeasuredTable, built once
 // Returns the record of a material with a coat, and the tables of all such records.
 MaterialRecord RecordWithCoat(const Material& material);
 const CoatTable* CoatsForTests();
+// The same of rough glass whose facets scatter more than once.
+MaterialRecord RecordOfGlass(const Material& material, const DielectricTable& table);
+const DielectricTable* DielectricsForTests();
+
+// Returns the next turn and width that a word of kernels/surface/facet_turn-inl.h can hold.
+inline double HeldTurn(double turn) {
+  const double c = std::cos(turn), s = std::copysign(std::sin(turn), std::sin(turn) * c);
+  const double held = std::round(32767.5 * (1 + s / (std::fabs(c) + std::fabs(s)))) / 32767.5 - 1;
+  return std::atan2(held, 1 - std::fabs(held));
+}
+inline float HeldWidth(double width) {
+  const double root = std::round(65535 * std::sqrt(width)) / 65535;
+  return float(root * root);
+}
+
+// Returns the word, of a surface seen from its front.
+inline float FacetTurnOf(double turn, double across) {
+  const double c = std::cos(turn), s = std::copysign(std::sin(turn), std::sin(turn) * c);
+  const auto whole = [](double share) { return std::uint32_t(std::lround(share * 65535)); };
+  const double place = 0.5 * (1 + s / (std::fabs(c) + std::fabs(s)));
+  return std::bit_cast<float>(whole(place) | whole(std::sqrt(across)) << 16);
+}
 
 // One surface in all rows. Its material is record 1, so that ignoring the index is detected.
 struct ShadingRows {
@@ -68,11 +93,18 @@ struct ShadingRows {
     s.path[i] = 7 * i + 1;
     s.material[i] = back ? 1 | kBackFace : 1;
     const bool tangent = kernels.varying == Varying::kTangent;
+    const float across = kernels.two_widths ? records[1].multiscatter[2] : 0;
     s.varying_0[i] = tangent ? float(std::cos(turn)) : records[1].alpha;
     s.varying_1[i] = tangent ? float(std::sin(turn)) : records[1].eta[0];
+    if (across > 0) s.varying_1[i] = FacetTurnOf(back ? -turn : turn, across);
   }
   MaterialView materials() const {
-    return {records.data(), &GgxTables(), &GetSheenTables(), measured, CoatsForTests()};
+    MaterialView view = {records.data(), &GgxTables(), &GetSheenTables(), measured,
+                         CoatsForTests()};
+    view.dielectrics = DielectricsForTests();
+    view.two_widths = kernels.two_widths && records[1].multiscatter[2] > 0;
+    if (kernels.tables.anisotropic) view.anisotropic = &GetAnisotropicTables();
+    return view;
   }
 
   // Returns the value and density of one direction per row.

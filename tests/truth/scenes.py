@@ -275,7 +275,7 @@ DISK = 'Shape "disk" "float radius" .5'
 CYLINDER = 'Shape "cylinder" "float radius" .3 "float zmin" -.5 "float zmax" .5'
 MIRRORED = ("pbrt contradicts itself on lamps that are mirrored or parts of quadrics; held to the "
             "same lamp without that")
-COMPENSATED = ("rough conductors keep the light that facets reflect twice; with "
+COMPENSATED = ("rough surfaces keep the light that facets scatter twice; with "
                "`--no-energy-compensation`")
 SINGLE = ("--no-energy-compensation",)
 THICK = '"float thickness" .01'
@@ -295,8 +295,10 @@ SCENES = [
     Scene("alpha_nouv", "alpha by an image on triangles without uv",
           room(quad("-.5 .3 0", ".5 .3 0", ".5 1.3 0", "-.5 1.3 0", "", '"texture alpha" "a"'),
                before=image("a", "mask.pfm", type="float"))),
-    Scene("aniso", "anisotropic conductor, no texture in the scene", highlight()),
-    Scene("anisotex", "the same with a texture", highlight(image("img", "squares.png"))),
+    Scene("aniso", "anisotropic conductor, no texture in the scene", highlight(),
+          reason=COMPENSATED, options=SINGLE),
+    Scene("anisotex", "the same with a texture", highlight(image("img", "squares.png")),
+          reason=COMPENSATED, options=SINGLE),
     Scene("areascale", "area light of a scale alone",
           round_lamp(UP, shape='Shape "sphere" "float radius" .5',
                      lamp='AreaLightSource "diffuse" "float scale" 3')),
@@ -395,7 +397,8 @@ SCENES = [
           furnace(f'Material "conductor" {METAL.format("")} "float roughness" .2'),
           reason=COMPENSATED, options=SINGLE),
     Scene("f_rd5", "rough glass, in a furnace",
-          furnace('Material "dielectric" "float eta" 1.5 "float roughness" .25')),
+          furnace('Material "dielectric" "float eta" 1.5 "float roughness" .25'),
+          reason=COMPENSATED, options=SINGLE),
     Scene("glassrev", "glass with reversed normals",
           room('Material "dielectric" "float eta" 1.5',
                within(UP, "ReverseOrientation", 'Shape "sphere"'))),

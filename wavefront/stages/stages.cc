@@ -146,7 +146,12 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
         PrepareMetallicRoughness(textures, materials, angle, n, rows);
         break;
       case Varying::kAlpha:
-        if (view.varied) PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        if (view.two_widths && bsdf.two_widths) {
+          PrepareTangents(frame.geometry->tangents(), frame.geometry->instances(), n, rows);
+          PrepareTwoWidths(textures, materials, MaterialField::kDielectricAcross, angle, n, rows);
+        } else if (view.varied) {
+          PrepareMetallicRoughness(textures, materials, angle, n, rows);
+        }
         break;
       case Varying::kSecondColor:
         if (view.varied) PrepareSecondColor(textures, materials, angle, n, rows);
