@@ -10,6 +10,7 @@
 #include "api/picture_display.h"
 #include "api/state.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/granted.h"
 #include "base/version.h"
 #include "job/options.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "job/options.h"
+#include "job/picture.h"
 
 namespace skywave {
 

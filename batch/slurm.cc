@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "batch/picture_request.h"
 #include "job/options.h"
+#include "job/picture.h"
 #include "job/resolve.h"
 #include "scene/reader.h"
 

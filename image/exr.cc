@@ -261,7 +261,8 @@ LayeredImage DecodeExr(const std::string& path, std::string_view bytes, const Re
     }
     picture.layers.reserve(layers.size());
     for (const std::string& name : layers) {
-      NamedChannel& layer = picture.layers.emplace_back(name);
+      picture.layers.push_back({.name = name, .values = {}});
+      NamedChannel& layer = picture.layers.back();
       ResizeLarge(layer.values, image.rgb.size() / 3);
       frame.insert(name, Imf::Slice::Make(Imf::FLOAT, layer.values.data(), window));
     }

@@ -262,12 +262,13 @@ void WriteFilm(const std::string& path, const FilmFile& file, const Film& film) 
   SyncFolderOf(path);
 }
 
-FilmInFile ReadFilm(const std::string& path) {
-  const std::string bytes = ReadFile(path, kMostBytes);
+FilmInFile ReadFilm(const std::string& path) { return ParseFilm(ReadFile(path, kMostBytes), path); }
+
+FilmInFile ParseFilm(std::string_view bytes, const std::string& path) {
   const auto refuse = [&](std::size_t offset, const std::string& why) -> InputError {
     return InputError(InputPosition::Byte(path, offset), why);
   };
-  if (!std::string_view(bytes).starts_with(kMagic)) throw refuse(0, "is not a film of skywave");
+  if (!bytes.starts_with(kMagic)) throw refuse(0, "is not a film of skywave");
   if (bytes.size() < kHeaderBytes + sizeof(std::uint64_t)) {
     throw refuse(bytes.size(), "the film ends too early");
   }
@@ -295,7 +296,7 @@ FilmInFile ReadFilm(const std::string& path) {
       throw refuse(sums, "the film has another number of sums than its window and layers need");
     }
     Film film(std::move(layout));
-    film.UnpackPicture(std::string_view(bytes).substr(sums, body - sums));
+    film.UnpackPicture(bytes.substr(sums, body - sums));
     return {std::move(file), std::move(film)};
   } catch (const InputError&) {
     throw;

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "job/picture.h"
@@ -40,5 +41,8 @@ struct FilmInFile {
   Film film;
 };
 FilmInFile ReadFilm(const std::string& path);
+
+// Does the same from memory; `path` is for messages.
+FilmInFile ParseFilm(std::string_view bytes, const std::string& path);
 
 }  // namespace skywave

@@ -21,8 +21,8 @@ namespace {
 
 constexpr OptionScope kInput = OptionScope::kInput, kPixels = OptionScope::kPixels,
                       kSpeed = OptionScope::kSpeed;
-constexpr std::string_view kCommon = "Common", kLight = "Light", kCamera = "Camera",
-                           kMaterials = "Materials", kFilm = "Film", kPaths = "Paths",
+constexpr std::string_view kLight = "Light", kCamera = "Camera", kMaterials = "Materials",
+                           kFilm = "Film", kPaths = "Paths",
                            kPhotons = "Photon mapping and vertex merging (photon, vcm)",
                            kRadiosity =
                                "Virtual lights and irradiance cache (vpl, irradiance-cache)",

@@ -148,9 +148,10 @@ nlohmann::ordered_json Json(const Baseline& baseline) {
   return json;
 }
 
-Baseline ReadBaseline(const std::string& path) {
-  const nlohmann::json json = ReadJson(path);
-  const JsonInput root(json, path);
+Baseline ReadBaseline(const std::string& path) { return BaselineOf(ReadJson(path), path); }
+
+Baseline BaselineOf(const nlohmann::json& json, const std::string& file) {
+  const JsonInput root(json, file);
   root.schema({kBaselineSchema}, "a baseline of skywave bench");
   Baseline baseline = {.reasons = {},
                        .version = root.at("version").text(),

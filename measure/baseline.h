@@ -42,6 +42,7 @@ struct Baseline {
 nlohmann::ordered_json Json(const Baseline& baseline);
 // Throws InputError for a file that is none.
 Baseline ReadBaseline(const std::string& path);
+Baseline BaselineOf(const nlohmann::json& json, const std::string& file);
 
 // What a gate says.
 struct GateResult {

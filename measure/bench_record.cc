@@ -69,6 +69,20 @@ BenchRecord RecordOf(const nlohmann::json& json, const std::string& file) {
   return record;
 }
 
+SuiteSummary SummaryOf(const nlohmann::json& json, const std::string& file) {
+  const JsonInput root(json, file);
+  root.schema({kSuiteSchema}, "a result of skywave bench --json");
+  const JsonInput summary = root.at("summary");
+  const auto value = [&](const char* key) {
+    const JsonInput figure = summary.at(key);
+    return figure.is_null() ? 0.0 : figure.number();
+  };
+  return {.msamples_per_s = value("msamples_per_s"),
+          .mrays_per_s = value("mrays_per_s"),
+          .embree_fraction = value("embree_fraction"),
+          .scaling_2 = value("scaling_2")};
+}
+
 BenchRecord ReadRecord(const std::string& path) { return RecordOf(ReadJson(path), path); }
 
 }  // namespace skywave

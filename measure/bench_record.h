@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "measure/suite.h"
+
 namespace skywave {
 
 inline constexpr std::string_view kSuiteSchema = "skywave-bench-suite-2";
@@ -34,5 +36,8 @@ struct BenchRecord {
 // Throws InputError if the JSON is no result, or one of another schema.
 BenchRecord RecordOf(const nlohmann::json& json, const std::string& file);
 BenchRecord ReadRecord(const std::string& path);
+
+// Returns the summary of a result of the suite; 0: not measured. Throws InputError likewise.
+SuiteSummary SummaryOf(const nlohmann::json& json, const std::string& file);
 
 }  // namespace skywave

@@ -91,7 +91,10 @@ std::string JsonInput::schema(const std::vector<std::string_view>& known,
 }
 
 nlohmann::json ReadJson(const std::string& path) {
-  const std::string text = ReadFile(path, kMostJsonBytes);
+  return ParseJson(ReadFile(path, kMostJsonBytes), path);
+}
+
+nlohmann::json ParseJson(std::string_view text, const std::string& path) {
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {

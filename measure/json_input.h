@@ -49,4 +49,7 @@ class JsonInput {
 // that.
 nlohmann::json ReadJson(const std::string& path);
 
+// Does the same from memory; `path` is for messages.
+nlohmann::json ParseJson(std::string_view text, const std::string& path);
+
 }  // namespace skywave

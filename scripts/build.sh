@@ -2,7 +2,7 @@
 # Installs what is missing and builds a preset into build/:
 #   scripts/build.sh                             the program alone, build/release/skywave
 #   scripts/build.sh PRESET [-DNAME=VALUE...]    all of release (with tests and benchmarks), debug,
-#                                                checks, asan or tsan
+#                                                checks, asan, tsan or clang
 # Programs and tests of the preset release share build/release, so neither is compiled twice.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Checks the sources with .clang-format and .clang-tidy:
+# Checks the sources with .clang-format and .clang-tidy, and whether clang compiles them:
 #   scripts/lint.sh format           every file; some seconds
 #   scripts/lint.sh tidy [COUNT]     COUNT units (default: 16): those that differ from the branch
 #                                    main first, then others, in rotation from commit to commit
 #   scripts/lint.sh tidy all         every unit; most of an hour on two cores
 #   scripts/lint.sh tidy FILE...
-# Needs version 14 of both, because others format and warn differently. Skipped (77) if they are
+#   scripts/lint.sh clang ...        likewise: clang accepts the units, and does not warn
+# Needs version 14 of all, because others format and warn differently. Skipped (77) if they are
 # missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -25,10 +26,13 @@ if [[ ${1:-} == format ]]; then
   echo "formatted as .clang-format says"
   exit 0
 fi
-[[ ${1:-} == tidy ]] || { sed -n '2,8s/^# \?//p' "$0" >&2; exit 64; }
-
-tidy=$(tool clang-tidy)
-[[ -n $tidy ]] || skip "there is no clang-tidy 14 (scripts/setup.sh test)"
+case ${1:-} in
+  tidy) program=clang-tidy ;;
+  clang) program=clang++ ;;
+  *) sed -n '2,9s/^# \?//p' "$0" >&2; exit 64 ;;
+esac
+program=$(tool "$program")
+[[ -n $program ]] || skip "there is no $1 14 (scripts/setup.sh test)"
 # Units are looked at one by one, also those that a build compiles together.
 cmake --preset release -B build/lint -DSKYWAVE_UNITY=OFF >/dev/null
 # clang cannot read headers that g++ has precompiled, and does not know all of its warnings.
@@ -53,8 +57,24 @@ elif [[ ${2:-16} =~ ^[0-9]+$ ]]; then
 else
   units=("${@:2}")
 fi
-printf '%s\0' "${units[@]}" |
-  xargs -0 -n 1 -P "${JOBS:-$(nproc)}" "$tidy" --quiet -p "$database" \
-    --extra-arg=-Wno-unknown-warning-option 2> "$database/log" ||
-  { grep -v 'warnings\? generated' "$database/log" >&2; exit 1; }
-echo "${#units[@]} units are tidy"
+# Checks one unit; prints what clang says of it.
+check() {
+  local command
+  if [[ $kind == tidy ]]; then
+    "$program" --quiet -p "$database" --extra-arg=-Wno-unknown-warning-option "$1" \
+      2> >(grep -v 'warnings\? generated' >&2)
+    return
+  fi
+  # The command of the build, by another compiler that writes nothing.
+  command=$(python3 -c 'import json, sys
+for unit in json.load(open(sys.argv[1])):
+    if unit["file"] == sys.argv[2]:
+        print(unit["command"].partition(" ")[2])
+        break' "$database/compile_commands.json" "$PWD/$1")
+  [[ -n $command ]] || { echo "$1 is not built"; return; }
+  (cd build/lint && eval "$program -fsyntax-only -Werror -Wno-unknown-warning-option $command")
+}
+export kind=$1 program database
+export -f check
+printf '%s\0' "${units[@]}" | xargs -0 -P "${JOBS:-$(nproc)}" -I '{}' bash -c 'check "$1"' check '{}'
+echo "${#units[@]} units: $1 has nothing to say"

@@ -165,19 +165,8 @@ ordered_json Json(const SuiteReport& report) {
 }
 
 HistoryEntry ReadHistory(const std::string& path) {
-  const nlohmann::json json = ReadJson(path);
-  const JsonInput root(json, path);
-  root.schema({kSuiteSchema}, "a result of skywave bench --json");
-  const JsonInput summary = root.at("summary");
-  const auto value = [&](const char* key) {
-    const JsonInput figure = summary.at(key);
-    return figure.is_null() ? 0.0 : figure.number();
-  };
   return {.name = std::filesystem::path(path).filename().string(),
-          .summary = {.msamples_per_s = value("msamples_per_s"),
-                      .mrays_per_s = value("mrays_per_s"),
-                      .embree_fraction = value("embree_fraction"),
-                      .scaling_2 = value("scaling_2")}};
+          .summary = SummaryOf(ReadJson(path), path)};
 }
 
 }  // namespace skywave

@@ -264,7 +264,7 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     settings.filter = PixelFilter::kGaussian;
   } else if (type == "mitchell") {
     settings.filter = PixelFilter::kMitchell;
-    const auto is_third = [&](const char* name) {
+    const auto is_third = [&, &parameters = parameters](const char* name) {
       return std::abs(FindFloat(parameters, name).value_or(1.0f / 3) - 1.0f / 3) < 1e-4f;
     };
     const bool b_fits = is_third("B"), c_fits = is_third("C");  // both are read

@@ -2,11 +2,14 @@
 //
 //   reader_fuzz READER CORPUS_FOLDER --runs N | --seconds S [--seed K]
 //
-// Prints the number of each run. After a crash, `--seed K --only RUN` reads the same input again.
+// The seed is that of the variable SKYWAVE_FUZZ_SEED if there is none here, else 1: CI takes that
+// of the commit. Prints the seed and the number of each run. After a failure, `--seed K --only RUN`
+// reads the same input again, and prints it.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -92,9 +95,11 @@ int Main(int count, char** words) {
     return 65;
   }
 
-  const auto seed = std::uint64_t(option("--seed", 1)), only = std::uint64_t(option("--only", 0));
-  if (only > 0) {
-    const std::string input = Input(corpus, seed, only);
+  const char* const given_seed = std::getenv("SKYWAVE_FUZZ_SEED");
+  const auto seed =
+      std::uint64_t(option("--seed", given_seed == nullptr ? 1 : std::atof(given_seed)));
+  if (const double only = option("--only", -1); only >= 0) {
+    const std::string input = Input(corpus, seed, std::uint64_t(only));
     std::fwrite(input.data(), 1, input.size(), stdout);
     std::fflush(stdout);
     FuzzOnce(*reader, input);
@@ -104,16 +109,22 @@ int Main(int count, char** words) {
   const auto runs = std::uint64_t(option("--runs", 1e18));
   const auto start = std::chrono::steady_clock::now();
   std::uint64_t run = 0;
+  const char* const reader_name = words[1];
+  std::fprintf(stderr, "if a run fails: reader_fuzz %s %s --seed %llu --only RUN > INPUT\n",
+               reader_name, words[2], static_cast<unsigned long long>(seed));
   for (; run < runs; ++run) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start;
     if (spent.count() > seconds) break;
     // The line stays on the terminal if this run ends the program.
-    std::fprintf(stderr, "\r%s run %llu", arguments[0].c_str(),
-                 static_cast<unsigned long long>(run));
-    FuzzOnce(*reader, Input(corpus, seed, run));
+    std::fprintf(stderr, "\r%s run %llu", reader_name, static_cast<unsigned long long>(run));
+    try {
+      FuzzOnce(*reader, Input(corpus, seed, run));
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, ": %s\n", error.what());
+      return 1;
+    }
   }
-  std::fprintf(stderr, "\r%s: %llu runs\n", arguments[0].c_str(),
-               static_cast<unsigned long long>(run));
+  std::fprintf(stderr, "\r%s: %llu runs\n", reader_name, static_cast<unsigned long long>(run));
   return 0;
 }
 

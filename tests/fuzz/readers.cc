@@ -1,12 +1,23 @@
 #include "tests/fuzz/readers.h"
 
+#include <xxhash.h>
+
+#include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include "base/error.h"
 #include "base/gzip.h"
 #include "batch/plan.h"
+#include "batch/report.h"
+#include "image/formats.h"
 #include "image/image.h"
+#include "job/film_file.h"
+#include "measure/baseline.h"
+#include "measure/bench_export.h"
+#include "measure/json_input.h"
 #include "scene/gltf/reader.h"
+#include "scene/materials/merl.h"
 #include "scene/materials/spectrum.h"
 #include "scene/obj/mtl.h"
 #include "scene/obj/reader.h"
@@ -53,10 +64,77 @@ void Picture(std::string_view bytes) {
 // Only built-in scenes can be found.
 void Job(std::string_view bytes) { ParseBatchPlan(Path(".toml"), std::string(bytes)); }
 
+// A picture with the layers that it has, of which the denoiser reads some.
+void Layers(std::string_view bytes) {
+  const std::string path = Path(".exr");
+  const std::vector<std::string> names = ExrLayerNames(path, bytes, kLimits);
+  const LayeredImage read = DecodeExr(path, bytes, kLimits, names);
+  for (const NamedChannel& layer : read.layers) {
+    if (3 * layer.values.size() != read.image.rgb.size()) throw std::logic_error("a torn layer");
+  }
+}
+
+// A file of the format has 35 MB, so the input is its header and the first numbers, which are
+// repeated up to that length.
+void Merl(std::string_view bytes) {
+  constexpr std::size_t kHeader = 12, kBytes = kHeader + sizeof(double) * kMeasuredFloats;
+  const std::string path = Path(".binary");
+  std::string file(bytes);
+  if (bytes.size() >= kHeader + sizeof(double)) {
+    const std::size_t numbers = (bytes.size() - kHeader) / sizeof(double) * sizeof(double);
+    file.reserve(kBytes);
+    while (file.size() < kBytes) {
+      file.resize(file.size() - (file.size() - kHeader) % sizeof(double));
+      file.append(bytes.substr(kHeader, std::min(numbers, kBytes - file.size())));
+    }
+    file.resize(kBytes);
+  }
+  const MeasuredBrdf brdf = ParseMerl(file, path);
+  if (!std::isfinite(brdf.alpha) || !(brdf.specular_share > 0 && brdf.specular_share < 1)) {
+    throw std::logic_error("no lobe was fitted");
+  }
+}
+
+// The input is a file; or its manifest, a zero and its sums, around which a file is made with the
+// right length and checksum.
+void FilmParts(std::string_view bytes) {
+  const std::string path = Path(".film");
+  const std::size_t zero = bytes.find('\0');
+  if (bytes.starts_with("SKYWFILM") || zero == bytes.npos) return void(ParseFilm(bytes, path));
+  std::string file = "SKYWFILM";
+  const auto append = [&](std::uint64_t number) {
+    file.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  append(zero);
+  file.append(bytes.substr(0, zero)).append(bytes.substr(zero + 1));
+  append(XXH64(file.data(), file.size(), 0));
+  ParseFilm(file, path);
+}
+
+// What `skywave bench` reads of its own JSON. Each schema is refused by the readers of the others.
+void Bench(std::string_view bytes) {
+  const std::string path = Path(".json");
+  const nlohmann::json json = ParseJson(bytes, path);
+  const auto attempt = [](const auto& read) {
+    try {
+      read();
+    } catch (const InputError&) {
+    }
+  };
+  attempt([&] { SummaryOf(json, path); });
+  attempt([&] { BaselineOf(json, path); });
+  attempt([&] {
+    const BenchRecord record = RecordOf(json, path);
+    for (const ExportFormat format : ValuesOf<ExportFormat>()) Export(record, format).dump();
+  });
+}
+void Report(std::string_view bytes) { ResultsInJson(std::string(bytes)); }
+
 constexpr FuzzedReader kReaders[] = {
-    {"pbrt", Pbrt},   {"spd", Spd},      {"ply", Ply},     {"gzip", Gzip},   {"obj", Obj},
-    {"mtl", Mtl},     {"gltf", Gltf},    {"hdr", Picture}, {"pfm", Picture}, {"exr", Picture},
-    {"png", Picture}, {"jpeg", Picture}, {"job", Job},
+    {"pbrt", Pbrt},      {"spd", Spd},      {"ply", Ply},       {"gzip", Gzip},   {"obj", Obj},
+    {"mtl", Mtl},        {"gltf", Gltf},    {"hdr", Picture},   {"pfm", Picture}, {"exr", Picture},
+    {"png", Picture},    {"jpeg", Picture}, {"layers", Layers}, {"merl", Merl},   {"job", Job},
+    {"film", FilmParts}, {"bench", Bench},  {"report", Report},
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"

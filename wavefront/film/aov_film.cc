@@ -186,8 +186,8 @@ std::vector<NamedChannel> AovFilm::Channels(AovSet wanted, std::size_t pixels) c
                    const bool split = aov.sum == AovSum::kLightGroups;
                    const std::string layer =
                        std::string(aov.name) + (split ? "-" + light_groups_[group] : std::string());
-                   NamedChannel& channel = channels.emplace_back(layer + "." + aov.channels[c]);
-                   ResizeLarge(channel.values, pixels);
+                   channels.push_back({.name = layer + "." + aov.channels[c], .values = {}});
+                   ResizeLarge(channels.back().values, pixels);
                  });
   return channels;
 }
