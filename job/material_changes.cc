@@ -134,7 +134,7 @@ void ChangeMaterials(const std::vector<std::string>& changes, Scene& scene) {
 void LeaveOutCompensation(Scene& scene) {
   for (Material& material : scene.materials) {
     material.energy_compensation = false;
-    // Anisotropic facets have no texture of their width.
+    // An image of one width need not have it in the channel of the width across.
     if (material.bsdf != BsdfKind::kConductor || material.roughness_texture) continue;
     // With equal widths the anisotropic one has the same facets, and draws no lobe but theirs.
     material.bsdf = BsdfKind::kAnisotropicConductor;

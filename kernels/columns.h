@@ -240,8 +240,8 @@ struct MaterialRecord {
   float k[3];                   // imaginary part of a conductor's index
   std::uint32_t color_texture;  // row in the texture table + 1; 0: none
   float multiscatter[3];        // Kulla and Conty 2017: factor of (1 - E(wo)) (1 - E(wi))
-  // Row in the texture table + 1; 0: none. Its green channel scales the square root of alpha and
-  // its blue one the share of metal.
+  // Row in the texture table + 1; 0: none. Its green channel scales the square root of alpha, its
+  // red one that of the width across the tangent, and its blue one the share of metal.
   std::uint32_t roughness_texture;
 };
 inline constexpr int kLogMaterialWords = 4;

@@ -309,7 +309,8 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
 // Returns whether MaterialView::varied is true for a scene with this material.
 bool IsVaried(const Material& material) {
   return material.metal_of_color || material.second_color_texture ||
-         (material.roughness_texture && BsdfOf(material).varying == Varying::kAlpha);
+         (material.roughness_texture &&
+          (BsdfOf(material).varying == Varying::kAlpha || BsdfOf(material).tables.anisotropic));
 }
 
 // Adds the records of materials and the tables that their BSDFs read. Materials with equal coats,
@@ -325,9 +326,10 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
       if (is_new) tables.coats.push_back(MakeCoatTable(material));
       PutField(tables.materials.back(), MaterialField::kCoatTable, coat->second);
     }
-    if (BsdfOf(material).tables.dielectric && material.energy_compensation) {
-      // One table serves all widths that a texture may give.
-      const bool varies = material.roughness_texture.has_value();
+    // One table serves all widths that a texture may give; for two widths there is none.
+    const bool varies = material.roughness_texture.has_value();
+    if (BsdfOf(material).tables.dielectric && material.energy_compensation &&
+        !(varies && material.alpha_across)) {
       const float alpha = varies ? 0 : MicrofacetWidth(material.alpha);
       const float across =
           varies || !material.alpha_across ? 0 : MicrofacetWidth(*material.alpha_across);

@@ -32,6 +32,7 @@ inline constexpr BsdfTraits AnisotropicConductorTraits = {
     .tables = {.anisotropic = true},
     .parameters = {{"alpha"}, {"alpha_across"}, {"eta"}, {"k"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
+      PackAlpha(m, r);
       PackWidths(m, r);
       PackConductorIndex(m, r);
       const float along = MicrofacetWidth(m.alpha);

@@ -82,7 +82,7 @@ struct Material {
   // once is lost.
   bool energy_compensation = true;
   // Textures are indices into the scene's textures. These are factors of the reflectance; of the
-  // square root of alpha (green) and of metallic (blue).
+  // square roots of alpha (green) and of alpha_across (red), and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
   std::optional<std::uint32_t> second_color_texture;  // diffuse transmission: a factor of its share
   // The share of the surface that exists is this number times the texture. With a cutoff the

@@ -10,6 +10,7 @@
 
 #include "kernels/bsdf/ggx-inl.h"
 #include "kernels/simd/exp-inl.h"
+#include "kernels/surface/facet_turn-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -199,11 +200,27 @@ struct MicrofacetConductor {
         albedo(m.anisotropic, facets.x, facets.y) {
     if (m.varied) MetalOfColor(color, eta, k);
     if constexpr (Facets::kCompensated) {
+      if (m.varied) VaryWidths(s, m, i, n);
       multiscatter = Field3(m, fields, kMultiscatter);
       compensated = hn::And(Compensates(multiscatter), hn::RebindMask(F(), RowsBelow(i, n)));
       any_compensated = !hn::AllFalse(F(), compensated);
       if (any_compensated && m.varied) multiscatter = Multiscatter(albedo.Mean(), eta, k);
     }
+  }
+
+  // Takes widths that have a texture, and the tangent beside them, from PrepareTwoWidths.
+  HWY_INLINE void VaryWidths(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
+                             std::uint32_t n) {
+    const VU texture =
+        hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kRoughnessTexture));
+    const MF lanes = hn::RebindMask(F(), hn::Ne(texture, hn::Zero(U())));
+    if (hn::AllFalse(F(), lanes)) return;
+    const FacetTurn packed = UnpackFacetTurn(Load(s.varying_1 + i));
+    const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(packed.sine), packed.sine);
+    turn = {IfThen(lanes, packed.cosine, turn.cosine), IfThen(lanes, sine, turn.sine)};
+    facets.x = IfThen(lanes, Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f), facets.x);
+    facets.y = IfThen(lanes, Clamp(packed.across, 1e-3f, 1.0f), facets.y);
+    albedo = AnisotropicAlbedo(m.anisotropic, facets.x, facets.y);
   }
 
   HWY_INLINE VF Blurred(const V3& wo, const V3& wi, VF radius) const {

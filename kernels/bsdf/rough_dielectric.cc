@@ -15,7 +15,6 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 #include "kernels/bsdf/microfacet-inl.h"
-#include "kernels/surface/facet_turn-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace skywave {
@@ -78,12 +77,11 @@ struct RoughDielectric {
         ggx(Field(m, fields, kAlpha)),
         losses(m, fields, i, n) {
     if (m.varied || m.two_widths) ggx = VariedGgx(s, i);
-    if (m.two_widths) SplitWidths(s, m, i, n);
+    if (m.two_widths) SplitWidths(s, i, n);
     ratio = IndexRatio(s, m, fields, i);
     if (losses.any) MakeLobes(SeenFromBehind(s, i));
   }
-  HWY_INLINE void SplitWidths(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
-                              std::uint32_t n) {
+  HWY_INLINE void SplitWidths(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
     const FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
     two_widths = hn::And(hn::RebindMask(F(), RowsBelow(i, n)), hn::Gt(turn.across, hn::Zero(F())));
     any_two_widths = !hn::AllFalse(F(), two_widths);
@@ -91,12 +89,6 @@ struct RoughDielectric {
     const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
     facets = {ggx.alpha, Clamp(turn.across, 1e-3f, 1.0f)};
     tangent = {IfThen(two_widths, turn.cosine, Set(1.0f)), hn::IfThenElseZero(two_widths, sine)};
-    // The rows of tables are azimuths, or the widths that an image may give: then both widths count
-    // for their mean.
-    const VU texture = IndexField(m, fields, kRoughnessTexture);
-    by_azimuth = hn::And(two_widths, hn::RebindMask(F(), hn::Eq(texture, hn::Zero(U()))));
-    const VF mean = hn::Sqrt(hn::Mul(facets.x, facets.y));
-    ggx = Ggx(IfThen(two_widths, mean, ggx.alpha));
   }
 
   HWY_INLINE V3 ToTangent(const V3& w) const { return any_two_widths ? tangent.To(w) : w; }
@@ -116,13 +108,13 @@ struct RoughDielectric {
   // Returns what light from w loses, in the tangent frame.
   HWY_INLINE VF Lost(const V3& w, MF on_inside) const {
     InterfaceLosses::Row row = {ggx.table_row, ggx.row_share};
-    if (any_two_widths) {
+    if (any_two_widths) {  // The rows of their tables are azimuths.
       const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
       const VF share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
       const VF at = hn::Mul(Clamp(share, 0.0f, 1.0f), Set(float(kAlbedoRows - 1)));
       const VU low = hn::Min(ToUnsigned(at), SetU(kAlbedoRows - 1));
-      row.low = hn::IfThenElse(hn::RebindMask(U(), by_azimuth), low, row.low);
-      row.share = IfThen(by_azimuth, hn::Sub(at, ToFloat(low)), row.share);
+      row.low = hn::IfThenElse(hn::RebindMask(U(), two_widths), low, row.low);
+      row.share = IfThen(two_widths, hn::Sub(at, ToFloat(low)), row.share);
     }
     return losses.Lost(row, hn::Abs(w.z), on_inside);
   }
@@ -230,11 +222,11 @@ struct RoughDielectric {
 
   VU fields;
   V3 color;
-  Ggx ggx;  // of two widths: the mean of both, for tables
+  Ggx ggx;
   InterfaceLosses losses;
   bool any_two_widths = false;
   // These exist where some lanes have two widths.
-  MF two_widths, by_azimuth;
+  MF two_widths;
   AnisotropicGgx facets;
   TangentTurn tangent;
   VF ratio;  // index on wo's side over index on the other

@@ -71,8 +71,8 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
 }
 
 void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
-                      MaterialField across_field, float pixel_angle, std::uint32_t n,
-                      const SurfaceColumns& s) {
+                      MaterialField across_field, bool only_textured, float pixel_angle,
+                      std::uint32_t n, const SurfaceColumns& s) {
   const auto* fields = reinterpret_cast<const float*>(materials);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU material =
@@ -82,7 +82,9 @@ void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
       return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
     };
     VF along = field(MaterialField::kAlpha);
-    const VF across = field(across_field);
+    VF across = field(across_field);
+    const MF nowhere = hn::Lt(across, across);
+    MF written = only_textured ? nowhere : hn::Not(nowhere);
     if (view.records != nullptr) {
       const TexturedLanes<kLogMaterialWords> textured(
           materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
@@ -90,13 +92,18 @@ void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
         const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
         const VF wider = hn::Mul(along, hn::Mul(seen.y, seen.y));
         along = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), along);
+        const VF wider_across = Clamp(hn::Mul(across, hn::Mul(seen.x, seen.x)), 1e-3f, 1.0f);
+        const MF two = hn::And(textured.lanes, hn::Gt(across, hn::Zero(F())));
+        across = IfThen(two, wider_across, across);
+        written = hn::Or(written, textured.lanes);
       }
     }
+    const VF cosine = Load(s.varying_0 + i);
     const VF sine = Load(s.varying_1 + i);
     const MF back = hn::RebindMask(F(), hn::TestBit(Load(s.material + i), SetU(kBackFace)));
-    const FacetTurn turn = {Load(s.varying_0 + i), IfThen(back, hn::Neg(sine), sine), across};
-    StoreBelow(along, s.varying_0, i, n);
-    StoreBelow(PackFacetTurn(turn), s.varying_1, i, n);
+    const FacetTurn turn = {cosine, IfThen(back, hn::Neg(sine), sine), across};
+    StoreBelow(IfThen(written, along, cosine), s.varying_0, i, n);
+    StoreBelow(IfThen(written, PackFacetTurn(turn), sine), s.varying_1, i, n);
   }
 }
 
@@ -175,9 +182,10 @@ void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord*
   HWY_DYNAMIC_DISPATCH(PrepareMetallicRoughness)(textures, materials, pixel_angle, n, surfaces);
 }
 void PrepareTwoWidths(const TextureView& textures, const MaterialRecord* materials,
-                      MaterialField across, float pixel_angle, std::uint32_t n,
+                      MaterialField across, bool only_textured, float pixel_angle, std::uint32_t n,
                       const SurfaceColumns& surfaces) {
-  HWY_DYNAMIC_DISPATCH(PrepareTwoWidths)(textures, materials, across, pixel_angle, n, surfaces);
+  HWY_DYNAMIC_DISPATCH(PrepareTwoWidths)
+  (textures, materials, across, only_textured, pixel_angle, n, surfaces);
 }
 void PrepareSecondColor(const TextureView& textures, const MaterialRecord* materials,
                         float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {

@@ -43,9 +43,10 @@ void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord*
 
 // Does so for surfaces of which some have two widths, after PrepareTangents: varying_0 becomes the
 // width along the tangent, and varying_1 the FacetTurn (kernels/surface/facet_turn-inl.h). `across`
-// is the field of materials that has the width across it, 0 where there is only one.
+// is the field of materials that has the width across it, 0 where there is only one. With
+// `only_textured`, rows without a texture of their widths stay as they are.
 void PrepareTwoWidths(const TextureView& textures, const MaterialRecord* materials,
-                      MaterialField across, float pixel_angle, std::uint32_t n,
+                      MaterialField across, bool only_textured, float pixel_angle, std::uint32_t n,
                       const SurfaceColumns& surfaces);
 
 // Writes Varying::kSecondColor of rows [0, n): the texture, or 1 where there is none.

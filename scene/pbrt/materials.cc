@@ -229,6 +229,8 @@ struct Widths {
   // A texture of both (Material::roughness_texture); the widths are 1 then.
   std::optional<std::uint32_t> texture = std::nullopt;
   bool solid = false;  // both vary in space; they are 1 then, too
+  bool texture_of_two = false;  // it differs along and across
+  bool two() const { return along != across || texture_of_two; }
   float mean() const { return std::sqrt(along * across); }
 };
 Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
@@ -277,16 +279,12 @@ Widths FindVariedWidths(Context& context, float fallback, bool v4) {
     return both ? *both : PbrtTexture{.value = glm::vec3(constant)};
   };
   const PbrtTexture along = operand(u, "uroughness"), across = operand(v, "vroughness");
-  if (along.image != across.image || along.value != across.value) {
-    Warn(context,
-         "anisotropic roughness by images is not supported: rendered with the geometric "
-         "mean");
-  }
   const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
   const auto texture =
       PbrtAlphaTexture(context.reader, context.parameters, along, across,
                        [&](float roughness) { return AlphaFromRoughness(roughness, remap, v4); });
-  if (texture) return {1, 1, texture};
+  const bool two = along.image != across.image || along.value != across.value;
+  if (texture) return {1, 1, texture, two};
   const float alpha = AlphaFromRoughness(fallback, remap, v4);
   return {alpha, alpha};
 }
@@ -340,7 +338,7 @@ Material Conductor(Context& context, bool v4) {
   // Mirrors have one index for all places; facets of the least width are nearly one.
   if (material.alpha < kSmoothWidth && !material.metal_of_color) {
     material.bsdf = BsdfKind::kMirror;
-  } else if (widths.along != widths.across) {
+  } else if (widths.two()) {
     material.bsdf = BsdfKind::kAnisotropicConductor;
     material.alpha = widths.along, material.alpha_across = widths.across;
   }
@@ -460,7 +458,7 @@ Material Dielectric(Context& context, bool v4) {
       std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;
     material.alpha = widths.mean();
-    if (widths.along != widths.across) {
+    if (widths.two()) {
       material.alpha = widths.along, material.alpha_across = widths.across;
     }
   }

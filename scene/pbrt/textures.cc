@@ -339,8 +339,10 @@ std::optional<std::uint32_t> PbrtAlphaTexture(PbrtReader& reader, const PbrtPara
   };
   return Combine(reader, parameters, {along, across},
                  [&](std::span<const glm::vec3> values) {
-                   const float mean = std::sqrt(alpha(values[0]) * alpha(values[1]));
-                   return glm::vec3(std::sqrt(mean));
+                   const float first = alpha(values[0]), second = alpha(values[1]);
+                   const float root = std::sqrt(std::sqrt(first * second));
+                   if (first == second) return glm::vec3(root);
+                   return glm::vec3(std::sqrt(second), std::sqrt(first), root);
                  })
       .image;
 }

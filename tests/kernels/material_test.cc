@@ -115,8 +115,9 @@ TEST_P(PackedBsdf, PacksTheParametersThatItLists) {
     const MaterialRecord after = PackMaterial(changed, measured_);
     const bool common = name == "reflectance" || name == "color_texture";
     const bool read = common || Lists(bsdf_, name) ||
-                      (name == "roughness_texture" && (bsdf_.varying == Varying::kRoughness ||
-                                                       bsdf_.varying == Varying::kAlpha)) ||
+                      (name == "roughness_texture" &&
+                       (bsdf_.varying == Varying::kRoughness || bsdf_.varying == Varying::kAlpha ||
+                        bsdf_.tables.anisotropic)) ||
                       (name == "second_color_texture" && bsdf_.varying == Varying::kSecondColor) ||
                       (part == MaterialPart::kMetalOfColor && bsdf_.name.ends_with("conductor") &&
                        !bsdf_.name.starts_with("coated")) ||

@@ -25,6 +25,7 @@ struct TexturedCase {
   std::string name, material, type, parameter;
   glm::vec3 left, right;
   std::string more = "";
+  bool compensated = true;  // false: what facets scatter more than once is left out
 };
 void PrintTo(const TexturedCase& test, std::ostream* out) { *out << test.name; }
 
@@ -46,7 +47,10 @@ class TexturedParameters : public testing::TestWithParam<TexturedCase> {
         textures + "Material \"" + test.material + "\" " + parameter + " " + test.more +
         " Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" "
         "[-1.4 -1.4 0 1.4 -1.4 0 1.4 1.4 0 -1.4 1.4 0] \"point2 uv\" [0 0 1 0 1 1 0 1]\n";
-    const Scene scene = ParsePbrt(text, folder_.Path("t.pbrt"), {.strict = true});
+    Scene scene = ParsePbrt(text, folder_.Path("t.pbrt"), {.strict = true});
+    for (Material& material : scene.materials) {
+      material.energy_compensation = material.energy_compensation && test.compensated;
+    }
     JobRequest request = SmallRequest(kSide, kSide, 256);
     request.max_depth = 3;
     request.integrator = integrator;
@@ -129,35 +133,41 @@ TEST_P(TexturedParameters, AreTheSameForLightPaths) {
 const std::string kGold = "\"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"";
 INSTANTIATE_TEST_SUITE_P(
     Pbrt, TexturedParameters,
-    testing::Values(TexturedCase{"ConductorRoughness", "conductor", "float", "roughness",
-                                 glm::vec3(0.05f), glm::vec3(0.4f), kGold},
-                    TexturedCase{"MetalRoughness", "metal", "float", "roughness", glm::vec3(0.05f),
-                                 glm::vec3(0.4f), kGold},
-                    TexturedCase{"ConductorWidth", "conductor", "float", "roughness",
-                                 glm::vec3(0.2f), glm::vec3(0.6f),
-                                 kGold + " \"bool remaproughness\" false"},
-                    TexturedCase{"ConductorReflectance",
-                                 "conductor",
-                                 "spectrum",
-                                 "reflectance",
-                                 {0.8f, 0.5f, 0.2f},
-                                 {0.1f, 0.4f, 0.9f},
-                                 "\"float roughness\" 0.1"},
-                    TexturedCase{"BrushedReflectance",
-                                 "conductor",
-                                 "spectrum",
-                                 "reflectance",
-                                 {0.8f, 0.5f, 0.2f},
-                                 {0.1f, 0.4f, 0.9f},
-                                 "\"float uroughness\" 0.1 \"float vroughness\" 0.3"},
-                    TexturedCase{"DielectricRoughness", "dielectric", "float", "roughness",
-                                 glm::vec3(0.04f), glm::vec3(0.5f)},
-                    TexturedCase{"Transmittance",
-                                 "diffusetransmission",
-                                 "spectrum",
-                                 "transmittance",
-                                 {0.6f, 0.5f, 0.1f},
-                                 {0.1f, 0.4f, 0.6f}}),
+    testing::Values(
+        TexturedCase{"ConductorRoughness", "conductor", "float", "roughness", glm::vec3(0.05f),
+                     glm::vec3(0.4f), kGold},
+        TexturedCase{"MetalRoughness", "metal", "float", "roughness", glm::vec3(0.05f),
+                     glm::vec3(0.4f), kGold},
+        TexturedCase{"ConductorWidth", "conductor", "float", "roughness", glm::vec3(0.2f),
+                     glm::vec3(0.6f), kGold + " \"bool remaproughness\" false"},
+        TexturedCase{"ConductorReflectance",
+                     "conductor",
+                     "spectrum",
+                     "reflectance",
+                     {0.8f, 0.5f, 0.2f},
+                     {0.1f, 0.4f, 0.9f},
+                     "\"float roughness\" 0.1"},
+        TexturedCase{"BrushedReflectance",
+                     "conductor",
+                     "spectrum",
+                     "reflectance",
+                     {0.8f, 0.5f, 0.2f},
+                     {0.1f, 0.4f, 0.9f},
+                     "\"float uroughness\" 0.1 \"float vroughness\" 0.3"},
+        TexturedCase{"BrushedWidth", "conductor", "float", "uroughness", glm::vec3(0.05f),
+                     glm::vec3(0.4f), kGold + " \"float vroughness\" 0.1"},
+        TexturedCase{"BrushedWidthAcross", "conductor", "float", "vroughness", glm::vec3(0.05f),
+                     glm::vec3(0.4f), kGold + " \"float uroughness\" 0.1"},
+        TexturedCase{"GroundGlass", "dielectric", "float", "vroughness", glm::vec3(0.02f),
+                     glm::vec3(0.7f), "\"float uroughness\" 0.3", false},
+        TexturedCase{"DielectricRoughness", "dielectric", "float", "roughness", glm::vec3(0.04f),
+                     glm::vec3(0.5f)},
+        TexturedCase{"Transmittance",
+                     "diffusetransmission",
+                     "spectrum",
+                     "transmittance",
+                     {0.6f, 0.5f, 0.1f},
+                     {0.1f, 0.4f, 0.6f}}),
     [](const testing::TestParamInfo<TexturedCase>& test) { return test.param.name; });
 
 }  // namespace
