@@ -50,8 +50,7 @@ void CheckFolder(const std::string& folder) {
   const char* const reason = std::strerror(errno);
   throw InputError(
       InputPosition::File(folder),
-      fmt::format("pictures cannot be written there: {}: {}", existing.string(), reason),
-      kExitIo);
+      fmt::format("pictures cannot be written there: {}: {}", existing.string(), reason), kExitIo);
 }
 
 // A scene that has been read at one frame, and the requests with the least and the greatest one.

@@ -136,12 +136,11 @@ void parallel_for(const blocked_range<T>& range, const Body& body, simple_partit
 }
 template <class T, class Body>
 void parallel_for(const blocked_range2d<T>& range, const Body& body) {
-  parallel_for(range.rows(), [&](const blocked_range<T>& rows) {
-    body(blocked_range2d<T>(rows, range.cols()));
-  });
+  parallel_for(range.rows(),
+               [&](const blocked_range<T>& rows) { body(blocked_range2d<T>(rows, range.cols())); });
 }
 template <class T, class Body>
-  requires std::is_integral_v<T>
+requires std::is_integral_v<T>
 void parallel_for(T begin, T end, const Body& body) {
   parallel_for(blocked_range<T>(begin, end), [&](const blocked_range<T>& part) {
     for (T i = part.begin(); i != part.end(); ++i) body(i);
@@ -152,10 +151,10 @@ template <class T, class Value, class Body, class Join>
 Value parallel_reduce(const blocked_range<T>& range, const Value& identity, const Body& body,
                       const Join& join) {
   std::vector<Value> values(range.size(), identity);
-  values.resize(ForEachPart(range, [&](std::size_t i, const blocked_range<T>& part) {
-                  values[i] = body(part, identity);
-                }),
-                identity);
+  values.resize(
+      ForEachPart(range, [&](std::size_t i,
+                             const blocked_range<T>& part) { values[i] = body(part, identity); }),
+      identity);
   Value all = identity;
   for (const Value& value : values) all = join(all, value);
   return all;
