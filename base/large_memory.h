@@ -1,5 +1,5 @@
-// Memory of tables that take megabytes. In huge pages the first writes fault once every 2 MiB rather
-// than every 4 KiB, and threads do not wait for each other meanwhile
+// Memory of tables that take megabytes. In huge pages the first writes fault once every 2 MiB
+// rather than every 4 KiB, and threads do not wait for each other meanwhile
 // (docs/decisions/2026-11-23-huge-pages.md).
 #pragma once
 
@@ -12,7 +12,7 @@ namespace skywave {
 // is where the system has none.
 void AdviseHugePages(void* memory, std::size_t bytes);
 
-// Gives the whole pages of memory of the system back to it. They are zeros then.
+// Returns the whole pages of a block to the system; they read as zeros afterwards.
 void GivePagesBack(void* memory, std::size_t bytes);
 
 // Resizes an empty vector to `count` zeros in such memory.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -46,12 +47,13 @@ bool Shines(const Scene& scene, const Mesh& mesh) {
          scene.materials[mesh.material].emission != glm::vec3(0);
 }
 
-bool HasNormalMap(const Scene& scene, std::uint32_t material) {
-  if (material >= scene.materials.size()) return false;
+// `seen` has materials that were asked before, without a map: mixtures may have one many times.
+bool HasNormalMap(const Scene& scene, std::uint32_t material, std::set<std::uint32_t>& seen) {
+  if (material >= scene.materials.size() || !seen.insert(material).second) return false;
   const Material& of = scene.materials[material];
   if (of.normal_texture) return true;
-  return of.mixture &&
-         (HasNormalMap(scene, of.mixture->first) || HasNormalMap(scene, of.mixture->second));
+  return of.mixture && (HasNormalMap(scene, of.mixture->first, seen) ||
+                        HasNormalMap(scene, of.mixture->second, seen));
 }
 
 bool IsShared(InstanceUse use, const std::vector<Mesh>& meshes, std::size_t instances,
@@ -93,8 +95,9 @@ std::vector<Use> UsesOf(const ReadOptions& options, Scene& scene) {
         meshes.begin(), meshes.end(), [&](const Mesh& mesh) { return !Shines(scene, mesh); });
     use.shining.assign(std::move_iterator(first_shining), std::move_iterator(meshes.end()));
     meshes.erase(first_shining, meshes.end());
+    std::set<std::uint32_t> seen;
     use.has_normal_map = std::any_of(meshes.begin(), meshes.end(), [&](const Mesh& mesh) {
-      return HasNormalMap(scene, mesh.material);
+      return HasNormalMap(scene, mesh.material, seen);
     });
   }
   return uses;

@@ -284,8 +284,10 @@ int LatLongHeight(Projection projection, int width, int height) {
   if (projection == Projection::kLatLong) return height;
   if (const CubeLayout* layout = LayoutOf(projection)) return 2 * (width / layout->columns);
   // From pole to pole, along the diagonals and the middles of its sides, a square has as many
-  // texels as on a side, and twice as many around the equator.
-  if (projection == Projection::kOctahedral) return width;
+  // texels as on a side, and twice as many around the equator. The largest squares would give more
+  // texels than a map may have, 2^28.
+  constexpr int kMostRows = 11585;
+  if (projection == Projection::kOctahedral) return std::min(width, kMostRows);
   // An angular map has as many texels around as its width, and a ball four for three.
   const int rows =
       projection == Projection::kAngular ? width / 2 : int(std::int64_t(width) * 2 / 3);

@@ -66,7 +66,8 @@ double PixelSolidAngle(Projection projection, int width, int height, int x, int 
 // projection: crosses and strips are made of square faces. Others may have any size.
 void CheckProjectionSize(Projection projection, int width, int height);
 
-// Returns the number of rows of the lat-long map of the same angular resolution.
+// Returns the number of rows of the lat-long map of the same angular resolution; fewer for squares
+// where that would have more than 2^28 texels.
 int LatLongHeight(Projection projection, int width, int height);
 
 // Sets the size that keeps the number of texels of a lat-long map of height `latlong_height` around

@@ -128,6 +128,20 @@ void SpotLight(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.lights.push_back(light);
 }
 
+// Returns the path of a light's image, if it has one.
+struct LightFile {
+  std::string path;
+  bool v4;
+};
+std::optional<LightFile> FindLightFile(PbrtReader& reader, PbrtParameters& parameters) {
+  for (const bool v4 : {true, false}) {
+    const auto file = FindString(parameters, v4 ? "filename" : "mapname");
+    if (!file || file->empty()) continue;
+    return LightFile{ResolvePbrtPath(reader, *file, parameters.position), v4};
+  }
+  return std::nullopt;
+}
+
 // The image of a light. pbrt-v4 names it "filename"; pbrt-v3 names it "mapname", lays it otherwise,
 // takes bytes as they are, and does without one.
 struct LightImage {
@@ -135,13 +149,9 @@ struct LightImage {
   bool v4;
 };
 LightImage FindLightImage(PbrtReader& reader, PbrtParameters& parameters) {
-  for (const bool v4 : {true, false}) {
-    const auto file = FindString(parameters, v4 ? "filename" : "mapname");
-    if (!file || file->empty()) continue;
-    const std::uint32_t index =
-        AddTextureImage(reader.texture_files, ResolvePbrtPath(reader, *file, parameters.position),
-                        v4 ? Encoding::kSrgb : Encoding::kLinear);
-    return {index, v4};
+  if (const auto file = FindLightFile(reader, parameters)) {
+    const Encoding encoding = file->v4 ? Encoding::kSrgb : Encoding::kLinear;
+    return {AddTextureImage(reader.texture_files, file->path, encoding), file->v4};
   }
   Image white(1, 1);
   std::fill(white.rgb.begin(), white.rgb.end(), 1.0f);
@@ -154,7 +164,11 @@ Image SquareOfLatLong(const Image& latlong) {
   constexpr int kPoints = 2;  // along each side of a texel
   Texture around;
   around.wrap_v = TextureWrap::kClamp;
-  const int side = std::max((latlong.width + 1) / 2, latlong.height);
+  // A narrow image has few texels, however long it is.
+  constexpr double kMostTexels = 4096;  // along a side
+  const double even = std::ceil(std::sqrt(double(latlong.width) * latlong.height));
+  const int side =
+      int(std::min({double(std::max((latlong.width + 1) / 2, latlong.height)), even, kMostTexels}));
   Image square(side, side);
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
@@ -170,6 +184,32 @@ Image SquareOfLatLong(const Image& latlong) {
     }
   }
   return square;
+}
+
+// Returns the square of an image of a light, which is one already in pbrt-v4.
+PbrtSphereImage SphereImageOf(PbrtReader& reader, const PbrtParameters& parameters,
+                              const LightImage& given) {
+  const auto key = std::pair(given.index, given.v4);
+  const auto known = reader.sphere_images.find(key);
+  if (known != reader.sphere_images.end()) return known->second;
+  const Image& source = reader.scene.images[given.index];
+  Image image = given.v4 ? source : SquareOfLatLong(source);
+  if (image.width != image.height) {
+    throw InputError(parameters.position,
+                     fmt::format("{}: its image of {} x {} is no equal-area square",
+                                 parameters.directive, image.width, image.height));
+  }
+  double sum = 0;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    const float mean = (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3;
+    // To pbrt-v4, the colours do not count, their means do.
+    for (std::size_t c = 0; given.v4 && c < 3; ++c) image.rgb[i + c] = mean;
+    sum += double(mean);
+  }
+  const double mean = sum / (double(image.rgb.size()) / 3);
+  const PbrtSphereImage made = {AddTextureImage(reader.scene, std::move(image)), mean};
+  reader.sphere_images.emplace(key, made);
+  return made;
 }
 
 // Scales the emission to the power that the file asks for, if it does, of a light that sends out
@@ -190,35 +230,14 @@ void GoniometricLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
   light.position = glm::vec3(reader.state.to_world[3]);
-  const auto [index, v4] = FindLightImage(reader, parameters);
-  const Image& given = reader.scene.images[index];
-  Image image = v4 ? given : SquareOfLatLong(given);
-  if (image.width != image.height) {
-    throw InputError(parameters.position,
-                     fmt::format("{}: its image of {} x {} is no equal-area square",
-                                 parameters.directive, image.width, image.height));
-  }
-  double sum = 0;
-  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
-    const float mean = (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3;
-    // To pbrt-v4, the colours do not count, their means do.
-    for (std::size_t c = 0; v4 && c < 3; ++c) image.rgb[i + c] = mean;
-    sum += double(mean);
-  }
-  SetPower(parameters, 4 * kPi * sum / (double(image.rgb.size()) / 3), light);
+  const PbrtSphereImage sphere =
+      SphereImageOf(reader, parameters, FindLightImage(reader, parameters));
+  SetPower(parameters, 4 * kPi * sphere.mean, light);
   const glm::dmat3 linear(reader.state.to_world);
   light.form = LightForm{.mapping = LightMapping::kSphere,
                          .world_from_light = glm::mat3(linear[0], linear[2], linear[1]),
-                         .image = AddTextureImage(reader.scene, std::move(image))};
+                         .image = sphere.image};
   reader.scene.lights.push_back(light);
-}
-
-Image UpsideDown(Image image) {
-  for (int y = 0; y < image.height / 2; ++y) {
-    std::swap_ranges(image.Pixel(0, y), image.Pixel(0, y) + 3 * image.width,
-                     image.Pixel(0, image.height - 1 - y));
-  }
-  return image;
 }
 
 // Reads a light that projects an image along +z, its top towards +y (pbrt-v4) or -y (pbrt-v3), with
@@ -227,13 +246,12 @@ void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
   PunctualLight light = {.kind = LocalLightKind::kShaped};
   light.emission = Emission(reader, parameters, "I");
   light.position = glm::vec3(reader.state.to_world[3]);
-  auto [index, v4] = FindLightImage(reader, parameters);
+  const auto [index, v4] = FindLightImage(reader, parameters);
   const float fov = FindFloat(parameters, "fov").value_or(v4 ? 90.0f : 45.0f);
   if (!(fov > 0 && fov < 180)) {
     throw InputError(parameters.position,
                      fmt::format("{}: \"fov\" is {}", parameters.directive, fov));
   }
-  if (!v4) index = AddTextureImage(reader.scene, UpsideDown(reader.scene.images[index]));
   const Image& image = reader.scene.images[index];
   const glm::dvec2 size(image.width, image.height);
   const glm::dvec2 half = std::tan(glm::radians(double(fov)) / 2) * size / std::min(size.x, size.y);
@@ -247,8 +265,10 @@ void ProjectionLight(PbrtReader& reader, PbrtParameters& parameters) {
     }
   }
   SetPower(parameters, 4 * half.x * half.y * sum / (size.x * size.y), light);
+  glm::mat3 world_from_light(reader.state.to_world);
+  if (!v4) world_from_light[1] = -world_from_light[1];
   light.form = LightForm{.mapping = LightMapping::kPlane,
-                         .world_from_light = glm::mat3(reader.state.to_world),
+                         .world_from_light = world_from_light,
                          .image = index,
                          .half_size = glm::vec2(half)};
   reader.scene.lights.push_back(light);
@@ -315,11 +335,9 @@ void Portals(PbrtReader& reader, PbrtParameters& parameters) {
 void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
   EnvironmentLight light;
   light.scale = Emission(reader, parameters, "L");
-  for (const char* name : {"filename", "mapname"}) {
-    const auto file = FindString(parameters, name);
-    if (!file || file->empty()) continue;
-    light.map_path = ResolvePbrtPath(reader, *file, parameters.position);
-    light.equal_area_square = std::string_view(name) == "filename";  // pbrt-v4; v3: lat-long
+  if (const auto file = FindLightFile(reader, parameters)) {
+    light.map_path = file->path;
+    light.equal_area_square = file->v4;  // v3: lat-long
   }
   if (const auto lux = Strength(parameters, "illuminance")) {
     if (light.map_path.empty()) {

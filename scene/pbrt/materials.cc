@@ -72,7 +72,7 @@ void SetReflectance(Context& context, float fallback, Material& material, float 
     const auto solid = FindSolidTexture(context.parameters, name, context.reader.color_textures);
     if (!solid) continue;
     context.reader.solids.push_back(
-        {.use = PbrtSolidUse::kReflectance, .value = solid, .fallback = fallback});
+        {.use = PbrtSolidUse::kReflectance, .value = solid->solid, .fallback = fallback});
     material.reflectance = glm::vec3(scale);
     return;
   }
@@ -228,8 +228,8 @@ struct Widths {
   float along, across;
   // A texture of both (Material::roughness_texture); the widths are 1 then.
   std::optional<std::uint32_t> texture = std::nullopt;
-  bool solid = false;  // both vary in space; they are 1 then, too
-  bool texture_of_two = false;  // it differs along and across
+  std::optional<PbrtSolidParameter> solid = std::nullopt;  // likewise if both vary in space
+  bool texture_of_two = false;                             // it differs along and across
   bool two() const { return along != across || texture_of_two; }
   float mean() const { return std::sqrt(along * across); }
 };
@@ -253,22 +253,27 @@ Widths SolidWidths(Context& context, const std::shared_ptr<const PbrtSolid>& rou
     const float value = std::max((*roughness)(place, normal).x, 0.0f);
     return glm::vec3(std::sqrt(std::clamp(AlphaFromRoughness(value, remap, v4), 1e-3f, 1.0f)));
   };
-  context.reader.solids.push_back(
-      {.use = PbrtSolidUse::kRoughness,
-       .value = std::make_shared<const PbrtSolid>(root_of_alpha),
-       .fallback = std::max(AlphaFromRoughness(fallback, remap, v4), 1e-3f)});
-  return {.along = 1, .across = 1, .solid = true};
+  return {.along = 1,
+          .across = 1,
+          .solid = PbrtSolidParameter{
+              .use = PbrtSolidUse::kRoughness,
+              .value = std::make_shared<const PbrtSolid>(root_of_alpha),
+              .fallback = std::max(AlphaFromRoughness(fallback, remap, v4), 1e-3f)}};
 }
 
-// Does so for materials whose roughness may have an image.
+// Does so for materials whose roughness may have an image or vary in space. Roughness along u and v
+// overrides that of both.
 Widths FindVariedWidths(Context& context, float fallback, bool v4) {
   const auto image = [&](std::string_view name) {
     return FindImageTexture(context.parameters, name, context.reader.float_textures);
   };
-  if (const auto solid =
-          FindSolidTexture(context.parameters, "roughness", context.reader.float_textures)) {
-    return SolidWidths(context, solid, fallback, v4);
-  }
+  const auto given = [&](std::string_view name) {
+    return Find(context.parameters, {"float", "texture"}, name) != nullptr;
+  };
+  const bool along_u = given("uroughness"), along_v = given("vroughness");
+  const auto solid =
+      FindSolidTexture(context.parameters, "roughness", context.reader.float_textures);
+  if (solid && !along_u && !along_v) return SolidWidths(context, solid->solid, fallback, v4);
   const auto both = image("roughness"), u = image("uroughness"), v = image("vroughness");
   if (!both && !u && !v) return FindWidths(context, "", fallback, v4);
   const float constant = both ? fallback : FindScalar(context, "roughness").value_or(fallback);
@@ -284,7 +289,7 @@ Widths FindVariedWidths(Context& context, float fallback, bool v4) {
       PbrtAlphaTexture(context.reader, context.parameters, along, across,
                        [&](float roughness) { return AlphaFromRoughness(roughness, remap, v4); });
   const bool two = along.image != across.image || along.value != across.value;
-  if (texture) return {1, 1, texture, two};
+  if (texture) return {.along = 1, .across = 1, .texture = texture, .texture_of_two = two};
   const float alpha = AlphaFromRoughness(fallback, remap, v4);
   return {alpha, alpha};
 }
@@ -335,6 +340,7 @@ Material Conductor(Context& context, bool v4) {
   const Widths widths = FindVariedWidths(context, v4 ? 0.0f : 0.01f, v4);
   material.alpha = widths.mean();
   material.roughness_texture = widths.texture;
+  if (widths.solid) context.reader.solids.push_back(*widths.solid);
   // Mirrors have one index for all places; facets of the least width are nearly one.
   if (material.alpha < kSmoothWidth && !material.metal_of_color) {
     material.bsdf = BsdfKind::kMirror;
@@ -454,13 +460,14 @@ Material Dielectric(Context& context, bool v4) {
                                  }) ||
                      widths.texture || widths.solid;
   // A rough surface between equal indices refracts nothing, so its facets are undetermined.
-  if (rough && std::max(widths.mean(), std::max(widths.along, widths.across)) >= kSmoothWidth &&
+  if (rough && std::max(widths.along, widths.across) >= kSmoothWidth &&
       std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;
     material.alpha = widths.mean();
     if (widths.two()) {
       material.alpha = widths.along, material.alpha_across = widths.across;
     }
+    if (widths.solid) context.reader.solids.push_back(*widths.solid);
   }
   const glm::vec3 reflect = FractionOr(context, {"Kr"}, glm::vec3(1));
   const glm::vec3 transmit = FractionOr(context, {"Kt"}, glm::vec3(1));
@@ -527,8 +534,9 @@ Material Mix(Context& context) {
   }
   if (const auto shares = FindSolidTexture(parameters, "amount", context.reader.float_textures)) {
     const bool inverted = list == nullptr;
-    const auto share = [=](const glm::dvec3& place, const glm::dvec3& normal) {
-      const float value = std::clamp((*shares)(place, normal).x, 0.0f, 1.0f);
+    const auto share = [inverted, share_at = shares->solid](const glm::dvec3& place,
+                                                            const glm::dvec3& normal) {
+      const float value = std::clamp((*share_at)(place, normal).x, 0.0f, 1.0f);
       return glm::vec3(inverted ? 1 - value : value);
     };
     material.mixture = {rows[0], rows[1], 0.5f};

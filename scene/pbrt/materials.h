@@ -23,7 +23,8 @@
 //
 // A reflectance, Kd or transmittance may be an image (textures.cc), and so may the roughness of
 // conductors and dielectrics and the amount of mix; all but transmittance may vary in space
-// (solid_textures.h), the reflectance of diffuse bodies alone. Other parameters are constant.
+// (solid_textures.h). A reflectance that varies in space is that of a diffuse body. Other
+// parameters are constant.
 #pragma once
 
 #include <string>

@@ -302,12 +302,13 @@ std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::str
   return texture->second;
 }
 
-std::shared_ptr<const PbrtSolid> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
-                                                  const PbrtTextures& textures) {
+std::optional<PbrtTexture> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
+                                            const PbrtTextures& textures) {
   const PbrtParameter* found = Find(parameters, {"texture"}, name);
-  if (!found) return nullptr;
+  if (!found) return std::nullopt;
   const auto texture = textures.find(Single(*found, found->strings));
-  return texture == textures.end() ? nullptr : texture->second.solid;
+  if (texture == textures.end() || !texture->second.solid) return std::nullopt;
+  return texture->second;
 }
 
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings) {

@@ -44,7 +44,10 @@ struct PbrtTexture {
   std::optional<glm::vec3> value;      // its constant value, or the factor of the image
   std::optional<std::uint32_t> image;  // index into Scene::textures
   std::shared_ptr<const PbrtSolid> solid = nullptr;
+  int evaluations = 0;  // of functions, that of `solid` takes
 };
+// The most that a texture may take. It also bounds how deeply textures are nested.
+inline constexpr int kMaxPbrtEvaluations = 256;
 // Textures by name; unsupported ones are present without a value.
 using PbrtTextures = std::unordered_map<std::string, PbrtTexture>;
 
@@ -81,9 +84,9 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
 std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::string_view name,
                                             const PbrtTextures& textures);
 
-// Returns the texture in space that the parameter names, or null if it names none.
-std::shared_ptr<const PbrtSolid> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
-                                                  const PbrtTextures& textures);
+// Returns the texture in space that the parameter names, or nothing if it names none.
+std::optional<PbrtTexture> FindSolidTexture(PbrtParameters& parameters, std::string_view name,
+                                            const PbrtTextures& textures);
 
 // Adds one warning for each parameter that was never looked up.
 void ReportUnused(const PbrtParameters& parameters, Warnings& warnings);

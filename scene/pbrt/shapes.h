@@ -22,8 +22,8 @@ struct PbrtShapeOptions {
 
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
 // that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the
-// scene into a path. Throws InputError on wrong counts, indices out of range, missing files and
-// shapes of more than kMaxSubdividedTriangles.
+// scene into a path. Throws InputError on wrong counts, indices out of range, missing files, and on
+// a loopsubdiv, bilinearmesh or curve of more than kMaxSubdividedTriangles.
 std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
                                   const std::function<std::string(const std::string&)>& resolve,
                                   const PbrtShapeOptions& options, Warnings& warnings);

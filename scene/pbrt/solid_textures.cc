@@ -6,11 +6,13 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "base/error.h"
 #include "scene/materials/noise.h"
-#include "scene/materials/texture_baking.h"
+#include "scene/shapes/curves.h"
 #include "scene/shapes/mesh.h"
 
 namespace skywave {
@@ -21,9 +23,10 @@ constexpr int kAtlasSide = 2048;                       // most texels per side o
 constexpr std::size_t kMostSquares = 4096;
 constexpr int kMargin = 2;  // texels around a triangle, which are beyond its edges
 
-PbrtTexture SolidTexture(PbrtSolid color) {
+PbrtTexture SolidTexture(PbrtSolid color, int evaluations = 1) {
   PbrtTexture texture;
   texture.solid = std::make_shared<const PbrtSolid>(std::move(color));
+  texture.evaluations = evaluations;
   return texture;
 }
 
@@ -191,7 +194,8 @@ TexelValue SlopeAt(const PbrtSolid& height) {
       const glm::dvec3 step = texel.size / 2 * along;
       const double rise = double(height(texel.place + step, texel.normal).x) -
                           double(height(texel.place - step, texel.normal).x);
-      return std::isfinite(rise) ? float(rise / texel.size) : 0.0f;
+      constexpr double kSteepest = 1e6;  // the texel may be nearly nothing
+      return std::isfinite(rise) ? float(std::clamp(rise / texel.size, -kSteepest, kSteepest)) : 0;
     };
     return glm::vec3(slope(texel.right), slope(texel.up), 0);
   };
@@ -248,39 +252,42 @@ void SetFallback(const PbrtSolidParameter& solid, Material& material) {
   if (solid.use == PbrtSolidUse::kShare) material.mixture->share = solid.fallback;
 }
 
-// Returns how many images the material and those that it is mixed of need.
-std::size_t CountSolids(const PbrtReader& reader, std::uint32_t named) {
+// Returns how many images the material and those that it is mixed of need. A mixture may have one
+// material many times, as mixtures of mixtures do; `counted` has those that need no more.
+std::size_t CountSolids(const PbrtReader& reader, std::uint32_t named,
+                        std::set<std::uint32_t>& counted) {
   const auto found = reader.solid_materials.find(named);
-  if (found == reader.solid_materials.end()) return 0;
-  const auto& mixture = reader.scene.materials[named].mixture;
-  return found->second.size() +
-         (mixture ? CountSolids(reader, mixture->first) + CountSolids(reader, mixture->second) : 0);
+  if (found == reader.solid_materials.end() || !counted.insert(named).second) return 0;
+  std::size_t count = found->second.size();
+  if (const auto& mixture = reader.scene.materials[named].mixture) {
+    count += CountSolids(reader, mixture->first, counted);
+    count += CountSolids(reader, mixture->second, counted);
+  }
+  return count;
 }
 
 // Returns a copy of `material`, which is `named` or a copy of that, with the images that `bake`
-// makes, or else with its defaults, and likewise of those that it is mixed of.
+// makes, or else with its defaults, and likewise of those that it is mixed of. `copies` has those
+// that exist, by what they are named.
 std::uint32_t CopyWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
-                             const BakeTexels& bake) {
+                             const BakeTexels& bake,
+                             std::map<std::uint32_t, std::uint32_t>& copies) {
   const auto found = reader.solid_materials.find(named);
   if (found == reader.solid_materials.end()) return material;
+  if (const auto known = copies.find(named); known != copies.end()) return known->second;
   Material copy = reader.scene.materials[material];
   for (const PbrtSolidParameter& solid : found->second) {
     bake ? BakeParameter(solid, bake, reader.scene, copy) : SetFallback(solid, copy);
   }
   if (copy.mixture) {
     for (std::uint32_t* part : {&copy.mixture->first, &copy.mixture->second}) {
-      *part = CopyWithSolids(reader, *part, *part, bake);
+      *part = CopyWithSolids(reader, *part, *part, bake, copies);
     }
   }
   reader.scene.materials.push_back(std::move(copy));
-  return std::uint32_t(reader.scene.materials.size() - 1);
-}
-
-// Returns a point of a cubic Bezier curve.
-glm::dvec3 Bezier(const glm::dvec3* points, double t) {
-  const double s = 1 - t;
-  return s * s * s * points[0] + 3 * s * s * t * points[1] + 3 * s * t * t * points[2] +
-         t * t * t * points[3];
+  const auto index = std::uint32_t(reader.scene.materials.size() - 1);
+  copies.emplace(named, index);
+  return index;
 }
 
 }  // namespace
@@ -327,7 +334,7 @@ PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters) {
         const double sheet = at.y + variation * FractalNoise(at, roughness, octaves);
         const double along = (0.5 + 0.5 * std::sin(sheet)) * kCurves;
         const int curve = std::clamp(int(along), 0, kCurves - 1);
-        return glm::vec3(1.5 * Bezier(kColors + curve, along - curve));
+        return glm::vec3(1.5 * BezierPoint(kColors + curve, along - curve));
       });
 }
 
@@ -347,6 +354,36 @@ PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std:
     // The wind is three octaves of a tenth of the frequency, and raises six of waves.
     return glm::vec3(float(std::abs(FractalNoise(0.1 * at, 0.5, 3)) * FractalNoise(at, 0.5, 6)));
   });
+}
+
+PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
+                           const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
+  int evaluations = 1;
+  for (const PbrtTexture& texture : textures) {
+    evaluations += texture.evaluations;
+    if (texture.image) {
+      Warn(reader, parameters,
+           "images and textures that vary in space are not combined: its users take their default");
+      return {};
+    }
+  }
+  if (evaluations > kMaxPbrtEvaluations) {
+    Warn(reader, parameters,
+         fmt::format("it takes more than {} evaluations of textures that vary in space: its users "
+                     "take their default",
+                     kMaxPbrtEvaluations));
+    return {};
+  }
+  return SolidTexture(
+      [textures, combine](const glm::dvec3& place, const glm::dvec3& normal) {
+        std::vector<glm::vec3> values;
+        for (const PbrtTexture& texture : textures) {
+          values.push_back(texture.solid ? (*texture.solid)(place, normal)
+                                         : texture.value.value_or(glm::vec3(1)));
+        }
+        return combine(values);
+      },
+      evaluations);
 }
 
 PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const PbrtTexture& texture) {
@@ -370,8 +407,9 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
   const bool few = !shape.fixed_uvs && mesh.triangles.size() <= kMostSquares;
   const Atlas atlas = AtlasOf(std::max<std::size_t>(mesh.triangles.size(), 1));
   const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);
-  const std::size_t texels =
-      CountSolids(reader, named) * (patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side);
+  std::set<std::uint32_t> counted;
+  const std::size_t texels = CountSolids(reader, named, counted) *
+                             (patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side);
   BakeTexels bake;
   if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
     AddWarning(
@@ -385,7 +423,8 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
       return patch ? BakePatch(mesh, value) : BakeAtlas(mesh, atlas, value);
     };
   }
-  return CopyWithSolids(reader, named, material, bake);
+  std::map<std::uint32_t, std::uint32_t> copies;
+  return CopyWithSolids(reader, named, material, bake, copies);
 }
 
 }  // namespace skywave

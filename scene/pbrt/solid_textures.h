@@ -2,6 +2,9 @@
 // has them, into an image over the shape's (u, v).
 #pragma once
 
+#include <vector>
+
+#include "scene/materials/texture_baking.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -14,6 +17,11 @@ PbrtTexture ReadDirectionMix(PbrtReader& reader, PbrtParameters& parameters,
                              const PbrtTextures& same);
 PbrtTexture ReadMarble(PbrtReader& reader, PbrtParameters& parameters);
 PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std::string& kind);
+
+// Returns what `combine` makes of textures of which one at least varies in space. It has no value,
+// with a warning, if others are images or if it would take more than kMaxPbrtEvaluations.
+PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
+                           const std::vector<PbrtTexture>& textures, const CombineTexels& combine);
 
 // Returns a texture over (u, v) laid over a plane of the space in which it is defined, by the
 // vectors "v1" and "v2"; one without an image stays as it is.

@@ -44,6 +44,12 @@ struct PbrtSolidParameter {
   float fallback = 0;  // what shapes get on which it cannot be: for roughness alpha
 };
 
+// The image of a light in all directions (LightMapping::kSphere).
+struct PbrtSphereImage {
+  std::uint32_t image;  // index into Scene::images
+  double mean;          // of all channels
+};
+
 // The state that AttributeBegin saves and AttributeEnd restores.
 struct PbrtGraphicsState {
   glm::dmat4 to_world{1.0};               // the current transformation matrix
@@ -91,6 +97,8 @@ struct PbrtReader {
   std::map<std::tuple<std::uint32_t, float, float, float>, std::uint32_t> clamped_textures;
   std::optional<std::uint32_t> checker_image;  // index into Scene::images
   std::size_t baked_texels = 0;
+  // The images of lights in all directions, by the file's image and whether it is pbrt-v4's.
+  std::map<std::pair<std::uint32_t, bool>, PbrtSphereImage> sphere_images;
 };
 
 // Returns the parameters that follow a directive, and those that Attribute gives to its kind unless

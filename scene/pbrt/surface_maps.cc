@@ -47,8 +47,8 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
     if (const auto heights = FindImageTexture(parameters, name, reader.float_textures)) {
       material.normal_texture = CopyTexture(reader.scene, *heights->image, TextureUse::kHeights);
       material.normal_scale = Mean(heights->value.value_or(glm::vec3(1)));
-    } else if (auto solid = FindSolidTexture(parameters, name, reader.float_textures)) {
-      reader.solids.push_back({.use = PbrtSolidUse::kHeight, .value = std::move(solid)});
+    } else if (const auto solid = FindSolidTexture(parameters, name, reader.float_textures)) {
+      reader.solids.push_back({.use = PbrtSolidUse::kHeight, .value = solid->solid});
     } else {
       // A constant height has no effect; this names values that are not understood.
       FindColor(parameters, name, reader.float_textures, reader.warnings);
@@ -63,6 +63,8 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
     reader.scene.textures.push_back(texture);
     material.normal_texture = static_cast<std::uint32_t>(reader.scene.textures.size() - 1);
     material.normal_scale = 1;
+    // As in pbrt, the map replaces heights, those in space too.
+    std::erase_if(reader.solids, [](auto& solid) { return solid.use == PbrtSolidUse::kHeight; });
   }
 }
 

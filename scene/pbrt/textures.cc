@@ -95,27 +95,6 @@ PbrtTexture AddTexture(PbrtReader& reader, const Texture& texture, const glm::ve
   return {.value = factor, .image = static_cast<std::uint32_t>(reader.scene.textures.size() - 1)};
 }
 
-// Applies `combine`, which is kept, to textures of which one at least varies in space.
-PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
-                           const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
-  if (std::any_of(textures.begin(), textures.end(), [](auto& t) { return t.image.has_value(); })) {
-    Warn(reader, parameters,
-         "images and textures that vary in space are not combined: its users take their default");
-    return {};
-  }
-  return {.value = {},
-          .image = {},
-          .solid = std::make_shared<const PbrtSolid>(
-              [textures, combine](const glm::dvec3& place, const glm::dvec3& normal) {
-                std::vector<glm::vec3> values;
-                for (const PbrtTexture& texture : textures) {
-                  values.push_back(texture.solid ? (*texture.solid)(place, normal)
-                                                 : texture.value.value_or(glm::vec3(1)));
-                }
-                return combine(values);
-              })};
-}
-
 // Applies `combine` to textures. A combination of constants stays constant; images are baked.
 PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
                     const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
@@ -186,9 +165,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
 PbrtTexture Operand(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextures& textures,
                     std::string_view name, float otherwise) {
   if (const auto image = FindImageTexture(parameters, name, textures)) return *image;
-  if (auto solid = FindSolidTexture(parameters, name, textures)) {
-    return {.value = {}, .image = {}, .solid = std::move(solid)};
-  }
+  if (const auto solid = FindSolidTexture(parameters, name, textures)) return *solid;
   const auto color = FindColor(parameters, name, textures, reader.warnings);
   return {.value = color.value_or(glm::vec3(otherwise)), .image = {}};
 }

@@ -1,6 +1,7 @@
 // Handles pbrt's directives that describe the world: scopes, materials, shapes, objects, lights.
 #include <fmt/format.h>
 
+#include <set>
 #include <utility>
 
 #include "base/error.h"
@@ -128,13 +129,14 @@ void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 }
 
 // Returns true if the material, or one that it is mixed of, depends on (u, v): it has a texture, or
-// a tangent.
-bool UsesUvs(const Scene& scene, std::uint32_t index) {
+// a tangent. `seen` has those that were asked before, without one.
+bool UsesUvs(const Scene& scene, std::uint32_t index, std::set<std::uint32_t>& seen) {
+  if (!seen.insert(index).second) return false;
   const Material& material = scene.materials[index];
   bool uses = HasTangent(material);
   ForEachTexture(material, [&](std::uint32_t) { uses = true; });
   if (const auto& mixture = material.mixture) {
-    uses = uses || UsesUvs(scene, mixture->first) || UsesUvs(scene, mixture->second);
+    uses = uses || UsesUvs(scene, mixture->first, seen) || UsesUvs(scene, mixture->second, seen);
   }
   return uses;
 }
@@ -152,7 +154,9 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const bool varies = named && reader.solid_materials.contains(*named);
   if (material) material = MaterialWithPbrtAlpha(reader, parameters, *material);
   const auto& lamp = reader.state.area_light;
-  const bool fixed_uvs = material && (UsesUvs(reader.scene, *material) || (lamp && lamp->image));
+  std::set<std::uint32_t> seen;
+  const bool fixed_uvs =
+      material && (UsesUvs(reader.scene, *material, seen) || (lamp && lamp->image));
   const bool uses_uvs = fixed_uvs || varies;
   std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
                                            {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),

@@ -68,12 +68,6 @@ int CountStrips(const CurveSegment& segment) {
   return int(std::clamp(std::ceil(kStrips * slope), 1.0, double(kMost)));
 }
 
-glm::dvec3 PointAt(const CurveSegment& segment, double u) {
-  const double s = 1 - u;
-  const auto& p = segment.points;
-  return s * s * s * p[0] + 3 * s * s * u * p[1] + 3 * s * u * u * p[2] + u * u * u * p[3];
-}
-
 glm::dvec3 DerivativeAt(const CurveSegment& segment, double u) {
   const double s = 1 - u;
   const auto& p = segment.points;
@@ -149,6 +143,12 @@ void AddRibbon(const std::vector<Section>& sections, int strips, Mesh& mesh) {
 
 }  // namespace
 
+glm::dvec3 BezierPoint(const glm::dvec3* points, double u) {
+  const double s = 1 - u;
+  return s * s * s * points[0] + 3 * s * s * u * points[1] + 3 * s * u * u * points[2] +
+         u * u * u * points[3];
+}
+
 std::size_t CurveTriangles(std::span<const CurveSegment> segments, CurveForm form) {
   const int sides = CountSides(segments);
   std::size_t triangles = 0;
@@ -175,7 +175,7 @@ Mesh TessellateCurve(std::span<const CurveSegment> segments, CurveForm form) {
       const glm::dvec3 tangent = TangentAt(segment, u, length);
       const double speed = std::max(glm::length(DerivativeAt(segment, u)), 1e-6 * length);
       side = form == CurveForm::kTube ? Across(side, tangent) : NormalAt(segment, u);
-      sections.push_back({PointAt(segment, u), tangent, side,
+      sections.push_back({BezierPoint(segment.points.data(), u), tangent, side,
                           glm::mix(segment.widths[0], segment.widths[1], u),
                           (segment.widths[1] - segment.widths[0]) / 2 / speed});
     }

@@ -21,13 +21,17 @@ struct CurveSegment {
 enum class CurveForm { kTube, kRibbon };
 
 // A segment is cut into pieces whose chords are within this share of its width of the curve, as
-// pbrt-v4 subdivides its curves, and along which it turns by few degrees; but into so many at most.
+// pbrt-v4 subdivides its curves, and along which it turns by few degrees on average; but into so
+// many at most.
 inline constexpr double kCurveTolerance = 0.05, kCurveTurnDegrees = 4;
 inline constexpr int kMaxCurvePieces = 1024;
 // A tube as wide as it is long has the most sides, and a longer one fewer: seen at a length of 1000
 // pixels, its outline is less than 0.2 pixels off. With the least, a white tube loses 0.6 % of its
 // light, because its normals lean from its sides.
 inline constexpr int kMinTubeSides = 12, kMaxTubeSides = 96;
+
+// Returns a point of the Bezier curve of four control points.
+glm::dvec3 BezierPoint(const glm::dvec3* points, double u);
 
 // Returns how many triangles TessellateCurve makes at most. All points are finite, and no width is
 // negative.

@@ -318,6 +318,12 @@ TEST(Projections, SquaresKeepTheirDetail) {
     const int height = LatLongHeight(Projection::kOctahedral, side, side);
     EXPECT_LE(RowSolidAngle(2 * height, height, height / 2), 4 * M_PI / (double(side) * side));
   }
+  // The map of the largest square has no more texels than a map may have.
+  for (const int side : {11586, 16384, 32768}) {
+    const auto height = std::int64_t(LatLongHeight(Projection::kOctahedral, side, side));
+    EXPECT_LE(2 * height * height, std::int64_t{1} << 28);
+    EXPECT_GT(2 * (height + 1) * (height + 1), std::int64_t{1} << 28);
+  }
   // Checks of two by two texels keep half of their contrast.
   Image checks(64, 64);
   for (int i = 0; i < 64 * 64; ++i) {

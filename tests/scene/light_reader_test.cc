@@ -185,6 +185,13 @@ TEST(PbrtLights, GoniometricOnesOfVersionThree) {
     // A texel of the square is 0.06 wide, over which the factor changes by a tenth at most.
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(sent[c] / expected[c], 1, 0.15) << up << " " << turn;
   }
+  const std::string map = "\"string mapname\" \"image.pfm\" ";
+  const Scene two = parse(map + "LightSource \"goniometric\" " + map);
+  EXPECT_EQ(two.lights.at(0).form->image, two.lights.at(1).form->image);
+  // A narrow image has no more texels as a square.
+  WriteImage(folder.Path("image.pfm"), Image(1, 16384));
+  const Scene narrow = parse(map);
+  EXPECT_EQ(narrow.images.at(narrow.lights.at(0).form->image.value()).width, 128);
   // Without an image it is a point.
   const Scene plain = parse("\"rgb I\" [1 2 3]");
   EXPECT_EQ(SentTo(plain, {2, 3, 4}), glm::dvec3(1));
@@ -206,6 +213,7 @@ TEST(PbrtLights, ProjectionsOfVersionThree) {
   EXPECT_EQ(SentTo(scene, {-0.9 * half, 1.9 * half, 1}), glm::dvec3(4, 5, 6));
   EXPECT_EQ(SentTo(scene, {1.02 * half, 0, 1}), glm::dvec3(0));
   EXPECT_EQ(SentTo(scene, {0, 2.02 * half, 1}), glm::dvec3(0));
+  EXPECT_EQ(scene.images.size(), 1u);  // however many lights project it
   const Scene plain = parse("");
   EXPECT_EQ(SentTo(plain, {0.98 * half, 0.98 * half, 1}), glm::dvec3(1));
   EXPECT_EQ(SentTo(plain, {1.02 * half, 0, 1}), glm::dvec3(0));

@@ -71,17 +71,33 @@ TEST(Curves, StraightOnesAreCylinders) {
   }
 }
 
-// The share of the triangles on which v lies below a half is a half, and opposite places have v and
-// 1 - v.
+// Opposite places have v and 1 - v.
 TEST(Curves, HaveCoordinatesThatGoRoundAndBack) {
   const Mesh mesh = Curve("\"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3]");
+  int opposites = 0;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     for (std::size_t k = 0; k < mesh.positions.size(); ++k) {
       const glm::vec3 opposite(-mesh.positions[k].x, -mesh.positions[k].y, mesh.positions[k].z);
       if (glm::length(mesh.positions[i] - opposite) > 1e-5f) continue;
       ASSERT_NEAR(mesh.uvs[i].y, 1 - mesh.uvs[k].y, 1e-6);
+      ++opposites;
     }
   }
+  EXPECT_GE(opposites, int(mesh.positions.size()));
+  // v grows evenly with the angle from 0 to 1 and back; it is 0 and 1 somewhere.
+  const auto least = std::min_element(mesh.uvs.begin(), mesh.uvs.end(),
+                                      [](auto& a, auto& b) { return a.y < b.y; });
+  const glm::vec3 zero = mesh.positions[std::size_t(least - mesh.uvs.begin())];
+  double most = 0;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::dvec2 at(mesh.positions[i]), from(zero);
+    const double turn = std::acos(
+        std::clamp(glm::dot(at, from) / (glm::length(at) * glm::length(from)), -1.0, 1.0));
+    ASSERT_NEAR(mesh.uvs[i].y, turn / kPi, 1e-3);
+    most = std::max(most, double(mesh.uvs[i].y));
+  }
+  EXPECT_EQ(least->y, 0);
+  EXPECT_EQ(most, 1);
   EXPECT_TRUE(Curve("\"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3]", "WorldBegin ").uvs.empty());
 }
 
@@ -249,9 +265,16 @@ TEST(Curves, MayStandStill) {
 }
 
 TEST(Curves, AreBounded) {
-  EXPECT_LE(
-      Curve("\"point3 P\" [0 0 0 9e9 0 0 0 9e9 0 5 5 5] \"float width\" 1e-30").triangles.size(),
-      std::size_t(2 * kMaxCurvePieces * kMinTubeSides));
+  CurveSegment segment;
+  segment.points = {glm::dvec3(0), {9e9, 0, 0}, {0, 9e9, 0}, {5, 5, 5}};
+  segment.widths = {1e-30, 1e-30};
+  const std::size_t most = std::size_t(2 * kMaxCurvePieces * kMinTubeSides);
+  EXPECT_EQ(CurveTriangles({&segment, 1}, CurveForm::kTube), most);
+  // The rings of wider ones have an area, so that none of these triangles is left out.
+  segment.points = {glm::dvec3(0), {900, 0, 0}, {0, 900, 0}, {5, 5, 5}};
+  segment.widths = {1e-3, 1e-3};
+  EXPECT_EQ(CurveTriangles({&segment, 1}, CurveForm::kTube), most);
+  EXPECT_EQ(TessellateCurve({&segment, 1}, CurveForm::kTube).triangles.size(), most);
   try {
     ParsePbrt("WorldBegin\n\nShape \"curve\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]", "t.pbrt",
               {.max_triangles = 300});

@@ -7,10 +7,13 @@
 #include <random>
 #include <string>
 
+#include "base/error.h"
+#include "image/image.h"
 #include "scene/geometry.h"
 #include "scene/materials/noise.h"
 #include "scene/pbrt/reader.h"
 #include "tests/support/bent_normal.h"
+#include "tests/support/temporary_folder.h"
 
 namespace skywave {
 namespace {
@@ -343,6 +346,110 @@ TEST(SolidTextures, AreNotCombinedWithImages) {
       "\"float\" \"mix\" \"texture tex1\" \"n\" \"texture tex2\" \"c\" Shape \"sphere\"");
   ASSERT_EQ(scene.warnings.size(), 1u);
   EXPECT_TRUE(scene.warnings[0].starts_with("t.pbrt:2: ")) << scene.warnings[0];
+}
+
+// Each texture of a chain takes twice the evaluations of the one before it, or one more.
+TEST(SolidTextures, ThatTakeTooLongAreReported) {
+  const auto warnings = [](const std::string& next, int count, const std::string& shape) {
+    std::string text = "Texture \"t\" \"float\" \"fbm\"\n";
+    for (int i = 0; i < count; ++i) text += "Texture \"t\" \"float\" " + next + "\n";
+    return Parse(text + "Material \"conductor\" \"texture roughness\" \"t\" " + shape).warnings;
+  };
+  const std::string shape = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
+  const std::string doubled = "\"mix\" \"texture tex1\" \"t\" \"texture tex2\" \"t\"";
+  EXPECT_TRUE(warnings(doubled, 7, "").empty());
+  const std::vector<std::string> many = warnings(doubled, 40, shape);
+  ASSERT_FALSE(many.empty());
+  EXPECT_TRUE(many[0].starts_with("t.pbrt:9: ")) << many[0];  // 1, 3, 7, ... 255, 511
+  const std::string longer = "\"scale\" \"texture tex\" \"t\" \"float scale\" .5";
+  EXPECT_TRUE(warnings(longer, 255, "").empty());
+  const std::vector<std::string> deep = warnings(longer, 20000, shape);
+  ASSERT_FALSE(deep.empty());
+  EXPECT_TRUE(deep[0].starts_with("t.pbrt:257: ")) << deep[0];
+}
+
+// Returns a file that names a material "m" and then 40 times the mixture of it with itself so.
+std::string DeepMixture(const std::string& material) {
+  std::string text = "MakeNamedMaterial \"m\" \"string type\" \"diffuse\" " + material + "\n";
+  for (int i = 0; i < 40; ++i) {
+    text +=
+        "MakeNamedMaterial \"m\" \"string type\" \"mix\" \"string materials\" [\"m\" "
+        "\"m\"]\n";
+  }
+  return text;
+}
+
+// There is one copy of each part, not 2^40.
+TEST(SolidTextures, MixturesShareTheirParts) {
+  const Scene scene =
+      ParseAll("Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 " +
+               DeepMixture("\"texture reflectance\" \"c\"") +
+               "NamedMaterial \"m\" Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+  std::uint32_t material = scene.meshes.at(0).material;
+  while (scene.materials[material].mixture) {
+    const Mixture& mixture = *scene.materials[material].mixture;
+    ASSERT_EQ(mixture.first, mixture.second);
+    material = mixture.first;
+  }
+  EXPECT_TRUE(scene.materials[material].color_texture.has_value());
+  EXPECT_EQ(scene.images.size(), 1u);
+}
+
+// The search for textures and for normal maps must not take 2^40 steps either.
+TEST(SolidTextures, DeepMixturesOfOthersAreRead) {
+  const Scene scene = ParsePbrt("WorldBegin " + DeepMixture("") +
+                                    "ObjectBegin \"o\" NamedMaterial \"m\" Shape \"sphere\" "
+                                    "ObjectEnd ObjectInstance \"o\" ObjectInstance \"o\"",
+                                "t.pbrt", {.instances = InstanceUse::kShare});
+  EXPECT_EQ(scene.objects.at(0).meshes.size(), 1u);
+  EXPECT_THROW(Geometry(scene, "t.pbrt"), InputError);
+}
+
+// As in pbrt, a normal map replaces heights.
+TEST(SolidTextures, NormalMapsReplaceHeights) {
+  const TemporaryFolder folder;
+  WriteImage(folder.Path("n.pfm"), Image(2, 2));
+  const Scene scene = ParsePbrt(
+      "WorldBegin Texture \"n\" \"float\" \"fbm\" Material \"diffuse\" \"texture displacement\" "
+      "\"n\" \"string normalmap\" \"n.pfm\" Shape \"sphere\"",
+      folder.Path("t.pbrt"), {.strict = true});
+  const Material& material = scene.materials[scene.meshes.at(0).material];
+  EXPECT_EQ(scene.textures[material.normal_texture.value()].use, TextureUse::kPbrtNormals);
+  EXPECT_EQ(material.normal_scale, 1);
+  EXPECT_EQ(scene.images.size(), 1u);
+}
+
+// As in pbrt, uroughness and vroughness override roughness, also one in space.
+TEST(SolidTextures, RoughnessAlongAxesReplacesThatInSpace) {
+  const Scene scene = Parse(
+      "Texture \"n\" \"float\" \"wrinkled\" Material \"conductor\" \"texture roughness\" \"n\" "
+      "\"float uroughness\" .25 \"float vroughness\" .25 Shape \"sphere\"");
+  const Material& material = scene.materials[scene.meshes.at(0).material];
+  EXPECT_FALSE(material.roughness_texture);
+  EXPECT_NEAR(material.alpha, 0.5f, 1e-6f);
+}
+
+// A surface between equal indices stays smooth, and needs no image.
+TEST(SolidTextures, SmoothSurfacesNeedNoRoughness) {
+  const std::string noise = "Texture \"n\" \"float\" \"wrinkled\" Material \"dielectric\" ";
+  const std::string rough = " \"texture roughness\" \"n\" Shape \"sphere\"";
+  EXPECT_EQ(Parse(noise + "\"float eta\" 1.5" + rough).images.size(), 1u);
+  const Scene smooth = Parse(noise + "\"float eta\" 1" + rough);
+  EXPECT_TRUE(smooth.images.empty());
+  const Material& material = smooth.materials[smooth.meshes.at(0).material];
+  EXPECT_EQ(material.bsdf, BsdfKind::kDielectric);
+  EXPECT_FALSE(material.roughness_texture);
+}
+
+// Over a texel that is nearly nothing, heights rise by more than a float holds.
+TEST(SolidTextures, SlopesAreFinite) {
+  const Scene scene = Parse(
+      "Texture \"n\" \"float\" \"checkerboard\" \"integer dimension\" 3 \"float tex1\" 1e30 "
+      "Material \"diffuse\" \"texture displacement\" \"n\" Scale 1e-15 1e-15 1 Shape "
+      "\"trianglemesh\" \"point3 P\" [-1 -1 0 1 -1 0 0 1 0]");
+  const Material& material = scene.materials[scene.meshes.at(0).material];
+  EXPECT_EQ(material.normal_scale, 1e6f);
+  for (const float value : scene.images.at(0).rgb) ASSERT_TRUE(std::isfinite(value));
 }
 
 // The plane of the checks is spanned by two vectors of the texture's space, which is turned.
