@@ -24,42 +24,58 @@ void RemoveAndEnd(int) {
   ::_exit(0);
 }
 
-// Starts a process that writes half of `path`, calls `meanwhile` and then waits to be killed;
-// SIGTERM makes it remove its unfinished files. Returns its number.
-pid_t StartStuckWriter(
-    const std::string& path, const std::function<void()>& meanwhile = [] {}) {
-  int ready[2];
-  EXPECT_EQ(::pipe(ready), 0);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::signal(SIGTERM, RemoveAndEnd);
-    WriteFileAtomically(path, [&](const std::string& temporary) {
-      std::ofstream(temporary, std::ios::binary) << "half of it";
-      meanwhile();
-      [[maybe_unused]] const ssize_t told = ::write(ready[1], "x", 1);
-      for (;;) ::pause();
-    });
+// A process that writes half of `path`, calls `meanwhile` and then waits to be killed; SIGTERM
+// makes it remove its unfinished files. It ends with its test at the latest.
+class StuckWriter {
+ public:
+  explicit StuckWriter(
+      const std::string& path, const std::function<void()>& meanwhile = [] {}) {
+    int ready[2];
+    EXPECT_EQ(::pipe(ready), 0);
+    process_ = ::fork();
+    if (process_ == 0) {
+      ::signal(SIGTERM, RemoveAndEnd);
+      WriteFileAtomically(path, [&](const std::string& temporary) {
+        std::ofstream(temporary, std::ios::binary) << "half of it";
+        meanwhile();
+        [[maybe_unused]] const ssize_t told = ::write(ready[1], "x", 1);
+        for (;;) ::pause();
+      });
+    }
+    temporary_ = path + "." + std::to_string(process_) + ".part";
+    char told = 0;
+    EXPECT_EQ(::read(ready[0], &told, 1), 1);
+    ::close(ready[0]), ::close(ready[1]);
   }
-  char told = 0;
-  EXPECT_EQ(::read(ready[0], &told, 1), 1);
-  ::close(ready[0]), ::close(ready[1]);
-  return child;
-}
+  ~StuckWriter() { End(SIGKILL); }
+  StuckWriter(const StuckWriter&) = delete;
+  StuckWriter& operator=(const StuckWriter&) = delete;
+
+  void End(int signal) {
+    if (process_ <= 0) return;
+    ::kill(process_, signal);
+    ::waitpid(process_, nullptr, 0);
+    process_ = 0;
+  }
+  const std::string& temporary() const { return temporary_; }
+
+ private:
+  pid_t process_;
+  std::string temporary_;
+};
 
 TEST(Leftovers, AreRemovedOnceTheirWriterIsDeadAndNotBefore) {
   const TemporaryFolder folder;
   const std::string target = folder.Write("a.exr", "the old one");
   const std::vector<std::string> targets = {target, folder.Path("b.exr")};
-  const pid_t writer = StartStuckWriter(target);
-  const std::string temporary = target + "." + std::to_string(writer) + ".part";
-  ASSERT_TRUE(std::filesystem::exists(temporary));
+  StuckWriter writer(target);
+  ASSERT_TRUE(std::filesystem::exists(writer.temporary()));
   EXPECT_EQ(RemoveLeftovers(targets), 0u);
-  EXPECT_TRUE(std::filesystem::exists(temporary));
+  EXPECT_TRUE(std::filesystem::exists(writer.temporary()));
 
-  ::kill(writer, SIGKILL);
-  ::waitpid(writer, nullptr, 0);
+  writer.End(SIGKILL);
   EXPECT_EQ(RemoveLeftovers(targets), 1u);
-  EXPECT_FALSE(std::filesystem::exists(temporary));
+  EXPECT_FALSE(std::filesystem::exists(writer.temporary()));
   EXPECT_EQ(ReadFile(target), "the old one");
 }
 
@@ -75,17 +91,15 @@ TEST(Leftovers, AreRemovedWhereItIsCheckedWhetherTheTargetCanBeWritten) {
 TEST(Unfinished, FilesAreRemovedByAHandlerOfSignals) {
   const TemporaryFolder folder;
   const std::string target = folder.Write("a.exr", "the old one");
-  const pid_t writer = StartStuckWriter(target, [&] {
+  StuckWriter writer(target, [&] {
     // A process that was forked while its parent writes leaves the file.
     const pid_t forked = ::fork();
     if (forked == 0) RemoveAndEnd(0);
     ::waitpid(forked, nullptr, 0);
   });
-  const std::string temporary = target + "." + std::to_string(writer) + ".part";
-  ASSERT_TRUE(std::filesystem::exists(temporary));
-  ::kill(writer, SIGTERM);
-  ::waitpid(writer, nullptr, 0);
-  EXPECT_FALSE(std::filesystem::exists(temporary));
+  ASSERT_TRUE(std::filesystem::exists(writer.temporary()));
+  writer.End(SIGTERM);
+  EXPECT_FALSE(std::filesystem::exists(writer.temporary()));
   EXPECT_EQ(ReadFile(target), "the old one");
 }
 
