@@ -30,7 +30,7 @@ class Info : public Program {
         "s 1\nusemtl glass\nf 1 3 4\n");
     Put("light.pbrt",
         "Camera \"orthographic\"\nWorldBegin\nLightSource \"infinite\" \"rgb L\" [1 2 3]\n"
-        "LightSource \"goniometric\"\nLightSource \"point\" \"rgb I\" [2 2 2]\n"
+        "LightSource \"laser\"\nLightSource \"point\" \"rgb I\" [2 2 2]\n"
         "Shape \"sphere\"\nAreaLightSource \"diffuse\"\nShape \"trianglemesh\" \"point P\" [0 0 0 "
         "1 0 0 0 1 0]\n");
     Put("empty.obj", "v 0 0 0\n");
@@ -97,7 +97,7 @@ TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
   EXPECT_EQ(pbrt.exit_code, 0) << pbrt.err;
   for (const char* const part :
        {"left-handed", "orthographic", "3 lights", "1 2 3", "triangle", "shines with 1 1 1",
-        "light.pbrt:4: LightSource \"goniometric\""}) {
+        "light.pbrt:4: LightSource \"laser\""}) {
     EXPECT_TRUE(Contains(pbrt.out, part)) << part << " in\n" << pbrt.out;
   }
   const auto json = nlohmann::json::parse(Bytes("i.json"));

@@ -503,10 +503,7 @@ TEST(BsdfValue, TransmissionIsReciprocal) {
     const auto ratio = TransmissionRatio(material);
     if (!ratio) continue;
     const Vec normal = {0, 0, 1};  // its frame is the world's
-    MaterialCase other = material;
-    other.back = !material.back;
-    // The frame of the other side has the same first axis, and tangents are in the world.
-    other.turn = -material.turn;
+    const MaterialCase other = SeenFromBehind(material);
     const int roundings = material.turn == 0 ? 8 : 16;  // turning to the tangent rounds, too
     // A value this small, of those around 1, lies at the edge of total reflection, where it ends.
     constexpr double kEdge = 1e-8;

@@ -150,9 +150,7 @@ TEST_P(Flux, IsTheAdjointOfRadiance) {
   if (rows_.kernels.delta) GTEST_SKIP();
   Random random(77);
   ShadingRows same(material_, kFullWave, kNormal, kNormal);
-  MaterialCase turned = material_;
-  turned.back = !material_.back;
-  ShadingRows other(turned, kFullWave, kNormal, kNormal);
+  ShadingRows other(SeenFromBehind(material_), kFullWave, kNormal, kNormal);
   std::vector<Vec> a(kFullWave), b(kFullWave);
   std::vector<bool> through(kFullWave);
   for (std::uint32_t i = 0; i < kFullWave; ++i) {

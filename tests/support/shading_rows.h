@@ -23,6 +23,14 @@ struct MaterialCase {
   double turn = 0;    // from the frame's first axis to the tangent [rad]
 };
 
+// Returns the case of the other side of the surface. The frames of a normal and of its opposite
+// share the first axis, and the tangent stays where it is.
+inline MaterialCase SeenFromBehind(MaterialCase material) {
+  material.back = !material.back;
+  material.turn = -material.turn;
+  return material;
+}
+
 inline MaterialRecord Conductor(float alpha, const float (&eta)[3], const float (&k)[3]) {
   MaterialRecord record = {.color = {1, 1, 1}, .alpha = alpha, .ior = 1};
   for (int c = 0; c < 3; ++c) {
