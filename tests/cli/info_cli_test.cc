@@ -95,9 +95,8 @@ TEST_F(Info, ListsCamerasAndAnimations) {
 TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
   const Result pbrt = Run("info light.pbrt --json i.json");
   EXPECT_EQ(pbrt.exit_code, 0) << pbrt.err;
-  for (const char* const part :
-       {"left-handed", "orthographic", "3 lights", "1 2 3", "triangle", "shines with 1 1 1",
-        "light.pbrt:4: LightSource \"laser\""}) {
+  for (const char* const part : {"left-handed", "orthographic", "3 lights", "1 2 3", "triangle",
+                                 "shines with 1 1 1", "light.pbrt:4: LightSource \"laser\""}) {
     EXPECT_TRUE(Contains(pbrt.out, part)) << part << " in\n" << pbrt.out;
   }
   const auto json = nlohmann::json::parse(Bytes("i.json"));
