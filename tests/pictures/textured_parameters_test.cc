@@ -1,5 +1,6 @@
 // Parameters of pbrt's materials that have an image: an image of one value is that value, and an
 // image of two halves is each of them on its side.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
