@@ -73,8 +73,11 @@ in_root() {
     set -e
     directory=$1 count=$2
     shift 2
+    # Programs that enter a name space of their own expect a mount at their "/".
+    mount --bind "$directory" "$directory"
     mount -t proc proc "$directory/proc"
     mount --rbind /dev "$directory/dev"
+    mount --rbind /sys "$directory/sys"
     mount --bind /etc/resolv.conf "$directory/etc/resolv.conf" 2>/dev/null || true
     for ((; count > 0; count -= 2)); do
       mkdir -p "$directory$2"

@@ -421,6 +421,8 @@ def enter_name_space():
 
 if __name__ == "__main__":
     CAN_MOUNT = enter_name_space()
+    if not CAN_MOUNT:
+        print("skipped: this container cannot mount", flush=True)
     PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
     with tempfile.TemporaryDirectory() as scratch:
         SCRATCH = pathlib.Path(scratch)
