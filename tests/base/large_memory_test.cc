@@ -46,7 +46,8 @@ TEST(LargeMemory, ALargeBlockAsksForHugePages) {
   std::string modes;
   std::getline(std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled"), modes);
   if (modes.empty()) GTEST_SKIP() << "the system has no transparent huge pages";
-  if (modes.find("[never]") != modes.npos) GTEST_SKIP() << "transparent huge pages are switched off";
+  if (modes.find("[never]") != modes.npos)
+    GTEST_SKIP() << "transparent huge pages are switched off";
   // Memory of malloc may have been advised before.
   void* const memory =
       mmap(nullptr, kMegabytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
