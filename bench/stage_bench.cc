@@ -114,8 +114,9 @@ void MoveSurfacesStage(benchmark::State& state) {
 void AddEscapedStage(benchmark::State& state, bool bounce) {
   WaveFixture& f = bounce ? BounceWave() : CameraWave();
   if (f.escaped == 0) return state.SkipWithError("no ray escapes");
-  Run(state, f.escaped,
-      [&] { AddEscaped(f.frame, f.Points(), f.worker.escaped, f.escaped, f.worker.paths); });
+  Run(state, f.escaped, [&] {
+    AddEscaped(f.frame, f.Points(), nullptr, f.worker.escaped, f.escaped, f.worker.paths);
+  });
 }
 void PrepareSurfacesKernel(benchmark::State& state) {
   static WaveFixture f;  // a separate fixture because the kernel works in place

@@ -39,7 +39,7 @@ void AddEscapedRadiance(const EscapeColumns& rows, std::uint32_t n, const MisPol
       const VF p = hn::Mul(pdf, Set(mis.bsdf_samples)), p2 = hn::Mul(p, p);
       weight = hn::Div(p2, hn::Add(p2, hn::Mul(light, light)));
     }
-    weight = IfThen(hn::Eq(pdf, zero), one, weight);
+    weight = IfThen(hn::Le(pdf, zero), one, weight);  // there is no density
     const V3 light = Mul(Load3(rows.throughput_r + i, rows.throughput_g + i, rows.throughput_b + i),
                          Load3(rows.radiance_r + i, rows.radiance_g + i, rows.radiance_b + i));
     AddToPaths(Scale(light, weight), rows.path + i, std::min(lanes, n - i), paths);

@@ -106,12 +106,15 @@ struct HitColumns {
   }
 };
 
+// EscapeColumns::pdf of a ray without a density that sees the texels of the map all the same.
+inline constexpr float kSeesTexels = -1;
+
 // One row is one ray that met light: it left the scene or hit an emitter. Partition writes it, and
 // the environment strategy writes radiance and light_pdf; or the kernel of local lights writes all.
 struct EscapeColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit length
   float *throughput_r, *throughput_g, *throughput_b;
-  float* pdf;                                   // as in RayColumns
+  float* pdf;                                   // as in RayColumns, or kSeesTexels
   std::uint32_t* path;                          // row in PathColumns
   std::uint32_t* from;                          // row in SurfaceColumns of the bounce before
   float *radiance_r, *radiance_g, *radiance_b;  // the light that the ray sees

@@ -45,6 +45,8 @@ class Geometry {
   NormalMapView normal_maps() const;
   const TriangleUvs* uvs() const { return tables_.textures.uvs.data(); }  // by record, where kept
   BsdfSet bsdfs() const { return tables_.bsdfs; }
+  // Whether there are mirrors or clear glass.
+  bool has_deltas() const { return (tables_.bsdfs >> kFirstDeltaBsdf) != 0; }
   // Three per triangle record, for TintByVertices; null: no mesh has colours.
   const std::uint32_t* vertex_colors() const {
     return tables_.vertex_colors.empty() ? nullptr : tables_.vertex_colors.data();

@@ -9,6 +9,7 @@ Worker::Worker(std::uint32_t wave)
       escaped(wave),
       surfaces(wave),
       lights(wave),
+      history(wave),
       scratch(wave) {}
 
 Worker::~Worker() = default;

@@ -36,9 +36,12 @@ struct LightPathTables {
 // So many queries are searched for at a time.
 inline constexpr std::uint32_t kLookupBlock = 16;
 
-// One row = one light path.
+// Bits of HistoryColumns::met.
+inline constexpr std::uint32_t kMetDense = 1, kMetDelta = 2;
+
+// One row = one path of the wave.
 struct HistoryColumns {
-  std::uint32_t* met;  // the kinds of surfaces that it has met (StorePhotons)
+  std::uint32_t* met;  // the kinds of BSDFs that it has met, where somebody asks (RememberSurfaces)
 
   template <class Self, class F>
   static constexpr void ForEachColumn(Self& self, F f) {
@@ -49,14 +52,12 @@ struct HistoryColumns {
 // Photons need these tables; other integrators have none.
 struct PhotonTables {
   PhotonTables(std::uint32_t wave, std::uint32_t neighbors)
-      : history(wave),
-        rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
+      : rays{soa::Table<RayColumns>(wave), soa::Table<RayColumns>(wave)},
         surfaces(wave),
         found(kLookupBlock * NearestRoom(neighbors)),
         repeated(NearestRoom(neighbors)),
         lights(NearestRoom(neighbors)),
         values(NearestRoom(neighbors)) {}
-  soa::Table<HistoryColumns> history;
   // The final gather has rays of its own, and surfaces that they have left or meet.
   soa::Table<RayColumns> rays[2];
   soa::Table<SurfaceColumns> surfaces;
@@ -133,6 +134,7 @@ struct Worker {
   soa::Table<SurfaceColumns> surfaces;
   SurfaceRanges ranges;  // rows of each BSDF in `surfaces`
   soa::Table<LightColumns> lights;
+  soa::Table<HistoryColumns> history;
   Scratch scratch;
   RenderStats stats;
 
@@ -168,7 +170,8 @@ std::unique_ptr<Worker> MakeWorker(const RenderOptions& options);
 inline constexpr std::size_t kWorkerBytesPerRow =
     soa::BytesPerRow<PathColumns>() + 2 * soa::BytesPerRow<RayColumns>() +
     soa::BytesPerRow<HitColumns>() + soa::BytesPerRow<EscapeColumns>() +
-    soa::BytesPerRow<SurfaceColumns>() + soa::BytesPerRow<LightColumns>() + Scratch::kBytesPerRow;
+    soa::BytesPerRow<SurfaceColumns>() + soa::BytesPerRow<LightColumns>() +
+    soa::BytesPerRow<HistoryColumns>() + Scratch::kBytesPerRow;
 // A wave of 1024 rows must stay within 3/4 of a second-level cache of 512 KiB.
 static_assert(kWorkerBytesPerRow * 1024 <= 384 * 1024);
 

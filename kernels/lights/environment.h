@@ -80,7 +80,8 @@ void SampleTexels(const EnvironmentView& map, const InversionView& inversion,
 
 // Fills radiance and light_pdf of rows [0, n). Rows with pdf == 0 (seen by the camera, directly or
 // through mirrors and glass) see the map interpolated between texel centres; the others see the
-// texels that the light samples see, which multiple importance sampling needs.
+// texels that the light samples and light paths see, which all techniques for a path have to agree
+// about.
 void EvaluateEscaped(const EnvironmentView& map, const TexelDensity& density, std::uint32_t n,
                      float samples, const EscapeColumns& rows);
 

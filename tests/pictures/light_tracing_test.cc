@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "scene/shapes/mesh.h"
+#include "tests/support/light_test_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/statistics.h"
@@ -159,6 +160,24 @@ TEST(LightTracing, IsPathTracingUnderGlass) {
   scene.materials[1].bsdf = BsdfKind::kRoughDielectric;
   scene.materials[1].alpha = 0.2f;
   ExpectSame(scene, request);
+}
+
+// Light paths start in texels of the map, so camera paths that reach it over mirrors and glass have
+// to see texels, too. All the light of the floor comes through panes.
+TEST(LightTracing, IsPathTracingUnderACoarseMapBehindGlass) {
+  Scene scene;
+  Place(scene, Quad(1), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
+  const std::uint32_t pane = AddGlass(scene, 1.5f);
+  scene.materials[pane].bsdf = BsdfKind::kThinDielectric;
+  Place(scene, Facetted(RoundedBox(glm::vec3(1.2f), 1e-3f, 1)), pane, glm::vec3(0));
+  SetLight(scene, test::NoiseMap(6, 3, 7));
+  scene.camera = LookAtCamera({0, 0.9f, 0.2f}, {0, 0, 0}, {0, 1, 0}, 50, false);
+  const JobRequest request = Request(6, 96);
+  JobRequest split = request;
+  split.options.split = 4;
+  const PictureEstimate light = Estimate(scene, request, Integrator::kLight);
+  EXPECT_TRUE(SamePicture(light, Estimate(scene, request, Integrator::kPath), kLevel));
+  EXPECT_TRUE(SamePicture(light, Estimate(scene, split, Integrator::kPath), kLevel));
 }
 
 // The floor's shading normals lean by 20 degrees, and a ball hangs above it, low enough that no

@@ -4,6 +4,7 @@
 // branch (split.cc).
 #include "wavefront/integrators/path.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -15,8 +16,13 @@ namespace skywave {
 std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::uint32_t n,
                           std::uint32_t bounce, Worker& w, Film* film, StageClock& clock) {
   soa::Table<RayColumns>*rays = &w.rays[0], *next = &w.rays[1];
-  const Departure own = FromOwnSurfaces(frame, w);
+  Departure own = FromOwnSurfaces(frame, w);
   const Departure* from = &first;
+  if (frame.geometry->has_deltas()) {
+    // Paths that do not begin at the camera begin at surfaces with a density.
+    std::fill_n(w.history->met, w.history.rows(), bounce == 0 ? 0 : kMetDense);
+    own.met = w.history->met;
+  }
   const std::uint32_t paths = n;
   for (; n > 0; ++bounce, from = &own) {
     if (bounce == frame.options.max_depth) {
@@ -24,6 +30,7 @@ std::uint32_t FollowPaths(const FrameView& frame, const Departure& first, std::u
       break;
     }
     IntersectSurfaces(frame, *rays, n, bounce, /*only_delta=*/false, *from, w, clock);
+    if (own.met != nullptr) RememberSurfaces(w);
     if (film != nullptr) KeepAovs(frame, bounce, paths, w, *film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const bool last = bounce + 1 == frame.options.max_depth;

@@ -60,7 +60,7 @@ void Check(const RenderOptions& options) {
 }
 
 void CheckScene(const RenderOptions& options, const Geometry& geometry, const SceneSphere&) {
-  if (options.photons.indirect == 0 && !HasCaustics(geometry)) {
+  if (options.photons.indirect == 0 && !geometry.has_deltas()) {
     throw OptionError("photons", "0",
                       "without mirrors and glass there are no caustics, so `integrator photon` "
                       "would store nothing; for direct light alone use `integrator direct`");
@@ -79,7 +79,7 @@ class FirstRadii {
   FirstRadii(const RenderOptions& options, const Geometry& geometry, float largest)
       : largest_(largest),
         passes_(PhotonPasses(options)),
-        missing_caustic_(options.photons.caustic > 0 && HasCaustics(geometry)),
+        missing_caustic_(options.photons.caustic > 0 && geometry.has_deltas()),
         missing_indirect_(options.photons.indirect > 0) {}
 
   // Returns the maps of `pass`, traced by `trace`, with their radii.

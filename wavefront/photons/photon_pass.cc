@@ -20,7 +20,7 @@ namespace {
 void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t count,
                      const WantedPhotons& wanted, Worker& w, PhotonLists& lists) {
   StageClock clock(w.stats);
-  std::fill_n(w.photon->history->met, count, 0u);
+  std::fill_n(w.history->met, count, 0u);
   // Paths that can only make caustics end at the first surface with a density.
   const std::uint32_t first_kind = wanted.indirect ? 0 : kFirstDeltaBsdf;
   FollowLightPaths(frame, first, count, first_kind, frame.options.max_depth, w, clock,
@@ -39,8 +39,6 @@ float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
 }
 
 }  // namespace
-
-bool HasCaustics(const Geometry& geometry) { return (geometry.bsdfs() >> kFirstDeltaBsdf) != 0; }
 
 void PhotonCounts::Add(const PhotonMaps& maps, double pass_seconds) {
   caustic += maps.caustic.size(), indirect += maps.indirect.size();
@@ -82,7 +80,7 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPo
   const std::uint64_t first = photons.progressive() ? std::uint64_t(pass.samples.first) << 32 : 0;
   // A photon that is not direct light at the visible surface has hit another one before.
   const bool any = max_depth >= 2;
-  PhotonCollector caustic(any && HasCaustics(*frame.geometry) ? photons.caustic : 0, max_depth,
+  PhotonCollector caustic(any && frame.geometry->has_deltas() ? photons.caustic : 0, max_depth,
                           false);
   PhotonCollector indirect(any ? photons.indirect : 0, max_depth, false);
   const auto trace = [&](const FrameView& view, std::uint64_t number, std::uint32_t count,

@@ -12,9 +12,6 @@
 
 namespace skywave {
 
-// True if there are mirrors or glass that light may come from.
-bool HasCaustics(const Geometry& geometry);
-
 // A pass of a picture has photons of its own.
 struct PhotonPass {
   SampleRange samples;

@@ -54,6 +54,13 @@ Departure FromOwnSurfaces(const FrameView& frame, const Worker& w) {
   return {.frame = frame, .points = Points(frame, w), .paths = w.paths};
 }
 
+void RememberSurfaces(const Worker& w) {
+  const std::uint32_t* const path = w.surfaces->path;
+  const std::uint32_t dense = w.ranges.light_sampled(), total = w.ranges.total();
+  for (std::uint32_t row = 0; row < dense; ++row) w.history->met[path[row]] |= kMetDense;
+  for (std::uint32_t row = dense; row < total; ++row) w.history->met[path[row]] |= kMetDelta;
+}
+
 void StartGroups(const FrameView& frame, std::uint32_t n, Film& film, Worker& w) {
   if (frame.light_groups == nullptr) return;
   w.groups->film = &film;
@@ -89,7 +96,7 @@ std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const R
 // emitters.
 void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                std::uint32_t escaped, const Departure& from, Worker& w) {
-  AddEscaped(from.frame, from.points, w.escaped, escaped, from.paths);
+  AddEscaped(from.frame, from.points, from.met, w.escaped, escaped, from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
   AddEmitted(from.frame, rays, w.hits, n, EmitterHits(w.escaped), from.paths);

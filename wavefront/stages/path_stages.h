@@ -45,11 +45,17 @@ struct Departure {
   const FrameView& frame;
   ShadePoints points;
   PathColumns paths;
+  // The kinds of BSDFs that each path has met (HistoryColumns); null: none with a density before
+  // the last one.
+  const std::uint32_t* met = nullptr;
 };
 
 // Returns the departure from the surfaces of the worker itself, of any bounce: its tables stay
 // where they are.
 Departure FromOwnSurfaces(const FrameView& frame, const Worker& w);
+
+// Adds the kinds of the surfaces at hand to what their paths have met.
+void RememberSurfaces(const Worker& w);
 
 // Traces rays [0, n), adds what the escaped ones see, and makes surfaces to shade of the hits.
 // `only_delta` is that of SortHits. Without `from` rays come from the surfaces of the worker

@@ -11,9 +11,6 @@
 namespace skywave {
 namespace {
 
-// Bits of HistoryColumns::met.
-constexpr std::uint32_t kScatteredDense = 1, kScatteredDelta = 2;
-
 void Append(const Photon& photon, std::uint32_t path, PhotonList& list) {
   list.photons.push_back(photon);
   list.path.push_back(path);
@@ -97,17 +94,14 @@ void PhotonList::SortByPath(std::uint32_t paths) {
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock) {
   const SurfaceColumns& s = w.surfaces;
-  std::uint32_t* const met = w.photon->history->met;
-  const std::uint32_t dense = w.ranges.light_sampled(), total = w.ranges.total();
-  for (std::uint32_t row = 0; row < dense; ++row) {
-    std::uint32_t& before = met[s.path[row]];
-    const bool caustic = before == kScatteredDelta;
-    const bool indirect = (before & kScatteredDense) != 0 || wanted.all_light;
+  for (std::uint32_t row = 0; row < w.ranges.light_sampled(); ++row) {
+    const std::uint32_t before = w.history->met[s.path[row]];
+    const bool caustic = before == kMetDelta;
+    const bool indirect = (before & kMetDense) != 0 || wanted.all_light;
     if (caustic && wanted.caustic) Append(PhotonAt(s, row, depth), s.path[row], lists.caustic);
     if (indirect && wanted.indirect) Append(PhotonAt(s, row, depth), s.path[row], lists.indirect);
-    before |= kScatteredDense;
   }
-  for (std::uint32_t row = dense; row < total; ++row) met[s.path[row]] |= kScatteredDelta;
+  RememberSurfaces(w);
   clock.Lap(Stage::kPhotons);
 }
 

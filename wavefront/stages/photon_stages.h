@@ -34,7 +34,7 @@ struct WantedPhotons {
 Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t depth);
 
 // Stores photons at the surfaces of bounce `depth` of light paths that have a density, in the lists
-// that want them, and keeps in w.photon->history what kinds of surfaces each path has met.
+// that want them, and remembers the surfaces.
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 

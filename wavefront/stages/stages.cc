@@ -167,9 +167,15 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
   });
 }
 
-void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
-                std::uint32_t n, const PathColumns& paths) {
+void AddEscaped(const FrameView& frame, const ShadePoints& from, const std::uint32_t* met,
+                const EscapeColumns& escaped, std::uint32_t n, const PathColumns& paths) {
   if (n == 0 || !frame.has_environment()) return;
+  if (met != nullptr) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const bool sees_texels = (met[escaped.path[i]] & kMetDense) != 0;
+      if (escaped.pdf[i] == 0 && sees_texels) escaped.pdf[i] = kSeesTexels;
+    }
+  }
   const float samples = frame.light_shares().strategy_samples(frame.light_samples());
   frame.strategy->EvaluateEscaped(from, n, samples, escaped);
   AddEscapedRadiance(escaped, n, frame.mis(), paths);

@@ -67,9 +67,11 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
                      const SurfaceColumns& surfaces);
 
 // Adds the map's radiance along escaped rays to their paths. The strategy may ask for the surfaces
-// of the bounce before, `from`.
-void AddEscaped(const FrameView& frame, const ShadePoints& from, const EscapeColumns& escaped,
-                std::uint32_t n, const PathColumns& paths);
+// of the bounce before, `from`. Rays without a density see the map interpolated, unless their path
+// has met a BSDF with a density (`met`, see Departure): light paths that come the other way see
+// texels.
+void AddEscaped(const FrameView& frame, const ShadePoints& from, const std::uint32_t* met,
+                const EscapeColumns& escaped, std::uint32_t n, const PathColumns& paths);
 
 // Adds the radiance of rays that hit emitters to their paths.
 void AddEmitted(const FrameView& frame, const RayColumns& rays, const HitColumns& hits,
