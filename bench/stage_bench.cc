@@ -141,8 +141,8 @@ void SampleLightsStage(benchmark::State& state, const std::string& strategy, boo
   const LightUniforms uniforms(w.scratch);
   const LightPlaces places(w.hits);
   Run(state, f.ranges.light_sampled(), [&] {
-    SampleLights(f.frame, f.Points(), shares, 0, fixed ? 0 : plan.fixed, uniforms, w.scratch,
-                 w.lights, places);
+    SampleLights(f.frame, f.Points(), shares, SamplePair(0, SampleUse::kLight),
+                 fixed ? 0 : plan.fixed, uniforms, w.scratch, w.lights, places);
   });
 }
 void EvaluateLightsStage(benchmark::State& state) {

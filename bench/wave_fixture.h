@@ -90,9 +90,9 @@ struct WaveFixture {
 
   // Draws and evaluates light sample `index` of the plan; returns the distances of the lights.
   LightReach SampleAndEvaluate(std::uint32_t index) {
-    LightReach reach =
-        SampleLights(frame, Points(), shares(), 0, index, LightUniforms(worker.scratch),
-                     worker.scratch, worker.lights, LightPlaces(worker.hits));
+    LightReach reach = SampleLights(frame, Points(), shares(), SamplePair(0, SampleUse::kLight),
+                                    index, LightUniforms(worker.scratch), worker.scratch,
+                                    worker.lights, LightPlaces(worker.hits));
     EvaluateLights(frame, worker.surfaces, ranges, reach, index, worker.lights);
     return reach;
   }

@@ -325,6 +325,55 @@ Scene Room() {
   return scene;
 }
 
+// Returns a slot that is ten times as deep as wide, under a constant sky, and a camera that looks
+// at one of its walls from the other.
+Scene Slot(float y) {
+  Scene scene;
+  const std::uint32_t wall = AddLambert(scene, "wall", glm::vec3(0.9f));
+  Mesh slot = Facetted(RoundedBox({0.05f, 0.5f, 0.5f}, 1e-3f, 1));
+  FlipOrientation(slot);
+  std::erase_if(slot.triangles, [&](const glm::uvec3& t) {
+    return slot.positions[t.x].y > 0.49f && slot.positions[t.y].y > 0.49f &&
+           slot.positions[t.z].y > 0.49f;
+  });
+  Place(scene, slot, wall, {0, -0.5f, 0});
+  SetConstantLight(scene, 1);
+  scene.camera = LookAtCamera({0.04f, y, 0}, {-0.05f, y, 0}, {0, 1, 0}, 40, false);
+  return scene;
+}
+
+double PhotonsOverPaths(const Scene& scene, const JobRequest& request) {
+  const Image reference = PathTraced(scene, request, 2048);
+  return MeanOf(Render(RenderJob(scene, request)))[0] / MeanOf(reference)[0];
+}
+
+// Light falls off fast, and disks are nearly as large as the slot is deep, so rays of a gather that
+// looked photons up at the other wall would be off by 16 and 13 %. What is left is the blur of
+// longer rays.
+TEST(Photon, ShortRaysOfAGatherGoOn) {
+  JobRequest request = Request(8, 8, 256, 6);
+  request.options.photons.indirect = 20000;
+  request.options.photons.neighbors = 10000;
+  request.options.photons.distance = 0.4f;
+  for (const float y : {-0.15f, -0.3f}) {
+    EXPECT_NEAR(PhotonsOverPaths(Slot(y), request), 1, 0.04) << y;
+  }
+}
+
+// Below a pane all light that the walls get from the sky is a caustic, and without those of nearby
+// walls more than a quarter would be missing.
+TEST(Photon, ShortRaysOfAGatherSeeCaustics) {
+  Scene scene = Slot(-0.3f);
+  const std::uint32_t pane = AddGlass(scene, 1.5f);
+  scene.materials[pane].bsdf = BsdfKind::kThinDielectric;
+  Place(scene, Quad(1), pane, glm::vec3(0));
+  JobRequest request = Request(8, 8, 256, 6);
+  request.options.photons.indirect = 20000;
+  request.options.photons.caustic = 200000;
+  request.options.photons.neighbors = 1000;
+  EXPECT_NEAR(PhotonsOverPaths(scene, request), 1, 0.1);
+}
+
 // With smaller disks and more photons, both bias and noise decrease.
 TEST(Photon, DifferenceFromPathTracingFallsWithPhotons) {
   const Scene scene = Room();

@@ -37,11 +37,11 @@ void RenderPhotonWave(const FrameView& frame, const WaveRange& range, Worker& w,
     KeepAovs(frame, bounce, range.count, w, film, clock);
     LightSurfaces(frame, bounce, w, clock);
     const std::uint32_t left = frame.options.max_depth - bounce;
-    AddPhotons(frame, frame.photons->caustic, left, 1, w, clock);
+    AddPhotons(frame, frame.photons->caustic, left, w, clock);
     if (frame.options.photons.gather > 0) {
       GatherPhotons(frame, bounce, w, clock);
     } else {
-      AddPhotons(frame, frame.photons->indirect, left, 1, w, clock);
+      AddPhotons(frame, frame.photons->indirect, left, w, clock);
     }
     n = ScatterSurfaces(frame, kCameraEnd, frame.first_bsdf_that_sees_light(), bounce, *next, w,
                         clock);
@@ -95,6 +95,7 @@ class FirstRadii {
     if (!maps) maps = trace(pass);
     maps->caustic.radius = caustic_ * pass.shrink;
     maps->indirect.radius = indirect_ * pass.shrink;
+    maps->indirect.near = std::min(maps->indirect.near, maps->indirect.radius);
     return std::move(*maps);
   }
 

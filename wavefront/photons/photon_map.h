@@ -67,6 +67,7 @@ class PhotonMap {
   float TypicalDistance(std::uint32_t neighbors) const;
 
   float radius = 0;  // largest distance of a lookup
+  float near = 0;    // the radius of a usual lookup, at most `radius`
 
  private:
   PointTree tree_;

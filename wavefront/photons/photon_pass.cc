@@ -30,12 +30,14 @@ void TracePhotonWave(const FrameView& frame, std::uint64_t first, std::uint32_t 
   clock.Lap(Stage::kPhotons);
 }
 
-// Returns the largest distance of a lookup: the user's, or one by the map. A search for the nearest
+// Chooses the largest distance of a lookup: the user's, or one by the map. A search for the nearest
 // ends by itself where there are photons, so this is for the places where there are few.
-float ChooseRadius(const PhotonMap& map, const PhotonOptions& options) {
+void ChooseRadius(const PhotonOptions& options, PhotonMap& map) {
   constexpr float kSearch = 3;
-  if (options.distance > 0) return options.distance;
-  return map.TypicalDistance(options.neighbors) * (options.progressive() ? 1 : kSearch);
+  const float usual = map.TypicalDistance(options.neighbors);
+  const float largest = options.progressive() ? usual : kSearch * usual;
+  map.radius = options.distance > 0 ? options.distance : largest;
+  map.near = options.progressive() ? map.radius : std::min(usual, map.radius);
 }
 
 }  // namespace
@@ -95,7 +97,7 @@ PhotonMaps TracePhotons(const FrameView& frame, const PhotonPass& pass, WorkerPo
   PhotonMaps maps;
   const auto build = [&photons](PhotonCollector& collected, PhotonMap& map) {
     map = PhotonMap(collected.photons(), collected.light_paths());
-    map.radius = ChooseRadius(map, photons);
+    ChooseRadius(photons, map);
     collected = {};
   };
   tbb::parallel_invoke([&] { build(caustic, maps.caustic); },

@@ -141,8 +141,9 @@ void ConnectLights(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   const LightShares shares = frame.light_shares();
   const LightUniforms uniforms(w.scratch);
   const LightPlaces places(w.hits);
-  const LightReach reach = SampleLights(frame, Points(frame, w), shares, bounce, /*index=*/0,
-                                        uniforms, w.scratch, w.lights, places);
+  const LightReach reach =
+      SampleLights(frame, Points(frame, w), shares, SamplePair(bounce, SampleUse::kLight),
+                   /*index=*/0, uniforms, w.scratch, w.lights, places);
   CheckLightSamples(w.lights, n);
   const LightColumns& lights = w.lights;
   EnvironmentArrivals(frame.sphere, GuideOf(frame),

@@ -92,19 +92,22 @@ std::uint32_t MoveSeeing(const FrameView& frame, const RayColumns& rays, const R
   return escaped;
 }
 
-// Adds what rays [0, n) that have been traced see of the environment, `escaped` of them, and of
-// emitters.
-void SeeLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
-               std::uint32_t escaped, const Departure& from, Worker& w) {
+}  // namespace
+
+void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
+               std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, const Departure& from,
+               Worker& w, StageClock& clock) {
+  escaped = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
+  clock.Lap(Stage::kPartition);
+  // This comes before the surfaces that the rays left are overwritten: strategies may ask for them.
   AddEscaped(from.frame, from.points, from.met, w.escaped, escaped, from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { std::fill_n(group, n, kEnvironmentGroup); });
   AddEmitted(from.frame, rays, w.hits, n, EmitterHits(w.escaped), from.paths);
   KeepGroups(frame, rays.path, n, w,
              [&](std::uint32_t* group) { GroupsOfHits(frame, w.hits, n, group); });
+  clock.Lap(Stage::kEscape);
 }
-
-}  // namespace
 
 ControlRows ControlsOf(const FrameView& frame, const Worker& w) {
   if (!w.control) return {};
@@ -133,7 +136,7 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
 }
 
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                 std::uint32_t n, SortedHits sorted, Worker& w, StageClock& clock) {
+                 std::uint32_t n, const SortedHits& sorted, Worker& w, StageClock& clock) {
   w.ranges = sorted.ranges;
   MoveSurfaces(*frame.geometry, rays, w.hits, sorted.queues, n, w.ranges, w.surfaces);
   CountMeeting(n, sorted.escaped, w.ranges, w.stats.lanes);
@@ -148,6 +151,12 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   clock.Lap(Stage::kSurface);
 }
 
+void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                 std::uint32_t n, SortedHits&& sorted, Worker& w, StageClock& clock) {
+  const SortedHits ending = std::move(sorted);
+  PrepareHits(frame, end, rays, n, ending, w, clock);
+}
+
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   IntersectSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
@@ -157,11 +166,7 @@ void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint
                        std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                        StageClock& clock) {
   SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
-  const std::uint32_t seeing = MoveSeeing(frame, rays, sorted.queues, n, sorted.escaped, bounce, w);
-  clock.Lap(Stage::kPartition);
-  // This comes before the surfaces that the rays left are overwritten: strategies may ask for them.
-  SeeLights(frame, rays, n, seeing, from, w);
-  clock.Lap(Stage::kEscape);
+  SeeLights(frame, rays, sorted.queues, n, sorted.escaped, bounce, from, w, clock);
   PrepareHits(frame, kCameraEnd, rays, n, std::move(sorted), w, clock);
 }
 
@@ -184,11 +189,8 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
   clock.Lap(Stage::kIntersect, KindOf(bounce));
   const RayQueues queues(w.scratch);
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, queues->queue);
-  const std::uint32_t seeing = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
   CountMeeting(n, escaped, {}, w.stats.lanes);
-  clock.Lap(Stage::kPartition);
-  SeeLights(frame, rays, n, seeing, from, w);
-  clock.Lap(Stage::kEscape);
+  SeeLights(frame, rays, queues, n, escaped, bounce, from, w, clock);
 }
 
 void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock) {
@@ -202,7 +204,8 @@ void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageCl
   CountLighting(w.ranges, open, CountOpen(w.lights, n), w.stats.lanes);
 }
 
-void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock) {
+void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock,
+                   std::uint32_t pairs) {
   const ShadePoints points = Points(frame, w);
   const std::uint32_t n = w.ranges.light_sampled();
   if (n == 0) return;
@@ -213,13 +216,14 @@ void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     const LightUniforms uniforms(w.scratch);
     const LightPlaces places(w.hits);
     const LightReach reach =
-        SampleLights(frame, points, shares, bounce, index, uniforms, w.scratch, w.lights, places);
+        SampleLights(frame, points, shares, pairs + SamplePair(bounce, SampleUse::kLight), index,
+                     uniforms, w.scratch, w.lights, places);
     CheckLightSamples(w.lights, n);
     clock.Lap(Stage::kLightSample);
     EvaluateLights(frame, w.surfaces, w.ranges, reach, index, w.lights, ControlsOf(frame, w),
                    guide);
     // The first light sample has one of the bounce's numbers, later ones are numbered behind.
-    const std::uint32_t event = SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
+    const std::uint32_t event = pairs + SamplePair(bounce, SampleUse::kLight) + kPairBlock * index;
     const RayKeys keys = MakeRayKeys(frame, w.paths, w.surfaces->path, n, event, w.scratch);
     if (reach.limited() && frame.local_lights.has_alpha) {
       CloseTransparentSamples(frame, places, keys, n, w.lights->t_far);

@@ -35,9 +35,12 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
                         std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
                         StageClock& clock);
 
-// Makes surfaces to shade of the hits of rays [0, n). Their queues end with that.
+// Makes surfaces to shade of the hits of rays [0, n) that are in the queues of BSDFs. Queues that
+// are moved here end with that.
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                 std::uint32_t n, SortedHits sorted, Worker& w, StageClock& clock);
+                 std::uint32_t n, const SortedHits& sorted, Worker& w, StageClock& clock);
+void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                 std::uint32_t n, SortedHits&& sorted, Worker& w, StageClock& clock);
 
 // Tells where rays come from: the surfaces that they have left, and the frame that plans the light
 // samples of those, which compete with what the rays see. `paths` takes what they see.
@@ -73,13 +76,21 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                      std::uint32_t bounce, const Departure& from, Worker& w, StageClock& clock);
 
+// Adds what the first n of rays that have been traced and sorted see of emitters and, `escaped` of
+// them, of the environment.
+void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& queues,
+               std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, const Departure& from,
+               Worker& w, StageClock& clock);
+
 // Traces the shadow rays of w.lights, one a surface that takes light samples, as TraceShadows does,
 // and counts them. Time on the clock before this call was that of evaluation.
 void TraceLights(const FrameView& frame, const RayKeys& keys, Worker& w, StageClock& clock);
 
 // Draws, evaluates, traces and adds the light samples of every surface, one after the other.
-// Directional lights come light by light, so that a stream of shadow rays has one direction.
-void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
+// Directional lights come light by light, so that a stream of shadow rays has one direction. The
+// pairs of dimensions begin at `pairs`.
+void LightSurfaces(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock,
+                   std::uint32_t pairs = kCameraEnd.pairs);
 
 // Scatters the surfaces at hand of BSDFs [first_kind, kBsdfKinds); returns how many rays go on.
 std::uint32_t ScatterSurfaces(const FrameView& frame, const PathEnd& end, std::uint32_t first_kind,

@@ -38,15 +38,18 @@ Photon PhotonAt(const SurfaceColumns& surfaces, std::uint32_t row, std::uint32_t
 void StorePhotons(const WantedPhotons& wanted, std::uint32_t depth, Worker& w, PhotonLists& lists,
                   StageClock& clock);
 
-// Adds `scale` times the radiance that the surfaces at hand reflect of photons to their paths: of
-// those that have met at most `max_depth` surfaces, theirs included. Photons are divided by the
-// area of the part of their disk that is surface, which rays measure where photons leave a doubt.
-void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, float scale,
-                Worker& w, StageClock& clock);
+// Adds the radiance that the surfaces at hand reflect of photons to their paths: of those that have
+// met at most `max_depth` surfaces, theirs included. Photons are divided by the area of the part of
+// their disk that is surface, which rays measure where photons leave a doubt.
+void AddPhotons(const FrameView& frame, const PhotonMap& map, std::uint32_t max_depth, Worker& w,
+                StageClock& clock);
 
 // Gathers (final gather, Jensen 1996): traces rays from every surface at hand that has a density,
-// over mirrors and glass to the next that has one, and adds what those reflect of photons. Rays of
-// a surface are stratified. The surfaces at hand are those of `bounce`.
+// over mirrors and glass to the next that has one, and adds what those reflect of photons. A lookup
+// blurs light by its disk, which is seen at a large angle from close by. So surfaces that a ray
+// finds nearer than that (PhotonMap::near) are lit as the first one is, by light samples and
+// caustics, and gather by a ray themselves (Jensen 2001). Rays of a surface are stratified. The
+// surfaces at hand are those of `bounce`.
 void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, StageClock& clock);
 
 }  // namespace skywave

@@ -200,13 +200,13 @@ void SampleStrategy(const EnvStrategy& strategy, const ShadePoints& points,
 }
 
 LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
-                        const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                        const LightShares& shares, std::uint32_t pair, std::uint32_t index,
                         const LightUniforms& uniforms, const Scratch& scratch,
                         const LightColumns& lights, const LightPlaces& places) {
   const std::uint32_t n = points.ranges.light_sampled();
   const LightCall call = {.index = index,
                           .requested = frame.light_samples(),
-                          .pair = SamplePair(bounce, SampleUse::kLight),
+                          .pair = pair,
                           .share = shares.of_strategy};
 #ifdef SKYWAVE_SLOWDOWN
   // scripts/gate_selftest.sh has that many percent of the rows sampled for nothing, by other random

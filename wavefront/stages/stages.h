@@ -85,10 +85,10 @@ void SampleStrategy(const EnvStrategy& strategy, const ShadePoints& points,
                     const LightCall& call, const Scratch& scratch, const LightColumns& lights);
 
 // Draws light sample `index` of the plan for every surface that takes light samples, of which there
-// is at least one, and returns how far their light is. Where samples are on triangles is written to
-// `places` if rays may pass through some of those that shine.
+// is at least one, by pair `pair` of dimensions, and returns how far their light is. Where samples
+// are on triangles is written to `places` if rays may pass through some of those that shine.
 LightReach SampleLights(const FrameView& frame, const ShadePoints& points,
-                        const LightShares& shares, std::uint32_t bounce, std::uint32_t index,
+                        const LightShares& shares, std::uint32_t pair, std::uint32_t index,
                         const LightUniforms& uniforms, const Scratch& scratch,
                         const LightColumns& lights, const LightPlaces& places);
 
