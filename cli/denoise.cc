@@ -1,5 +1,4 @@
 // Implements skywave denoise: a clean picture from the layers of a noisy one.
-#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "base/granted.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
+#include "cli/print.h"
 #include "denoise/denoise.h"
 #include "job/exposure.h"
 #include "job/picture.h"
@@ -68,9 +68,9 @@ int DenoiseMain(const DenoiseFlags& flags) {
   WriteExrAndPng(flags.output, picture);
   if (!flags.quiet) {
     for (const std::string& note : picture.notes) {
-      fmt::print(stderr, "note: {}\n", SpellFlags(note));
+      Print(stderr, "note: {}\n", SpellFlags(note));
     }
-    fmt::print("wrote {} and {}\n", flags.output, PngBeside(flags.output));
+    Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
   }
   return 0;
 }

@@ -13,6 +13,7 @@
 #include "base/version.h"
 #include "cli/commands.h"
 #include "cli/contact_sheet.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "job/job.h"
 #include "job/map_sequence.h"
@@ -148,8 +149,8 @@ int PathsMain(PathsFlags& flags) {
   WriteExr(flags.output, whole, metadata, layers, {},
            [&] { WritePng(png, sheet.width, sheet.height, sheet.rgb); });
   if (!flags.progress.quiet) {
-    fmt::print("wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
-               flags.output, pictures.size() / 2, png);
+    Print(stdout, "wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
+          flags.output, pictures.size() / 2, png);
   }
   return 0;
 }

@@ -1,12 +1,11 @@
 // Implements skywave converge: light strategies and integrators by their error at equal time.
-#include <fmt/format.h>
-
 #include <memory>
 #include <optional>
 
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/converge/report.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
@@ -73,10 +72,10 @@ int ConvergeMain(const ConvergeFlags& flags) {
   display.reset();
   WriteOutputs(flags, report);
   for (const std::string& warning : report.warnings) {
-    fmt::print(stderr, "warning: {}\n", warning);
+    Print(stderr, "warning: {}\n", warning);
   }
-  fmt::print("{}\n{}\n{}\n{}", Introduction(report), Text(BudgetTable(report)), TargetText(report),
-             Text(TargetTable(report)));
+  Print(stdout, "{}\n{}\n{}\n{}", Introduction(report), Text(BudgetTable(report)),
+        TargetText(report), Text(TargetTable(report)));
   return 0;
 }
 

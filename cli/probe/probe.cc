@@ -1,10 +1,9 @@
 // Implements skywave probe: analyses illumination maps, converts them and turns them into lights.
-#include <fmt/format.h>
-
 #include <numbers>
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
@@ -39,8 +38,8 @@ void CheckOutputs(std::initializer_list<std::string> outputs, const MapFlags& ma
 ProbeMap ReadProbe(const MapFlags& flags) {
   ProbeMap map = MakeProbeMap(ReadImage(flags.path, flags.limits), flags.path, flags.projection);
   if (map.bad.total() > 0) {
-    fmt::print(stderr, "note: {}: {} NaN, {} infinite and {} negative pixels set to 0\n",
-               flags.path, map.bad.nan, map.bad.infinite, map.bad.negative);
+    Print(stderr, "note: {}: {} NaN, {} infinite and {} negative pixels set to 0\n", flags.path,
+          map.bad.nan, map.bad.infinite, map.bad.negative);
   }
   return map;
 }
