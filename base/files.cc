@@ -16,6 +16,7 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "base/error.h"
 #include "base/large_memory.h"
@@ -274,11 +275,14 @@ std::size_t RemoveLeftovers(std::span<const std::string> targets) {
   }
   std::size_t removed = 0;
   for (const auto& [folder, files] : names) {
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-      if (!files.contains(TargetOfTemporary(entry.path().filename().string()))) continue;
-      const FileLock lock(entry.path().string(), O_RDWR | O_CLOEXEC, LOCK_NB);
-      if (lock.is_named() && std::filesystem::remove(entry.path(), ignored)) ++removed;
+    // A folder that cannot be read to its end keeps what was not seen.
+    std::error_code unread, ignored;
+    for (std::filesystem::directory_iterator entry(folder, unread), end; !unread && entry != end;
+         entry.increment(unread)) {
+      const std::filesystem::path& path = entry->path();
+      if (!files.contains(TargetOfTemporary(path.filename().string()))) continue;
+      const FileLock lock(path.string(), O_RDWR | O_CLOEXEC, LOCK_NB);
+      if (lock.is_named() && std::filesystem::remove(path, ignored)) ++removed;
     }
   }
   return removed;
@@ -300,7 +304,10 @@ void CheckNotInput(const std::string& output, const std::string& input) {
                    kExitUsage);
 }
 
-void CheckWritable(const std::string& path) {
+namespace {
+
+// Throws unless a file could be created at `path`; returns false if what is there is written into.
+bool CheckCreatable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;
   if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
@@ -308,7 +315,7 @@ void CheckWritable(const std::string& path) {
   }
   if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
   if (IsSpecial(path)) {
-    if (::access(path.c_str(), W_OK) == 0) return;
+    if (::access(path.c_str(), W_OK) == 0) return false;
     ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
   }
   const std::string temporary = TemporaryName(Target(path));
@@ -316,7 +323,19 @@ void CheckWritable(const std::string& path) {
   if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
   std::fclose(file);
   std::remove(temporary.c_str());
-  RemoveLeftovers({&path, 1});
+  return true;
 }
+
+}  // namespace
+
+void CheckAllWritable(std::span<const std::string> paths) {
+  std::vector<std::string> created;
+  for (const std::string& path : paths) {
+    if (!path.empty() && CheckCreatable(path)) created.push_back(path);
+  }
+  RemoveLeftovers(created);
+}
+
+void CheckWritable(const std::string& path) { CheckAllWritable({&path, 1}); }
 
 }  // namespace skywave

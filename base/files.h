@@ -57,6 +57,8 @@ void RemoveUnfinishedFiles() noexcept;
 // render, so that an unwritable output fails in the first second rather than the last. Removes what
 // killed writers of `path` have left.
 void CheckWritable(const std::string& path);
+// Does so for each of `paths` that is not empty, and reads each of their folders once.
+void CheckAllWritable(std::span<const std::string> paths);
 
 // Throws InputError (kExitUsage) if both names denote the same existing file.
 void CheckNotInput(const std::string& output, const std::string& input);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -83,11 +84,12 @@ void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
 }
 
 int CompareMain(const CompareFlags& flags) {
-  for (const std::string& path : {flags.map, flags.json}) {
+  const std::array outputs = {flags.map, flags.json};
+  for (const std::string& path : outputs) {
     if (path.empty()) continue;
     CheckNotInput(path, flags.image), CheckNotInput(path, flags.reference);
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
   const ComparedPicture a = ReadCompared(flags.image, flags.limits),
                         b = ReadCompared(flags.reference, flags.limits);
   const Image &image = a.image, &reference = b.image;

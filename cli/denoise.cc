@@ -2,6 +2,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -47,10 +48,9 @@ int DenoiseMain(const DenoiseFlags& flags) {
     throw InputError(InputPosition::File("--output " + flags.output),
                      "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
   }
-  for (const std::string& path : {flags.output, PngBeside(flags.output)}) {
-    CheckNotInput(path, flags.input);
-    CheckWritable(path);
-  }
+  const std::array outputs = {flags.output, PngBeside(flags.output)};
+  for (const std::string& path : outputs) CheckNotInput(path, flags.input);
+  CheckAllWritable(outputs);
   CheckNoisy(flags.input, flags.limits);
   const LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels(), flags.limits);
   tbb::task_arena arena(ThreadsFor(flags.threads));

@@ -1,4 +1,5 @@
 // Implements skywave merge: films of parts become a picture, or a film of a larger part.
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -29,8 +30,7 @@ int MergeMain(const MergeFlags& flags) {
   }
   const bool to_film = ending == ".film";
   for (const std::string& film : flags.request.films) CheckNotInput(flags.output, film);
-  CheckWritable(flags.output);
-  if (!to_film) CheckWritable(PngBeside(flags.output));
+  CheckAllWritable(std::array{flags.output, to_film ? std::string() : PngBeside(flags.output)});
   const MergedFilm merged = MergeFilms(flags.request);
   if (to_film) {
     WriteFilm(flags.output, merged.file, merged.film);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -104,11 +105,12 @@ int PathsMain(PathsFlags& flags) {
                      "the layers need an EXR file, whose name ends in .exr", kExitUsage);
   }
   const std::string png = std::filesystem::path(flags.output).replace_extension(".png").string();
-  for (const std::string& path : {flags.output, png}) {
+  const std::array outputs = {flags.output, png};
+  for (const std::string& path : outputs) {
     CheckNotInput(path, flags.request.scene);
     CheckNotInput(path, MapFile(flags.request));
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
   const JobRequest& request = flags.request;
   if (request.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
       request.options.subpath_lengths || !request.options.mis) {

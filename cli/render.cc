@@ -115,8 +115,8 @@ void CheckOutputs(const RenderFlags& flags) {
     }
     CheckNotInput(path, flags.request.scene);
     CheckNotInput(path, MapFile(flags.request));
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
   // Of snapshots it is known only later whether they are written.
   const std::string snapshot = SnapshotPath(flags);
   RemoveLeftovers(std::vector<std::string>{snapshot, PngBeside(snapshot)});

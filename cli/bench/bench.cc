@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <set>
@@ -212,9 +213,7 @@ int BenchScene(const BenchFlags& flags) {
 }
 
 int BenchSuite(const BenchFlags& flags) {
-  for (const std::string& path : {flags.json, flags.report}) {
-    if (!path.empty()) CheckWritable(path);
-  }
+  CheckAllWritable(std::array{flags.json, flags.report});
   std::vector<HistoryEntry> history;
   for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
 

@@ -1,6 +1,8 @@
 // Implements skywave converge: light strategies and integrators by their error at equal time.
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "base/files.h"
 #include "cli/commands.h"
@@ -23,13 +25,14 @@ struct ConvergeFlags {
 
 void CheckOutputs(const ConvergeFlags& flags) {
   CheckSavedReference(flags.request);
-  for (const std::string& path : {flags.json, flags.plot, flags.html}) {
+  const std::vector<std::string> outputs = {flags.json, flags.plot, flags.html};
+  for (const std::string& path : outputs) {
     if (path.empty()) continue;
     CheckNotInput(path, flags.request.job.scene);
     CheckNotInput(path, MapFile(flags.request.job));
     CheckNotInput(path, flags.request.reference);
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
 }
 
 #define FIELD SKYWAVE_FIELD

@@ -52,12 +52,13 @@ void CheckFiles(const ConvertFlags& flags) {
     const auto six = CubeFacePaths(path);
     return std::vector<std::string>(six.begin(), six.end());
   };
-  for (const std::string& output : names(flags.output, flags.faces_out)) {
+  const std::vector<std::string> outputs = names(flags.output, flags.faces_out);
+  for (const std::string& output : outputs) {
     for (const std::string& input : names(flags.map.path, flags.faces_in)) {
       CheckNotInput(output, input);
     }
-    CheckWritable(output);
   }
+  CheckAllWritable(outputs);
 }
 
 int ConvertMain(ConvertFlags& flags) {

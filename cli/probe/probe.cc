@@ -27,12 +27,11 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   AddOptions(command, options, flags);
 }
 
-void CheckOutputs(std::initializer_list<std::string> outputs, const MapFlags& map) {
+void CheckOutputs(const std::vector<std::string>& outputs, const MapFlags& map) {
   for (const std::string& output : outputs) {
-    if (output.empty()) continue;
-    CheckNotInput(output, map.path);
-    CheckWritable(output);
+    if (!output.empty()) CheckNotInput(output, map.path);
   }
+  CheckAllWritable(outputs);
 }
 
 ProbeMap ReadProbe(const MapFlags& flags) {

@@ -88,6 +88,17 @@ TEST(Leftovers, AreRemovedWhereItIsCheckedWhetherTheTargetCanBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(other));
 }
 
+TEST(Leftovers, AreRemovedOfAllOutputsThatAreCheckedTogether) {
+  const TemporaryFolder folder;
+  folder.Write("a.exr.77.part", "left over"), folder.Write("a.png.77.part", "left over");
+  const std::vector<std::string> outputs = {folder.Path("a.exr"), "", folder.Path("a.png"),
+                                            "/dev/null"};
+  CheckAllWritable(outputs);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path(".")));
+  const std::vector<std::string> bad = {folder.Path("a.exr"), folder.Path("none/a.png")};
+  EXPECT_THROW(CheckAllWritable(bad), InputError);
+}
+
 TEST(Unfinished, FilesAreRemovedByAHandlerOfSignals) {
   const TemporaryFolder folder;
   const std::string target = folder.Write("a.exr", "the old one");
