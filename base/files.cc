@@ -99,12 +99,18 @@ class FileLock {
   bool locked_ = false, is_named_ = false;
 };
 
+// RemoveUnfinishedFiles sets this: a temporary file that is made now would be left behind.
+std::atomic<bool> process_ends = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "handlers of signals may set this");
+
 // Makes a temporary file and locks it. RemoveLeftovers of another process may remove it before it
 // is locked; then it is made again. Not every file system has locks or tells files apart, so the
-// last attempt has to do. A file that cannot be made is reported by its writer.
+// last attempt has to do. A file that cannot be made is reported by its writer. Throws if the
+// process is about to end, whose handler may have looked for the file before it was there.
 std::unique_ptr<FileLock> MakeLocked(const std::string& temporary) {
   for (int attempts = 10;; --attempts) {
     auto lock = std::make_unique<FileLock>(temporary, O_RDWR | O_CREAT | O_CLOEXEC, 0);
+    if (process_ends) throw std::runtime_error("the process is about to end");
     if (lock->is_named() || !lock->locked() || attempts == 1) return lock;
   }
 }
@@ -290,6 +296,7 @@ std::size_t RemoveLeftovers(std::span<const std::string> targets) {
 
 void RemoveUnfinishedFiles() noexcept {
   const int error = errno;
+  process_ends = true;
   for (auto& place : unfinished_files) {
     const UnfinishedFile* const file = place.exchange(nullptr);
     if (file != nullptr && file->writer == ::getpid()) ::unlink(file->name.c_str());

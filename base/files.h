@@ -50,7 +50,8 @@ void SyncFolderOf(const std::string& path);
 std::size_t RemoveLeftovers(std::span<const std::string> targets);
 
 // Removes the temporary files that this process is writing at the moment. A handler of a signal may
-// call it, right before the process ends: what is being written fails.
+// call it, right before the process ends: from then on what is being written fails, and so does
+// what would be.
 void RemoveUnfinishedFiles() noexcept;
 
 // Throws InputError (kExitIo) unless a file could be created at `path`. It is called before a long
