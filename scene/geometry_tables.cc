@@ -310,7 +310,7 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
 bool IsVaried(const Material& material) {
   return material.metal_of_color || material.second_color_texture ||
          (material.roughness_texture &&
-          (BsdfOf(material).varying == Varying::kAlpha || BsdfOf(material).tables.anisotropic));
+          (BsdfOf(material).varying == Varying::kAlpha || BsdfOf(material).across));
 }
 
 // Adds the records of materials and the tables that their BSDFs read. Materials with equal coats,

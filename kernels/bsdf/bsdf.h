@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -150,6 +151,8 @@ struct BsdfTraits {
   bool refracts = false;   // and enters another medium: the value has the squared index ratio
   // With alpha_across its facets have two widths, and a surface needs a tangent.
   bool two_widths = false;
+  // The field that has the width across the tangent, of facets whose two widths an image may vary.
+  std::optional<MaterialField> across = {};
   bool inside = false;  // light goes through the material itself, which may absorb it
   BsdfTables tables = {};
   MaterialParameter parameters[8] = {};  // behind the last one they have no name (ParametersOf)

@@ -252,6 +252,7 @@ inline constexpr BsdfTraits RoughDielectricTraits = {
     .transmits = true,
     .refracts = true,
     .two_widths = true,
+    .across = MaterialField::kDielectricAcross,
     .inside = true,
     .tables = {.dielectric = true},
     .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}},
