@@ -33,6 +33,29 @@ struct TangentTurn {
   VF cosine, sine;
 };
 
+// Returns the FacetTurn of surfaces, for the side from which they are seen.
+HWY_INLINE FacetTurn FacetTurnOf(const SurfaceColumns& s, std::uint32_t i) {
+  FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
+  turn.sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
+  return turn;
+}
+
+// The place of a value between two entries of a table.
+struct TablePlace {
+  VU low;
+  VF share;  // of the next one
+};
+HWY_INLINE TablePlace PlaceOf(VF from_0_to_1, std::uint32_t count) {
+  const VF at = hn::Mul(from_0_to_1, Set(float(count - 1)));
+  const VU low = hn::Min(ToUnsigned(at), SetU(count - 2));
+  return {low, hn::Sub(at, ToFloat(low))};
+}
+// Returns the azimuth of w in the tangent frame as tables have it: |y| / (|x| + |y|).
+HWY_INLINE VF AzimuthShare(const V3& w) {
+  const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
+  return hn::Min(hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f))), Set(1.0f));
+}
+
 // Returns the sum of the squared slopes of unit h, each over its width.
 HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
   const VF sx = hn::Div(h.x, x), sy = hn::Div(h.y, y);
@@ -131,15 +154,6 @@ struct Beckmann {
 
 // One vector of widths of GGX facets and their places in AnisotropicTables.
 struct AnisotropicAlbedo {
-  struct Place {
-    VU low;
-    VF share;  // of the next one
-  };
-  static HWY_INLINE Place PlaceOf(VF from_0_to_1, std::uint32_t count) {
-    const VF at = hn::Mul(from_0_to_1, Set(float(count - 1)));
-    const VU low = hn::Min(ToUnsigned(at), SetU(count - 2));
-    return {low, hn::Sub(at, ToFloat(low))};
-  }
   static HWY_INLINE VF Between(VF low, VF high, VF share) {
     return hn::Add(low, hn::Mul(share, hn::Sub(high, low)));
   }
@@ -161,10 +175,8 @@ struct AnisotropicAlbedo {
   }
   // Returns the albedo of single scattering of light from w, in the tangent frame.
   HWY_INLINE VF Of(const V3& w) const {
-    const Place cosine = PlaceOf(hn::Sqrt(Clamp(w.z, 0.0f, 1.0f)), kTabledCosines);
-    const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
-    const VF y_share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
-    const Place azimuth = PlaceOf(hn::Min(y_share, Set(1.0f)), kTabledAzimuths);
+    const TablePlace cosine = PlaceOf(hn::Sqrt(Clamp(w.z, 0.0f, 1.0f)), kTabledCosines);
+    const TablePlace azimuth = PlaceOf(AzimuthShare(w), kTabledAzimuths);
     const VU within = hn::Add(hn::Mul(cosine.low, SetU(kTabledAzimuths)), azimuth.low);
     const float* const words = &tables->albedo[0][0][0][0];
     const auto around = [&](VU at) HWY_ATTR {
@@ -181,7 +193,7 @@ struct AnisotropicAlbedo {
   }
 
   const AnisotropicTables* tables;
-  Place along, across;
+  TablePlace along, across;
 };
 
 // A conductor of such facets: height-correlated Smith masking, Fresnel of a complex index, visible
@@ -215,11 +227,10 @@ struct MicrofacetConductor {
         hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kRoughnessTexture));
     const MF lanes = hn::RebindMask(F(), hn::Ne(texture, hn::Zero(U())));
     if (hn::AllFalse(F(), lanes)) return;
-    const FacetTurn packed = UnpackFacetTurn(Load(s.varying_1 + i));
-    const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(packed.sine), packed.sine);
-    turn = {IfThen(lanes, packed.cosine, turn.cosine), IfThen(lanes, sine, turn.sine)};
+    const FacetTurn varied = FacetTurnOf(s, i);
+    turn = {IfThen(lanes, varied.cosine, turn.cosine), IfThen(lanes, varied.sine, turn.sine)};
     facets.x = IfThen(lanes, Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f), facets.x);
-    facets.y = IfThen(lanes, Clamp(packed.across, 1e-3f, 1.0f), facets.y);
+    facets.y = IfThen(lanes, Clamp(varied.across, 1e-3f, 1.0f), facets.y);
     albedo = AnisotropicAlbedo(m.anisotropic, facets.x, facets.y);
   }
 

@@ -23,11 +23,6 @@ namespace HWY_NAMESPACE {
 // The lobes of the light that scatters more than once, for one vector of surfaces. Lanes whose
 // material leaves them out (kDielectricTable is 0) lose nothing.
 struct InterfaceLosses {
-  struct Row {
-    VU low;
-    VF share;  // of the next one
-  };
-
   HWY_INLINE InterfaceLosses(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
       : words(reinterpret_cast<const float*>(m.dielectrics)) {
     // Rows behind the end have another material.
@@ -39,7 +34,7 @@ struct InterfaceLosses {
   }
 
   // Reads a value of a row, linearly between rows.
-  HWY_INLINE VF Between(const Row& at, VU word) const {
+  HWY_INLINE VF Between(const TablePlace& at, VU word) const {
     const VU row = hn::Add(first, hn::Mul(at.low, SetU(kDielectricRowWords)));
     const VU low = hn::IfThenElseZero(hn::RebindMask(U(), lanes), hn::Add(row, word));
     const VF above = Gather(words, low);
@@ -47,7 +42,7 @@ struct InterfaceLosses {
     return hn::Add(above, hn::Mul(at.share, hn::Sub(below, above)));
   }
   // Returns the share that light from a direction on that side loses.
-  HWY_INLINE VF Lost(const Row& row, VF cosine, MF inside) const {
+  HWY_INLINE VF Lost(const TablePlace& row, VF cosine, MF inside) const {
     const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
     const VU column = ToUnsigned(at);
     const VF share = hn::Sub(at, ToFloat(column));
@@ -82,13 +77,13 @@ struct RoughDielectric {
     if (losses.any) MakeLobes(SeenFromBehind(s, i));
   }
   HWY_INLINE void SplitWidths(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
-    const FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
+    const FacetTurn turn = FacetTurnOf(s, i);
     two_widths = hn::And(hn::RebindMask(F(), RowsBelow(i, n)), hn::Gt(turn.across, hn::Zero(F())));
     any_two_widths = !hn::AllFalse(F(), two_widths);
     if (!any_two_widths) return;
-    const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
     facets = {ggx.alpha, Clamp(turn.across, 1e-3f, 1.0f)};
-    tangent = {IfThen(two_widths, turn.cosine, Set(1.0f)), hn::IfThenElseZero(two_widths, sine)};
+    tangent = {IfThen(two_widths, turn.cosine, Set(1.0f)),
+               hn::IfThenElseZero(two_widths, turn.sine)};
   }
 
   HWY_INLINE V3 ToTangent(const V3& w) const { return any_two_widths ? tangent.To(w) : w; }
@@ -107,14 +102,11 @@ struct RoughDielectric {
   }
   // Returns what light from w loses, in the tangent frame.
   HWY_INLINE VF Lost(const V3& w, MF on_inside) const {
-    InterfaceLosses::Row row = {ggx.table_row, ggx.row_share};
+    TablePlace row = {ggx.table_row, ggx.row_share};
     if (any_two_widths) {  // The rows of their tables are azimuths.
-      const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
-      const VF share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
-      const VF at = hn::Mul(Clamp(share, 0.0f, 1.0f), Set(float(kAlbedoRows - 1)));
-      const VU low = hn::Min(ToUnsigned(at), SetU(kAlbedoRows - 1));
-      row.low = hn::IfThenElse(hn::RebindMask(U(), two_widths), low, row.low);
-      row.share = IfThen(two_widths, hn::Sub(at, ToFloat(low)), row.share);
+      const TablePlace azimuth = PlaceOf(AzimuthShare(w), kAlbedoRows);
+      row.low = hn::IfThenElse(hn::RebindMask(U(), two_widths), azimuth.low, row.low);
+      row.share = IfThen(two_widths, azimuth.share, row.share);
     }
     return losses.Lost(row, hn::Abs(w.z), on_inside);
   }
