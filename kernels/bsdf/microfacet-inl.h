@@ -240,9 +240,11 @@ struct MicrofacetConductor {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
-    return InTangentFrame(turn.To(wo), turn.To(wi));
+    const V3 eye = turn.To(wo);
+    return InTangentFrame(eye, turn.To(wi), LostFrom(eye));
   }
-  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
+  // Takes what light from wo loses too, which a draw has looked up already.
+  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi, VF lost_o) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
@@ -253,7 +255,6 @@ struct MicrofacetConductor {
     const VF visible = hn::Div(lobe, hn::Add(one, lambda_o));
     if constexpr (Facets::kCompensated) {
       if (any_compensated) {
-        const VF lost_o = Lost(wo);
         const VF multiple = hn::Mul(hn::Mul(lost_o, Lost(wi)), wi.z);
         const V3 again = Scale(multiscatter, multiple);
         const VF diffuse = hn::Mul(wi.z, Set(kInvPi));
@@ -267,15 +268,22 @@ struct MicrofacetConductor {
   HWY_INLINE VF Lost(const V3& w) const {
     return hn::IfThenElseZero(compensated, hn::Sub(Set(1.0f), albedo.Of(w)));
   }
+  HWY_INLINE VF LostFrom(const V3& wo) const {
+    if constexpr (Facets::kCompensated) {
+      if (any_compensated) return Lost(wo);
+    }
+    return hn::Zero(F());
+  }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
     const V3 eye = turn.To(wo);
     const V3 h = facets.VisibleNormal(eye, u, v);
     V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), Dot(eye, h))), eye);
+    const VF lost = LostFrom(eye);
     if constexpr (Facets::kCompensated) {
-      if (any_compensated) wi = IfThen(hn::Lt(lobe, Lost(eye)), CosineHemisphere(u, v), wi);
+      if (any_compensated) wi = IfThen(hn::Lt(lobe, lost), CosineHemisphere(u, v), wi);
     }
-    return SampleOf(turn.From(wi), InTangentFrame(eye, wi));
+    return SampleOf(turn.From(wi), InTangentFrame(eye, wi, lost));
   }
 
   VU fields;

@@ -129,11 +129,10 @@ struct RoughDielectric {
     back_again = hn::Div(hn::Mul(Set(kInvPi), hn::Sub(one, through_share)), own);
   }
   // Adds the lobes of light that scatters more than once to the value of single scattering.
-  HWY_INLINE BsdfValue WithLobes(const V3& wo, const V3& wi, const BsdfValue& single) const {
+  HWY_INLINE BsdfValue WithLobes(VF lost_o, const V3& wi, const BsdfValue& single) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     const MF above = hn::Gt(wi.z, zero);
     const VF cosine = hn::Abs(wi.z);
-    const VF lost_o = Lost(wo, inside);
     const VF lost_i = Lost(wi, hn::Xor(inside, hn::Not(above)));
     const VF lobe = IfThen(above, back_again, hn::Mul(through, hn::Mul(ratio, ratio)));
     const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), hn::Mul(lobe, cosine));
@@ -144,11 +143,16 @@ struct RoughDielectric {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
-    return InTangentFrame(ToTangent(wo), ToTangent(wi));
+    const V3 eye = ToTangent(wo);
+    return InTangentFrame(eye, ToTangent(wi), LostFrom(eye));
   }
-  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
+  // Takes what light from wo loses too, which a draw has looked up already.
+  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi, VF lost_o) const {
     const BsdfValue single = Single(wo, wi);
-    return losses.any ? WithLobes(wo, wi, single) : single;
+    return losses.any ? WithLobes(lost_o, wi, single) : single;
+  }
+  HWY_INLINE VF LostFrom(const V3& wo) const {
+    return losses.any ? Lost(wo, inside) : hn::Zero(F());
   }
   HWY_INLINE BsdfValue Single(const V3& wo, const V3& wi) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
@@ -185,8 +189,8 @@ struct RoughDielectric {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     MF again = hn::Lt(one, zero);
     V3 diffuse = {zero, zero, one};
+    const VF lost = LostFrom(wo);
     if (losses.any) {
-      const VF lost = Lost(wo, inside);
       again = hn::Lt(lobe, lost);
       diffuse = CosineHemisphere(u, v);
       const MF passes = hn::Lt(lobe, hn::Mul(lost, through_share));
@@ -202,7 +206,7 @@ struct RoughDielectric {
         Sub(Scale(h, hn::Sub(hn::Mul(ratio, cosine), refraction.cosine)), Scale(wo, ratio)));
     const MF reflects = hn::Lt(lobe, refraction.reflectance);
     const V3 wi = IfThen(again, diffuse, IfThen(reflects, reflected, refracted));
-    BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi));
+    BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi, lost));
     if (any_two_widths) sample.wi = tangent.From(wi);
     // A reflection below the surface, or a refraction above it, meets the facets again: the lobes
     // return it.
