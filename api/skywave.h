@@ -253,7 +253,8 @@ class SKYWAVE_API Renderer {
   // Writes 8-bit sRGB, exposed and tone-mapped as the options say.
   void WritePng(const std::string& path) const;
   // Writes the EXR `path` and the PNG of that name. If either cannot be written, both remain what
-  // they were.
+  // they were; only where the folder lets the PNG be replaced but not the EXR (which is immutable,
+  // say, or another's in a sticky folder), the new PNG is beside the old EXR.
   void WriteExrAndPng(const std::string& path) const;
   // Returns the bytes that WritePng writes.
   std::string EncodePng() const;

@@ -16,6 +16,7 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "base/error.h"
 #include "base/large_memory.h"
@@ -98,12 +99,18 @@ class FileLock {
   bool locked_ = false, is_named_ = false;
 };
 
+// RemoveUnfinishedFiles sets this: a temporary file that is made now would be left behind.
+std::atomic<bool> process_ends = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "handlers of signals may set this");
+
 // Makes a temporary file and locks it. RemoveLeftovers of another process may remove it before it
 // is locked; then it is made again. Not every file system has locks or tells files apart, so the
-// last attempt has to do. A file that cannot be made is reported by its writer.
+// last attempt has to do. A file that cannot be made is reported by its writer. Throws if the
+// process is about to end, whose handler may have looked for the file before it was there.
 std::unique_ptr<FileLock> MakeLocked(const std::string& temporary) {
   for (int attempts = 10;; --attempts) {
     auto lock = std::make_unique<FileLock>(temporary, O_RDWR | O_CREAT | O_CLOEXEC, 0);
+    if (process_ends) throw std::runtime_error("the process is about to end");
     if (lock->is_named() || !lock->locked() || attempts == 1) return lock;
   }
 }
@@ -274,11 +281,14 @@ std::size_t RemoveLeftovers(std::span<const std::string> targets) {
   }
   std::size_t removed = 0;
   for (const auto& [folder, files] : names) {
-    std::error_code ignored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-      if (!files.contains(TargetOfTemporary(entry.path().filename().string()))) continue;
-      const FileLock lock(entry.path().string(), O_RDWR | O_CLOEXEC, LOCK_NB);
-      if (lock.is_named() && std::filesystem::remove(entry.path(), ignored)) ++removed;
+    // A folder that cannot be read to its end keeps what was not seen.
+    std::error_code unread, ignored;
+    for (std::filesystem::directory_iterator entry(folder, unread), end; !unread && entry != end;
+         entry.increment(unread)) {
+      const std::filesystem::path& path = entry->path();
+      if (!files.contains(TargetOfTemporary(path.filename().string()))) continue;
+      const FileLock lock(path.string(), O_RDWR | O_CLOEXEC, LOCK_NB);
+      if (lock.is_named() && std::filesystem::remove(path, ignored)) ++removed;
     }
   }
   return removed;
@@ -286,6 +296,7 @@ std::size_t RemoveLeftovers(std::span<const std::string> targets) {
 
 void RemoveUnfinishedFiles() noexcept {
   const int error = errno;
+  process_ends = true;
   for (auto& place : unfinished_files) {
     const UnfinishedFile* const file = place.exchange(nullptr);
     if (file != nullptr && file->writer == ::getpid()) ::unlink(file->name.c_str());
@@ -300,7 +311,10 @@ void CheckNotInput(const std::string& output, const std::string& input) {
                    kExitUsage);
 }
 
-void CheckWritable(const std::string& path) {
+namespace {
+
+// Throws unless a file could be created at `path`; returns false if what is there is written into.
+bool CheckCreatable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   std::error_code ignored;
   if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
@@ -308,7 +322,7 @@ void CheckWritable(const std::string& path) {
   }
   if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
   if (IsSpecial(path)) {
-    if (::access(path.c_str(), W_OK) == 0) return;
+    if (::access(path.c_str(), W_OK) == 0) return false;
     ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
   }
   const std::string temporary = TemporaryName(Target(path));
@@ -316,7 +330,19 @@ void CheckWritable(const std::string& path) {
   if (!file) ThrowIo(path, std::string("cannot be written: ") + std::strerror(errno));
   std::fclose(file);
   std::remove(temporary.c_str());
-  RemoveLeftovers({&path, 1});
+  return true;
 }
+
+}  // namespace
+
+void CheckAllWritable(std::span<const std::string> paths) {
+  std::vector<std::string> created;
+  for (const std::string& path : paths) {
+    if (!path.empty() && CheckCreatable(path)) created.push_back(path);
+  }
+  RemoveLeftovers(created);
+}
+
+void CheckWritable(const std::string& path) { CheckAllWritable({&path, 1}); }
 
 }  // namespace skywave

@@ -19,8 +19,10 @@ std::string ReadFile(const std::string& path, std::size_t max_bytes = std::size_
 // or the rename fails, the temporary file is removed, `path` remains unchanged, and an InputError
 // (kExitIo) gives the reason. Links are followed; a target that is not a regular file (a pipe, a
 // terminal) is written into. `before_rename` is called when the temporary file is on disk and
-// counts as a part of the writing: a second file that it writes is replaced together with `path`,
-// or neither is.
+// counts as a part of the writing: if it throws, `path` remains unchanged. A second file that it
+// writes is replaced just before `path`. Only the last rename can fail then, where `path` is a
+// mount point, immutable, or another's in a sticky folder: it is the old one beside the new second
+// file.
 void WriteFileAtomically(const std::string& path,
                          const std::function<void(const std::string& temporary_path)>& write,
                          const std::function<void()>& before_rename = {});
@@ -48,13 +50,16 @@ void SyncFolderOf(const std::string& path);
 std::size_t RemoveLeftovers(std::span<const std::string> targets);
 
 // Removes the temporary files that this process is writing at the moment. A handler of a signal may
-// call it, right before the process ends: what is being written fails.
+// call it, right before the process ends: from then on what is being written fails, and so does
+// what would be.
 void RemoveUnfinishedFiles() noexcept;
 
 // Throws InputError (kExitIo) unless a file could be created at `path`. It is called before a long
 // render, so that an unwritable output fails in the first second rather than the last. Removes what
 // killed writers of `path` have left.
 void CheckWritable(const std::string& path);
+// Does so for each of `paths` that is not empty, and reads each of their folders once.
+void CheckAllWritable(std::span<const std::string> paths);
 
 // Throws InputError (kExitUsage) if both names denote the same existing file.
 void CheckNotInput(const std::string& output, const std::string& input);

@@ -19,6 +19,7 @@
 #include "batch/save.h"
 #include "batch/slurm.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/text_table.h"
@@ -150,10 +151,9 @@ int RenderBatch(const BatchFlags& flags, const BatchPlan& plan) {
   for (std::size_t i = 0; i < plan.pictures.size(); ++i) {
     const PictureResult& result = summary.results[i];
     if (result.status != PictureStatus::kFailed) continue;
-    std::fprintf(stderr, "skywave: %s: %s\n", plan.pictures[i].output.c_str(),
-                 result.error.c_str());
+    Print(stderr, "skywave: {}: {}\n", plan.pictures[i].output, result.error);
   }
-  if (!summary.stopped.empty()) std::fprintf(stderr, "skywave: %s\n", summary.stopped.c_str());
+  if (!summary.stopped.empty()) Print(stderr, "skywave: {}\n", summary.stopped);
   return summary.exit_code;
 }
 
@@ -169,8 +169,8 @@ int WriteSlurmScripts(const BatchFlags& flags, const BatchPlan& plan) {
                                  std::filesystem::perm_options::add, error);
   }
   if (!flags.progress.quiet) {
-    fmt::print("wrote scripts for {} pictures; submit them with {}/submit.sh\n",
-               plan.pictures.size(), slurm.folder);
+    Print(stdout, "wrote scripts for {} pictures; submit them with {}/submit.sh\n",
+          plan.pictures.size(), slurm.folder);
   }
   return 0;
 }
@@ -178,26 +178,26 @@ int WriteSlurmScripts(const BatchFlags& flags, const BatchPlan& plan) {
 int BatchMain(const BatchFlags& flags) {
   const BatchPlan plan = ShareOf(ReadBatchPlan(flags.job_file, flags.output_folder), flags.only);
   if (plan.pictures.empty()) {
-    fmt::print("share {} of {} has none of the {} pictures\n", flags.only.number, flags.only.count,
-               plan.all_pictures);
+    Print(stdout, "share {} of {} has none of the {} pictures\n", flags.only.number,
+          flags.only.count, plan.all_pictures);
     return 0;
   }
   if (flags.list) {
-    fmt::print("{}", flags.json ? ListJson(plan).dump(2) + "\n" : Text(PictureTable(plan)));
+    Print(stdout, "{}", flags.json ? ListJson(plan).dump(2) + "\n" : Text(PictureTable(plan)));
     return 0;
   }
   if (flags.dry_run) {
     const DryRun checked = CheckWithoutRendering(plan);
-    fmt::print("{}{} pictures, {:.4g} Msamples, of {} scenes and {} maps: all can be rendered\n",
-               flags.progress.quiet ? "" : Text(PictureTable(plan)), plan.pictures.size(),
-               double(checked.samples) * 1e-6, checked.scenes, checked.maps);
+    Print(stdout, "{}{} pictures, {:.4g} Msamples, of {} scenes and {} maps: all can be rendered\n",
+          flags.progress.quiet ? "" : Text(PictureTable(plan)), plan.pictures.size(),
+          double(checked.samples) * 1e-6, checked.scenes, checked.maps);
     return 0;
   }
   if (!flags.slurm.empty()) return WriteSlurmScripts(flags, plan);
   try {
     return RenderBatch(flags, plan);
   } catch (const RenderCanceled&) {
-    fmt::print(stderr, "stopped; the same command goes on from here\n");
+    Print(stderr, "stopped; the same command goes on from here\n");
     return kExitTryAgain;
   }
 }

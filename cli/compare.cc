@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "image/compare.h"
 #include "image/flip.h"
 #include "measure/json_reports.h"
@@ -62,31 +64,32 @@ ComparedPicture ReadCompared(const std::string& path, const ReadLimits& limits) 
 
 void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
                 const ComparedPicture& reference) {
-  fmt::print("noise by the layer variance, or error where it was denoised, of {}\n",
-             image.noise && reference.noise ? "both pictures"
-             : image.noise                  ? "the image; the reference is taken to be exact"
-                                            : "the reference; the image is taken to be exact");
+  Print(stdout, "noise by the layer variance, or error where it was denoised, of {}\n",
+        image.noise && reference.noise ? "both pictures"
+        : image.noise                  ? "the image; the reference is taken to be exact"
+                                       : "the reference; the image is taken to be exact");
   const char* const kNames[] = {"red", "green", "blue"};
   for (int i = 0; i < 3; ++i) {
-    fmt::print("  {:<16}{:.4g}", fmt::format("mean {}", kNames[i]), c.mean_difference[i]);
+    Print(stdout, "  {:<16}{:.4g}", fmt::format("mean {}", kNames[i]), c.mean_difference[i]);
     // Errors of neighbours are alike where a denoiser has averaged them, and add up as nobody
     // knows.
-    if (!image.denoised && !reference.denoised) fmt::print(" +- {:.2g}", c.half_width[i]);
-    fmt::print("\n");
+    if (!image.denoised && !reference.denoised) Print(stdout, " +- {:.2g}", c.half_width[i]);
+    Print(stdout, "\n");
   }
-  fmt::print("  {:<16}{:.2f} % of {} values; at most 5 % if noise is all\n", "outside of 95 %",
-             100 * c.exceeding, c.values);
-  fmt::print("  {:<16}{:.4g}; at most 1 if noise is all\n", "mean z^2", c.mean_squared_z);
-  fmt::print("  {:<16}{} values, of which {} differ\n", "no variance", c.exact_values,
-             c.exact_that_differ);
+  Print(stdout, "  {:<16}{:.2f} % of {} values; at most 5 % if noise is all\n", "outside of 95 %",
+        100 * c.exceeding, c.values);
+  Print(stdout, "  {:<16}{:.4g}; at most 1 if noise is all\n", "mean z^2", c.mean_squared_z);
+  Print(stdout, "  {:<16}{} values, of which {} differ\n", "no variance", c.exact_values,
+        c.exact_that_differ);
 }
 
 int CompareMain(const CompareFlags& flags) {
-  for (const std::string& path : {flags.map, flags.json}) {
+  const std::array outputs = {flags.map, flags.json};
+  for (const std::string& path : outputs) {
     if (path.empty()) continue;
     CheckNotInput(path, flags.image), CheckNotInput(path, flags.reference);
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
   const ComparedPicture a = ReadCompared(flags.image, flags.limits),
                         b = ReadCompared(flags.reference, flags.limits);
   const Image &image = a.image, &reference = b.image;
@@ -95,11 +98,11 @@ int CompareMain(const CompareFlags& flags) {
       (a.of_screen || b.of_screen ? LdrFlip : HdrFlip)(image, reference, flags.pixels_per_degree);
   nlohmann::ordered_json json = Json(d, flip);
   for (const auto& [name, value] : json.items()) {
-    if (value.is_number_float()) fmt::print("{:<18}{:.8g}\n", name, value.get<double>());
+    if (value.is_number_float()) Print(stdout, "{:<18}{:.8g}\n", name, value.get<double>());
   }
-  fmt::print("{:<18}{}, {}\n", "max_at", d.max_x, d.max_y);
-  fmt::print("{:<18}{} of {}\n", "different_pixels", d.different_pixels,
-             std::size_t(image.width) * image.height);
+  Print(stdout, "{:<18}{}, {}\n", "max_at", d.max_x, d.max_y);
+  Print(stdout, "{:<18}{} of {}\n", "different_pixels", d.different_pixels,
+        std::size_t(image.width) * image.height);
   if (a.noise || b.noise) {
     const NoiseComparison noise = CompareNoise(image, a.noise, reference, b.noise);
     json["noise"] = Json(noise);
@@ -109,15 +112,15 @@ int CompareMain(const CompareFlags& flags) {
   }
   for (const auto& [picture, path] : {std::pair(&a, flags.image), std::pair(&b, flags.reference)}) {
     if (picture->lacks_samples) {
-      fmt::print("{} has the layer variance, but not the layer samples, so it counts as exact\n",
-                 path);
+      Print(stdout, "{} has the layer variance, but not the layer samples, so it counts as exact\n",
+            path);
     }
   }
   if (!flags.map.empty()) {
     WritePng(flags.map, image.width, image.height,
              flags.measure == MapMeasure::kFlip ? FalseColors(flip.map, flags.full_scale)
                                                 : ErrorMap(image, reference, flags.full_scale));
-    fmt::print("wrote {}\n", flags.map);
+    Print(stdout, "wrote {}\n", flags.map);
   }
   if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
   return 0;

@@ -1,8 +1,8 @@
 // Implements skywave denoise: a clean picture from the layers of a noisy one.
-#include <fmt/format.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -11,6 +11,7 @@
 #include "base/granted.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
+#include "cli/print.h"
 #include "denoise/denoise.h"
 #include "job/exposure.h"
 #include "job/picture.h"
@@ -47,10 +48,9 @@ int DenoiseMain(const DenoiseFlags& flags) {
     throw InputError(InputPosition::File("--output " + flags.output),
                      "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
   }
-  for (const std::string& path : {flags.output, PngBeside(flags.output)}) {
-    CheckNotInput(path, flags.input);
-    CheckWritable(path);
-  }
+  const std::array outputs = {flags.output, PngBeside(flags.output)};
+  for (const std::string& path : outputs) CheckNotInput(path, flags.input);
+  CheckAllWritable(outputs);
   CheckNoisy(flags.input, flags.limits);
   const LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels(), flags.limits);
   tbb::task_arena arena(ThreadsFor(flags.threads));
@@ -68,9 +68,9 @@ int DenoiseMain(const DenoiseFlags& flags) {
   WriteExrAndPng(flags.output, picture);
   if (!flags.quiet) {
     for (const std::string& note : picture.notes) {
-      fmt::print(stderr, "note: {}\n", SpellFlags(note));
+      Print(stderr, "note: {}\n", SpellFlags(note));
     }
-    fmt::print("wrote {} and {}\n", flags.output, PngBeside(flags.output));
+    Print(stdout, "wrote {} and {}\n", flags.output, PngBeside(flags.output));
   }
   return 0;
 }

@@ -15,6 +15,7 @@
 #include "base/files.h"
 #include "base/version.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "job/options.h"
 #include "kernels/bsdf/bsdf.h"
 #include "kernels/bsdf/material.h"
@@ -241,11 +242,11 @@ std::string Describe(const EnvironmentLight& light) {
   return "constant radiance " + Text(light.scale);
 }
 
-void Print(const std::string& path, const SceneFile& file) {
+void PrintScene(const std::string& path, const SceneFile& file) {
   const Scene& scene = file.scene;
   const SceneSummary& summary = file.summary;
   const auto row = [](const char* name, const std::string& value) {
-    fmt::print("{:<12}{}\n", name, value);
+    Print(stdout, "{:<12}{}\n", name, value);
   };
   row("scene", path);
   row("meshes", fmt::format("{}, {} with normals, {} with texture coordinates", summary.meshes,
@@ -268,35 +269,35 @@ void Print(const std::string& path, const SceneFile& file) {
                             double(summary.mesh_bytes) / kMib, double(file.geometry_bytes) / kMib,
                             double(file.bvh_bytes) / kMib));
   row("time", fmt::format("load {:.3f} s, build {:.3f} s", file.load_seconds, file.build_seconds));
-  if (!scene.cameras.empty()) fmt::print("\n{} cameras\n", scene.cameras.size());
+  if (!scene.cameras.empty()) Print(stdout, "\n{} cameras\n", scene.cameras.size());
   for (const NamedCamera& named : scene.cameras) {
-    fmt::print("  {:<24}{}\n", named.name, Describe(named.camera));
+    Print(stdout, "  {:<24}{}\n", named.name, Describe(named.camera));
   }
-  if (!scene.animations.empty()) fmt::print("\n{} animations\n", scene.animations.size());
+  if (!scene.animations.empty()) Print(stdout, "\n{} animations\n", scene.animations.size());
   for (const AnimationInfo& animation : scene.animations) {
-    fmt::print("  {:<24}{:.6g} s, {} channels\n", animation.name, animation.seconds,
-               animation.channels);
+    Print(stdout, "  {:<24}{:.6g} s, {} channels\n", animation.name, animation.seconds,
+          animation.channels);
   }
-  fmt::print("\n{} materials\n", scene.materials.size());
+  Print(stdout, "\n{} materials\n", scene.materials.size());
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& material = scene.materials[i];
-    fmt::print("  {:<24}{:<12}{:>10}  {}{}{}\n", material.name, KindOf(material),
-               summary.triangles_of_material[i], Parameters(material), SurfaceMaps(material),
-               Emission(material));
+    Print(stdout, "  {:<24}{:<12}{:>10}  {}{}{}\n", material.name, KindOf(material),
+          summary.triangles_of_material[i], Parameters(material), SurfaceMaps(material),
+          Emission(material));
   }
   std::size_t lights = scene.environments.size();
   for (const LocalLightTotal& total : file.local_lights) lights += total.count;
-  fmt::print("\n{} lights\n", lights);
-  for (const EnvironmentLight& light : scene.environments) fmt::print("  {}\n", Describe(light));
+  Print(stdout, "\n{} lights\n", lights);
+  for (const EnvironmentLight& light : scene.environments) Print(stdout, "  {}\n", Describe(light));
   for (std::uint32_t kind = 0; kind < kLocalLightKinds; ++kind) {
     const LocalLightTotal& total = file.local_lights[kind];
     if (total.count == 0) continue;
-    fmt::print("  {:<24}{:>10}  power {:.6g}\n", ToString(LocalLightKind(kind)), total.count,
-               total.power);
+    Print(stdout, "  {:<24}{:>10}  power {:.6g}\n", ToString(LocalLightKind(kind)), total.count,
+          total.power);
   }
-  if (lights == 0) fmt::print("  give an illumination map with --env MAP\n");
-  fmt::print("\n{} remarks\n", scene.warnings.size());
-  for (const std::string& warning : scene.warnings) fmt::print("  {}\n", warning);
+  if (lights == 0) Print(stdout, "  give an illumination map with --env MAP\n");
+  Print(stdout, "\n{} remarks\n", scene.warnings.size());
+  for (const std::string& warning : scene.warnings) Print(stdout, "  {}\n", warning);
 }
 
 int InfoMain(const InfoFlags& flags) {
@@ -305,7 +306,7 @@ int InfoMain(const InfoFlags& flags) {
     CheckWritable(flags.json);
   }
   const SceneFile file = Load(flags.request.scene, flags.request.read);
-  Print(flags.request.scene, file);
+  PrintScene(flags.request.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");
   return 0;
 }

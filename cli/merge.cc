@@ -1,6 +1,5 @@
 // Implements skywave merge: films of parts become a picture, or a film of a larger part.
-#include <fmt/format.h>
-
+#include <array>
 #include <filesystem>
 #include <memory>
 
@@ -8,6 +7,7 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
+#include "cli/print.h"
 #include "job/limits.h"
 #include "job/merge_films.h"
 
@@ -30,8 +30,7 @@ int MergeMain(const MergeFlags& flags) {
   }
   const bool to_film = ending == ".film";
   for (const std::string& film : flags.request.films) CheckNotInput(flags.output, film);
-  CheckWritable(flags.output);
-  if (!to_film) CheckWritable(PngBeside(flags.output));
+  CheckAllWritable(std::array{flags.output, to_film ? std::string() : PngBeside(flags.output)});
   const MergedFilm merged = MergeFilms(flags.request);
   if (to_film) {
     WriteFilm(flags.output, merged.file, merged.film);
@@ -39,14 +38,14 @@ int MergeMain(const MergeFlags& flags) {
     Picture picture = ResolveMerged(merged);
     picture.format = flags.format;
     for (const std::string& note : picture.notes) {
-      if (!flags.quiet) fmt::print(stderr, "note: {}\n", SpellFlags(note));
+      if (!flags.quiet) Print(stderr, "note: {}\n", SpellFlags(note));
     }
     WriteExrAndPng(flags.output, picture);
   }
   if (!flags.quiet) {
-    fmt::print("merged {} film{}, {:.1f} s of rendering; wrote {}{}\n", flags.request.films.size(),
-               flags.request.films.size() == 1 ? "" : "s", merged.file.seconds, flags.output,
-               to_film ? "" : " and " + PngBeside(flags.output));
+    Print(stdout, "merged {} film{}, {:.1f} s of rendering; wrote {}{}\n",
+          flags.request.films.size(), flags.request.films.size() == 1 ? "" : "s",
+          merged.file.seconds, flags.output, to_film ? "" : " and " + PngBeside(flags.output));
   }
   return 0;
 }

@@ -7,11 +7,11 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <system_error>
 
 #include "base/error.h"
 #include "base/granted.h"
 #include "base/version.h"
+#include "cli/print.h"
 #include "measure/revision.h"
 #include "scene/embree.h"
 #include "skywave/skywave.h"
@@ -104,14 +104,14 @@ int AfterOutput(int code) {
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && !lost) return code;
   const std::string reason = flushed ? "" : std::string(": ") + std::strerror(errno);
-  fmt::print(stderr, "skywave: standard output: cannot be written{}\n", reason);
+  Print(stderr, "skywave: standard output: cannot be written{}\n", reason);
   return code == 0 ? kExitIo : code;
 }
 
 // Prints the error and returns its exit code.
 int Report(const std::exception_ptr& thrown) {
   const ErrorDescription error = DescribeError(thrown);
-  fmt::print(stderr, "skywave: {}\n", error.text);
+  Print(stderr, "skywave: {}\n", error.text);
   return error.exit_code;
 }
 
@@ -119,9 +119,6 @@ int Report(const std::exception_ptr& thrown) {
 int Run(const std::function<int()>& run) {
   try {
     return run();
-  } catch (const std::system_error&) {
-    // Printing throws it where standard output fails, and then AfterOutput tells.
-    return std::ferror(stdout) != 0 ? kExitIo : Report(std::current_exception());
   } catch (...) {
     return Report(std::current_exception());
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "base/version.h"
 #include "cli/commands.h"
 #include "cli/contact_sheet.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "job/job.h"
 #include "job/map_sequence.h"
@@ -103,11 +105,12 @@ int PathsMain(PathsFlags& flags) {
                      "the layers need an EXR file, whose name ends in .exr", kExitUsage);
   }
   const std::string png = std::filesystem::path(flags.output).replace_extension(".png").string();
-  for (const std::string& path : {flags.output, png}) {
+  const std::array outputs = {flags.output, png};
+  for (const std::string& path : outputs) {
     CheckNotInput(path, flags.request.scene);
     CheckNotInput(path, MapFile(flags.request));
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
   const JobRequest& request = flags.request;
   if (request.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
       request.options.subpath_lengths || !request.options.mis) {
@@ -148,8 +151,8 @@ int PathsMain(PathsFlags& flags) {
   WriteExr(flags.output, whole, metadata, layers, {},
            [&] { WritePng(png, sheet.width, sheet.height, sheet.rgb); });
   if (!flags.progress.quiet) {
-    fmt::print("wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
-               flags.output, pictures.size() / 2, png);
+    Print(stdout, "wrote {} ({} techniques, weighted and unweighted) and their sheet {}\n",
+          flags.output, pictures.size() / 2, png);
   }
   return 0;
 }

@@ -1,14 +1,13 @@
 #include "cli/progress.h"
 
-#include <stdio_ext.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <string>
 
 #include "cli/parse.h"
+#include "cli/print.h"
 
 namespace skywave {
 namespace {
@@ -33,13 +32,6 @@ double Pause(ProgressForm form) {
 }
 
 }  // namespace
-
-void Put(std::FILE* file, const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), file);
-  if (std::fflush(file) == 0 || errno != EPIPE) return;
-  __fpurge(file);
-  std::clearerr(file);
-}
 
 ProgressDisplay::ProgressDisplay(const ProgressFlags& flags, std::size_t pictures)
     : form_(FormOf(flags)), quiet_(flags.quiet), start_(Clock::now()), picture_start_(start_) {
@@ -120,10 +112,6 @@ int TellFailures(const ProgressFlags& flags, const std::function<int()>& work) {
     Put(stdout, OpenJdFailure(DescribeError(std::current_exception()).text));
     throw;
   }
-}
-
-void PrintNotes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) Put(stderr, "note: " + note + "\n");
 }
 
 }  // namespace skywave

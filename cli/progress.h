@@ -74,10 +74,4 @@ void ShowProgress(ProgressDisplay& display, const std::string& what, std::uint64
 // throws is told there too.
 int TellFailures(const ProgressFlags& flags, const std::function<int()>& work);
 
-// Prints at once. That nobody reads it any more (a closed pipe) is no error.
-void Put(std::FILE* file, const std::string& text);
-
-// Prints each note as a line of standard error.
-void PrintNotes(const std::vector<std::string>& notes);
-
 }  // namespace skywave

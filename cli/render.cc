@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/parse.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "display/tev.h"
@@ -114,8 +115,8 @@ void CheckOutputs(const RenderFlags& flags) {
     }
     CheckNotInput(path, flags.request.scene);
     CheckNotInput(path, MapFile(flags.request));
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
   // Of snapshots it is known only later whether they are written.
   const std::string snapshot = SnapshotPath(flags);
   RemoveLeftovers(std::vector<std::string>{snapshot, PngBeside(snapshot)});
@@ -163,10 +164,10 @@ int RenderMain(RenderFlags& flags) {
   try {
     RenderWatched(flags, renderer);
   } catch (const api::Canceled&) {
-    fmt::print(stderr,
-               "stopped; {} keeps what is rendered, and the same command with --resume "
-               "goes on\n",
-               CheckpointPath(flags));
+    Print(stderr,
+          "stopped; {} keeps what is rendered, and the same command with --resume "
+          "goes on\n",
+          CheckpointPath(flags));
     return kExitTryAgain;
   }
   if (!flags.film.empty()) renderer.WriteFilm(flags.film);
@@ -177,7 +178,7 @@ int RenderMain(RenderFlags& flags) {
     const std::string pictures =
         flags.output.empty() ? "" : flags.output + " and " + PngBeside(flags.output);
     const std::string comma = flags.film.empty() || flags.output.empty() ? "" : ", ";
-    fmt::print("{}wrote {}{}{}\n", renderer.Summary(), flags.film, comma, pictures);
+    Print(stdout, "{}wrote {}{}{}\n", renderer.Summary(), flags.film, comma, pictures);
   }
   return 0;
 }

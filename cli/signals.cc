@@ -40,7 +40,7 @@ void KeepStandardStreams() {
 }
 
 void EndWithoutUnfinishedFiles() {
-  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM}) {
+  for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM, SIGXCPU}) {
     struct sigaction before = {};
     sigaction(number, nullptr, &before);
     if (before.sa_handler != SIG_IGN) Catch(number, End, 0);

@@ -9,8 +9,9 @@ namespace skywave {
 // Reading or writing such a stream fails.
 void KeepStandardStreams();
 
-// The signals that end a process remove the files that it is writing first. Those that it was
-// started to ignore (nohup) stay ignored.
+// SIGHUP, SIGINT, SIGQUIT, SIGPIPE, SIGTERM and SIGXCPU (a soft limit of CPU time) end the process
+// after it has removed the files that it is writing. Those of them that it was started to ignore
+// (nohup) stay ignored.
 void EndWithoutUnfinishedFiles();
 
 // The first SIGINT or SIGTERM asks for an end; a second signal, either of them, ends the process as

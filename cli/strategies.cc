@@ -1,7 +1,6 @@
 // Implements skywave strategies: the values that --strategy takes.
-#include <fmt/format.h>
-
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "lights/strategies/strategy.h"
 
 namespace skywave {
@@ -9,10 +8,10 @@ namespace {
 
 int StrategiesMain() {
   for (const StrategyFactory& strategy : Strategies()) {
-    fmt::print("{:<16}{}\n", strategy.name, strategy.description);
+    Print(stdout, "{:<16}{}\n", strategy.name, strategy.description);
     for (const StrategyParameter& parameter : strategy.parameters) {
-      fmt::print("{:<16}  {}={}  {}\n", "", parameter.key, parameter.default_value,
-                 parameter.meaning);
+      Print(stdout, "{:<16}  {}={}  {}\n", "", parameter.key, parameter.default_value,
+            parameter.meaning);
     }
   }
   return 0;

@@ -117,7 +117,8 @@ std::vector<OptionOf<ExrFormat>> ExrFormatOptions();
 void WriteExr(const std::string& path, const Picture& picture);
 void WritePng(const std::string& path, const Picture& picture);
 // Writes an EXR and the PNG beside it. If either cannot be written, both remain what they were. The
-// EXR is replaced last: if it is there, the PNG is too.
+// EXR is replaced last: if it is there, the PNG is too. Where the folder lets the PNG be replaced
+// but not the EXR (see WriteFileAtomically), the new PNG is beside the old EXR.
 void WriteExrAndPng(const std::string& exr, const Picture& picture);
 
 // Returns the bytes that WritePng writes.

@@ -310,7 +310,7 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
 bool IsVaried(const Material& material) {
   return material.metal_of_color || material.second_color_texture ||
          (material.roughness_texture &&
-          (BsdfOf(material).varying == Varying::kAlpha || BsdfOf(material).tables.anisotropic));
+          (BsdfOf(material).varying == Varying::kAlpha || BsdfOf(material).across));
 }
 
 // Adds the records of materials and the tables that their BSDFs read. Materials with equal coats,
@@ -346,7 +346,7 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
     tables.varied = tables.varied || IsVaried(material);
     tables.two_widths = tables.two_widths || (BsdfOf(material).two_widths && material.alpha_across);
     tables.absorbs = tables.absorbs || material.has(MaterialPart::kAbsorption);
-    // These take tens of milliseconds, so only scenes that need them compute them.
+    // These take up to 0.3 s, so only scenes that need them compute them.
     if (BsdfOf(material).tables.ggx) tables.ggx = &GgxTables();
     if (BsdfOf(material).tables.anisotropic && material.energy_compensation) {
       tables.anisotropic = &GetAnisotropicTables();

@@ -11,9 +11,9 @@ the tests do not see:
 Each fault is made in a copy of the tree (build/mutations/tree), in which only the programs of its
 tests are built; the tree itself is never touched. The tests first have to pass without any fault.
 Ends with 1 if a fault survives that the list does not call unseen, if one does not compile, if none
-is chosen, without git, or if the list does not fit the sources; with 77 if nothing can be built here. The tree without faults
-comes out of ccache if it was built with the same options; a share is skipped where there is no
-ccache whose base_dir (CCACHE_BASEDIR) is the tree or above it."""
+is chosen, without git, or if the list does not fit the sources; with 77 if nothing can be built
+here. The tree without faults comes out of ccache if it was built with the same options; a share is
+skipped where there is no ccache whose base_dir (CCACHE_BASEDIR) is the tree or above it."""
 
 import argparse
 import fcntl

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <optional>
 #include <set>
@@ -14,6 +15,7 @@
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "job/options.h"
 #include "measure/revision.h"
@@ -103,7 +105,7 @@ void CheckGiven(const Command& command, const BenchKind& kind, const GivenOption
 // Prints the notes of measurements that did not become steady.
 void PrintUnsteady(const Speed& speed, std::string_view scene) {
   if (const std::string note = Unsteady(speed, scene); !note.empty()) {
-    fmt::print(stderr, "note: {}\n", note);
+    Print(stderr, "note: {}\n", note);
   }
 }
 
@@ -146,7 +148,7 @@ nlohmann::ordered_json SceneJson(const RenderJob& job, const Film& film, const S
 bool WriteResult(const BenchFlags& flags, const nlohmann::ordered_json& json) {
   if (!flags.json.empty()) WriteFileAtomically(flags.json, json.dump(2) + "\n");
   if (!flags.export_as) return false;
-  fmt::print("{}\n", Export(RecordOf(json, "this run"), *flags.export_as).dump(2));
+  Print(stdout, "{}\n", Export(RecordOf(json, "this run"), *flags.export_as).dump(2));
   return true;
 }
 
@@ -166,18 +168,18 @@ double DeviationOf(const BenchFlags& flags) {
 bool PictureIsRight(const SuiteScene& scene, PictureCheck check, const Fingerprint& found) {
   if (check == PictureCheck::kSameBits) return true;
   if (check == PictureCheck::kWithinBounds) {
-    fmt::print(stderr,
-               "note: {}: these are not the hits of AVX2, so the picture was compared by the means "
-               "of its blocks: they differ by {:.2g} at most\n",
-               scene.name, BlockDifference(scene.expected, found));
+    Print(stderr,
+          "note: {}: these are not the hits of AVX2, so the picture was compared by the means "
+          "of its blocks: they differ by {:.2g} at most\n",
+          scene.name, BlockDifference(scene.expected, found));
     return true;
   }
-  fmt::print(stderr,
-             "skywave: {}: not the picture that the suite expects, so there is no score; blocks "
-             "differ by {:.2g} at most\nskywave: this one is {{0x{:016x}, {{",
-             scene.name, BlockDifference(scene.expected, found), found.hash);
-  for (const float mean : found.means) fmt::print(stderr, "{:.9g}f, ", mean);
-  fmt::print(stderr, "}}}}\n");
+  Print(stderr,
+        "skywave: {}: not the picture that the suite expects, so there is no score; blocks "
+        "differ by {:.2g} at most\nskywave: this one is {{0x{:016x}, {{",
+        scene.name, BlockDifference(scene.expected, found), found.hash);
+  for (const float mean : found.means) Print(stderr, "{:.9g}f, ", mean);
+  Print(stderr, "}}}}\n");
   return false;
 }
 
@@ -192,27 +194,26 @@ int BenchScene(const BenchFlags& flags) {
       film);
   const RenderStats& stats = speed.first.stats;
   if (double(stats.total_rays()) > kMaxRecordedRays) {
-    fmt::print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
-               double(stats.total_rays()) * 1e-6);
+    Print(stderr, "note: {:.0f} million rays kept for the replay; use fewer --spp\n",
+          double(stats.total_rays()) * 1e-6);
   }
   PrintUnsteady(speed, job.request().scene);
   const nlohmann::ordered_json json =
       SceneJson(job, film, speed, DescribeMachine(flags.request.embree_config));
   if (WriteResult(flags, json)) return 0;
   const nlohmann::ordered_json& summary = json.at("summary");
-  fmt::print("raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads,
-             speed.render.size(), ReplayText(speed), RayText(speed));
-  fmt::print("render    {:>16}, backend {}\n", RenderText(speed), ToString(job.options().backend));
-  fmt::print("SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n",
-             summary.at("msamples_per_s").get<double>(), summary.at("mrays_per_s").get<double>(),
-             summary.at("embree_fraction").get<double>());
+  Print(stdout, "raw Embree, {} threads, medians of {}\n{}{}", speed.first.threads,
+        speed.render.size(), ReplayText(speed), RayText(speed));
+  Print(stdout, "render    {:>16}, backend {}\n", RenderText(speed),
+        ToString(job.options().backend));
+  Print(stdout, "SUMMARY msamples_per_s={:.3f} mrays_per_s={:.3f} embree_fraction={:.3f}\n",
+        summary.at("msamples_per_s").get<double>(), summary.at("mrays_per_s").get<double>(),
+        summary.at("embree_fraction").get<double>());
   return 0;
 }
 
 int BenchSuite(const BenchFlags& flags) {
-  for (const std::string& path : {flags.json, flags.report}) {
-    if (!path.empty()) CheckWritable(path);
-  }
+  CheckAllWritable(std::array{flags.json, flags.report});
   std::vector<HistoryEntry> history;
   for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
 
@@ -245,14 +246,14 @@ int BenchSuite(const BenchFlags& flags) {
   report.options = report.results.front().options;
   // The counters of a wrong picture are shown because they help to find the change.
   if (flags.counters) {
-    fmt::print("{}", CountersText(report.results));
+    Print(stdout, "{}", CountersText(report.results));
     return right ? 0 : kExitWrongPicture;
   }
   if (!right) return kExitWrongPicture;
   if (!flags.report.empty()) WriteFileAtomically(flags.report, Html(report, history));
   if (WriteResult(flags, Json(report))) return 0;
-  fmt::print("{}{}{}{}", Headline(report), SummaryLine(Summarize(report.results)),
-             NotMeasured(report), SuiteText(report));
+  Print(stdout, "{}{}{}{}", Headline(report), SummaryLine(Summarize(report.results)),
+        NotMeasured(report), SuiteText(report));
   return 0;
 }
 

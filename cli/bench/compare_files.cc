@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "cli/bench/flags.h"
+#include "cli/print.h"
 #include "measure/bench_compare.h"
 
 namespace skywave {
@@ -14,9 +15,9 @@ void PrintSpeedRatio(const SpeedRatio& ratio) {
   const auto figure = [](double value) {
     return std::isnan(value) ? std::string("-") : fmt::format("{:.4f}", value);
   };
-  fmt::print("{:<16}{:>10}{:>10}{:>9.4f}{:>9}  [{:.4f}, {:.4f}]\n", ratio.name, figure(ratio.a),
-             figure(ratio.b), ratio.ratio.value, figure(ratio.least), ratio.ratio.interval.low,
-             ratio.ratio.interval.high);
+  Print(stdout, "{:<16}{:>10}{:>10}{:>9.4f}{:>9}  [{:.4f}, {:.4f}]\n", ratio.name, figure(ratio.a),
+        figure(ratio.b), ratio.ratio.value, figure(ratio.least), ratio.ratio.interval.low,
+        ratio.ratio.interval.high);
 }
 
 std::string Verdict(const BenchComparison& comparison, double threshold) {
@@ -38,19 +39,19 @@ int CompareBenches(const BenchFlags& flags) {
   for (const std::string& path : flags.compare) records.push_back(ReadRecord(path));
   const BenchComparison comparison = CompareRecords(records);
   const double threshold = flags.threshold_percent / 100;
-  fmt::print("A {}\nB {}\n", records[0].file, records[1].file);
-  for (const std::string& note : comparison.notes) fmt::print("note: {}\n", note);
-  fmt::print("{:<16}{:>10}{:>10}{:>9}{:>9}  interval of 95 % ({})\n",
-             records[0].scenes.size() > 1 ? records[0].subject : "scene", "A [s]", "B [s]", "B / A",
-             "least",
-             comparison.pairs == 1 ? "Welch, repetitions"
-                                   : fmt::format("{} pairs of runs", comparison.pairs));
+  Print(stdout, "A {}\nB {}\n", records[0].file, records[1].file);
+  for (const std::string& note : comparison.notes) Print(stdout, "note: {}\n", note);
+  Print(stdout, "{:<16}{:>10}{:>10}{:>9}{:>9}  interval of 95 % ({})\n",
+        records[0].scenes.size() > 1 ? records[0].subject : "scene", "A [s]", "B [s]", "B / A",
+        "least",
+        comparison.pairs == 1 ? "Welch, repetitions"
+                              : fmt::format("{} pairs of runs", comparison.pairs));
   for (const SpeedRatio& ratio : comparison.ratios) PrintSpeedRatio(ratio);
   const Ratio& whole = comparison.ratios.front().ratio;
   const std::string verdict = Verdict(comparison, threshold);
-  fmt::print("COMPARE ratio={:.4f} low={:.4f} high={:.4f} pairs={} threshold={:g}% result={}\n",
-             whole.value, whole.interval.low, whole.interval.high, comparison.pairs,
-             flags.threshold_percent, verdict);
+  Print(stdout, "COMPARE ratio={:.4f} low={:.4f} high={:.4f} pairs={} threshold={:g}% result={}\n",
+        whole.value, whole.interval.low, whole.interval.high, comparison.pairs,
+        flags.threshold_percent, verdict);
   return verdict.starts_with("slower") ? kExitSlower : 0;
 }
 

@@ -1,6 +1,4 @@
 // Measures copies of a scene or of the suite, one thread each.
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/error.h"
@@ -8,6 +6,7 @@
 #include "base/version.h"
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
+#include "cli/print.h"
 #include "job/job.h"
 #include "measure/copies.h"
 #include "measure/statistics.h"
@@ -88,9 +87,9 @@ int BenchCopies(const BenchFlags& flags) {
                                  {"repetitions", repetitions}};
   std::vector<double> sums(scenes.size(), 0), each;
   std::size_t pinned = 0;
-  fmt::print("{} copies of one thread, {} repetitions, Msamples/s\n{:>6}{:>11}", copies,
-             repetitions, "copy", "processor");
-  for (const CopyScene& scene : scenes) fmt::print("  {:>14}", scene.name);
+  Print(stdout, "{} copies of one thread, {} repetitions, Msamples/s\n{:>6}{:>11}", copies,
+        repetitions, "copy", "processor");
+  for (const CopyScene& scene : scenes) Print(stdout, "  {:>14}", scene.name);
   for (std::size_t copy = 0; copy < results.size(); ++copy) {
     const CopyResult& result = results[copy];
     const auto measured = nlohmann::json::parse(result.text);
@@ -98,13 +97,13 @@ int BenchCopies(const BenchFlags& flags) {
     entry["processor"] = nullptr;
     if (result.processor) entry["processor"] = *result.processor;
     pinned += result.processor.has_value();
-    fmt::print("\n{:>6}{:>11}", copy + 1,
-               result.processor ? std::to_string(*result.processor) : "any");
+    Print(stdout, "\n{:>6}{:>11}", copy + 1,
+          result.processor ? std::to_string(*result.processor) : "any");
     std::vector<double> rates;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       rates.push_back(RateOf(measured[i]));
       sums[i] += rates.back();
-      fmt::print("  {:>14.3f}", rates.back());
+      Print(stdout, "  {:>14.3f}", rates.back());
       entry["scenes"].push_back({{"name", scenes[i].name},
                                  {"msamples_per_s", rates.back()},
                                  {"render", measured[i].at("seconds")}});
@@ -112,16 +111,16 @@ int BenchCopies(const BenchFlags& flags) {
     each.push_back(GeometricMean(rates));
     entry["msamples_per_s"] = each.back();
   }
-  fmt::print("\n{:>17}", "sum");
-  for (const double sum : sums) fmt::print("  {:>14.3f}", sum);
+  Print(stdout, "\n{:>17}", "sum");
+  for (const double sum : sums) Print(stdout, "  {:>14.3f}", sum);
   const double total = GeometricMean(sums);
   if (pinned < results.size()) {
-    fmt::print(stderr, "note: {} of {} copies could not be pinned to a processor\n",
-               results.size() - pinned, results.size());
+    Print(stderr, "note: {} of {} copies could not be pinned to a processor\n",
+          results.size() - pinned, results.size());
   }
-  fmt::print("\nCOPIES copies={} pinned={} msamples_per_s={:.3f} least={:.3f} most={:.3f}\n",
-             copies, pinned, total, *std::min_element(each.begin(), each.end()),
-             *std::max_element(each.begin(), each.end()));
+  Print(stdout, "\nCOPIES copies={} pinned={} msamples_per_s={:.3f} least={:.3f} most={:.3f}\n",
+        copies, pinned, total, *std::min_element(each.begin(), each.end()),
+        *std::max_element(each.begin(), each.end()));
   if (flags.json.empty()) return 0;
   json["machine"] = Json(DescribeMachine(flags.request.embree_config));
   json["summary"] = {{"msamples_per_s", total}, {"pinned", pinned}};

@@ -9,6 +9,7 @@
 #include "base/version.h"
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
+#include "cli/print.h"
 #include "job/job.h"
 #include "job/options.h"
 #include "measure/counters.h"
@@ -43,7 +44,7 @@ Baseline MeasureBaseline(const RenderJob& job, const BenchFlags& flags,
   if (!Has(gates, BaselineGate::kTime)) settings.repetitions = 0;
   const Speed speed = MeasureSpeed(job, settings, film);
   if (const std::string note = Unsteady(speed, job.request().scene); !note.empty()) {
-    fmt::print(stderr, "note: {}\n", note);
+    Print(stderr, "note: {}\n", note);
   }
   const Machine machine = DescribeMachine(flags.request.embree_config);
   Baseline now = {.reasons = {},
@@ -84,13 +85,13 @@ int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
   PrintNotes(job.notes());
   Baseline baseline = MeasureBaseline(job, flags, flags.gates);
   if (!baseline.not_counted.empty()) {
-    fmt::print(stderr, "note: no instructions: {}\n", baseline.not_counted);
+    Print(stderr, "note: no instructions: {}\n", baseline.not_counted);
   }
   baseline.reasons = std::move(reasons);
   baseline.reasons.push_back(reason);
   WriteFileAtomically(flags.baseline, Json(baseline).dump(2) + "\n");
-  fmt::print("wrote {}: {} counters, instructions of {} stages, {} times\n", flags.baseline,
-             baseline.counters.size(), baseline.instructions.size(), baseline.seconds.size());
+  Print(stdout, "wrote {}: {} counters, instructions of {} stages, {} times\n", flags.baseline,
+        baseline.counters.size(), baseline.instructions.size(), baseline.seconds.size());
   return 0;
 }
 
@@ -110,7 +111,7 @@ int GuardScene(const BenchFlags& flags) {
   // A slow minute of the machine is no regression, and is seldom followed by another.
   for (GateResult& result : results) {
     if (result.gate != BaselineGate::kTime || result.verdict != GateResult::kFailed) continue;
-    fmt::print(stderr, "note: slower than the baseline; measured once more\n");
+    Print(stderr, "note: slower than the baseline; measured once more\n");
     const std::vector<BaselineGate> time = {BaselineGate::kTime};
     result = Judge(baseline, MeasureBaseline(job, flags, time), flags, time).front();
   }
@@ -119,15 +120,15 @@ int GuardScene(const BenchFlags& flags) {
     const std::string_view verdict = result.verdict == GateResult::kPassed   ? "passed"
                                      : result.verdict == GateResult::kFailed ? "FAILED"
                                                                              : "skipped";
-    fmt::print("{}: {}: {}\n", ToString(result.gate), verdict, result.summary);
-    for (const std::string& what : result.lines) fmt::print("  {}\n", what);
+    Print(stdout, "{}: {}: {}\n", ToString(result.gate), verdict, result.summary);
+    for (const std::string& what : result.lines) Print(stdout, "  {}\n", what);
     line += fmt::format(" {}={}", ToString(result.gate), verdict);
   }
   const int code = ExitCodeOf(results);
   if (code != 0) {
-    fmt::print("if this is meant: --update-baseline WHY takes the new values\n");
+    Print(stdout, "if this is meant: --update-baseline WHY takes the new values\n");
   }
-  fmt::print("{} result={}\n", line, code == 0 ? "passed" : "failed");
+  Print(stdout, "{} result={}\n", line, code == 0 ? "passed" : "failed");
   return code;
 }
 
@@ -137,7 +138,7 @@ int PrintCounters(const BenchFlags& flags) {
   Film film = job.MakeFilm();
   const FrameResult frame = RenderFrame(job.frame(), film);
   for (const auto& [name, value] : CountersOf(job, film, frame.stats)) {
-    fmt::print("{} {}\n", name, value);
+    Print(stdout, "{} {}\n", name, value);
   }
   return 0;
 }
@@ -147,10 +148,10 @@ int PrintInstructions(const BenchFlags& flags) {
   PrintNotes(job.notes());
   const InstructionCounts counts = CountInstructions(job.request());
   if (!counts.skipped.empty()) {
-    fmt::print("skipped: {}\n", counts.skipped);
+    Print(stdout, "skipped: {}\n", counts.skipped);
     return kExitSkipped;
   }
-  for (const auto& [stage, count] : counts.stages) fmt::print("{} {}\n", stage, count);
+  for (const auto& [stage, count] : counts.stages) Print(stdout, "{} {}\n", stage, count);
   return 0;
 }
 

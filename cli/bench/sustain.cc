@@ -9,6 +9,7 @@
 #include "base/version.h"
 #include "cli/bench/flags.h"
 #include "cli/bench/report.h"
+#include "cli/print.h"
 #include "job/options.h"
 #include "measure/sustain.h"
 
@@ -87,15 +88,16 @@ int BenchSustained(const BenchFlags& flags) {
   display.End();
   display.Clear();
   const int threads = ThreadsFor(flags.request.options.threads);
-  fmt::print("{} for {:.1f} s on {} threads: {} rounds\n", prepared.subject, speed.seconds, threads,
-             speed.rounds.size());
+  Print(stdout, "{} for {:.1f} s on {} threads: {} rounds\n", prepared.subject, speed.seconds,
+        threads, speed.rounds.size());
   for (const CurvePoint& block : speed.blocks) {
-    fmt::print("  {:>8.1f} s {:>10.3f} Msamples/s\n", block.x, block.y * 1e-6);
+    Print(stdout, "  {:>8.1f} s {:>10.3f} Msamples/s\n", block.x, block.y * 1e-6);
   }
-  fmt::print("last quarter over first: {:.4f} {}\ndrift: {:+.2f} % a minute {}\n",
-             speed.last_to_first.value, Ends(speed.last_to_first.interval, 1),
-             100 * speed.drift_per_minute.value, Ends(speed.drift_per_minute.interval, 100));
-  fmt::print(
+  Print(stdout, "last quarter over first: {:.4f} {}\ndrift: {:+.2f} % a minute {}\n",
+        speed.last_to_first.value, Ends(speed.last_to_first.interval, 1),
+        100 * speed.drift_per_minute.value, Ends(speed.drift_per_minute.interval, 100));
+  Print(
+      stdout,
       "SUSTAIN seconds={:.1f} first_msamples_per_s={:.3f} last_msamples_per_s={:.3f} ratio={:.4f} "
       "drift_percent_per_minute={:.3f}\n",
       speed.seconds, speed.first * 1e-6, speed.last * 1e-6, speed.last_to_first.value,

@@ -1,12 +1,13 @@
 // Implements skywave converge: light strategies and integrators by their error at equal time.
-#include <fmt/format.h>
-
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "base/files.h"
 #include "cli/commands.h"
 #include "cli/converge/report.h"
+#include "cli/print.h"
 #include "cli/progress.h"
 #include "job/map_sequence.h"
 #include "job/options.h"
@@ -24,13 +25,14 @@ struct ConvergeFlags {
 
 void CheckOutputs(const ConvergeFlags& flags) {
   CheckSavedReference(flags.request);
-  for (const std::string& path : {flags.json, flags.plot, flags.html}) {
+  const std::vector<std::string> outputs = {flags.json, flags.plot, flags.html};
+  for (const std::string& path : outputs) {
     if (path.empty()) continue;
     CheckNotInput(path, flags.request.job.scene);
     CheckNotInput(path, MapFile(flags.request.job));
     CheckNotInput(path, flags.request.reference);
-    CheckWritable(path);
   }
+  CheckAllWritable(outputs);
 }
 
 #define FIELD SKYWAVE_FIELD
@@ -73,10 +75,10 @@ int ConvergeMain(const ConvergeFlags& flags) {
   display.reset();
   WriteOutputs(flags, report);
   for (const std::string& warning : report.warnings) {
-    fmt::print(stderr, "warning: {}\n", warning);
+    Print(stderr, "warning: {}\n", warning);
   }
-  fmt::print("{}\n{}\n{}\n{}", Introduction(report), Text(BudgetTable(report)), TargetText(report),
-             Text(TargetTable(report)));
+  Print(stdout, "{}\n{}\n{}\n{}", Introduction(report), Text(BudgetTable(report)),
+        TargetText(report), Text(TargetTable(report)));
   return 0;
 }
 

@@ -1,7 +1,6 @@
 // Implements skywave probe calibrate: a map that shows its axes.
-#include <fmt/format.h>
-
 #include "base/files.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/probe/calibration.h"
 
@@ -16,10 +15,10 @@ struct CalibrateFlags {
 int CalibrateMain(const CalibrateFlags& flags) {
   CheckWritable(flags.output);
   WriteImage(flags.output, CalibrationMap(flags.height));
-  fmt::print("wrote {}\n", flags.output);
+  Print(stdout, "wrote {}\n", flags.output);
   for (const CalibrationAxis& axis : kCalibrationAxes) {
-    fmt::print("{}  {:g} {:g} {:g}\n", axis.name, axis.radiance[0], axis.radiance[1],
-               axis.radiance[2]);
+    Print(stdout, "{}  {:g} {:g} {:g}\n", axis.name, axis.radiance[0], axis.radiance[1],
+          axis.radiance[2]);
   }
   return 0;
 }

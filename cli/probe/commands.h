@@ -1,10 +1,10 @@
 // The subcommands of `skywave probe`, one file each, and their shared helpers that read a map.
 #pragma once
 
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cli/command.h"
 #include "image/image.h"
@@ -23,7 +23,7 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags);
 
 // Throws InputError unless every file that is named can be written, and is none that the command
 // reads. Empty names are skipped.
-void CheckOutputs(std::initializer_list<std::string> outputs, const MapFlags& map);
+void CheckOutputs(const std::vector<std::string>& outputs, const MapFlags& map);
 
 // Reports bad pixels on standard error.
 ProbeMap ReadProbe(const MapFlags& flags);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/files.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/cube_files.h"
 #include "lights/maps/projections.h"
@@ -51,12 +52,13 @@ void CheckFiles(const ConvertFlags& flags) {
     const auto six = CubeFacePaths(path);
     return std::vector<std::string>(six.begin(), six.end());
   };
-  for (const std::string& output : names(flags.output, flags.faces_out)) {
+  const std::vector<std::string> outputs = names(flags.output, flags.faces_out);
+  for (const std::string& output : outputs) {
     for (const std::string& input : names(flags.map.path, flags.faces_in)) {
       CheckNotInput(output, input);
     }
-    CheckWritable(output);
   }
+  CheckAllWritable(outputs);
 }
 
 int ConvertMain(ConvertFlags& flags) {
@@ -86,9 +88,10 @@ int ConvertMain(ConvertFlags& flags) {
   }
   const auto before = SphereIntegral(file.image, file.projection);
   const auto after = SphereIntegral(result, flags.to);
-  fmt::print("{} {} x {} to {} {} x {}; integral {:.7g} {:.7g} {:.7g}, was {:.7g} {:.7g} {:.7g}\n",
-             ToString(file.projection), file.image.width, file.image.height, ToString(flags.to),
-             width, height, after[0], after[1], after[2], before[0], before[1], before[2]);
+  Print(stdout,
+        "{} {} x {} to {} {} x {}; integral {:.7g} {:.7g} {:.7g}, was {:.7g} {:.7g} {:.7g}\n",
+        ToString(file.projection), file.image.width, file.image.height, ToString(flags.to), width,
+        height, after[0], after[1], after[2], before[0], before[1], before[2]);
   return 0;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/files.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
@@ -20,10 +21,10 @@ struct InfoFlags {
   std::string json;
 };
 
-void Print(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& info) {
+void PrintProbe(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& info) {
   const double pixels_per_sr = info.sphere_pixels / (4 * std::numbers::pi);
   const auto row = [](const char* name, const std::string& value) {
-    fmt::print("{:<22}{}\n", name, value);
+    Print(stdout, "{:<22}{}\n", name, value);
   };
   row("map", flags.map.path);
   row("size", fmt::format("{} x {}", map.image.width, map.image.height));
@@ -39,17 +40,17 @@ void Print(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& info) {
   row("mean radiance",
       fmt::format("{:.6g} {:.6g} {:.6g}", info.mean[0], info.mean[1], info.mean[2]));
   row("energy", fmt::format("{:.8g} luminance * sr", info.energy));
-  fmt::print("\nbrightest spots, {} degrees apart, and the share of the energy within that\n",
-             kSpotRadiusDegrees);
-  fmt::print("{:>6}{:>6}{:>10}{:>10}{:>10}{:>13}{:>9}\n", "x", "y", "right", "forward", "up",
-             "luminance", "share");
+  Print(stdout, "\nbrightest spots, {} degrees apart, and the share of the energy within that\n",
+        kSpotRadiusDegrees);
+  Print(stdout, "{:>6}{:>6}{:>10}{:>10}{:>10}{:>13}{:>9}\n", "x", "y", "right", "forward", "up",
+        "luminance", "share");
   for (const BrightSpot& s : info.spots) {
-    fmt::print("{:>6}{:>6}{:>10.4f}{:>10.4f}{:>10.4f}{:>13.6g}{:>8.2f}%\n", s.x, s.y, s.direction.x,
-               s.direction.y, s.direction.z, s.luminance, 100 * s.share);
+    Print(stdout, "{:>6}{:>6}{:>10.4f}{:>10.4f}{:>10.4f}{:>13.6g}{:>8.2f}%\n", s.x, s.y,
+          s.direction.x, s.direction.y, s.direction.z, s.luminance, 100 * s.share);
   }
   const Strata& s = info.strata;
-  fmt::print("\nstrata by the greatest variation (areas and energies in pixels of {} x {})\n",
-             info.width, info.height);
+  Print(stdout, "\nstrata by the greatest variation (areas and energies in pixels of {} x {})\n",
+        info.width, info.height);
   row("spherical area", fmt::format("{:.2f}", info.sphere_pixels));
   row("energy", fmt::format("{:.2f}", info.energy_pixels));
   row("minimum of zeta", fmt::format("{:.2f}", info.zeta_minimum));
@@ -69,7 +70,7 @@ int InfoMain(const InfoFlags& flags) {
   ProbeMap map = ReadProbe(flags.map);
   const Image latlong = ToLatLong(map.image, map.projection);
   const ProbeInfo info = DescribeMap(MakeSphereMap(latlong), flags.spots);
-  Print(flags, map, info);
+  PrintProbe(flags, map, info);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(map, info).dump(2) + "\n");
   return 0;
 }

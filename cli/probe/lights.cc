@@ -1,8 +1,7 @@
 // Implements skywave probe lights: a map as directional lights for this and other renderers.
-#include <fmt/format.h>
-
 #include "base/error.h"
 #include "base/files.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
@@ -38,7 +37,7 @@ int LightsMain(LightsFlags& flags) {
   flags.options.source = flags.map.path;
   const std::string text = ExportLights(lights.set.lights, flags.options);
   if (flags.output.empty()) {
-    fmt::print("{}", text);
+    Print(stdout, "{}", text);
   } else {
     WriteFileAtomically(flags.output, text);
   }
@@ -47,11 +46,11 @@ int LightsMain(LightsFlags& flags) {
   }
   const double sum = lights.lights_energy + lights.residual_energy;
   const double off = lights.map_energy > 0 ? sum / lights.map_energy - 1 : 0;
-  fmt::print(stderr, "{} lights: energy {:.8g} + rest {:.8g} = {:.8g}, map {:.8g} ({:+.1e})\n",
-             lights.set.lights.size(), lights.lights_energy, lights.residual_energy, sum,
-             lights.map_energy, off);
+  Print(stderr, "{} lights: energy {:.8g} + rest {:.8g} = {:.8g}, map {:.8g} ({:+.1e})\n",
+        lights.set.lights.size(), lights.lights_energy, lights.residual_energy, sum,
+        lights.map_energy, off);
   if (flags.request.strata && flags.options.residual.empty()) {
-    fmt::print(stderr, "note: the rest is not written; --residual FILE.exr does\n");
+    Print(stderr, "note: the rest is not written; --residual FILE.exr does\n");
   }
   return 0;
 }

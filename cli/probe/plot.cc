@@ -1,9 +1,8 @@
 // Implements skywave probe plot: pictures of a map, its lights, cells and strata.
-#include <fmt/format.h>
-
-#include "base/files.h"
-#include "cli/probe/commands.h"
 #include "lights/probe/plot.h"
+#include "base/files.h"
+#include "cli/print.h"
+#include "cli/probe/commands.h"
 
 namespace skywave {
 namespace {
@@ -43,7 +42,7 @@ int PlotMain(PlotFlags& flags) {
   int width, height;
   const std::vector<std::uint8_t> rgb = PlotMap(map, flags.plot, width, height);
   WritePng(flags.output, width, height, rgb);
-  fmt::print("wrote {}\n", flags.output);
+  Print(stdout, "wrote {}\n", flags.output);
   return 0;
 }
 

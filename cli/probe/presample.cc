@@ -1,9 +1,8 @@
 // Implements skywave probe presample: a sample set with cells and energies.
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "base/files.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/probe/plot.h"
 
@@ -51,8 +50,8 @@ int PresampleMain(PresampleFlags& flags) {
   if (!flags.cells.empty()) {
     WritePng(flags.cells, map.width, map.height, CellColors(lights.set.cell_of_texel));
   }
-  fmt::print("wrote {}: {} samples, energy {:.8g} of {:.8g}\n", flags.output,
-             lights.set.lights.size(), lights.lights_energy, lights.map_energy);
+  Print(stdout, "wrote {}: {} samples, energy {:.8g} of {:.8g}\n", flags.output,
+        lights.set.lights.size(), lights.lights_energy, lights.map_energy);
   return 0;
 }
 

@@ -1,10 +1,9 @@
 // Implements skywave probe: analyses illumination maps, converts them and turns them into lights.
-#include <fmt/format.h>
-
 #include <numbers>
 
 #include "base/files.h"
 #include "cli/commands.h"
+#include "cli/print.h"
 #include "cli/probe/commands.h"
 #include "lights/maps/projections.h"
 #include "lights/maps/resample.h"
@@ -28,19 +27,18 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   AddOptions(command, options, flags);
 }
 
-void CheckOutputs(std::initializer_list<std::string> outputs, const MapFlags& map) {
+void CheckOutputs(const std::vector<std::string>& outputs, const MapFlags& map) {
   for (const std::string& output : outputs) {
-    if (output.empty()) continue;
-    CheckNotInput(output, map.path);
-    CheckWritable(output);
+    if (!output.empty()) CheckNotInput(output, map.path);
   }
+  CheckAllWritable(outputs);
 }
 
 ProbeMap ReadProbe(const MapFlags& flags) {
   ProbeMap map = MakeProbeMap(ReadImage(flags.path, flags.limits), flags.path, flags.projection);
   if (map.bad.total() > 0) {
-    fmt::print(stderr, "note: {}: {} NaN, {} infinite and {} negative pixels set to 0\n",
-               flags.path, map.bad.nan, map.bad.infinite, map.bad.negative);
+    Print(stderr, "note: {}: {} NaN, {} infinite and {} negative pixels set to 0\n", flags.path,
+          map.bad.nan, map.bad.infinite, map.bad.negative);
   }
   return map;
 }

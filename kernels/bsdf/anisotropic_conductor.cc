@@ -29,6 +29,7 @@ inline constexpr BsdfTraits AnisotropicConductorTraits = {
     .name = "anisotropic-conductor",
     .lobed = true,
     .varying = Varying::kTangent,
+    .across = MaterialField::kAlphaAcross,
     .tables = {.anisotropic = true},
     .parameters = {{"alpha"}, {"alpha_across"}, {"eta"}, {"k"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {

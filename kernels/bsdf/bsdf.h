@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -36,9 +37,11 @@ struct MaterialView {
   const SheenTables* sheen = nullptr;
   const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
   const CoatTable* coats = nullptr;
-  // Some material has a texture of Varying::kAlpha or kSecondColor, or is a metal of its colour.
+  // Some material has a texture of Varying::kAlpha or kSecondColor, or of the two widths of brushed
+  // metal, or is a metal of its colour.
   bool varied = false;
-  // Some rough dielectric has two widths: Varying::kAlpha is written with its second column.
+  // Some rough dielectric has two widths: of BSDFs that may have them, Varying::kAlpha is written
+  // and read, textures or not, with a FacetTurn in its second column.
   bool two_widths = false;
   const DielectricTable* dielectrics = nullptr;
   const AnisotropicTables* anisotropic = nullptr;
@@ -118,10 +121,15 @@ static_assert(sizeof(LightCell) == sizeof(float) << kLogCellWords);
 enum class Varying {
   kNothing,
   kRoughness,  // GGX width, share of metal
-  // These two are written, and read, only if MaterialView::varied.
-  kAlpha,        // GGX width; the other column means nothing, or is a FacetTurn, see two_widths
-  kSecondColor,  // texture of the second colour: red and green, 16 bits each, and blue
-  kTangent,  // cosine and sine of the angle from the first axis of the shading frame to the tangent
+  // This is written, and read, only if MaterialView::varied or two_widths: GGX width; the other
+  // column means nothing, or with two_widths is a FacetTurn (kernels/surface/facet_turn-inl.h).
+  kAlpha,
+  // This only if MaterialView::varied: texture of the second colour, red and green, 16 bits each,
+  // and blue.
+  kSecondColor,
+  // Cosine and sine of the angle from the first axis of the shading frame to the tangent. Rows that
+  // have an image of two widths hold the width along the tangent and a FacetTurn instead.
+  kTangent,
 };
 
 // The tables that the kernels of a BSDF read besides the records of materials.
@@ -150,6 +158,8 @@ struct BsdfTraits {
   bool refracts = false;   // and enters another medium: the value has the squared index ratio
   // With alpha_across its facets have two widths, and a surface needs a tangent.
   bool two_widths = false;
+  // The field that has the width across the tangent, of facets whose two widths an image may vary.
+  std::optional<MaterialField> across = {};
   bool inside = false;  // light goes through the material itself, which may absorb it
   BsdfTables tables = {};
   MaterialParameter parameters[8] = {};  // behind the last one they have no name (ParametersOf)

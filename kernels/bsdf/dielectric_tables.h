@@ -33,13 +33,12 @@ struct DielectricTable {
 inline constexpr std::uint32_t kDielectricRowWords = sizeof(DielectricRow) / sizeof(float);
 inline constexpr std::uint32_t kDielectricWords = sizeof(DielectricTable) / sizeof(float);
 
-// Computes the table of facets of width `alpha`, whose rows are all alike; that takes milliseconds.
+// Computes the table of facets of width `alpha`, whose rows are all alike; that takes 5 ms.
 DielectricTable MakeDielectricTable(float alpha, float ior);
 // Computes the table of facets of two widths, whose rows are not widths but azimuths: row r is for
-// |y| / (|x| + |y|) = r / (rows - 1), where x is along the first width. That takes a quarter of a
-// second.
+// |y| / (|x| + |y|) = r / (rows - 1), where x is along the first width. That takes 0.2 s.
 DielectricTable MakeDielectricTable(float along, float across, float ior);
-// Computes the table for the widths of the rows; that takes two tenths of a second.
+// Computes the table for the widths of the rows; that takes 0.2 s.
 DielectricTable MakeDielectricTable(float ior);
 
 // Returns the transmittance of a smooth interface for diffuse light from outside.

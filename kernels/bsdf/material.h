@@ -79,7 +79,7 @@ struct Material {
   // BSDFs with an inside: the light lost there, by Beer and Lambert [1/length].
   glm::vec3 absorption{0.0f};
   // Conductors but Beckmann's, rough dielectrics: false: the light that facets scatter more than
-  // once is lost.
+  // once is lost. Glass of two widths with an image of them has no table, and always loses it.
   bool energy_compensation = true;
   // Textures are indices into the scene's textures. These are factors of the reflectance; of the
   // square roots of alpha (green) and of alpha_across (red), and of metallic (blue).

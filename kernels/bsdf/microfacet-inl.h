@@ -33,6 +33,29 @@ struct TangentTurn {
   VF cosine, sine;
 };
 
+// Returns the FacetTurn of surfaces, for the side from which they are seen.
+HWY_INLINE FacetTurn FacetTurnOf(const SurfaceColumns& s, std::uint32_t i) {
+  FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
+  turn.sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
+  return turn;
+}
+
+// The place of a value between two entries of a table.
+struct TablePlace {
+  VU low;
+  VF share;  // of the next one
+};
+HWY_INLINE TablePlace PlaceOf(VF from_0_to_1, std::uint32_t count) {
+  const VF at = hn::Mul(from_0_to_1, Set(float(count - 1)));
+  const VU low = hn::Min(ToUnsigned(at), SetU(count - 2));
+  return {low, hn::Sub(at, ToFloat(low))};
+}
+// Returns the azimuth of w in the tangent frame as tables have it: |y| / (|x| + |y|).
+HWY_INLINE VF AzimuthShare(const V3& w) {
+  const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
+  return hn::Min(hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f))), Set(1.0f));
+}
+
 // Returns the sum of the squared slopes of unit h, each over its width.
 HWY_INLINE VF ScaledSlope2(const V3& h, VF x, VF y) {
   const VF sx = hn::Div(h.x, x), sy = hn::Div(h.y, y);
@@ -131,15 +154,6 @@ struct Beckmann {
 
 // One vector of widths of GGX facets and their places in AnisotropicTables.
 struct AnisotropicAlbedo {
-  struct Place {
-    VU low;
-    VF share;  // of the next one
-  };
-  static HWY_INLINE Place PlaceOf(VF from_0_to_1, std::uint32_t count) {
-    const VF at = hn::Mul(from_0_to_1, Set(float(count - 1)));
-    const VU low = hn::Min(ToUnsigned(at), SetU(count - 2));
-    return {low, hn::Sub(at, ToFloat(low))};
-  }
   static HWY_INLINE VF Between(VF low, VF high, VF share) {
     return hn::Add(low, hn::Mul(share, hn::Sub(high, low)));
   }
@@ -161,10 +175,8 @@ struct AnisotropicAlbedo {
   }
   // Returns the albedo of single scattering of light from w, in the tangent frame.
   HWY_INLINE VF Of(const V3& w) const {
-    const Place cosine = PlaceOf(hn::Sqrt(Clamp(w.z, 0.0f, 1.0f)), kTabledCosines);
-    const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
-    const VF y_share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
-    const Place azimuth = PlaceOf(hn::Min(y_share, Set(1.0f)), kTabledAzimuths);
+    const TablePlace cosine = PlaceOf(hn::Sqrt(Clamp(w.z, 0.0f, 1.0f)), kTabledCosines);
+    const TablePlace azimuth = PlaceOf(AzimuthShare(w), kTabledAzimuths);
     const VU within = hn::Add(hn::Mul(cosine.low, SetU(kTabledAzimuths)), azimuth.low);
     const float* const words = &tables->albedo[0][0][0][0];
     const auto around = [&](VU at) HWY_ATTR {
@@ -181,7 +193,7 @@ struct AnisotropicAlbedo {
   }
 
   const AnisotropicTables* tables;
-  Place along, across;
+  TablePlace along, across;
 };
 
 // A conductor of such facets: height-correlated Smith masking, Fresnel of a complex index, visible
@@ -215,11 +227,10 @@ struct MicrofacetConductor {
         hn::IfThenElseZero(RowsBelow(i, n), IndexField(m, fields, kRoughnessTexture));
     const MF lanes = hn::RebindMask(F(), hn::Ne(texture, hn::Zero(U())));
     if (hn::AllFalse(F(), lanes)) return;
-    const FacetTurn packed = UnpackFacetTurn(Load(s.varying_1 + i));
-    const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(packed.sine), packed.sine);
-    turn = {IfThen(lanes, packed.cosine, turn.cosine), IfThen(lanes, sine, turn.sine)};
+    const FacetTurn varied = FacetTurnOf(s, i);
+    turn = {IfThen(lanes, varied.cosine, turn.cosine), IfThen(lanes, varied.sine, turn.sine)};
     facets.x = IfThen(lanes, Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f), facets.x);
-    facets.y = IfThen(lanes, Clamp(packed.across, 1e-3f, 1.0f), facets.y);
+    facets.y = IfThen(lanes, Clamp(varied.across, 1e-3f, 1.0f), facets.y);
     albedo = AnisotropicAlbedo(m.anisotropic, facets.x, facets.y);
   }
 
@@ -229,9 +240,11 @@ struct MicrofacetConductor {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
-    return InTangentFrame(turn.To(wo), turn.To(wi));
+    const V3 eye = turn.To(wo);
+    return InTangentFrame(eye, turn.To(wi), LostFrom(eye));
   }
-  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
+  // Takes what light from wo loses too, which a draw has looked up already.
+  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi, VF lost_o) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF quarter_over_cos = hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f)));
@@ -242,7 +255,6 @@ struct MicrofacetConductor {
     const VF visible = hn::Div(lobe, hn::Add(one, lambda_o));
     if constexpr (Facets::kCompensated) {
       if (any_compensated) {
-        const VF lost_o = Lost(wo);
         const VF multiple = hn::Mul(hn::Mul(lost_o, Lost(wi)), wi.z);
         const V3 again = Scale(multiscatter, multiple);
         const VF diffuse = hn::Mul(wi.z, Set(kInvPi));
@@ -256,15 +268,22 @@ struct MicrofacetConductor {
   HWY_INLINE VF Lost(const V3& w) const {
     return hn::IfThenElseZero(compensated, hn::Sub(Set(1.0f), albedo.Of(w)));
   }
+  HWY_INLINE VF LostFrom(const V3& wo) const {
+    if constexpr (Facets::kCompensated) {
+      if (any_compensated) return Lost(wo);
+    }
+    return hn::Zero(F());
+  }
 
   HWY_INLINE BsdfSample Draw(const V3& wo, VF u, VF v, VF lobe) const {
     const V3 eye = turn.To(wo);
     const V3 h = facets.VisibleNormal(eye, u, v);
     V3 wi = Sub(Scale(h, hn::Mul(Set(2.0f), Dot(eye, h))), eye);
+    const VF lost = LostFrom(eye);
     if constexpr (Facets::kCompensated) {
-      if (any_compensated) wi = IfThen(hn::Lt(lobe, Lost(eye)), CosineHemisphere(u, v), wi);
+      if (any_compensated) wi = IfThen(hn::Lt(lobe, lost), CosineHemisphere(u, v), wi);
     }
-    return SampleOf(turn.From(wi), InTangentFrame(eye, wi));
+    return SampleOf(turn.From(wi), InTangentFrame(eye, wi, lost));
   }
 
   VU fields;

@@ -23,11 +23,6 @@ namespace HWY_NAMESPACE {
 // The lobes of the light that scatters more than once, for one vector of surfaces. Lanes whose
 // material leaves them out (kDielectricTable is 0) lose nothing.
 struct InterfaceLosses {
-  struct Row {
-    VU low;
-    VF share;  // of the next one
-  };
-
   HWY_INLINE InterfaceLosses(const MaterialView& m, VU fields, std::uint32_t i, std::uint32_t n)
       : words(reinterpret_cast<const float*>(m.dielectrics)) {
     // Rows behind the end have another material.
@@ -39,7 +34,7 @@ struct InterfaceLosses {
   }
 
   // Reads a value of a row, linearly between rows.
-  HWY_INLINE VF Between(const Row& at, VU word) const {
+  HWY_INLINE VF Between(const TablePlace& at, VU word) const {
     const VU row = hn::Add(first, hn::Mul(at.low, SetU(kDielectricRowWords)));
     const VU low = hn::IfThenElseZero(hn::RebindMask(U(), lanes), hn::Add(row, word));
     const VF above = Gather(words, low);
@@ -47,7 +42,7 @@ struct InterfaceLosses {
     return hn::Add(above, hn::Mul(at.share, hn::Sub(below, above)));
   }
   // Returns the share that light from a direction on that side loses.
-  HWY_INLINE VF Lost(const Row& row, VF cosine, MF inside) const {
+  HWY_INLINE VF Lost(const TablePlace& row, VF cosine, MF inside) const {
     const VF at = hn::Mul(hn::Sqrt(Clamp(cosine, 0.0f, 1.0f)), Set(float(kAlbedoColumns - 1)));
     const VU column = ToUnsigned(at);
     const VF share = hn::Sub(at, ToFloat(column));
@@ -82,13 +77,13 @@ struct RoughDielectric {
     if (losses.any) MakeLobes(SeenFromBehind(s, i));
   }
   HWY_INLINE void SplitWidths(const SurfaceColumns& s, std::uint32_t i, std::uint32_t n) {
-    const FacetTurn turn = UnpackFacetTurn(Load(s.varying_1 + i));
+    const FacetTurn turn = FacetTurnOf(s, i);
     two_widths = hn::And(hn::RebindMask(F(), RowsBelow(i, n)), hn::Gt(turn.across, hn::Zero(F())));
     any_two_widths = !hn::AllFalse(F(), two_widths);
     if (!any_two_widths) return;
-    const VF sine = IfThen(SeenFromBehind(s, i), hn::Neg(turn.sine), turn.sine);
     facets = {ggx.alpha, Clamp(turn.across, 1e-3f, 1.0f)};
-    tangent = {IfThen(two_widths, turn.cosine, Set(1.0f)), hn::IfThenElseZero(two_widths, sine)};
+    tangent = {IfThen(two_widths, turn.cosine, Set(1.0f)),
+               hn::IfThenElseZero(two_widths, turn.sine)};
   }
 
   HWY_INLINE V3 ToTangent(const V3& w) const { return any_two_widths ? tangent.To(w) : w; }
@@ -107,14 +102,11 @@ struct RoughDielectric {
   }
   // Returns what light from w loses, in the tangent frame.
   HWY_INLINE VF Lost(const V3& w, MF on_inside) const {
-    InterfaceLosses::Row row = {ggx.table_row, ggx.row_share};
+    TablePlace row = {ggx.table_row, ggx.row_share};
     if (any_two_widths) {  // The rows of their tables are azimuths.
-      const VF x = hn::Abs(w.x), y = hn::Abs(w.y);
-      const VF share = hn::Div(y, hn::Max(hn::Add(x, y), Set(1e-20f)));
-      const VF at = hn::Mul(Clamp(share, 0.0f, 1.0f), Set(float(kAlbedoRows - 1)));
-      const VU low = hn::Min(ToUnsigned(at), SetU(kAlbedoRows - 1));
-      row.low = hn::IfThenElse(hn::RebindMask(U(), two_widths), low, row.low);
-      row.share = IfThen(two_widths, hn::Sub(at, ToFloat(low)), row.share);
+      const TablePlace azimuth = PlaceOf(AzimuthShare(w), kAlbedoRows);
+      row.low = hn::IfThenElse(hn::RebindMask(U(), two_widths), azimuth.low, row.low);
+      row.share = IfThen(two_widths, azimuth.share, row.share);
     }
     return losses.Lost(row, hn::Abs(w.z), on_inside);
   }
@@ -137,11 +129,10 @@ struct RoughDielectric {
     back_again = hn::Div(hn::Mul(Set(kInvPi), hn::Sub(one, through_share)), own);
   }
   // Adds the lobes of light that scatters more than once to the value of single scattering.
-  HWY_INLINE BsdfValue WithLobes(const V3& wo, const V3& wi, const BsdfValue& single) const {
+  HWY_INLINE BsdfValue WithLobes(VF lost_o, const V3& wi, const BsdfValue& single) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     const MF above = hn::Gt(wi.z, zero);
     const VF cosine = hn::Abs(wi.z);
-    const VF lost_o = Lost(wo, inside);
     const VF lost_i = Lost(wi, hn::Xor(inside, hn::Not(above)));
     const VF lobe = IfThen(above, back_again, hn::Mul(through, hn::Mul(ratio, ratio)));
     const VF multiple = hn::Mul(hn::Mul(lost_o, lost_i), hn::Mul(lobe, cosine));
@@ -152,11 +143,16 @@ struct RoughDielectric {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
-    return InTangentFrame(ToTangent(wo), ToTangent(wi));
+    const V3 eye = ToTangent(wo);
+    return InTangentFrame(eye, ToTangent(wi), LostFrom(eye));
   }
-  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi) const {
+  // Takes what light from wo loses too, which a draw has looked up already.
+  HWY_INLINE BsdfValue InTangentFrame(const V3& wo, const V3& wi, VF lost_o) const {
     const BsdfValue single = Single(wo, wi);
-    return losses.any ? WithLobes(wo, wi, single) : single;
+    return losses.any ? WithLobes(lost_o, wi, single) : single;
+  }
+  HWY_INLINE VF LostFrom(const V3& wo) const {
+    return losses.any ? Lost(wo, inside) : hn::Zero(F());
   }
   HWY_INLINE BsdfValue Single(const V3& wo, const V3& wi) const {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
@@ -193,8 +189,8 @@ struct RoughDielectric {
     const VF zero = hn::Zero(F()), one = Set(1.0f);
     MF again = hn::Lt(one, zero);
     V3 diffuse = {zero, zero, one};
+    const VF lost = LostFrom(wo);
     if (losses.any) {
-      const VF lost = Lost(wo, inside);
       again = hn::Lt(lobe, lost);
       diffuse = CosineHemisphere(u, v);
       const MF passes = hn::Lt(lobe, hn::Mul(lost, through_share));
@@ -210,7 +206,7 @@ struct RoughDielectric {
         Sub(Scale(h, hn::Sub(hn::Mul(ratio, cosine), refraction.cosine)), Scale(wo, ratio)));
     const MF reflects = hn::Lt(lobe, refraction.reflectance);
     const V3 wi = IfThen(again, diffuse, IfThen(reflects, reflected, refracted));
-    BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi));
+    BsdfSample sample = SampleOf(wi, InTangentFrame(wo, wi, lost));
     if (any_two_widths) sample.wi = tangent.From(wi);
     // A reflection below the surface, or a refraction above it, meets the facets again: the lobes
     // return it.
@@ -252,6 +248,7 @@ inline constexpr BsdfTraits RoughDielectricTraits = {
     .transmits = true,
     .refracts = true,
     .two_widths = true,
+    .across = MaterialField::kDielectricAcross,
     .inside = true,
     .tables = {.dielectric = true},
     .parameters = {{"alpha"}, {"alpha_across"}, {"ior"}},

@@ -43,7 +43,7 @@ Image ReadCubeFaces(const std::string& path, const ReadLimits& limits) {
 void WriteCubeFaces(const std::string& path, const Image& strip) {
   const int side = strip.height;
   const std::array<std::string, 6> paths = CubeFacePaths(path);
-  for (const std::string& face : paths) CheckWritable(face);
+  CheckAllWritable(paths);
   for (int f = 0; f < 6; ++f) {
     Image face(side, side);
     for (int y = 0; y < side; ++y) {

@@ -24,6 +24,16 @@ void RemoveAndEnd(int) {
   ::_exit(0);
 }
 
+// Returns the exit code of a process in which `run` is called. RemoveUnfinishedFiles is the last
+// that a process does with files, so it is called in one of its own.
+int ExitCodeOf(const std::function<int()>& run) {
+  const pid_t process = ::fork();
+  if (process == 0) ::_exit(run());
+  int status = 0;
+  EXPECT_EQ(::waitpid(process, &status, 0), process);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
 // A process that writes half of `path`, calls `meanwhile` and then waits to be killed; SIGTERM
 // makes it remove its unfinished files. It ends with its test at the latest.
 class StuckWriter {
@@ -88,6 +98,17 @@ TEST(Leftovers, AreRemovedWhereItIsCheckedWhetherTheTargetCanBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(other));
 }
 
+TEST(Leftovers, AreRemovedOfAllOutputsThatAreCheckedTogether) {
+  const TemporaryFolder folder;
+  folder.Write("a.exr.77.part", "left over"), folder.Write("a.png.77.part", "left over");
+  const std::vector<std::string> outputs = {folder.Path("a.exr"), "", folder.Path("a.png"),
+                                            "/dev/null"};
+  CheckAllWritable(outputs);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path(".")));
+  const std::vector<std::string> bad = {folder.Path("a.exr"), folder.Path("none/a.png")};
+  EXPECT_THROW(CheckAllWritable(bad), InputError);
+}
+
 TEST(Unfinished, FilesAreRemovedByAHandlerOfSignals) {
   const TemporaryFolder folder;
   const std::string target = folder.Write("a.exr", "the old one");
@@ -105,11 +126,31 @@ TEST(Unfinished, FilesAreRemovedByAHandlerOfSignals) {
 
 TEST(Unfinished, FilesThatAreFinishedStay) {
   const TemporaryFolder folder;
-  for (int i = 0; i < 100; ++i) {  // more than are known at once
-    WriteFileAtomically(folder.Path(std::to_string(i)), "all of it");
-  }
-  RemoveUnfinishedFiles();
+  EXPECT_EQ(ExitCodeOf([&] {
+              for (int i = 0; i < 100; ++i) {  // more than are known at once
+                WriteFileAtomically(folder.Path(std::to_string(i)), "all of it");
+              }
+              RemoveUnfinishedFiles();
+              return 0;
+            }),
+            0);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.Path(".")), {}), 100);
+}
+
+// Another thread may be about to make a file when a handler has looked for those that there are.
+TEST(Unfinished, FilesAreNotMadeOnceTheHandlerHasRemovedThem) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(ExitCodeOf([&] {
+              RemoveUnfinishedFiles();
+              try {
+                WriteFileAtomically(folder.Path("a.exr"), "the new one");
+              } catch (const InputError&) {
+                return 7;
+              }
+              return 0;
+            }),
+            7);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path(".")));
 }
 
 TEST(BeforeRename, AFailureLeavesTheOldFile) {

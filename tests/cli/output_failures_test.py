@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Tests what becomes of outputs that cannot be written: on a full disk, beyond the limit of file
 sizes, in a folder that is only for reading or below a file, to a standard output that is full,
-closed or that nobody reads, and when the process is killed while it writes.
+closed or that nobody reads, to a standard error that is full or closed, and when the process is
+killed while it writes.
 
     tests/cli/output_failures_test.py PROGRAM
 
 Every command that writes files has to end with an error that names one of them and the reason, to
-leave all files what they were, and no temporary one. After SIGKILL the next run removes that. Runs
-in a name space of its own, where it can mount small file systems.
+leave all files what they were, and no temporary one. After SIGKILL the next run removes that.
+Checkpoints and snapshots, whose failures end no render, are left to the tests of sessions. Runs in
+a name space of its own, where it can mount small file systems.
 """
 import errno
 import os
@@ -45,7 +47,11 @@ COMMANDS = {
     "bench": (f"bench spheres {SMALL} --repetitions 1 --json {{out}}/a.json", ["a.json"]),
     "bench --copies": (f"bench spheres {SMALL} --repetitions 1 --copies 1 --json {{out}}/a.json",
                        ["a.json"]),
+    "bench --update-baseline": (
+        f"bench spheres {SMALL} --repetitions 1 --gates counters --baseline {{out}}/a.baseline "
+        "--update-baseline new", ["a.baseline"]),
     "bench --sustain": (f"bench spheres {SMALL} --sustain 0.1 --json {{out}}/a.json", ["a.json"]),
+    "probe calibrate": ("probe calibrate --height 8 -o {out}/a.exr", ["a.exr"]),
     "probe convert to EXR": ("probe convert in/sky.pfm {out}/a.exr --to angular", ["a.exr"]),
     "probe convert to HDR": ("probe convert in/sky.pfm {out}/a.hdr --to angular", ["a.hdr"]),
     "probe convert to PFM": ("probe convert in/sky.pfm {out}/a.pfm --to angular", ["a.pfm"]),
@@ -54,10 +60,14 @@ COMMANDS = {
         [f"a-{face}.exr" for face in ("right", "left", "up", "down", "front", "back")]),
     "probe info": ("probe info in/sky.pfm --json {out}/a.json", ["a.json"]),
     "probe lights": ("probe lights in/sky.pfm --output {out}/a.json", ["a.json"]),
+    "probe lights --residual": (
+        "probe lights in/sky.pfm --strata variation --residual {out}/a.exr", ["a.exr"]),
     "probe plot": ("probe plot in/sky.pfm -o {out}/a.png", ["a.png"]),
     "probe presample": ("probe presample in/sky.pfm -o {out}/a.json --cells {out}/a.png",
                         ["a.json", "a.png"]),
 }
+# What is there before, where a command reads what it replaces; setUpModule makes it.
+OLD_FILES = {}
 # Commands that print, besides what they write.
 PRINTING = [
     "options", "options --json", "--help", "--version", "render --help", "strategies",
@@ -67,6 +77,15 @@ PRINTING = [
     f"render spheres {SMALL} -o in/b.exr", f"render spheres {SMALL} -o in/b.exr --progress openjd",
     "merge in/noisy.film -o in/b.exr", "denoise in/noisy.exr -o in/b.exr",
     "probe convert in/sky.pfm in/b.exr --to angular"]
+# Commands that print only to standard error, with their exit codes.
+TELLING = {
+    "probe lights in/sky.pfm --output in/b.json": 0,
+    "probe presample in/bad.pfm -o in/b.json": 0,
+    "render nothere.obj -o in/b.exr": 65,
+    "probe info nothere.pfm": 74,
+    "render in/sky.pfm -o in/b.exr": 65,
+    "render spheres --spp none": 64,
+}
 
 
 def start(arguments, **options):
@@ -118,11 +137,16 @@ def setUpModule():
     rows = b"".join(struct.pack("<3f", x / 16, y / 8, 30 if (x, y) == (3, 2) else 1)
                     for y in range(8) for x in range(16))
     (folder / "sky.pfm").write_bytes(b"PF\n16 8\n-1.0\n" + rows)
+    (folder / "bad.pfm").write_bytes(b"PF\n16 8\n-1.0\n" + struct.pack("<f", float("nan"))
+                                     + rows[4:])
     (folder / "job.toml").write_text('[base]\nscene = "spheres"\nsize = "24x16"\nspp = 1\n[axes]\n'
                                      'seed = "1-2"\n[output]\npath = "{seed}.exr"\n')
     code, errors = run("render spheres --size 24x16 --spp 8 --aovs denoiser -q -o in/noisy.exr "
                        "--film in/noisy.film")
     assert code == 0, errors
+    code, errors = run(COMMANDS["bench --update-baseline"][0].format(out="in"))
+    assert code == 0, errors
+    OLD_FILES["a.baseline"] = (folder / "a.baseline").read_bytes()
 
 
 class Files(unittest.TestCase):
@@ -130,7 +154,7 @@ class Files(unittest.TestCase):
 
     def put_old(self, folder, names):
         for name in names:
-            (folder / name).write_bytes(OLD)
+            (folder / name).write_bytes(OLD_FILES.get(name, OLD))
 
     def expect_failure(self, folder, command, reason, before=None, **options):
         arguments, names = COMMANDS[command]
@@ -246,6 +270,16 @@ class Batches(unittest.TestCase):
         self.assertEqual(run(f"batch {job} -q -o {self.folder}"), (0, ""))
         self.assertIn("320x240.png", files_in(self.folder))
 
+    def test_scripts_for_slurm(self):
+        self.mount("size=64k")
+        (self.folder / "render.sh").write_bytes(OLD)
+        fill(self.folder)
+        before = files_in(self.folder)
+        code, errors = run(f"batch in/job.toml -q --slurm {self.folder}")
+        self.assertEqual(code, EXIT_IO)
+        self.assertRegex(errors, f"{self.folder}/render.sh: cannot be written: No space left")
+        self.assertEqual(files_in(self.folder), before)
+
     def test_folder_for_reading_only(self):
         self.mount("size=64k,ro")
         code, errors = run(f"batch in/job.toml -q -o {self.folder}")
@@ -322,6 +356,27 @@ class StandardOutput(unittest.TestCase):
                 process.communicate()
 
 
+class StandardError(unittest.TestCase):
+    """Commands that print, where standard error does not take it."""
+
+    def expect_code(self, arguments, expected, **options):
+        with self.subTest(arguments):
+            code, _ = run(arguments, **options)
+            self.assertEqual(code, expected)
+
+    def test_full(self):
+        with open("/dev/full", "wb") as full:
+            for arguments, code in TELLING.items():
+                self.expect_code(arguments, code, stderr=full)
+            for arguments in PRINTING:
+                self.expect_code(arguments, 0, stderr=full)
+                self.expect_code(arguments, EXIT_IO, stdout=full, stderr=full)
+
+    def test_closed(self):
+        for arguments, code in {**TELLING, **dict.fromkeys(PRINTING, 0)}.items():
+            self.expect_code(arguments, code, stderr=None, preexec_fn=lambda: os.close(2))
+
+
 class Kills(unittest.TestCase):
     """Commands that are killed while they write a large file."""
 
@@ -373,7 +428,8 @@ class Kills(unittest.TestCase):
     def test_signals_leave_nothing(self):
         signals = [(command, signal.SIGTERM) for command in self.LARGE]
         for command, number in [*signals, ("render --film", signal.SIGINT),
-                                ("render --film", signal.SIGHUP)]:
+                                ("render --film", signal.SIGHUP),
+                                ("render --film", signal.SIGXCPU)]:
             with self.subTest(f"{command} {number.name}"):
                 folder = self.kill_while_writing(command, number)
                 self.assertEqual(files_in(folder),

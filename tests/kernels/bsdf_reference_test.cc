@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
-#include <optional>
 
 #include "kernels/bsdf/dielectric_tables.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/facet_quadrature.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/targets.h"
 
@@ -222,38 +222,6 @@ TEST(BsdfReference, AlbedosOfTheFacets) {
   }
 }
 
-// Returns the share of light from wo that facets of two widths keep by scattering once: those of a
-// metal with F = 1, or of glass where `ratio` (near index over far index) is given. Half vectors
-// are distributed as D(h) cos.
-double KeptByFacets(double x, double y, const Vec& wo, std::optional<double> ratio, int radii,
-                    int turns) {
-  const auto lambda = [&](const Vec& w) {
-    const double slope2 = (std::pow(x * w.x, 2) + std::pow(y * w.y, 2)) / (w.z * w.z);
-    return 0.5 * (std::sqrt(1 + slope2) - 1);
-  };
-  double sum = 0;
-  for (int i = 0; i < radii; ++i) {
-    // Steep facets are few and are seen large: places are dense where u is near 1.
-    const double v = 1 - (i + 0.5) / radii, u = 1 - v * v, radius = std::sqrt(u / (1 - u));
-    for (int j = 0; j < turns; ++j) {
-      const double phi = 2 * kPi * (j + 0.5) / turns;
-      const Vec h = Unit({x * radius * std::cos(phi), y * radius * std::sin(phi), 1});
-      const double facing = Dot(wo, h);
-      if (facing <= 0) continue;
-      const double seen = 2 * v * facing / (wo.z * h.z), lambda_o = lambda(wo);
-      const Vec reflected = 2 * facing * h - wo;
-      const double sine2 = ratio ? *ratio * *ratio * (1 - facing * facing) : 1;
-      const double reflectance =
-          sine2 < 1 ? FresnelReflectance(std::min(facing, 1.0), 1 / *ratio) : 1;
-      if (reflected.z > 0) sum += reflectance * seen / (1 + lambda_o + lambda(reflected));
-      if (reflectance == 1) continue;
-      const Vec refracted = (*ratio * facing - std::sqrt(1 - sine2)) * h - *ratio * wo;
-      if (refracted.z < 0) sum += (1 - reflectance) * seen / (1 + lambda_o + lambda(refracted));
-    }
-  }
-  return sum / (double(radii) * turns);
-}
-
 // The tables of glass and of brushed metal hold what a quadrature without visible normals finds.
 TEST(BsdfReference, LossesOfRoughGlass) {
   for (const float ior : {1.2f, 1.5f, 0.7f}) {
@@ -262,7 +230,7 @@ TEST(BsdfReference, LossesOfRoughGlass) {
       for (const bool inside : {false, true}) {
         const double ratio = inside ? ior : 1 / ior;
         const auto lost = [&](double mu, int radii, int turns) {
-          const Vec wo = {std::sqrt(1 - mu * mu), 0, mu};
+          const glm::dvec3 wo = {std::sqrt(1 - mu * mu), 0, mu};
           return 1 - KeptByFacets(alpha, alpha, wo, ratio, radii, turns);
         };
         for (const std::size_t column : {10u, 16u, 24u, 31u}) {
@@ -295,7 +263,7 @@ TEST(BsdfReference, AlbedosOfBrushedMetal) {
           const double mu = square(c, kTabledCosines), sine = std::sqrt(1 - mu * mu);
           const double share = double(p) / (kTabledAzimuths - 1), x = 1 - share, y = share;
           const double norm = std::hypot(x, y);
-          const Vec wo = {sine * x / norm, -sine * y / norm, mu};
+          const glm::dvec3 wo = {sine * x / norm, -sine * y / norm, mu};
           EXPECT_NEAR(tables.albedo[a][b][c][p], KeptByFacets(along, across, wo, {}, 800, 100),
                       3e-3)
               << "widths " << along << " and " << across << ", cosine " << mu << ", azimuth " << p;
@@ -307,7 +275,7 @@ TEST(BsdfReference, AlbedosOfBrushedMetal) {
         for (int j = 0; j < kSteps; ++j) {
           const double mu = (i + 0.5) / kSteps, phi = kPi / 2 * (j + 0.5) / kSteps;
           const double sine = std::sqrt(1 - mu * mu);
-          const Vec wo = {sine * std::cos(phi), sine * std::sin(phi), mu};
+          const glm::dvec3 wo = {sine * std::cos(phi), sine * std::sin(phi), mu};
           mean += 2 * mu / (kSteps * kSteps) * KeptByFacets(along, across, wo, {}, 200, 60);
         }
       }

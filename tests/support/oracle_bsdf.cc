@@ -10,6 +10,7 @@
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/facet_quadrature.h"
 
 namespace skywave {
 namespace {
@@ -261,43 +262,13 @@ OracleScatter ScatterFormula(const OracleSurface& s, const Basis& basis, OracleR
   return out;
 }
 
-// Returns the table of kernels/bsdf/dielectric_tables.h, by a quadrature of its own: half vectors
-// are distributed as D(h) cos, and not as an eye sees them.
+// Returns the table of kernels/bsdf/dielectric_tables.h, by another quadrature (KeptByFacets).
 DielectricTable LossesByQuadrature(double x_width, double y_width, double ior) {
   constexpr int kRadii = 200, kTurns = 64, kHeights = 64, kAzimuths = 8;
-  const auto lambda = [&](const dvec3& w) {
-    const double slope2 = (Square(x_width * w.x) + Square(y_width * w.y)) / Square(w.z);
-    return 0.5 * (std::sqrt(1 + slope2) - 1);
-  };
   const auto lost = [&](bool inside, double mu, double azimuth) {
     const double ratio = inside ? ior : 1 / ior, sine = std::sqrt(1 - mu * mu);
     const dvec3 wo(sine * std::cos(azimuth), sine * std::sin(azimuth), mu);
-    const double lambda_o = lambda(wo);
-    double kept = 0;
-    for (int i = 0; i < kRadii; ++i) {
-      // Steep facets are few and are seen large: places are dense where u is near 1.
-      const double v = 1 - (i + 0.5) / kRadii, u = 1 - v * v;
-      const double slope = std::sqrt(u / (1 - u));
-      for (int j = 0; j < kTurns; ++j) {
-        const double phi = 2 * kPi * (j + 0.5) / kTurns;
-        const dvec3 h = glm::normalize(
-            dvec3(x_width * slope * std::cos(phi), y_width * slope * std::sin(phi), 1));
-        const double c = std::min(glm::dot(wo, h), 1.0);
-        if (c <= 0) continue;
-        const double sine2 = ratio * ratio * (1 - c * c);
-        const double inner = std::sqrt(std::max(0.0, 1 - sine2));
-        const double across = (ratio * c - inner) / (ratio * c + inner);
-        const double along = (c - ratio * inner) / (c + ratio * inner);
-        const double f = sine2 >= 1 ? 1 : 0.5 * (Square(across) + Square(along));
-        const auto arrives = [&](const dvec3& wi) {
-          return 2 * v * c / (mu * h.z) / (1 + lambda_o + lambda(wi));
-        };
-        const dvec3 back = 2 * c * h - wo, on = ratio * (c * h - wo) - inner * h;
-        if (back.z > 0) kept += f * arrives(back);
-        if (on.z < 0 && f < 1) kept += (1 - f) * arrives(on);
-      }
-    }
-    return std::max(0.0, 1 - kept / (kRadii * kTurns));
+    return std::max(0.0, 1 - KeptByFacets(x_width, y_width, wo, ratio, kRadii, kTurns));
   };
   // With two widths, the rows are azimuths by |y| / (|x| + |y|).
   const int azimuths = x_width == y_width ? 1 : kAzimuths;

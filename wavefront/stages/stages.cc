@@ -148,8 +148,7 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
       case Varying::kAlpha:
         if (view.two_widths && bsdf.two_widths) {
           PrepareTangents(frame.geometry->tangents(), frame.geometry->instances(), n, rows);
-          PrepareTwoWidths(textures, materials, MaterialField::kDielectricAcross, false, angle, n,
-                           rows);
+          PrepareTwoWidths(textures, materials, *bsdf.across, false, angle, n, rows);
         } else if (view.varied) {
           PrepareMetallicRoughness(textures, materials, angle, n, rows);
         }
@@ -159,8 +158,8 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
         break;
       case Varying::kTangent:
         PrepareTangents(frame.geometry->tangents(), frame.geometry->instances(), n, rows);
-        if (view.varied && bsdf.tables.anisotropic) {
-          PrepareTwoWidths(textures, materials, MaterialField::kAlphaAcross, true, angle, n, rows);
+        if (view.varied && bsdf.across) {
+          PrepareTwoWidths(textures, materials, *bsdf.across, true, angle, n, rows);
         }
         break;
     }
