@@ -222,6 +222,10 @@ float AlphaFromRoughness(float roughness, bool remap, bool v4) {
   return 1.62142f + x * (0.819955f + x * (0.1734f + x * (0.0171201f + x * 0.000640711f)));
 }
 
+// pbrt uses the same threshold between rough and specular, and the same least width of a rough
+// surface, which may be smooth in one direction.
+constexpr float kSmoothWidth = 1e-3f, kLeastWidth = 1e-4f;
+
 // GGX widths along and across the direction of increasing u. The names in v4's coatedconductor and
 // coateddiffuse begin with "conductor." or "interface.".
 struct Widths {
@@ -231,7 +235,11 @@ struct Widths {
   std::optional<PbrtSolidParameter> solid = std::nullopt;  // likewise if both vary in space
   bool texture_of_two = false;                             // it differs along and across
   bool two() const { return along != across || texture_of_two; }
-  float mean() const { return std::sqrt(along * across); }
+  bool smooth() const { return std::max(along, across) < kSmoothWidth; }
+  float mean() const {
+    if (smooth()) return std::sqrt(along * across);
+    return std::sqrt(std::max(along, kLeastWidth) * std::max(across, kLeastWidth));
+  }
 };
 Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
   const float roughness = FindScalar(context, prefix + "roughness").value_or(fallback);
@@ -329,9 +337,6 @@ void SetIndex(Context& context, const std::string& prefix, Material& material) {
   material.k = ConductorIndex(context, prefix, "k", copper);
 }
 
-// pbrt uses the same threshold between rough and specular.
-constexpr float kSmoothWidth = 1e-3f;
-
 Material Conductor(Context& context, bool v4) {
   Material material;
   material.bsdf = BsdfKind::kConductor;
@@ -342,7 +347,7 @@ Material Conductor(Context& context, bool v4) {
   material.roughness_texture = widths.texture;
   if (widths.solid) context.reader.solids.push_back(*widths.solid);
   // Mirrors have one index for all places; facets of the least width are nearly one.
-  if (material.alpha < kSmoothWidth && !material.metal_of_color) {
+  if (widths.smooth() && !material.metal_of_color) {
     material.bsdf = BsdfKind::kMirror;
   } else if (widths.two()) {
     material.bsdf = BsdfKind::kAnisotropicConductor;
@@ -460,8 +465,7 @@ Material Dielectric(Context& context, bool v4) {
                                  }) ||
                      widths.texture || widths.solid;
   // A rough surface between equal indices refracts nothing, so its facets are undetermined.
-  if (rough && std::max(widths.along, widths.across) >= kSmoothWidth &&
-      std::fabs(material.ior - 1) > 1e-3f) {
+  if (rough && !widths.smooth() && std::fabs(material.ior - 1) > 1e-3f) {
     material.bsdf = BsdfKind::kRoughDielectric;
     material.alpha = widths.mean();
     if (widths.two()) {

@@ -314,6 +314,14 @@ TEST(Materials, Conductors) {
   EXPECT_EQ(anisotropic.bsdf, BsdfKind::kAnisotropicConductor);
   EXPECT_FLOAT_EQ(anisotropic.alpha, 0.1f);
   EXPECT_FLOAT_EQ(anisotropic.alpha_across.value(), 0.4f);
+  // Metal that is rough in one direction alone is brushed.
+  for (const bool along : {true, false}) {
+    const Material brushed = OnlyMaterial(std::string("Material \"conductor\" \"float ") +
+                                          (along ? "uroughness" : "vroughness") + "\" .09");
+    EXPECT_EQ(brushed.bsdf, BsdfKind::kAnisotropicConductor);
+    EXPECT_FLOAT_EQ(brushed.alpha, along ? 0.3f : 0.0f);
+    EXPECT_FLOAT_EQ(brushed.alpha_across.value(), along ? 0.0f : 0.3f);
+  }
   const Material coated = OnlyMaterial(
       "Material \"coatedconductor\" \"float conductor.roughness\" .25 "
       "\"float interface.roughness\" .01 \"float interface.eta\" 1.4 "
@@ -322,6 +330,10 @@ TEST(Materials, Conductors) {
   EXPECT_FLOAT_EQ(coated.alpha, 0.5f);
   EXPECT_FLOAT_EQ(coated.coat_alpha, 0.1f);
   EXPECT_FLOAT_EQ(coated.ior, 1.4f);
+  // The geometric mean with pbrt's least width.
+  const Material brushed_coat =
+      OnlyMaterial("Material \"coatedconductor\" \"float interface.vroughness\" .09");
+  EXPECT_NEAR(brushed_coat.coat_alpha, std::sqrt(0.3f * 1e-4f), 1e-6f);
   ExpectNear(coated.k, {3.98316f, 2.38572f, 1.60322f});
 }
 
