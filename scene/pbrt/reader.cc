@@ -29,6 +29,10 @@ std::unique_ptr<PbrtSource> MakeSource(const PbrtReader& reader, std::string pat
 void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
   PbrtSource& source = *reader.sources.back();
   const InputPosition position = PositionOf(source, word);
+  const bool imported = word.text == "Import";
+  if (imported && !reader.in_world) {
+    throw InputError(position, "Import has to come after WorldBegin");
+  }
   const std::string name = ExpectString(source, "the name of a file");
   const std::string path = ResolvePbrtPath(reader, name, position);
   for (const auto& open : reader.sources) {
@@ -50,7 +54,20 @@ void OpenInclude(PbrtReader& reader, const PbrtToken& word) {
   } catch (const InputError& error) {
     throw InputError(position, error.what(), error.exit_code());
   }
+  if (imported) OpenPbrtScope(reader, source, word);
   reader.sources.push_back(MakeSource(reader, path, std::move(text)));
+  reader.sources.back()->imported = imported;
+}
+
+void EndSource(PbrtReader& reader, const PbrtToken& end) {
+  const PbrtSource& source = *reader.sources.back();
+  if (source.imported) {
+    if (const PbrtScope& open = reader.scopes.back(); open.begin != "Import") {
+      throw InputError(open.position, open.begin + " is never closed in the imported file");
+    }
+    reader.state = ClosePbrtScope(reader, source, end, "Import");
+  }
+  reader.sources.pop_back();
 }
 
 PbrtHandler RequireHandler(const PbrtSource& source, const PbrtToken& word) {
@@ -74,7 +91,7 @@ void ReadDirectives(PbrtReader& reader) {
     PbrtSource& source = *reader.sources.back();
     const PbrtToken word = NextToken(source);
     if (word.kind == PbrtTokenKind::kEnd) {
-      reader.sources.pop_back();
+      EndSource(reader, word);
     } else if (reader.ended) {
       AddWarning(reader.warnings, PositionOf(source, word), "everything after WorldEnd is ignored");
       return;

@@ -61,7 +61,7 @@ struct PbrtGraphicsState {
 };
 
 struct PbrtScope {
-  std::string begin;       // the directive that opened it
+  std::string begin;       // the directive that opened it; Import does, too
   InputPosition position;  // its position
   PbrtGraphicsState saved;
 };
@@ -138,6 +138,12 @@ std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, b
 std::optional<std::uint32_t> PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
                                               const PbrtTexture& along, const PbrtTexture& across,
                                               const std::function<float(float)>& alpha_of);
+
+// Open a scope at `word`, and close the innermost one, which `begin` must have opened; the latter
+// returns the state saved there (world.cc).
+void OpenPbrtScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word);
+PbrtGraphicsState ClosePbrtScope(PbrtReader& reader, const PbrtSource& source,
+                                 const PbrtToken& word, std::string_view begin);
 
 // Handles the directive Texture (textures.cc).
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);

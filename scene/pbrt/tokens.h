@@ -21,8 +21,9 @@ struct PbrtSource {
   std::string path;
   std::string main_path;  // the outermost file that includes this one; or `path`
   std::string text;
-  std::size_t next = 0;  // first byte not yet read
-  std::size_t line = 1;  // the line of that byte
+  std::size_t next = 0;   // first byte not yet read
+  std::size_t line = 1;   // the line of that byte
+  bool imported = false;  // by Import, which keeps the state of the file that it stands in
 };
 
 // Returns the next token, skipping white space and # comments; returns kEnd at the end, however

@@ -18,30 +18,6 @@
 namespace skywave {
 namespace {
 
-void OpenScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word) {
-  if (reader.scopes.size() >= kMaxPbrtScopes) {
-    throw InputError(PositionOf(source, word),
-                     fmt::format("scopes are nested more than {} deep", kMaxPbrtScopes));
-  }
-  reader.scopes.push_back({std::string(word.text), PositionOf(source, word), reader.state});
-}
-
-// Closes the innermost scope, which `begin` must have opened; returns the state saved there.
-PbrtGraphicsState CloseScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word,
-                             std::string_view begin) {
-  if (reader.scopes.empty()) {
-    throw InputError(PositionOf(source, word), fmt::format("{} without {}", word.text, begin));
-  }
-  const PbrtScope scope = std::move(reader.scopes.back());
-  if (scope.begin != begin) {
-    throw InputError(PositionOf(source, word),
-                     fmt::format("{} cannot close the {} of {}", word.text, scope.begin,
-                                 ToString(scope.position)));
-  }
-  reader.scopes.pop_back();
-  return scope.saved;
-}
-
 void WorldBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   if (reader.in_world) throw InputError(PositionOf(source, word), "a second WorldBegin");
   if (!reader.scopes.empty()) {
@@ -61,16 +37,16 @@ void WorldEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 }
 
 void AttributeBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  OpenScope(reader, source, word);
+  OpenPbrtScope(reader, source, word);
 }
 void AttributeEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  reader.state = CloseScope(reader, source, word, "AttributeBegin");
+  reader.state = ClosePbrtScope(reader, source, word, "AttributeBegin");
 }
 void TransformBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  OpenScope(reader, source, word);
+  OpenPbrtScope(reader, source, word);
 }
 void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const PbrtGraphicsState saved = CloseScope(reader, source, word, "TransformBegin");
+  const PbrtGraphicsState saved = ClosePbrtScope(reader, source, word, "TransformBegin");
   reader.state.to_world = saved.to_world;
   reader.state.transform_active = saved.transform_active;
 }
@@ -84,13 +60,13 @@ void ObjectBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) 
   if (!reader.objects.try_emplace(name, index).second) {
     throw InputError(PositionOf(source, word), fmt::format("a second object \"{}\"", name));
   }
-  OpenScope(reader, source, word);
+  OpenPbrtScope(reader, source, word);
   reader.scene.objects.push_back({.name = name, .meshes = {}});
   reader.in_object = true;
 }
 
 void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  reader.state = CloseScope(reader, source, word, "ObjectBegin");
+  reader.state = ClosePbrtScope(reader, source, word, "ObjectBegin");
   reader.in_object = false;
 }
 
@@ -300,6 +276,29 @@ constexpr PbrtDirective kWorldDirectives[] = {
 };
 
 }  // namespace
+
+void OpenPbrtScope(PbrtReader& reader, const PbrtSource& source, const PbrtToken& word) {
+  if (reader.scopes.size() >= kMaxPbrtScopes) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("scopes are nested more than {} deep", kMaxPbrtScopes));
+  }
+  reader.scopes.push_back({std::string(word.text), PositionOf(source, word), reader.state});
+}
+
+PbrtGraphicsState ClosePbrtScope(PbrtReader& reader, const PbrtSource& source,
+                                 const PbrtToken& word, std::string_view begin) {
+  if (reader.scopes.empty()) {
+    throw InputError(PositionOf(source, word), fmt::format("{} without {}", word.text, begin));
+  }
+  const PbrtScope scope = std::move(reader.scopes.back());
+  if (scope.begin != begin) {
+    throw InputError(PositionOf(source, word),
+                     fmt::format("{} cannot close the {} of {}", word.text, scope.begin,
+                                 ToString(scope.position)));
+  }
+  reader.scopes.pop_back();
+  return scope.saved;
+}
 
 PbrtHandler FindPbrtWorldDirective(std::string_view word) {
   return FindPbrtDirective(kWorldDirectives, word);

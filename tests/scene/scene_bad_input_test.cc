@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/error.h"
@@ -266,6 +267,20 @@ TEST(BadPbrt, IncludesMustExistEndAndNotRecur) {
   folder.Write("h3.pbrt", "Identity");
   EXPECT_TRUE(Contains(ErrorOf([&] { ReadScene(folder.Write("m.pbrt", "Include \"h0.pbrt\"")); }),
                        "more than 10000 includes"));
+
+  // An imported file stands in a scope of its own.
+  const std::string import = "WorldBegin AttributeBegin\nImport \"part.pbrt\" AttributeEnd";
+  for (const auto& [part, place, reason] :
+       {std::tuple("\nAttributeEnd", "part.pbrt:2: ", "cannot close the Import"),
+        {"\n\nAttributeBegin", "part.pbrt:3: ", "is never closed"},
+        {"\nWorldBegin", "part.pbrt:2: ", "a second WorldBegin"}}) {
+    folder.Write("part.pbrt", part);
+    const std::string fault = ErrorOf([&] { ReadScene(folder.Write("m.pbrt", import)); });
+    EXPECT_TRUE(Contains(fault, place) && Contains(fault, reason)) << fault;
+  }
+  const std::string early =
+      ErrorOf([&] { ReadScene(folder.Write("m.pbrt", "\nImport \"part.pbrt\"\nWorldBegin")); });
+  EXPECT_TRUE(Contains(early, "m.pbrt:2: ") && Contains(early, "after WorldBegin")) << early;
 
   folder.Write("bad.pbrt", "\n\nTranslate 1 x 1");
   const std::string inner =

@@ -577,6 +577,30 @@ TEST(Files, IncludesAndMapsAreLookedUpInTheFolderOfTheirFile) {
   EXPECT_TRUE(std::filesystem::exists(scene.environments[1].map_path));
 }
 
+// What an imported file sets ends with it, and what it inherits does not.
+TEST(Files, ImportsKeepTheirStateToThemselves) {
+  const TemporaryFolder folder;
+  const std::string part = std::string("Translate 5 0 0\n") + kTriangle +
+                           "Material \"mirror\" ReverseOrientation\n"
+                           "Attribute \"shape\" \"float radius\" 3\n";
+  folder.Write("part.pbrt", part);
+  const std::string rest = std::string(kTriangle) + "Shape \"sphere\"\n";
+  const std::string begin = "WorldBegin\nTranslate 0 1 0 Material \"glass\"\n";
+  const auto read = [&](const std::string& directive) {
+    return ReadScene(folder.Write("main.pbrt", begin + directive + " \"part.pbrt\"\n" + rest));
+  };
+  const Scene imported = read("Import"), included = read("Include");
+  ASSERT_EQ(imported.meshes.size(), 3u);
+  ExpectNear(imported.meshes[0].positions[0], {5, 1, 0});
+  EXPECT_EQ(imported.materials[imported.meshes[0].material].bsdf, BsdfKind::kDielectric);
+  ExpectNear(imported.meshes[1].positions[0], {0, 1, 0});
+  ExpectNear(GeometricNormal(imported.meshes[1]), {0, 0, 1});
+  EXPECT_EQ(imported.materials[imported.meshes[1].material].bsdf, BsdfKind::kDielectric);
+  EXPECT_NEAR(glm::length(imported.meshes[2].positions[0] - glm::vec3(0, 1, 0)), 1, 1e-5);
+  ExpectNear(included.meshes.at(1).positions[0], {5, 1, 0});
+  EXPECT_EQ(included.materials[included.meshes[1].material].bsdf, BsdfKind::kMirror);
+}
+
 TEST(Files, PlyAloneAndInAScene) {
   const TemporaryFolder folder;
   const std::string ply = folder.Write("t.PLY",
