@@ -12,8 +12,8 @@ struct MetalIndex {
   glm::vec3 k;    // imaginary part
 };
 
-// Returns a metal by its chemical symbol, Ag, Al, Au, Cu, CuZn or TiO2, and nothing for
-// others.
+// Returns a metal by its chemical symbol, Ag, Al, Au, Cu, CuZn, MgO or TiO2, and
+// nothing for others.
 std::optional<MetalIndex> FindMetal(std::string_view symbol);
 
 // Returns the metal with eta = 1 that has this reflectance at normal incidence, as pbrt-v4 does.

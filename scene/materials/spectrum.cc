@@ -40,17 +40,8 @@ glm::dvec3 Integrate(const Value& value) {
   return sum / white;
 }
 
-double ValueAt(SpectrumPairs spectrum, double nm) {
-  const auto above = std::find_if(spectrum.begin(), spectrum.end(),
-                                  [&](const glm::vec2& pair) { return pair.x >= nm; });
-  if (above == spectrum.end()) return spectrum.back().y;
-  if (above == spectrum.begin()) return above->y;
-  const glm::dvec2 high = *above, low = *(above - 1);
-  return low.y + (high.y - low.y) * (nm - low.x) / (high.x - low.x);
-}
-
 glm::dvec3 Xyz(SpectrumPairs spectrum) {
-  return Integrate([&](double nm) { return ValueAt(spectrum, nm); });
+  return Integrate([&](double nm) { return SpectrumValueAt(spectrum, nm); });
 }
 
 // Returns the radiance relative to its highest value at any wavelength, which Wien's displacement
@@ -82,6 +73,15 @@ constexpr Illuminant kIlluminants[] = {
 };
 
 }  // namespace
+
+double SpectrumValueAt(SpectrumPairs spectrum, double nm) {
+  const auto above = std::find_if(spectrum.begin(), spectrum.end(),
+                                  [&](const glm::vec2& pair) { return pair.x >= nm; });
+  if (above == spectrum.end()) return spectrum.back().y;
+  if (above == spectrum.begin()) return above->y;
+  const glm::dvec2 high = *above, low = *(above - 1);
+  return low.y + (high.y - low.y) * (nm - low.x) / (high.x - low.x);
+}
 
 glm::vec3 RgbFromXyz(const glm::vec3& c) {
   return {3.2406f * c.x - 1.5372f * c.y - 0.4986f * c.z,

@@ -19,6 +19,9 @@ namespace skywave {
 // constant beyond both ends.
 using SpectrumPairs = std::span<const glm::vec2>;
 
+// Returns the value at a wavelength [nm]; there is at least one pair.
+double SpectrumValueAt(SpectrumPairs spectrum, double nm);
+
 // Converts CIE XYZ to linear Rec. 709 (IEC 61966-2-1).
 glm::vec3 RgbFromXyz(const glm::vec3& xyz);
 

@@ -9,6 +9,7 @@
 
 #include "scene/materials/merl.h"
 #include "scene/materials/metals.h"
+#include "scene/materials/spectrum.h"
 #include "scene/pbrt/state.h"
 
 namespace skywave {
@@ -418,14 +419,18 @@ Material Coated(Context& context) {
 
 struct NamedGlass {
   std::string_view name;
-  float ior;  // at the sodium D line, 589 nm
+  float ior;  // at kIndexWavelength
 };
-// Indices from Schott's catalogue under pbrt-v4's names.
+// Indices are those of the yellow line of helium (n_d) [nm].
+constexpr double kIndexWavelength = 587.6;
+// These are indices from Schott's catalogue under pbrt-v4's names. Its F5, F10 and F11 hold the
+// data of SF5, SF10 and SF11.
 constexpr std::array kGlasses = {
     NamedGlass{"glass-BK7", 1.5168f},   NamedGlass{"glass-BAF10", 1.6700f},
     NamedGlass{"glass-FK51A", 1.4866f}, NamedGlass{"glass-LASF9", 1.8503f},
-    NamedGlass{"glass-F5", 1.6034f},    NamedGlass{"glass-F10", 1.6228f},
-    NamedGlass{"glass-SF10", 1.7283f},  NamedGlass{"glass-SF11", 1.7847f},
+    NamedGlass{"glass-F5", 1.6727f},    NamedGlass{"glass-SF5", 1.6727f},
+    NamedGlass{"glass-F10", 1.7283f},   NamedGlass{"glass-SF10", 1.7283f},
+    NamedGlass{"glass-F11", 1.7847f},   NamedGlass{"glass-SF11", 1.7847f},
 };
 
 float DielectricIndex(Context& context, std::initializer_list<std::string_view> names) {
@@ -439,6 +444,8 @@ float DielectricIndex(Context& context, std::initializer_list<std::string_view> 
                             : kGlasses.end();
     if (glass != kGlasses.end()) {
       ior = glass->ior;
+    } else if (named && named->strings.empty()) {
+      ior = float(SpectrumValueAt(PairsOf(*named), kIndexWavelength));
     } else {
       ior = FindScalar(context, name).value_or(ior);
     }

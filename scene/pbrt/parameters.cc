@@ -180,6 +180,13 @@ glm::vec3 ColorOfBlackbody(const PbrtParameter& parameter) {
 }
 
 glm::vec3 ColorOfPairs(const PbrtParameter& parameter, SpectrumUse use) {
+  const std::vector<glm::vec2> pairs = PairsOf(parameter);
+  return use == SpectrumUse::kEmission ? RgbOfEmission(pairs) : RgbOfReflectance(pairs);
+}
+
+}  // namespace
+
+std::vector<glm::vec2> PairsOf(const PbrtParameter& parameter) {
   const std::vector<float>& values = parameter.floats;
   std::vector<glm::vec2> pairs;
   for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
@@ -193,10 +200,8 @@ glm::vec3 ColorOfPairs(const PbrtParameter& parameter, SpectrumUse use) {
                                  "ascending",
                                  parameter.name));
   }
-  return use == SpectrumUse::kEmission ? RgbOfEmission(pairs) : RgbOfReflectance(pairs);
+  return pairs;
 }
-
-}  // namespace
 
 PbrtParameters ReadParameters(PbrtSource& source, const InputPosition& position,
                               const std::string& directive) {

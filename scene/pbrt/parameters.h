@@ -70,6 +70,10 @@ std::optional<int> FindInt(PbrtParameters& parameters, std::string_view name);
 std::optional<bool> FindBool(PbrtParameters& parameters, std::string_view name);
 std::optional<std::string> FindString(PbrtParameters& parameters, std::string_view name);
 
+// Returns the pairs (wavelength [nm], value) of a spectrum that is not given by name, at least one.
+// Throws InputError unless the wavelengths ascend.
+std::vector<glm::vec2> PairsOf(const PbrtParameter& parameter);
+
 // Selects how a spectrum is converted to a colour (spectrum.h).
 enum class SpectrumUse { kReflectance, kEmission };
 

@@ -337,16 +337,23 @@ TEST(Materials, Conductors) {
   ExpectNear(coated.k, {3.98316f, 2.38572f, 1.60322f});
 }
 
-// The indices n_d of Schott's catalogue, to all of its digits.
+// The indices n_d of Schott's catalogue, to all of its digits; F5, F10 and F11 are SF5, SF10 and
+// SF11 in pbrt. An index by wavelength counts where n_d does.
 TEST(Materials, NamedGlasses) {
   const std::pair<const char*, double> glasses[] = {
-      {"BK7", 1.51680}, {"BAF10", 1.67003}, {"FK51A", 1.48656}, {"LASF9", 1.85025},
-      {"F5", 1.60342},  {"F10", 1.62283},   {"SF10", 1.72825},  {"SF11", 1.78472}};
+      {"BK7", 1.51680},  {"BAF10", 1.67003}, {"FK51A", 1.48656}, {"LASF9", 1.85025},
+      {"F5", 1.67271},   {"F10", 1.72825},   {"F11", 1.78472},   {"SF5", 1.67271},
+      {"SF10", 1.72825}, {"SF11", 1.78472}};
   for (const auto& [name, index] : glasses) {
     const std::string material =
         "Material \"dielectric\" \"spectrum eta\" \"glass-" + std::string(name) + "\"";
     EXPECT_NEAR(OnlyMaterial(material).ior, index, 1e-4) << name;
   }
+  const std::string glass = "Material \"dielectric\" \"spectrum eta\" ";
+  EXPECT_NEAR(OnlyMaterial(glass + "[400 1.7 700 1.4]").ior, 1.7 - 0.3 * 187.6 / 300, 1e-6);
+  EXPECT_NEAR(OnlyMaterial("Material \"coateddiffuse\" \"spectrum eta\" [300 1.4]").ior, 1.4, 1e-6);
+  EXPECT_THROW(OnlyMaterial(glass + "[700 1.7 400 1.4]"), InputError);
+  EXPECT_THROW(OnlyMaterial(glass + "[400]"), InputError);
 }
 
 // Under both of pbrt's spellings; and about the reflectances at normal incidence that are published
@@ -361,6 +368,7 @@ TEST(Materials, NamedMetals) {
       {"Al", {1.65746f, 0.88037f, 0.52123f}, {9.22387f, 6.26952f, 4.83700f}, {0.91f, 0.92f, 0.92f}},
       {"Au", {0.14312f, 0.37496f, 1.44248f}, {3.98316f, 2.38572f, 1.60322f}, {0.97f, 0.78f, 0.34f}},
       {"Cu", {0.20044f, 0.92403f, 1.10221f}, {3.91295f, 2.45285f, 2.14219f}, {0.95f, 0.64f, 0.54f}},
+      {"MgO", {1.73438f, 1.74079f, 1.75403f}, glm::vec3(0), {0.072f, 0.073f, 0.075f}},
   };
   for (const Metal& metal : metals) {
     SCOPED_TRACE(metal.name);
