@@ -155,6 +155,8 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
   reader.scene.left_handed = true;
   reader.scene.materials.push_back({.name = "default"});
   reader.state.material = 0;
+  // Only a comment or a string of version 4 could have that word, too.
+  reader.v3 = text.rfind("WorldEnd") != std::string::npos;
   reader.sources.push_back(MakeSource(reader, path, std::move(text)));
   ReadDirectives(reader);
   if (!reader.scopes.empty()) {

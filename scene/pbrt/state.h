@@ -89,6 +89,7 @@ struct PbrtReader {
   std::map<std::string, std::uint32_t> objects;  // index into Scene::objects, by name
   bool in_object = false;                        // the last of Scene::objects is being defined
   float film_gain = 1;                           // factor of all light, by the speed of the film
+  bool v3 = false;                               // the main file has a WorldEnd
   bool in_world = false;
   bool ended = false;         // WorldEnd has been read
   std::size_t triangles = 0;  // total of all meshes, those of each object once

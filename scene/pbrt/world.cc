@@ -47,6 +47,11 @@ void TransformBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 }
 void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const PbrtGraphicsState saved = ClosePbrtScope(reader, source, word, "TransformBegin");
+  // In pbrt-v4 this is another word for AttributeEnd.
+  if (!reader.v3) {
+    reader.state = saved;
+    return;
+  }
   reader.state.to_world = saved.to_world;
   reader.state.transform_active = saved.transform_active;
 }

@@ -460,20 +460,25 @@ TEST(Materials, NamedOnesAndConstantTextures) {
 }
 
 TEST(Scopes, RestoreWhatTheySave) {
-  const Scene scene = Parse(std::string("WorldBegin\nMaterial \"mirror\"\nAttributeBegin\n"
-                                        "Material \"glass\" Translate 5 0 0 ReverseOrientation\n"
-                                        "AttributeEnd\n") +
-                            kTriangle + "TransformBegin Translate 7 0 0 Material \"matte\"\n" +
-                            kTriangle + "TransformEnd\n" + kTriangle + "WorldEnd\n");
+  const std::string v4 = std::string(
+                             "WorldBegin\nMaterial \"mirror\"\nAttributeBegin\n"
+                             "Material \"glass\" Translate 5 0 0 ReverseOrientation\n"
+                             "AttributeEnd\n") +
+                         kTriangle + "TransformBegin Translate 7 0 0 Material \"matte\"\n" +
+                         kTriangle + "TransformEnd\n" + kTriangle;
+  const Scene scene = Parse(v4 + "WorldEnd\n");
   ASSERT_EQ(scene.meshes.size(), 3u);
   const auto kind = [&](int i) { return scene.materials[scene.meshes[i].material].bsdf; };
   EXPECT_EQ(kind(0), BsdfKind::kMirror);
   ExpectNear(scene.meshes[0].positions[0], {0, 0, 0});
   ExpectNear(GeometricNormal(scene.meshes[0]), {0, 0, 1});
   ExpectNear(scene.meshes[1].positions[0], {7, 0, 0});
-  // TransformEnd restores the transform only.
+  // TransformEnd restores the transform only, but in version 4, which has no WorldEnd, all.
   EXPECT_EQ(kind(2), BsdfKind::kLambert);
   ExpectNear(scene.meshes[2].positions[0], {0, 0, 0});
+  const Scene newer = Parse(v4);
+  EXPECT_EQ(newer.materials[newer.meshes.at(2).material].bsdf, BsdfKind::kMirror);
+  ExpectNear(newer.meshes[2].positions[0], {0, 0, 0});
 }
 
 TEST(Scopes, AttributesReachWhatFollows) {
