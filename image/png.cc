@@ -159,6 +159,8 @@ Image DecodePng(const std::string& path, std::string_view bytes, Encoding encodi
   };
   if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) fail();
   CheckSize(InputPosition::File(path), png.width, png.height, limits);
+  // Without this, 16-bit files that do not name their encoding are taken as linear light.
+  png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   png.format = PNG_FORMAT_RGBA;
   std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(png));
   if (!png_image_finish_read(&png, nullptr, rgba.data(), 0, nullptr)) fail();
