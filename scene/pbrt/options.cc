@@ -72,6 +72,19 @@ void ReadLens(PbrtParameters& parameters, Camera& camera) {
   }
 }
 
+// pbrt-v4 exposes the film for as long as the shutter is open. Nothing moves here, so that is all
+// that the times mean. Version 3 does not ask how long it is.
+void ReadShutter(PbrtReader& reader, PbrtParameters& parameters) {
+  const float open = FindFloat(parameters, "shutteropen").value_or(0);
+  const float close = FindFloat(parameters, "shutterclose").value_or(1);
+  if (reader.v3) return;
+  reader.exposure_time = std::abs(close - open);
+  if (!(reader.exposure_time > 0 && reader.exposure_time <= 1e6f)) {
+    throw InputError(parameters.position, fmt::format("{}: the shutter is open for {} s",
+                                                      parameters.directive, reader.exposure_time));
+  }
+}
+
 void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
   camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
   if (const auto half = FindFloat(parameters, "halffov")) camera.fov_degrees = 2 * *half;
@@ -118,6 +131,7 @@ void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     ReadLens(parameters, camera);
     camera.window = ReadScreenWindow(parameters);
   }
+  ReadShutter(reader, parameters);
   ReportUnused(parameters, reader.warnings);
   reader.scene.camera = camera;
 }

@@ -163,7 +163,8 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
     const PbrtScope& open = reader.scopes.back();
     throw InputError(open.position, open.begin + " is never closed");
   }
-  if (reader.film_gain != 1) ScaleLight(reader.film_gain, reader.scene);
+  const float gain = reader.film_gain * reader.exposure_time;
+  if (gain != 1) ScaleLight(gain, reader.scene);
   ResolveInstances(options, path, reader.scene);
   reader.scene.warnings = WarningLines(reader.warnings);
   return std::move(reader.scene);

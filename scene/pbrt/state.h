@@ -88,8 +88,9 @@ struct PbrtReader {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> shining_materials;
   std::map<std::string, std::uint32_t> objects;  // index into Scene::objects, by name
   bool in_object = false;                        // the last of Scene::objects is being defined
-  float film_gain = 1;                           // factor of all light, by the speed of the film
-  bool v3 = false;                               // the main file has a WorldEnd
+  // The factor of all light is their product: the speed of the film, and how long it is exposed.
+  float film_gain = 1, exposure_time = 1;
+  bool v3 = false;  // the main file has a WorldEnd
   bool in_world = false;
   bool ended = false;         // WorldEnd has been read
   std::size_t triangles = 0;  // total of all meshes, those of each object once

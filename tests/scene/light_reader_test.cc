@@ -100,6 +100,24 @@ TEST(PbrtLights, FollowTheSpeedOfTheFilm) {
   EXPECT_THROW(ParsePbrt("Film \"rgb\" \"float iso\" 0", "t.pbrt"), InputError);
 }
 
+// So does the time for which the shutter is open, in version 4.
+TEST(PbrtLights, FollowTheShutter) {
+  const auto scale = [](const std::string& times, const std::string& end) {
+    const Scene scene =
+        ParsePbrt("Film \"rgb\" \"float iso\" 200\nCamera \"perspective\" " + times +
+                      "\nWorldBegin LightSource \"infinite\" \"rgb L\" [1 2 4]\n" + end,
+                  "t.pbrt", {.strict = true});
+    return scene.environments.at(0).scale;
+  };
+  ExpectNear(scale("\"float shutterclose\" .25", ""), {0.5f, 1, 2});
+  ExpectNear(scale("\"float shutteropen\" .25", ""), {1.5f, 3, 6});
+  ExpectNear(scale("\"float shutteropen\" 3 \"float shutterclose\" 1", ""), {4, 8, 16});
+  ExpectNear(scale("\"float shutterclose\" .25", "WorldEnd"), {2, 4, 8});
+  const std::string never = "Camera \"orthographic\" \"float shutterclose\" ";
+  EXPECT_THROW(ParsePbrt(never + "0", "t.pbrt"), InputError);
+  EXPECT_NO_THROW(ParsePbrt(never + "0 WorldBegin WorldEnd", "t.pbrt"));
+}
+
 // Returns what a light sends from its position to a point of the world, over its emission.
 glm::dvec3 SentTo(const Scene& scene, const glm::dvec3& point) {
   const PunctualLight& light = scene.lights.at(0);

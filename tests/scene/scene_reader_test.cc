@@ -676,7 +676,7 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
 // Each of these must give at least one line that begins with its position.
 TEST(Warnings, NothingIsSkippedInSilence) {
   for (const char* text : {"Camera \"realistic\"",
-                           "Camera \"perspective\" \"float shutteropen\" 1",
+                           "Camera \"perspective\" \"float shutterspeed\" 1",
                            "Sampler \"sobol\"",
                            "Integrator \"mlt\"",
                            "Integrator \"path\" \"bool regularize\" true",
