@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "base/error.h"
+#include "image/srgb.h"
 #include "scene/materials/noise.h"
 #include "scene/materials/texture_baking.h"
 #include "scene/pbrt/solid_textures.h"
@@ -129,6 +130,31 @@ PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
   return AddTexture(reader, *baked, glm::vec3(1));
 }
 
+// Returns the index of the image of a texture of floats: the alpha channel of a file that has one,
+// decoded like a colour, or else the mean of the channels.
+std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding encoding) {
+  const auto [known, is_new] = reader.float_images.try_emplace({path, encoding}, 0);
+  if (!is_new) return known->second;
+  if (Image alpha = ReadTexture(path, Encoding::kAlpha, kTextureLimits); !IsWhite(alpha)) {
+    if (encoding == Encoding::kSrgb) {
+      for (float& value : alpha.rgb) value = float(LinearFromSrgb(value));
+    }
+    known->second = AddTextureImage(reader.scene, std::move(alpha));
+    return known->second;
+  }
+  known->second = AddTextureImage(reader.texture_files, path, encoding);
+  Image means = reader.scene.images[known->second];
+  bool colored = false;
+  for (std::size_t i = 0; i < means.rgb.size(); i += 3) {
+    float* const rgb = &means.rgb[i];
+    if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) continue;
+    colored = true;
+    std::fill_n(rgb, 3, (rgb[0] + rgb[1] + rgb[2]) / 3);
+  }
+  if (colored) known->second = AddTextureImage(reader.scene, std::move(means));
+  return known->second;
+}
+
 // pbrt clamps colours at the image, too.
 PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color) {
   const auto filename = FindString(parameters, "filename");
@@ -149,7 +175,8 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   const std::string path = ResolvePbrtPath(reader, *filename, parameters.position);
   const TexelEncoding encoding = EncodingOf(reader, parameters, path);
   const bool invert = FindBool(parameters, "invert").value_or(false);
-  texture.image = AddTextureImage(reader.texture_files, path, encoding.encoding);
+  texture.image = color ? AddTextureImage(reader.texture_files, path, encoding.encoding)
+                        : FloatImage(reader, path, encoding.encoding);
   const PbrtTexture plain = AddTexture(reader, texture, scale);
   if (encoding.gamma == 1 && !invert) {
     return color ? ClampedPbrtTexture(reader, plain) : plain;

@@ -167,6 +167,45 @@ TEST_F(PbrtTextureFiles, AlphaOfShapesMakesMaterialsOfTheirOwn) {
   EXPECT_EQ(scene.textures[*material(2).opacity_texture].use, TextureUse::kOpacity);
 }
 
+// A texture of floats has one value, whatever colours its file has.
+TEST_F(PbrtTextureFiles, OfFloatsAreMeansOfColours) {
+  const Scene scene = Read(
+      "Texture \"f\" \"float\" \"imagemap\" \"string filename\" \"t.png\"\n"
+      "Texture \"m\" \"spectrum\" \"mix\" \"rgb tex1\" [0 0 0] \"rgb tex2\" [.9 .6 .3] "
+      "\"texture amount\" \"f\"",
+      "Material \"diffuse\" \"texture reflectance\" \"m\"");
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  ExpectSeen(scene, material, {0.25, 0.75}, {0.3, 0.2, 0.1});
+  ExpectSeen(scene, material, {0.75, 0.75}, {0.3, 0.2, 0.1});
+  ExpectSeen(scene, material, {0.75, 0.25}, {0.9, 0.6, 0.3});
+}
+
+// The two pixels have colours (255, 0, 0) and alpha 51, and white and alpha 255. Without an
+// encoding, alpha is decoded as colours are.
+TEST_F(PbrtTextureFiles, OfFloatsAreAlphaWhereThereIsOne) {
+  const unsigned char png[] = {
+      0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44,
+      0x52, 0x00, 0x00, 0x00, 0x02, 0x00, 0x00, 0x00, 0x01, 0x08, 0x06, 0x00, 0x00, 0x00, 0xf4,
+      0x22, 0x7f, 0x8a, 0x00, 0x00, 0x00, 0x0f, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0xf8,
+      0xcf, 0xc0, 0x60, 0xfc, 0x1f, 0x08, 0x00, 0x12, 0xf6, 0x05, 0x2f, 0x97, 0xc4, 0x2e, 0xcc,
+      0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  folder_.Write("a.png", std::string(reinterpret_cast<const char*>(png), sizeof png));
+  const auto shares = [&](const std::string& encoding) {
+    const Scene scene =
+        Read("Texture \"f\" \"float\" \"imagemap\" \"string filename\" \"a.png\"" + encoding,
+             "MakeNamedMaterial \"a\" \"string type\" \"matte\" MakeNamedMaterial \"b\" \"string "
+             "type\" \"mirror\" Material \"mix\" \"texture amount\" \"f\" \"string materials\" "
+             "[\"a\" \"b\"]");
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    return scene.images[scene.textures[material.mixture_texture.value()].image].rgb;
+  };
+  const std::vector<float> linear = shares(" \"string encoding\" \"linear\""), srgb = shares("");
+  ASSERT_EQ(linear.size(), 6u);
+  EXPECT_NEAR(linear[0], 0.2f, 1e-6f);
+  EXPECT_NEAR(srgb[1], std::pow((0.2 + 0.055) / 1.055, 2.4), 1e-6);
+  EXPECT_EQ(srgb[5], 1.0f);
+}
+
 TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
   const std::string heights =
       "Texture \"h\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" 0.1\n";
@@ -261,19 +300,21 @@ TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
          {0.25, 0.75}, {0.75, 0.25, 0});
   Expect("Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 1 0]", {0, 0},
          {0.5, 0.5, 0}, 1e-6);
-  // The image's green selects between red and blue.
+  // The mean of the image's green is a third.
   Expect("Texture \"t\" \"float\" " + kImage +
              "Texture \"x\" \"color\" \"mix\" \"rgb tex1\" [.5 .5 .5] \"rgb tex2\" [1 1 1] "
              "\"texture amount\" \"t\"",
-         {0.75, 0.75}, {0.5, 1, 0.5});
+         {0.75, 0.75}, glm::dvec3(2 / 3.0));
   for (const auto& [type, names] :
        {std::pair("color", "\"texture tex1\" \"t\" \"texture tex2\" \"u\""),
         std::pair("float", "\"texture tex\" \"t\" \"texture scale\" \"u\"")}) {
     const std::string product = std::string("Texture \"x\" \"color\" \"scale\" ") + names;
     const std::string u = std::string("Texture \"u\" \"") + type + "\" " + kImage;
-    // White times white is halved; red times green gives black.
+    // White times white is halved; red times green gives black, and times the mean of green a
+    // third.
     Expect(t + u + "\"float scale\" .5 " + product, {0.75, 0.25}, glm::dvec3(0.5));
-    Expect(t + u + "\"float udelta\" .5 " + product, {0.25, 0.75}, glm::dvec3(0));
+    Expect(t + u + "\"float udelta\" .5 " + product, {0.25, 0.75},
+           glm::dvec3(type == std::string("float") ? 1 / 3.0 : 0, 0, 0));
   }
   // Textures of different scales are combined over the unit square. (0.125, 0.875) is red in both.
   const std::string finer = t + "Texture \"u\" \"color\" " + kImage +
