@@ -268,9 +268,10 @@ PbrtTexture Dots(PbrtReader& reader, PbrtParameters& parameters, const PbrtTextu
   if (!mapping) return {};
   Texture selector{.image = AddTextureImage(reader.scene, DotSelector(*mapping))};
   selector.transform = UpwardTextureTransform({1, 1}, {0, 0});
-  const PbrtTexture inside = Operand(reader, parameters, same, "inside", 1),
-                    outside = Operand(reader, parameters, same, "outside", 0);
-  return Combine(reader, parameters, {outside, inside, AddTexture(reader, selector, glm::vec3(1))},
+  // All versions of pbrt paint the ground with "inside" and the dots with "outside".
+  const PbrtTexture ground = Operand(reader, parameters, same, "inside", 1),
+                    dots = Operand(reader, parameters, same, "outside", 0);
+  return Combine(reader, parameters, {ground, dots, AddTexture(reader, selector, glm::vec3(1))},
                  MixTexels);
 }
 
