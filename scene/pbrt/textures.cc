@@ -19,6 +19,9 @@
 namespace skywave {
 namespace {
 
+// Texels that are not to be interpolated become squares of as many per side, at least.
+constexpr int kLeastSquare = 4;
+
 // Returns whether an operand of a texture has an image.
 bool HasImageOperand(PbrtParameters& parameters, const PbrtTextures& textures) {
   return std::any_of(parameters.list.begin(), parameters.list.end(), [&](const auto& parameter) {
@@ -155,14 +158,46 @@ std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding e
   return known->second;
 }
 
+// Returns the image of the nearest texel of another one: each texel becomes a square of them, of
+// which only the rim is interpolated. Large images, and those for which the scene has no texels
+// left, are interpolated as they are, with a warning.
+std::uint32_t UnfilteredImage(PbrtReader& reader, const PbrtParameters& parameters,
+                              std::uint32_t image) {
+  if (const auto known = reader.unfiltered_images.find(image);
+      known != reader.unfiltered_images.end()) {
+    return known->second;
+  }
+  const Image& texels = reader.scene.images[image];
+  const int by = std::min(kMaxBakedSide / std::max(texels.width, texels.height), kCheckTexels);
+  const int width = texels.width * by, height = texels.height * by;
+  const std::size_t count = std::size_t(width) * std::size_t(height);
+  if (by < kLeastSquare || reader.baked_texels + count > kMaxBakedTexels) {
+    Warn(reader, parameters,
+         fmt::format("the filter \"point\" is not supported for images of more than {} texels per "
+                     "side, nor for so many: texels are interpolated",
+                     kMaxBakedSide / kLeastSquare));
+    return image;
+  }
+  reader.baked_texels += count;
+  Image squares(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      std::copy_n(texels.Pixel(x / by, y / by), 3, squares.Pixel(x, y));
+    }
+  }
+  const std::uint32_t unfiltered = AddTextureImage(reader.scene, std::move(squares));
+  reader.unfiltered_images.emplace(image, unfiltered);
+  return unfiltered;
+}
+
 // pbrt clamps colours at the image, too.
 PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color) {
   const auto filename = FindString(parameters, "filename");
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
   }
-  // pbrt's choice of filter is ignored: the pyramid is always used.
-  FindString(parameters, "filter");
+  // The pyramid is used for all filters of pbrt but that without one.
+  const bool unfiltered = FindString(parameters, "filter") == "point";
   FindFloat(parameters, "maxanisotropy");
   FindBool(parameters, "trilinear");
 
@@ -177,6 +212,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   const bool invert = FindBool(parameters, "invert").value_or(false);
   texture.image = color ? AddTextureImage(reader.texture_files, path, encoding.encoding)
                         : FloatImage(reader, path, encoding.encoding);
+  if (unfiltered) texture.image = UnfilteredImage(reader, parameters, texture.image);
   const PbrtTexture plain = AddTexture(reader, texture, scale);
   if (encoding.gamma == 1 && !invert) {
     return color ? ClampedPbrtTexture(reader, plain) : plain;

@@ -167,6 +167,26 @@ TEST_F(PbrtTextureFiles, AlphaOfShapesMakesMaterialsOfTheirOwn) {
   EXPECT_EQ(scene.textures[*material(2).opacity_texture].use, TextureUse::kOpacity);
 }
 
+TEST_F(PbrtTextureFiles, AreNotInterpolatedWithoutAFilter) {
+  const auto read = [&](const std::string& file) {
+    return Read(
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filter\" \"point\" \"string "
+        "filename\" \"" +
+            file + "\"",
+        "Material \"diffuse\" \"texture reflectance\" \"t\"");
+  };
+  const Scene scene = read("t.png");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  for (const double v : {0.52, 0.75, 0.98}) {
+    ExpectSeen(scene, material, {0.02, v}, {1, 0, 0});
+    ExpectSeen(scene, material, {0.48, v}, {1, 0, 0});
+    ExpectSeen(scene, material, {0.52, v}, {0, 1, 0});
+  }
+  WritePng(folder_.Path("wide.png"), 600, 1, std::vector<std::uint8_t>(1800));
+  EXPECT_EQ(read("wide.png").warnings.size(), 1u);
+}
+
 // A texture of floats has one value, whatever colours its file has.
 TEST_F(PbrtTextureFiles, OfFloatsAreMeansOfColours) {
   const Scene scene = Read(
