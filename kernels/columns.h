@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace skywave {
 
@@ -174,6 +175,10 @@ struct SurfaceRanges {
   std::uint32_t light_sampled() const { return begin[kFirstDeltaBsdf]; }
 };
 
+// The density of samples of the scene's lights without extent. It is no infinity, so that they are
+// told from lights that stand for a part of a map.
+inline constexpr float kPunctual = std::numeric_limits<float>::max();
+
 // One row is one light sample, and then one shadow ray, of the surface in the same row. The
 // strategy and local lights write it; the BSDF turns radiance into the contribution and closes
 // t_far where there is none.
@@ -181,8 +186,8 @@ struct LightColumns {
   float *dir_x, *dir_y, *dir_z;  // world space, unit, towards the light
   float *r, *g, *b;              // in: radiance; out: the path's gain if nothing is in between
   // The samples of the surface per steradian around dir [1/sr]. Where it is not positive there is
-  // no sample. Where it is infinite the light has no extent: r, g, b are its irradiance, and no
-  // BSDF sample can meet it.
+  // no sample. From kPunctual on the light has no extent: r, g, b are its irradiance, and no BSDF
+  // sample can meet it.
   float* pdf;
   float* t_far;  // distance of the light or infinity; negative: nothing to trace, or occluded
 

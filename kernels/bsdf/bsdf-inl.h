@@ -2,6 +2,9 @@
 // made from its rows and parameters, with
 //   BsdfValue  Evaluate(wo, wi)              local frame, +z is the shading normal
 //   BsdfSample Draw(wo, direction_u, direction_v, lobe_u)
+//   BsdfValue  EvaluateWithoutMirrors(wo, wi, lanes)
+//                                            the same without lobes that stand for mirrors, in
+//                                            these lanes; optional
 //   VF         Blurred(wo, wi, radius)       luminance of value, blurred over an angle; optional
 //   V3         Diffuse(wo)                   value over the cosine of the part that does not depend
 //                                            on wi, or the mean of one that hardly does; optional
@@ -219,6 +222,21 @@ class DiffuseControl {
   IrradianceLanes back_;
 };
 
+template <class Bsdf>
+inline constexpr bool kMayMirror = requires(const Bsdf& bsdf, const V3& wo, MF lanes) {
+  bsdf.EvaluateWithoutMirrors(wo, wo, lanes);
+};
+// Returns the value of light samples. Lights without extent are not seen in what mirrors; others
+// are, by lobes that BSDF samples find as well.
+template <class Bsdf>
+HWY_INLINE BsdfValue EvaluateLight(const Bsdf& bsdf, const V3& wo, const V3& wi, VF pdf) {
+  if constexpr (kMayMirror<Bsdf>) {
+    return bsdf.EvaluateWithoutMirrors(wo, wi, hn::Eq(pdf, Set(kPunctual)));
+  } else {
+    return bsdf.Evaluate(wo, wi);
+  }
+}
+
 template <class Bsdf, bool kControlled = false>
 void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, std::uint32_t n,
                        const MisPolicy& mis, const LightColumns& lights,
@@ -231,8 +249,8 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     const Bsdf bsdf(s, materials, i, n);
     const V3 world = DirectionOf(lights, i);
     const V3 wi = ToLocal(lanes.frame, world);
-    const BsdfValue result = bsdf.Evaluate(lanes.wo, wi);
     const VF pdf = Load(lights.pdf + i);
+    const BsdfValue result = EvaluateLight(bsdf, lanes.wo, wi, pdf);
     VF factor = hn::Div(one, pdf);
     if (mis.enabled) {
       // p / (p^2 + q^2) is the weight p^2 / (p^2 + q^2) over p.
@@ -240,7 +258,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
       const VF p2 = hn::Mul(pdf, pdf), q2 = hn::Mul(q, q);
       factor = hn::Div(pdf, hn::Add(p2, q2));
     }
-    factor = IfThen(hn::Eq(pdf, open), one, factor);
+    factor = IfThen(hn::Ge(pdf, Set(kPunctual)), one, factor);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);
     const V3 gain = Scale(Mul(Mul(throughput, result.value), radiance), factor);
@@ -252,7 +270,7 @@ void EvaluateLightRows(const SurfaceColumns& s, const MaterialView& materials, s
     StoreBelow(IfThen(counts, open, closed), lights.t_far, i, n);
     if constexpr (kControlled) {
       const DiffuseControl<Bsdf> diffuse(*control, bsdf, lanes, i, RowsBelow(i, n));
-      MF sampled = hn::And(hn::Gt(pdf, zero), hn::Lt(pdf, open));
+      MF sampled = hn::And(hn::Gt(pdf, zero), hn::Lt(pdf, Set(kPunctual)));
       if (control->reach != nullptr) {
         sampled = hn::And(sampled, hn::Eq(Load(control->reach + i), open));
       }

@@ -17,6 +17,7 @@ namespace HWY_NAMESPACE {
 
 struct CoveredMetal {
   static constexpr MaterialField kCoatWidth = kCoatAlpha;
+  static constexpr bool kMayMirror = true;
 
   HWY_INLINE CoveredMetal(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
                           std::uint32_t n)

@@ -16,6 +16,7 @@ namespace HWY_NAMESPACE {
 
 struct DiffuseBody {
   static constexpr MaterialField kCoatWidth = kAlpha;
+  static constexpr bool kMayMirror = false;
 
   HWY_INLINE DiffuseBody(const SurfaceColumns& s, const MaterialView&, std::uint32_t i,
                          std::uint32_t n)

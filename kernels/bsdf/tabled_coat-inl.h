@@ -69,6 +69,9 @@ struct CoatLanes {
   bool has_medium;
 };
 
+// Returns the lanes of the least width.
+HWY_INLINE MF IsMirror(const Ggx& ggx) { return hn::Le(ggx.alpha, Set(1e-3f)); }
+
 template <class Below>
 struct UnderCoat {
   HWY_INLINE UnderCoat(const SurfaceColumns& s, const MaterialView& m, std::uint32_t i,
@@ -87,15 +90,26 @@ struct UnderCoat {
   }
 
   HWY_INLINE BsdfValue Evaluate(const V3& wo, const V3& wi) const {
+    return EvaluateWithoutMirrors(wo, wi, hn::MaskFromVec(hn::Zero(F())));
+  }
+  // A lobe of the least width stands for a mirror. What a light without extent would show in it is
+  // single pixels, as bright as the lobe is narrow.
+  HWY_INLINE BsdfValue EvaluateWithoutMirrors(const V3& wo, const V3& wi, MF lanes) const {
     const VF one = Set(1.0f);
     const V3 h = Ggx::HalfVector(wo, wi);
     const VF d = Ggx::Distribution(h, hn::Mul(ggx.alpha, ggx.alpha));
     const VF lobe = hn::Mul(d, hn::Div(Set(0.25f), hn::Max(wo.z, Set(1e-6f))));
     const VF lambda_o = ggx.Lambda(wo), lambda_i = ggx.Lambda(wi);
-    const VF own =
+    const VF facets =
         hn::Mul(Reflectance(wo, h), hn::Div(lobe, hn::Add(hn::Add(one, lambda_o), lambda_i)));
+    const VF own = hn::IfThenZeroElse(hn::And(lanes, IsMirror(ggx)), facets);
     const VF own_pdf = hn::Div(lobe, hn::Add(one, lambda_o));
-    const BsdfValue base = below.Evaluate(coat, wo, wi);
+    BsdfValue base = below.Evaluate(coat, wo, wi);
+    if constexpr (Below::kMayMirror) {
+      const MF hidden = hn::And(lanes, IsMirror(below.ggx));
+      const VF zero = hn::Zero(F());
+      base.value = IfThen(hidden, V3{zero, zero, zero}, base.value);
+    }
     const V3 rest = Add(base.value, coat.Medium(wo, wi));
     const VF share = LayerShare(coat.Own(wo.z));
     return {Add({own, own, own}, rest),

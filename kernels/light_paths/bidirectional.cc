@@ -168,7 +168,7 @@ void WeighLightSamples(const SurfaceColumns& s, const SubpathColumns& at,
     const V3 dir = DirectionOf(lights, i);
     const VF pdf = Load(lights.pdf + i);
     // A light without extent has an irradiance in place of radiance, and nothing can hit it.
-    const MF extended = hn::Lt(pdf, infinity);
+    const MF extended = hn::Lt(pdf, Set(kPunctual));
     const VF density = IfThen(hn::And(extended, hn::Gt(pdf, zero)), pdf, one);
     const VF by_bsdf = hn::IfThenElseZero(extended, hn::Div(Load(forward.pdf + i), density));
     const VF from_light = hn::Mul(Load(arrival + i), AbsDot(GeometricNormal(s, i), dir));

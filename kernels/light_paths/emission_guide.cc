@@ -134,7 +134,6 @@ HWY_INLINE VF EvenDensity(const SceneSphere& sphere) {
 void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& guide,
                          const EnvironmentLines& lines, std::uint32_t n, float* arrival) {
   const VF even = EvenDensity(sphere), one = Set(1.0f);
-  const VF infinity = Set(std::numeric_limits<float>::infinity());
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     if (guide.cells == nullptr) {
       Store(even, arrival + i);
@@ -146,7 +145,7 @@ void EnvironmentArrivals(const SceneSphere& sphere, const EmissionGuideView& gui
     const CellLanes c(guide, cell);
     const VF crowding = Crowding(sphere, guide, c, towards, line);
     VF gain = c.gain;
-    if (lines.pdf != nullptr) gain = IfThen(hn::Lt(Load(lines.pdf + i), infinity), gain, one);
+    if (lines.pdf != nullptr) gain = IfThen(hn::Lt(Load(lines.pdf + i), Set(kPunctual)), gain, one);
     Store(hn::Mul(hn::Mul(even, gain), crowding), arrival + i);
   }
 }

@@ -182,7 +182,7 @@ void LightGuided(const SurfaceColumns& s, const GuideColumns& rows, const BsdfVa
       const VF q = hn::Mul(MixtureDensity(rows, values, i), Set(mis.bsdf_samples));
       factor = hn::Div(pdf, hn::Add(hn::Mul(pdf, pdf), hn::Mul(q, q)));
     }
-    factor = IfThen(hn::Eq(pdf, open), one, factor);
+    factor = IfThen(hn::Ge(pdf, Set(kPunctual)), one, factor);
     const V3 throughput = Load3(s.throughput_r + i, s.throughput_g + i, s.throughput_b + i);
     const V3 value = Load3(values.r + i, values.g + i, values.b + i);
     const V3 radiance = Load3(lights.r + i, lights.g + i, lights.b + i);

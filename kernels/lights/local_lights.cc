@@ -51,7 +51,7 @@ HWY_INLINE DrawnLights DrawLights(const LightLanes& light, VF probability, VF x,
   const VF cosine = IfThen(light.two_sided(), hn::Abs(towards), towards);
   const VF density = SolidAngleDensity(probability, light.area(), distance2, cosine);
   const MF shines = hn::And(triangle, hn::And(apart, hn::Gt(cosine, zero)));
-  const VF pdf = IfThen(triangle, hn::IfThenElseZero(shines, density), infinity);
+  const VF pdf = IfThen(triangle, hn::IfThenElseZero(shines, density), Set(kPunctual));
 
   const VF intensity_worth = hn::Div(one, hn::Mul(probability, distance2));
   VF worth = IfThen(triangle, one, intensity_worth);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -152,6 +153,33 @@ TEST(CoatedBalls, HaveTheirBrightnessInAFurnace) {
     }
     EXPECT_NEAR(sum / (kSide * kSide), ball.exact, 0.005 * ball.exact) << ball.name;
   }
+}
+
+// A mirror shows no light without extent, and neither does a smooth coat, nor smooth metal below
+// it. They show lights that stand for a part of a map, and rough coats show all.
+TEST(SmoothCoats, HideLightsWithoutExtent) {
+  const Vec normal = {0, 0, 1}, wo = AtAngle(normal, 0.7);
+  const Vec mirrored = {-wo.x, -wo.y, wo.z};
+  const auto value = [&](const Material& material, float pdf) {
+    const ShadingRows rows(CaseOf("coat", material), 1, normal, wo);
+    soa::Table<LightColumns> lights(1);
+    Put(mirrored, 0, lights->dir_x, lights->dir_y, lights->dir_z);
+    lights->r[0] = lights->g[0] = lights->b[0] = 1, lights->pdf[0] = pdf;
+    rows.kernels.evaluate_lights(rows.surfaces, rows.materials(), 1, {}, lights);
+    return lights->g[0];
+  };
+  constexpr float kPart = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(value(Body(0), kPunctual), 0);
+  EXPECT_GT(value(Body(0), kPart), 1e3f);
+  EXPECT_EQ(value(Body(0, 0.1f), kPunctual), value(Body(0, 0.1f), kPart));
+  EXPECT_EQ(value(Metal(0.2f, 3.9f, 0), kPunctual), 0);
+  EXPECT_GT(value(Metal(0.2f, 3.9f, 0), kPart), 1e4f);
+  // What lies below a smooth coat is seen through it.
+  EXPECT_NEAR(value(Body(0.5f), kPunctual), 0.3 * 0.7 / kPi, 0.1);
+  const Material brushed = Metal(0.2f, 3.9f, 0.3f);
+  const float coat = value(Body(0), kPart);
+  EXPECT_GT(value(brushed, kPunctual), 0.1f);
+  EXPECT_NEAR(value(brushed, kPart) - value(brushed, kPunctual), coat, 1e-4f * coat);
 }
 
 }  // namespace
