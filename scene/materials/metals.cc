@@ -19,7 +19,7 @@ constexpr Entry kMetals[] = {
     // Brass is from its indices at 450, 550 and 650 nm (Querry, "Optical constants", 1985),
     // titanium dioxide, which is transparent, from those of its extraordinary ray every 20 nm
     // (Devore, "Refractive Indices of Rutile and Sphalerite", 1951), and magnesia, which is, too,
-    // from those that Palik's handbook has; all by RgbOfReflectance.
+    // from those that Palik's handbook has; all as means over each channel's share of the observer.
     {"CuZn", {{0.42119f, 0.58340f, 1.10362f}, {3.54640f, 2.70353f, 1.79277f}}},
     {"MgO", {{1.73438f, 1.74079f, 1.75403f}, {0, 0, 0}}},
     {"TiO2", {{2.86756f, 2.95619f, 3.17795f}, {0, 0, 0}}},

@@ -40,6 +40,20 @@ glm::dvec3 Integrate(const Value& value) {
   return sum / white;
 }
 
+// Daylight D65, every 10 nm from kFirstNanometre to kLastNanometre, and linear in between (CIE
+// 15:2004, table T.1).
+constexpr double kDaylight[] = {
+    46.6383, 52.0891, 49.9755, 54.6482, 82.7549, 91.486,  93.4318, 86.6823, 104.865, 117.008,
+    117.812, 114.861, 115.923, 108.811, 109.354, 107.802, 104.79,  107.689, 104.405, 104.046,
+    100,     96.3342, 95.788,  88.6856, 90.0062, 89.5991, 87.6987, 83.2886, 83.6992, 80.0268,
+    80.2146, 82.2778, 78.2842, 69.7213, 71.6091, 74.349,  61.604,  69.8856, 75.087,  63.5927,
+    46.4182, 66.8054, 63.3828, 64.304,  59.4519, 51.959,  57.4406, 60.3125};
+double Daylight(double nm) {
+  const double at = (nm - kFirstNanometre) / 10;
+  const auto below = std::min(std::size_t(at), std::size(kDaylight) - 2);
+  return kDaylight[below] + (kDaylight[below + 1] - kDaylight[below]) * (at - double(below));
+}
+
 glm::dvec3 Xyz(SpectrumPairs spectrum) {
   return Integrate([&](double nm) { return SpectrumValueAt(spectrum, nm); });
 }
@@ -94,8 +108,9 @@ glm::vec3 RgbOfReflectance(SpectrumPairs spectrum) {
       std::minmax_element(spectrum.begin(), spectrum.end(),
                           [](const glm::vec2& a, const glm::vec2& b) { return a.y < b.y; });
   if (low->y == high->y) return glm::vec3(low->y);
-  const glm::vec2 one[] = {{500, 1}};
-  return InGamut(RgbFromXyz(Xyz(spectrum)) / RgbFromXyz(Xyz(one)));
+  const glm::dvec3 lit =
+      Integrate([&](double nm) { return Daylight(nm) * SpectrumValueAt(spectrum, nm); });
+  return InGamut(RgbFromXyz(lit) / RgbFromXyz(Integrate(Daylight)));
 }
 
 glm::vec3 RgbOfEmission(SpectrumPairs spectrum) { return InGamut(RgbFromXyz(Xyz(spectrum))); }

@@ -25,8 +25,9 @@ double SpectrumValueAt(SpectrumPairs spectrum, double nm);
 // Converts CIE XYZ to linear Rec. 709 (IEC 61966-2-1).
 glm::vec3 RgbFromXyz(const glm::vec3& xyz);
 
-// Returns the colour of a reflectance, transmittance or index of refraction: each channel is the
-// mean over its share of the observer, so that a constant spectrum is exactly that grey.
+// Returns the colour of a reflectance, transmittance or index of refraction under daylight (D65),
+// the light that white stands for: each channel is the mean over its share of the observer, so that
+// a constant spectrum is exactly that grey.
 glm::vec3 RgbOfReflectance(SpectrumPairs spectrum);
 
 // Returns the colour of light, without adaptation to a white: the luminance of the constant 1 is 1.

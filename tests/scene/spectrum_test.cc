@@ -74,6 +74,20 @@ TEST(Spectrum, ReflectancesAreLinearAndMonotone) {
   }
 }
 
+// Figures of pbrt-v4: a sphere of that reflectance under an even sky of rgb [1 1 1].
+TEST(Spectrum, ReflectancesAreThoseUnderDaylight) {
+  const glm::vec2 peak[] = {{400, 0.2f}, {500, 0.6f}, {700, 0.3f}},
+                  ramp[] = {{400, 0.1f}, {550, 0.4f}, {700, 0.8f}},
+                  valley[] = {{400, 0.8f}, {500, 0.3f}, {560, 0.1f}, {620, 0.6f}, {700, 0.9f}};
+  const std::pair<SpectrumPairs, glm::vec3> cases[] = {{peak, {0.3693f, 0.5572f, 0.4020f}},
+                                                       {ramp, {0.6375f, 0.3887f, 0.1799f}},
+                                                       {valley, {0.5883f, 0.1621f, 0.5641f}}};
+  for (const auto& [spectrum, rgb] : cases) {
+    const glm::vec3 color = RgbOfReflectance(spectrum);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(color[c], rgb[c], 0.003) << c;
+  }
+}
+
 TEST(Spectrum, IlluminantsHaveTheirWhite) {
   const glm::vec3 d65 = RgbOfIlluminant("stdillum-D65").value();
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(d65[c], 1, 2e-3) << c;
