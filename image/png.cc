@@ -98,6 +98,24 @@ PngBand Deflated(const std::vector<std::uint8_t>& filtered, bool is_last) {
   return band;
 }
 
+// Returns the file without its chunks gAMA, which libpng's simplified interface would apply: what
+// reads textures (pbrt, glTF) takes the numbers of the file for sRGB or for themselves, whatever it
+// says. Anything that is no list of chunks stays as it is.
+std::string WithoutGamma(std::string_view bytes) {
+  constexpr std::size_t kSignature = 8, kFrame = 12;  // length, type and checksum of a chunk
+  std::string kept(bytes.substr(0, kSignature));
+  std::size_t at = kept.size();
+  while (bytes.size() - at >= kFrame) {
+    std::size_t length = 0;
+    for (std::size_t i = 0; i < 4; ++i) length = length << 8 | std::uint8_t(bytes[at + i]);
+    if (length > bytes.size() - at - kFrame) break;
+    const std::string_view chunk = bytes.substr(at, length + kFrame);
+    if (chunk.substr(4, 4) != "gAMA") kept += chunk;
+    at += chunk.size();
+  }
+  return kept += bytes.substr(at);
+}
+
 }  // namespace
 
 // The file is put together here, because libpng compresses in one go: bands of rows are compressed
@@ -157,6 +175,12 @@ Image DecodePng(const std::string& path, std::string_view bytes, Encoding encodi
   const auto fail = [&] {
     throw InputError(InputPosition::File(path), std::string("is no PNG to read: ") + png.message);
   };
+  // The chunk stands before the pixels, and most files have none.
+  std::string kept;
+  if (bytes.substr(0, bytes.find("IDAT")).find("gAMA") != std::string_view::npos) {
+    kept = WithoutGamma(bytes);
+    bytes = kept;
+  }
   if (!png_image_begin_read_from_memory(&png, bytes.data(), bytes.size())) fail();
   CheckSize(InputPosition::File(path), png.width, png.height, limits);
   // Without this, 16-bit files that do not name their encoding are taken as linear light.

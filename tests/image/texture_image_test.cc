@@ -118,6 +118,24 @@ TEST(TextureImages, PngOfSixteenBitsIsEncodedLikeThatOfEight) {
   }
 }
 
+// A file may say that its numbers are linear light; those of textures are not.
+TEST(TextureImages, PngIsTheSameWithAGammaOfItsOwn) {
+  const auto rgb = Pixels(19, 7);
+  const std::string plain = EncodePng(19, 7, rgb);
+  // The length, 100000 (a gamma of 1), and their CRC as libpng has it stand behind IHDR.
+  const std::string gamma("\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f", 16);
+  const std::size_t behind = plain.find("sRGB") - 4;
+  std::string png = plain.substr(0, behind) + gamma + plain.substr(behind + 13);
+  for (const Encoding encoding : {Encoding::kSrgb, Encoding::kLinear}) {
+    EXPECT_EQ(DecodeTexture("a.png", png, encoding).rgb,
+              DecodeTexture("a.png", plain, encoding).rgb);
+  }
+  // The last 16 bytes, the check sum and IEND, do not affect the pixels.
+  for (std::size_t size = 0; size < png.size() - 16; ++size) {
+    EXPECT_THROW(DecodeTexture("a.png", png.substr(0, size), Encoding::kSrgb), InputError) << size;
+  }
+}
+
 TEST(TextureImages, JpegIsCloseBaselineAndProgressiveAndGrey) {
   const auto rgb = Pixels(40, 24);
   for (const bool progressive : {false, true}) {
