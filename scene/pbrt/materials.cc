@@ -499,11 +499,14 @@ Material ThinDielectric(Context& context) {
 // Reads a BRDF in the MERL format, as pbrt did up to version 2.
 Material Measured(Context& context) {
   const auto file = FindString(context.parameters, "filename");
-  if (!file || !file->ends_with(".binary")) {
+  if (!file) {
     throw InputError(context.parameters.position,
-                     context.parameters.directive +
-                         ": only BRDFs of the MERL format (\"string filename\", a .binary file) "
-                         "are supported");
+                     context.parameters.directive + " needs a \"string filename\"");
+  }
+  if (!file->ends_with(".binary")) {
+    Warn(context,
+         "only BRDFs of the MERL format (.binary) are supported: rendered as grey Lambert");
+    return Material{};
   }
   Material material;
   material.bsdf = BsdfKind::kMeasured;
