@@ -36,16 +36,18 @@ def read_exr(path):
     return width, height, channels
 
 
-def write_png(path, rows):
-    """Writes 8-bit pixels: a number or a tuple of three each."""
-    colour = isinstance(rows[0][0], tuple)
-    lines = b"".join(b"\0" + bytes(v for p in row for v in (p if colour else (p,)))
-                     for row in rows)
+def write_png(path, rows, bits=8):
+    """Writes pixels of 8 or 16 bits: a number each, or a tuple of three, or of four with alpha."""
+    first = rows[0][0]
+    channels = len(first) if isinstance(first, tuple) else 1
+    lines = b"".join(b"\0" + b"".join(v.to_bytes(bits // 8, "big") for p in row
+                                      for v in (p if channels > 1 else (p,))) for row in rows)
 
     def chunk(kind, body):
         return (struct.pack(">I", len(body)) + kind + body +
                 struct.pack(">I", zlib.crc32(kind + body)))
-    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2 if colour else 0, 0, 0, 0)
+    kind = {1: 0, 3: 2, 4: 6}[channels]
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), bits, kind, 0, 0, 0)
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) +
                    chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))

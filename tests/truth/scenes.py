@@ -315,6 +315,11 @@ SCENES = [
     Scene("bqmirz", "displacement, mirrored in depth", heights("Scale 1 1 -1")),
     Scene("bqrevmir", "displacement, mirrored and reversed",
           heights("ReverseOrientation Scale -1 1 1")),
+    Scene("brushed", "conductor that is rough in one direction alone",
+          room('Material "conductor" "rgb reflectance" [.8 .8 .8] "float uroughness" .3',
+               within(TILTED_BALL, 'Shape "sphere"'),
+               light='LightSource "infinite" "rgb L" [.3 .3 .3]\n'),
+          reason=COMPENSATED, options=SINGLE),
     Scene("bumpcond", "displacement of a rough conductor",
           room('Material "conductor" "rgb reflectance" [.8 .8 .8] "float roughness" .1 '
                '"texture displacement" "h"', within(TILTED_BALL, 'Shape "sphere"'),
@@ -367,6 +372,9 @@ SCENES = [
                '"rgb transmittance" [.5 .5 .5] "float scale" 1.5', SCREEN),
           total=(-10.6, -9.6), reason="no surface sends back more light than it gets: both "
           "shares are scaled down together"),
+    Scene("dots", "dots", room(of_texture("d") + SCREEN, before=texture(
+        "d", "dots", '"float uscale" 6 "float vscale" 4 "rgb inside" [.8 .2 .1] '
+        '"rgb outside" [.1 .3 .6]'))),
     Scene("emitglass", "a lamp of glass",
           dusk(within(LAMP, 'Material "dielectric" "float eta" 1.5', UP,
                       'Shape "sphere" "float radius" .5'))),
@@ -399,6 +407,18 @@ SCENES = [
     Scene("f_rd5", "rough glass, in a furnace",
           furnace('Material "dielectric" "float eta" 1.5 "float roughness" .25'),
           reason=COMPENSATED, options=SINGLE),
+    Scene("floatcol", "image with colours as an amount",
+          room(of_texture("p") + SCREEN,
+               before=image("f", "colours.png", type="float") +
+               texture("p", "mix", '"rgb tex1" [.1 .1 .1] "rgb tex2" [.9 .9 .9] '
+                       '"texture amount" "f"'))),
+    Scene("floatrgba", "image with alpha as an amount",
+          room(of_texture("p") + SCREEN,
+               before=image("f", "alpha.png", type="float") +
+               texture("p", "mix", '"rgb tex1" [.1 .1 .1] "rgb tex2" [.9 .9 .9] '
+                       '"texture amount" "f"'))),
+    Scene("glassF11", "glass-F11",
+          ball_of('Material "dielectric" "spectrum eta" "glass-F11"', depth=12)),
     Scene("glassrev", "glass with reversed normals",
           room('Material "dielectric" "float eta" 1.5',
                within(UP, "ReverseOrientation", 'Shape "sphere"'))),
@@ -406,6 +426,9 @@ SCENES = [
           room(within('MakeNamedMedium "fog" "string type" "homogeneous" '
                       '"rgb sigma_s" [.1 .1 .1] "rgb sigma_a" [0 0 0]', 'MediumInterface "fog" ""',
                       BALL)).replace('"path"', '"volpath"')),
+    Scene("mgo", "metal-MgO by name",
+          ball_of('Material "conductor" "spectrum eta" "metal-MgO-eta" "spectrum k" "metal-MgO-k" '
+                  '"float roughness" .1'), reason=COMPENSATED, options=SINGLE),
     Scene("mircyl", "mirrored lamp: cylinder",
           round_lamp("Translate 0 .5 0 Scale 1 -1 1 Rotate -90 1 0 0", shape=CYLINDER),
           reason=MIRRORED, instead=round_lamp("Translate 0 .5 0 Rotate -90 1 0 0", shape=CYLINDER)),
@@ -443,6 +466,9 @@ SCENES = [
     Scene("nmuvmirN", "the same with shading normals",
           normal_map(shape=quad("-1 0 0", "1 0 0", "1 1.6 0", "-1 1.6 0", "1 0  0 0  0 1  1 1",
                                 '"normal N" [0 0 -1  0 0 -1  0 0 -1  0 0 -1]'))),
+    Scene("point16", "nearest texels of a coarse image of 16 bits",
+          room(of_texture("c") + SCREEN,
+               before=image("c", "coarse16.png", '"string filter" "point"'))),
     Scene("proj", "projection light inside a ball",
           dusk(BALL, before='LightSource "projection" "float power" 100 '
                '"string filename" "squares.png"\n')),
@@ -466,7 +492,13 @@ SCENES = [
                texture("s2", "scale", '"texture tex" "s" "texture scale" "f"'))),
     Scene("shutter", "times of the shutter, nothing moves",
           room(BALL, camera='"float shutteropen" 0 "float shutterclose" 1')),
+    Scene("shutter2", "half the time, and twice the speed of the film",
+          room(BALL, of_film=film(80, 60, '"float iso" 200'),
+               camera='"float shutteropen" .25 "float shutterclose" .5')),
     Scene("sinc", "filter sinc", room(BALL, filter='PixelFilter "sinc"\n')),
+    Scene("smoothcoat", "coateddiffuse, smooth, in the sun",
+          ball_of('Material "coateddiffuse" "rgb reflectance" [.5 .5 .5] ' + THICK, depth=8),
+          reason=COAT),
     Scene("specrefl", "reflectance by a spectrum",
           ball_of('Material "diffuse" "spectrum reflectance" [400 .1 550 .4 700 .8]')),
     Scene("spot1", "spot in a stretched space",
@@ -474,6 +506,9 @@ SCENES = [
                             '"point3 from" [0 4 0] "point3 to" [0 0 0] "float coneangle" 15')),
           total=(152.5, 154.6), reason="pbrt's tree of lights bounds the stretched cone by the "
           "round one, and leaves out the light beyond that"),
+    Scene("tbegin", "TransformBegin and a material",
+          room("TransformBegin", grey(.1), UP, 'Shape "sphere" "float radius" .5', "TransformEnd",
+               "Translate 1 .5 0", 'Shape "sphere" "float radius" .5')),
     Scene("t_marble", "marble", ball_textured(texture("p", "marble", ""))),
     Scene("tex_bluv", "image on a bilinear patch",
           room(of_texture("img"), 'Shape "bilinearmesh" "point3 P" [-1 .3 0  1 .3 0  -.5 1.3 0  '

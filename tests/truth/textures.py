@@ -59,8 +59,24 @@ def _sampled(function):
     return [[function(x, y) for x in at] for y in at]
 
 
+def _turned(squares):
+    """The squares, and as green and blue the same mirrored and upside down."""
+    return [[(v, mirrored, turned) for v, mirrored, turned in zip(row, row[::-1], last)]
+            for row, last in zip(squares, squares[::-1])]
+
+
+def _coarse():
+    """8 x 8 colours of 16 bits, those of squares that touch."""
+    values = [[int(v) for v in line.split()] for line in SQUARES.strip().split("\n")]
+    return [[tuple(257 * values[y + 4 * c][x + 2] for c in range(3)) for x in range(8)]
+            for y in range(8)]
+
+
 def write_textures(folder):
     squares = _squares()
+    write_png(folder / "colours.png", _turned(squares))
+    write_png(folder / "alpha.png", [[(255, v, 0, v) for v in row] for row in squares])
+    write_png(folder / "coarse16.png", _coarse(), bits=16)
     write_png(folder / "squares.png", [[(v, v, v) for v in row] for row in squares])
     write_png(folder / "squares1.png", squares)
     write_png(folder / "normal.png", _sampled(_normal))
