@@ -40,11 +40,11 @@ glm::vec3 Emission(PbrtReader& reader, PbrtParameters& parameters, std::string_v
   return emission;
 }
 
-// Returns a number that replaces the strength of a light, or nothing if it is absent or negative
-// (pbrt's default).
+// Returns a number that replaces the strength of a light, or nothing if it is absent or, as in
+// pbrt, not positive.
 std::optional<float> Strength(PbrtParameters& parameters, std::string_view name) {
   const auto value = FindFloat(parameters, name);
-  if (!value || *value < 0) return std::nullopt;
+  if (!value || !(*value > 0)) return std::nullopt;
   if (!(*value <= 1e18f)) {
     throw InputError(parameters.position,
                      fmt::format("{}: \"{}\" is {}", parameters.directive, name, *value));

@@ -84,7 +84,9 @@ TEST(PbrtLights, SkiesHaveTheirIlluminance) {
   const Scene scene = Parse(sky + "\"float illuminance\" 6");
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   ExpectNear(scene.environments.at(0).scale, glm::vec3(2, 4, 6) * float(6 / kPi));
-  ExpectNear(Parse(sky + "\"float illuminance\" -1").environments.at(0).scale, {2, 4, 6});
+  for (const char* none : {"-1", "0"}) {
+    ExpectNear(Parse(sky + "\"float illuminance\" " + none).environments.at(0).scale, {2, 4, 6});
+  }
 }
 
 // The speed of the film makes all light brighter.
