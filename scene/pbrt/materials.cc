@@ -465,11 +465,16 @@ Material Dielectric(Context& context, bool v4) {
   const Widths widths = FindVariedWidths(context, 0, v4);
   material.roughness_texture = widths.texture;
   // Without roughness, v3's polynomial would still give a width.
+  const auto gives_roughness = [&](const PbrtParameter& parameter) {
+    if (!parameter.name.ends_with("roughness")) return false;
+    if (parameter.type != "texture") return !parameter.floats.empty() && parameter.floats[0] != 0;
+    const auto& known = context.reader.float_textures;
+    const auto texture =
+        parameter.strings.size() == 1 ? known.find(parameter.strings[0]) : known.end();
+    return texture != known.end() && texture->second.value.value_or(glm::vec3(0)).x != 0;
+  };
   const bool rough = std::any_of(context.parameters.list.begin(), context.parameters.list.end(),
-                                 [](const auto& parameter) {
-                                   return parameter.name.ends_with("roughness") &&
-                                          !parameter.floats.empty() && parameter.floats[0] != 0;
-                                 }) ||
+                                 gives_roughness) ||
                      widths.texture || widths.solid;
   // A rough surface between equal indices refracts nothing, so its facets are undetermined.
   if (rough && !widths.smooth() && std::fabs(material.ior - 1) > 1e-3f) {

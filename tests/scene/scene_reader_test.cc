@@ -423,6 +423,17 @@ TEST(Materials, RoughAndThinGlass) {
   EXPECT_FLOAT_EQ(ground.alpha_across.value(), 0.5f);
   EXPECT_FALSE(frosted.alpha_across);
   EXPECT_EQ(OnlyMaterial("Material \"glass\" \"float roughness\" 0").bsdf, BsdfKind::kDielectric);
+  // Roughness may be a texture that is constant.
+  const std::string by_texture =
+      "Texture \"r\" \"float\" \"constant\" \"float value\" .09\n"
+      "Texture \"z\" \"float\" \"constant\" \"float value\" 0\n";
+  EXPECT_FLOAT_EQ(
+      OnlyMaterial(by_texture + "Material \"dielectric\" \"texture roughness\" \"r\"").alpha, 0.3f);
+  for (const char* const type : {"dielectric", "glass"}) {
+    const std::string glass = "Material \"" + std::string(type) + "\" \"texture roughness\" ";
+    EXPECT_EQ(OnlyMaterial(by_texture + glass + "\"r\"").bsdf, BsdfKind::kRoughDielectric);
+    EXPECT_EQ(OnlyMaterial(by_texture + glass + "\"z\"").bsdf, BsdfKind::kDielectric);
+  }
   EXPECT_EQ(OnlyMaterial("Material \"thindielectric\" \"float eta\" 1.2").bsdf,
             BsdfKind::kThinDielectric);
 }
