@@ -216,7 +216,7 @@ PbrtSphereImage SphereImageOf(PbrtReader& reader, const PbrtParameters& paramete
 // `per_unit` with an emission of 1 [sr].
 void SetPower(PbrtParameters& parameters, double per_unit, PunctualLight& light) {
   const auto power = Strength(parameters, "power");
-  if (!power || *power == 0) return;
+  if (!power) return;
   if (!(per_unit > 0)) {
     throw InputError(parameters.position,
                      parameters.directive + ": a light with a power needs an image with light");
@@ -431,7 +431,7 @@ void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& 
 }
 
 std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const Mesh& mesh,
-                                  const InputPosition& position) {
+                                  std::size_t faces, const InputPosition& position) {
   if (!reader.state.area_light) return plain;
   const PbrtAreaLight& light = *reader.state.area_light;
   const auto key = std::pair(plain, light.number);
@@ -454,11 +454,12 @@ std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const
                        "an area light with a power needs a shape with an area, and an "
                        "image that is not black");
     }
-    material.emission *= float(*light.power / (kPi * area));
+    material.emission *= float(double(faces) * *light.power / (kPi * area));
   }
   const auto index = std::uint32_t(reader.scene.materials.size());
   reader.scene.materials.push_back(std::move(material));
-  // Each shape emits the given power whatever its area, so the material cannot be shared.
+  // Each face is a light to pbrt and emits the given power whatever its area, so the material
+  // cannot be shared.
   if (!light.power) reader.shining_materials.emplace(key, index);
   return index;
 }

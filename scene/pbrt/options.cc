@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <iterator>
 #include <map>
 #include <string_view>
 
@@ -85,6 +88,8 @@ void ReadShutter(PbrtReader& reader, PbrtParameters& parameters) {
   }
 }
 
+constexpr float kPbrtGaussianRadius = 1.5f;
+
 void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
   camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
   if (const auto half = FindFloat(parameters, "halffov")) camera.fov_degrees = 2 * *half;
@@ -140,10 +145,16 @@ void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
   // pbrt-v4 gives [left right top bottom] in pixels. The fractions computed here are rounded up to
   // pixels again.
   if (const PbrtParameter* given = Find(parameters, {"integer"}, "pixelbounds")) {
-    const std::vector<std::int32_t>& p = given->ints;
     const int width = settings.width.value_or(1280), height = settings.height.value_or(720);
-    if (p.size() != 4 || !(0 <= p[0] && p[0] < p[1] && p[1] <= width) ||
-        !(0 <= p[2] && p[2] < p[3] && p[3] <= height)) {
+    std::array<int, 4> p = {};
+    const bool four = given->ints.size() == 4;
+    if (four) {
+      // What lies beyond the film is cut off.
+      for (std::size_t i = 0; i < 4; ++i) {
+        p[i] = std::clamp(given->ints[i], 0, i < 2 ? width : height);
+      }
+    }
+    if (!four || p[0] >= p[1] || p[2] >= p[3]) {
       throw InputError(given->position,
                        fmt::format("{}: \"pixelbounds\" takes left < right and top < bottom on the "
                                    "film of {} x {}",
@@ -157,12 +168,17 @@ void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
                                   fraction(p[2], height), fraction(p[3], height)};
   }
   if (const PbrtParameter* given = Find(parameters, {"float"}, "cropwindow")) {
-    const std::vector<float>& c = given->floats;
+    std::vector<float> c = given->floats;
+    if (c.size() == 4) {
+      // pbrt puts them in order.
+      std::sort(c.begin(), c.begin() + 2);
+      std::sort(c.begin() + 2, c.end());
+    }
     if (c.size() != 4 || !(0 <= c[0] && c[0] < c[1] && c[1] <= 1) ||
         !(0 <= c[2] && c[2] < c[3] && c[3] <= 1)) {
       throw InputError(given->position,
-                       fmt::format("{}: \"cropwindow\" takes 0 <= left < right <= 1 and "
-                                   "0 <= top < bottom <= 1",
+                       fmt::format("{}: \"cropwindow\" takes two different numbers from 0 to 1 for "
+                                   "x, and two for y",
                                    parameters.directive));
     }
     settings.crop = CropFractions{c[0], c[1], c[2], c[3]};
@@ -274,6 +290,7 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     settings.filter = PixelFilter::kBox;
   } else if (type == "triangle") {
     settings.filter = PixelFilter::kTriangle;
+    settings.filter_radius = 2;
   } else if (type == "gaussian") {
     settings.filter = PixelFilter::kGaussian;
   } else if (type == "mitchell") {
@@ -308,6 +325,15 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     }
     settings.filter_radius = radius;
   }
+  if (settings.filter == PixelFilter::kGaussian && !reader.v3) {
+    const float sigma = FindFloat(parameters, "sigma").value_or(0.5f);
+    const float ours = settings.filter_radius.value_or(kPbrtGaussianRadius) / 3;
+    if (std::abs(sigma - ours) > 0.01f * ours) {
+      Warn(reader, parameters,
+           fmt::format("a sigma other than a third of the radius is not supported: {:.3g} is used",
+                       ours));
+    }
+  }
   ReportUnused(parameters, reader.warnings);
 }
 
@@ -320,13 +346,43 @@ void Ignore(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   Warn(reader, ReadImplementation(reader, source, word).parameters, "is not supported: ignored");
 }
 
-// pbrt-v4: `Option "type name" value`.
+// pbrt-v4: `Option "name" value`, where the value is one word or string, and names may have
+// capitals and underscores.
 void ReadOption(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
-  const PbrtParameters options = ReadParameters(source, PositionOf(source, word), "Option");
-  if (options.list.empty()) {
-    throw InputError(PositionOf(source, word), "Option needs a parameter \"type name\"");
+  const std::string given = ExpectString(source, "the name of an Option");
+  const PbrtToken value = NextToken(source);
+  if (value.kind != PbrtTokenKind::kWord && value.kind != PbrtTokenKind::kString) {
+    throw InputError(PositionOf(source, value),
+                     fmt::format("Option \"{}\" takes one value, not {}", given, Describe(value)));
   }
-  ReportUnused(options, reader.warnings);
+  std::string name;
+  for (const char c : given) {
+    if (c != '_' && c != '-') name += char(std::tolower(static_cast<unsigned char>(c)));
+  }
+  static constexpr std::string_view kOfThePicture[] = {"disabletexturefiltering", "forcediffuse",
+                                                       "displacementedgescale"};
+  static constexpr std::string_view kOthers[] = {"disablepixeljitter",
+                                                 "disablewavelengthjitter",
+                                                 "msereferenceimage",
+                                                 "msereferenceout",
+                                                 "rendercoordsys",
+                                                 "renderingspace",
+                                                 "seed",
+                                                 "pixelmaterial",
+                                                 "pixelstats",
+                                                 "wavefront"};
+  const bool matters = std::find(std::begin(kOfThePicture), std::end(kOfThePicture), name) !=
+                       std::end(kOfThePicture);
+  const bool known =
+      matters || std::find(std::begin(kOthers), std::end(kOthers), name) != std::end(kOthers);
+  const std::string what = fmt::format("Option \"{}\" {}", given, value.text);
+  if (matters && value.text != "false") {
+    AddWarning(reader.warnings, PositionOf(source, word), what + " is not supported: ignored");
+  } else if (!known) {
+    AddWarning(reader.warnings, PositionOf(source, word), what + " is unknown: ignored");
+  } else {
+    AddNote(reader.warnings, PositionOf(source, word), what + " is ignored");
+  }
 }
 
 void ReadColorSpace(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {

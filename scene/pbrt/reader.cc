@@ -110,6 +110,13 @@ void ScaleLight(float factor, Scene& scene) {
   for (Material& material : scene.materials) material.emission *= factor;
 }
 
+// Fills in what a file leaves to pbrt's own defaults.
+void SetPbrtDefaults(bool v3, RenderSettings& settings) {
+  settings.width = settings.width.value_or(v3 ? 640 : 1280);
+  settings.height = settings.height.value_or(v3 ? 480 : 720);
+  settings.filter = settings.filter.value_or(v3 ? PixelFilter::kBox : PixelFilter::kGaussian);
+}
+
 }  // namespace
 
 std::string ResolvePbrtPath(const PbrtReader& reader, const std::string& name,
@@ -163,6 +170,7 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
     const PbrtScope& open = reader.scopes.back();
     throw InputError(open.position, open.begin + " is never closed");
   }
+  SetPbrtDefaults(reader.v3, reader.scene.settings);
   const float gain = reader.film_gain * reader.exposure_time;
   if (gain != 1) ScaleLight(gain, reader.scene);
   ResolveInstances(options, path, reader.scene);

@@ -117,13 +117,13 @@ Mesh TriangleMesh(PbrtParameters& parameters, bool corner_uvs) {
 }
 
 Mesh PlyMesh(PbrtParameters& parameters,
-             const std::function<std::string(const std::string&)>& resolve) {
+             const std::function<std::string(const std::string&)>& resolve, std::size_t& faces) {
   const auto filename = FindString(parameters, "filename");
   if (!filename) {
     throw InputError(parameters.position, parameters.directive + " needs a \"string filename\"");
   }
   try {
-    return ReadPly(resolve(*filename));
+    return ReadPly(resolve(*filename), &faces);
   } catch (const InputError& error) {
     // The message holds both positions: that in the mesh and that in the scene that names it.
     throw InputError(parameters.position, error.what(), error.exit_code());
@@ -207,7 +207,7 @@ Mesh PbrtCylinder(PbrtParameters& parameters) {
   return CylinderPatch(radius, low, high, FindPhi(parameters));
 }
 
-Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit) {
+Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit, std::size_t& patches) {
   const std::vector<glm::vec3> positions = RequirePositions(parameters);
   const std::vector<glm::vec3> normals = FindVectors(parameters, {"normal", "normal3"}, "N");
   const std::vector<glm::vec2> uvs = FindUvs(parameters);
@@ -220,6 +220,7 @@ Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit) {
                      fmt::format("{}: {} patches may become more than {} triangles",
                                  parameters.directive, indices.size() / 4, limit));
   }
+  patches = indices.size() / 4;
   Mesh mesh;
   for (std::size_t i = 0; i + 3 < indices.size(); i += 4) {
     AddBilinearPatch({positions, normals, uvs},
@@ -338,19 +339,23 @@ Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std:
 
 }  // namespace
 
-std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
-                                  const std::function<std::string(const std::string&)>& resolve,
-                                  const PbrtShapeOptions& options, Warnings& warnings) {
+std::optional<PbrtShape> MakePbrtShape(
+    const std::string& type, PbrtParameters& parameters,
+    const std::function<std::string(const std::string&)>& resolve, const PbrtShapeOptions& options,
+    Warnings& warnings) {
   const std::size_t limit = std::min(options.max_triangles, kMaxSubdividedTriangles);
-  std::optional<Mesh> mesh;
+  PbrtShape shape;
+  Mesh& mesh = shape.mesh;
   if (type == "trianglemesh") {
     mesh = TriangleMesh(parameters, options.corner_uvs);
+    shape.faces = mesh.triangles.size();
   } else if (type == "plymesh") {
-    mesh = PlyMesh(parameters, resolve);
-    if (options.corner_uvs && mesh->uvs.empty()) GiveCornersUvs(*mesh);
+    mesh = PlyMesh(parameters, resolve, shape.faces);
+    if (options.corner_uvs && mesh.uvs.empty()) GiveCornersUvs(mesh);
   } else if (type == "loopsubdiv") {
     mesh = LoopSubdivisionSurface(parameters, limit, warnings);
-    if (options.corner_uvs) GiveCornersUvs(*mesh);
+    if (options.corner_uvs) GiveCornersUvs(mesh);
+    shape.faces = mesh.triangles.size();
   } else if (type == "sphere") {
     mesh = PbrtSphere(parameters, options.needs_uvs);
   } else if (type == "disk") {
@@ -358,7 +363,7 @@ std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& param
   } else if (type == "cylinder") {
     mesh = PbrtCylinder(parameters);
   } else if (type == "bilinearmesh") {
-    mesh = BilinearMesh(parameters, limit);
+    mesh = BilinearMesh(parameters, limit, shape.faces);
   } else if (type == "curve") {
     mesh = PbrtCurve(parameters, options, limit, warnings);
   } else {
@@ -366,7 +371,7 @@ std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& param
     return std::nullopt;
   }
   ReportUnused(parameters, warnings);
-  return mesh;
+  return shape;
 }
 
 }  // namespace skywave

@@ -20,12 +20,18 @@ struct PbrtShapeOptions {
   std::size_t max_triangles = kMaxSubdividedTriangles;  // limit for one shape
 };
 
+struct PbrtShape {
+  Mesh mesh;
+  std::size_t faces = 1;  // triangles, patches or polygons of the file; 1: a round shape, or curves
+};
+
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
 // that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the
 // scene into a path. Throws InputError on wrong counts, indices out of range, missing files, and on
 // a loopsubdiv, bilinearmesh or curve of more than kMaxSubdividedTriangles.
-std::optional<Mesh> MakePbrtShape(const std::string& type, PbrtParameters& parameters,
-                                  const std::function<std::string(const std::string&)>& resolve,
-                                  const PbrtShapeOptions& options, Warnings& warnings);
+std::optional<PbrtShape> MakePbrtShape(
+    const std::string& type, PbrtParameters& parameters,
+    const std::function<std::string(const std::string&)>& resolve, const PbrtShapeOptions& options,
+    Warnings& warnings);
 
 }  // namespace skywave

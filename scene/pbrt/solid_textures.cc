@@ -90,15 +90,16 @@ void LayOut(const Atlas& atlas, Mesh& mesh) {
 // A texel of an image on a surface.
 struct SurfaceTexel {
   glm::dvec3 place, normal;  // in the world, unit
+  glm::dvec3 geometric;      // the normal that textures see: of a triangle, or of a round shape
   glm::dvec3 right, up;      // axes of the image along the surface, unit, as normal maps have them
   double size;               // of the texel, in the world
 };
 using TexelValue = std::function<glm::vec3(const SurfaceTexel&)>;
 
 // Evaluates texels of triangle `t` whose barycentric coordinates are at least `least`, which may be
-// beyond its edges.
-void BakeTriangle(const Mesh& mesh, const glm::uvec3& t, const TexelValue& value, double least,
-                  const glm::ivec2& begin, const glm::ivec2& end, Image& image,
+// beyond its edges. The mesh stands for a round shape, or for itself.
+void BakeTriangle(const Mesh& mesh, bool round, const glm::uvec3& t, const TexelValue& value,
+                  double least, const glm::ivec2& begin, const glm::ivec2& end, Image& image,
                   std::vector<bool>& done) {
   const glm::dvec2 size(image.width, image.height);
   std::array<glm::dvec2, 3> at;
@@ -128,6 +129,7 @@ void BakeTriangle(const Mesh& mesh, const glm::uvec3& t, const TexelValue& value
         if (!mesh.normals.empty()) normal += weights[i] * glm::dvec3(mesh.normals[t[i]]);
       }
       texel.normal = glm::normalize(mesh.normals.empty() ? flat : normal);
+      texel.geometric = round ? texel.normal : glm::normalize(flat);
       texel.right = glm::normalize(right - texel.normal * glm::dot(texel.normal, right));
       texel.up = glm::cross(texel.normal, texel.right);
       if (glm::dot(texel.up, up) < 0) texel.up = -texel.up;
@@ -151,7 +153,7 @@ Image BakePatch(const Mesh& mesh, const TexelValue& value) {
     }
     const glm::ivec2 begin = glm::max(glm::ivec2(glm::floor(low * glm::dvec2(size))) - 1, 0);
     const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high * glm::dvec2(size))) + 1, size);
-    BakeTriangle(mesh, t, value, -1e-6, begin, end, image, done);
+    BakeTriangle(mesh, /*round=*/true, t, value, -1e-6, begin, end, image, done);
   }
   // A texel that no triangle has gets the value of the one before it in its row.
   for (int y = 0; y < image.height; ++y) {
@@ -174,7 +176,8 @@ Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const TexelValue& value) {
     // v points upwards, and rows of the image downwards.
     const glm::ivec2 begin(int(t) % atlas.squares * atlas.side,
                            (atlas.squares - 1 - row) * atlas.side);
-    BakeTriangle(mesh, mesh.triangles[t], value, -1e6, begin, begin + atlas.side, image, done);
+    BakeTriangle(mesh, /*round=*/false, mesh.triangles[t], value, -1e6, begin, begin + atlas.side,
+                 image, done);
   }
   return image;
 }
@@ -182,7 +185,7 @@ Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const TexelValue& value) {
 // Returns the value of a texture that is not below 0 nor above 1.
 TexelValue ShareAt(const PbrtSolid& solid) {
   return [&](const SurfaceTexel& texel) {
-    return glm::clamp(solid(texel.place, texel.normal), 0.0f, 1.0f);
+    return glm::clamp(solid(texel.place, texel.geometric), 0.0f, 1.0f);
   };
 }
 
@@ -192,8 +195,8 @@ TexelValue SlopeAt(const PbrtSolid& height) {
     if (!(texel.size > 0)) return glm::vec3(0);
     const auto slope = [&](const glm::dvec3& along) {
       const glm::dvec3 step = texel.size / 2 * along;
-      const double rise = double(height(texel.place + step, texel.normal).x) -
-                          double(height(texel.place - step, texel.normal).x);
+      const double rise = double(height(texel.place + step, texel.geometric).x) -
+                          double(height(texel.place - step, texel.geometric).x);
       constexpr double kSteepest = 1e6;  // the texel may be nearly nothing
       return std::isfinite(rise) ? float(std::clamp(rise / texel.size, -kSteepest, kSteepest)) : 0;
     };

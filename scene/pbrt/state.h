@@ -26,7 +26,7 @@ struct PbrtAreaLight {
   std::uint32_t number;  // number of the directive; its shapes share their material
   glm::vec3 radiance;    // radiance, or with `power` its relative colour
   bool two_sided;
-  std::optional<float> power;  // power of each shape
+  std::optional<float> power;  // of each face of a mesh, or of a round shape
   // Index into the scene's textures: a factor of the radiance, over (u, v) of the shape.
   std::optional<std::uint32_t> image;
 };
@@ -154,11 +154,12 @@ PbrtGraphicsState ClosePbrtScope(PbrtReader& reader, const PbrtSource& source,
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 
 // Handle the directives LightSource and AreaLightSource, and return the material of a shape in the
-// world: its own, or an emitting copy if there is an area light (lights.cc).
+// world: its own, or an emitting copy if there is an area light, whose power each of `faces` faces
+// has (lights.cc).
 void ReadPbrtLightSource(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 void ReadPbrtAreaLight(PbrtReader& reader, PbrtSource& source, const PbrtToken& word);
 std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const Mesh& mesh,
-                                  const InputPosition& position);
+                                  std::size_t faces, const InputPosition& position);
 
 // Return the handler of a directive, or null for words that the file does not handle.
 PbrtHandler FindPbrtTransformDirective(std::string_view word);  // transforms.cc

@@ -68,22 +68,4 @@ void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& ma
   }
 }
 
-void MirrorPbrtTangents(const Scene& scene, const std::string& type, PbrtParameters& parameters,
-                        const glm::dmat3& to_world, std::uint32_t material, Mesh& mesh) {
-  const auto& map = scene.materials[material].normal_texture;
-  if (!map || scene.textures[*map].use != TextureUse::kPbrtNormals) return;
-  if (type != "sphere" && type != "disk" && type != "cylinder") return;
-  if (!(glm::determinant(to_world) < 0)) return;
-  const double phi_max =
-      glm::radians(std::min(FindFloat(parameters, "phimax").value_or(360), 360.0f));
-  mesh.tangents.clear();
-  for (const glm::vec2& uv : mesh.uvs) {
-    // u grows with the angle. Seen from our side of the surface, pbrt's x points the other way and
-    // its y, which is the cross product of its own normal and x, stays.
-    const double phi = uv.x * phi_max;
-    const glm::dvec3 along = to_world * glm::dvec3(-std::sin(phi), std::cos(phi), 0);
-    mesh.tangents.emplace_back(glm::vec3(-along), -1.0f);
-  }
-}
-
 }  // namespace skywave

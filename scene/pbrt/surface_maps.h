@@ -15,10 +15,4 @@ std::uint32_t MaterialWithPbrtAlpha(PbrtReader& reader, PbrtParameters& paramete
 // "bumpmap", a texture in units of length). Only the shading normals change, not the shapes.
 void ReadPbrtRelief(PbrtReader& reader, PbrtParameters& parameters, Material& material);
 
-// Gives a sphere, disk or cylinder, already in the world, the tangents that pbrt's normal maps have
-// on it if the transform to the world mirrors it. pbrt's normal then is on the other side than
-// without the mirror, and so is the map. Nothing changes for other shapes, transforms and maps.
-void MirrorPbrtTangents(const Scene& scene, const std::string& type, PbrtParameters& parameters,
-                        const glm::dmat3& to_world, std::uint32_t material, Mesh& mesh);
-
 }  // namespace skywave

@@ -122,6 +122,16 @@ bool UsesUvs(const Scene& scene, std::uint32_t index, std::set<std::uint32_t>& s
   return uses;
 }
 
+// Returns whether pbrt's normals of a shape point to the other side than one would expect: those of
+// a loopsubdiv, which are computed against its winding, and those of a round shape that its
+// transform mirrors, because they are turned over before the transform and not after it. As lamps
+// such shapes stay as they are: pbrt's light samples see them so, and its hits do not.
+bool TurnsPbrtShape(std::string_view type, const PbrtGraphicsState& state) {
+  const bool round = type == "sphere" || type == "disk" || type == "cylinder";
+  return type == "loopsubdiv" ||
+         (round && !state.area_light && glm::determinant(glm::dmat3(state.to_world)) < 0);
+}
+
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const InputPosition position = PositionOf(source, word);
   const std::string type = ExpectString(source, "the type of Shape");
@@ -139,27 +149,29 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const bool fixed_uvs =
       material && (UsesUvs(reader.scene, *material, seen) || (lamp && lamp->image));
   const bool uses_uvs = fixed_uvs || varies;
-  std::optional<Mesh> mesh = MakePbrtShape(type, parameters, resolve,
-                                           {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
-                                            .corner_uvs = uses_uvs,
-                                            .max_triangles = reader.options.max_triangles},
-                                           reader.warnings);
-  if (!mesh) return;
+  std::optional<PbrtShape> shape =
+      MakePbrtShape(type, parameters, resolve,
+                    {.needs_uvs = uses_uvs || !reader.scene.textures.empty(),
+                     .corner_uvs = uses_uvs,
+                     .max_triangles = reader.options.max_triangles},
+                    reader.warnings);
+  if (!shape) return;
+  Mesh& mesh = shape->mesh;
   if (!material) {
     AddWarning(reader.warnings, position,
                "a shape that only bounds a medium is not supported: left out");
     return;
   }
-  TransformMesh(reader.state.to_world, *mesh);
-  if (reader.state.reverse_orientation) FlipOrientation(*mesh);
-  MirrorPbrtTangents(reader.scene, type, parameters, glm::dmat3(reader.state.to_world), *material,
-                     *mesh);
-  if (varies) {
-    material = MaterialWithSolids(reader, *named, *material, {type, position, fixed_uvs}, *mesh);
+  TransformMesh(reader.state.to_world, mesh);
+  if (reader.state.reverse_orientation != TurnsPbrtShape(type, reader.state)) {
+    FlipOrientation(mesh);
   }
-  mesh->material = ShiningPbrtMaterial(reader, *material, *mesh, position);
-  mesh->name = fmt::format("{} ({})", type, ToString(position));
-  AddMesh(reader, position, std::move(*mesh));
+  if (varies) {
+    material = MaterialWithSolids(reader, *named, *material, {type, position, fixed_uvs}, mesh);
+  }
+  mesh.material = ShiningPbrtMaterial(reader, *material, mesh, shape->faces, position);
+  mesh.name = fmt::format("{} ({})", type, ToString(position));
+  AddMesh(reader, position, std::move(mesh));
 }
 
 std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& type,

@@ -231,7 +231,7 @@ const PlyElement* FindElement(const PlyHeader& header, std::string_view name,
 
 }  // namespace
 
-Mesh ParsePly(std::string_view bytes, const std::string& path) {
+Mesh ParsePly(std::string_view bytes, const std::string& path, std::size_t* polygons) {
   const PlyHeader header = ParsePlyHeader(bytes, path);
   const PlyElement* vertices = FindElement(header, "vertex", path);
   const PlyElement* faces = FindElement(header, "face", path);
@@ -252,9 +252,12 @@ Mesh ParsePly(std::string_view bytes, const std::string& path) {
   }
   NormalizeNormals(mesh);
   AlignWindingWithNormals(mesh);
+  if (polygons != nullptr) *polygons = std::size_t(faces->count);
   return mesh;
 }
 
-Mesh ReadPly(const std::string& path) { return ParsePly(Gunzip(ReadFile(path), path), path); }
+Mesh ReadPly(const std::string& path, std::size_t* polygons) {
+  return ParsePly(Gunzip(ReadFile(path), path), path, polygons);
+}
 
 }  // namespace skywave

@@ -7,6 +7,7 @@
 // and properties are skipped by their size.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -18,10 +19,10 @@ namespace skywave {
 // counts that the file cannot hold, short or overlong data, indices out of range, faces of fewer
 // than three corners, positions or normals that are NaN or infinite. Never allocates more than a
 // small multiple of the file's size. Winding follows the normals if there are any. The file may be
-// gzip-compressed.
-Mesh ReadPly(const std::string& path);
+// gzip-compressed. `polygons` gets the number of faces before they are cut into triangles.
+Mesh ReadPly(const std::string& path, std::size_t* polygons = nullptr);
 
 // Parses the same from memory; `path` appears in messages.
-Mesh ParsePly(std::string_view bytes, const std::string& path);
+Mesh ParsePly(std::string_view bytes, const std::string& path, std::size_t* polygons = nullptr);
 
 }  // namespace skywave

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -324,6 +326,31 @@ TEST(PbrtLights, PowerIsThatOfEachShape) {
     EXPECT_EQ(lights.totals()[0].count, 2u);
     EXPECT_NEAR(lights.totals()[0].power, 60, 1e-3);
   }
+}
+
+// To pbrt every triangle, patch or polygon of a mesh is a lamp of that power.
+TEST(PbrtLights, EveryFaceHasThePower) {
+  const std::string quad =
+      " Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] "
+      "\"integer indices\" [0 1 2 0 2 3] ";
+  const std::string patches =
+      " Shape \"bilinearmesh\" \"point3 P\" [0 0 1 1 0 1 0 1 1 1 1 1 0 0 2 1 0 2] "
+      "\"integer indices\" [0 1 2 3 0 1 4 5] ";
+  const std::string ply = std::string(testing::TempDir()) + "quad_of_power.ply";
+  std::ofstream(ply) << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\n"
+                        "property float y\nproperty float z\nelement face 1\n"
+                        "property list uchar int vertex_indices\nend_header\n"
+                        "0 0 3\n1 0 3\n1 1 3\n0 1 3\n4 0 1 2 3\n";
+  for (const auto& [shape, lamps] :
+       {std::pair(quad, 2), std::pair(patches, 2),
+        std::pair(" Shape \"plymesh\" \"string filename\" \"" + ply + "\"", 1)}) {
+    SCOPED_TRACE(shape);
+    const Scene scene = Parse("AreaLightSource \"diffuse\" \"float power\" 30 " + shape);
+    const Geometry geometry(scene, "t", 1);
+    const LocalLights lights(scene, geometry, "t", 1, 0);
+    EXPECT_NEAR(lights.totals()[0].power, 30 * lamps, 1e-3);
+  }
+  std::filesystem::remove(ply);
 }
 
 // v points upwards on the image, and the power is that of the mean of the whole image.

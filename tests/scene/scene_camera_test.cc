@@ -87,6 +87,24 @@ TEST(PbrtFilm, CropWindow) {
   EXPECT_EQ(crop->top, 0);
   EXPECT_EQ(crop->bottom, 1);
   EXPECT_FALSE(Parse("Film \"rgb\"").settings.crop);
+  const auto swapped = Parse("Film \"rgb\" \"float cropwindow\" [.5 .25 1 0]").settings.crop;
+  ASSERT_TRUE(swapped);
+  EXPECT_EQ(swapped->left, 0.25f);
+  EXPECT_EQ(swapped->right, 0.5f);
+  EXPECT_EQ(swapped->top, 0);
+  EXPECT_EQ(swapped->bottom, 1);
+}
+
+TEST(PbrtFilm, PixelBoundsEndWithTheFilm) {
+  const auto crop = Parse(
+                        "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 8 "
+                        "\"integer pixelbounds\" [-3 5 2 99]")
+                        .settings.crop;
+  ASSERT_TRUE(crop);
+  EXPECT_EQ(crop->left, 0);
+  EXPECT_EQ(std::ceil(double(crop->right) * 10), 5);
+  EXPECT_EQ(std::ceil(double(crop->top) * 8), 2);
+  EXPECT_EQ(std::ceil(double(crop->bottom) * 8), 8);
 }
 
 TEST(PbrtFilm, PixelBoundsAreKeptExactly) {

@@ -127,6 +127,23 @@ TEST(Transforms, NormalsKeepTheirSide) {
   // A mirror keeps the normal (0, 0, 1); ReverseOrientation flips it.
   ExpectNear(Parse("WorldBegin Scale -1 1 1\n" + mesh).meshes.at(0).normals[0], {0, 0, 1});
   ExpectNear(Parse("WorldBegin ReverseOrientation\n" + mesh).meshes.at(0).normals[0], {0, 0, -1});
+  // Where pbrt turns round shapes and subdivisions inside out, they are; lamps are not.
+  const auto faces_out = [](const std::string& text) {
+    const Mesh inside_out = Parse("WorldBegin " + text).meshes.at(0);
+    const glm::vec3 middle = inside_out.positions[inside_out.triangles[0].x];
+    const bool out = glm::dot(GeometricNormal(inside_out), middle) > 0;
+    EXPECT_EQ(glm::dot(inside_out.normals[inside_out.triangles[0].x], middle) > 0, out);
+    return out;
+  };
+  EXPECT_TRUE(faces_out("Shape \"sphere\""));
+  EXPECT_FALSE(faces_out("Scale -1 1 1 Shape \"sphere\""));
+  EXPECT_TRUE(faces_out("Scale -1 1 1 ReverseOrientation Shape \"sphere\""));
+  EXPECT_TRUE(faces_out("AreaLightSource \"diffuse\" Scale -1 1 1 Shape \"sphere\""));
+  const std::string solid =
+      "Shape \"loopsubdiv\" \"integer levels\" 2 \"point3 P\" [1 1 1 -1 -1 1 -1 1 -1 1 -1 -1] "
+      "\"integer indices\" ";
+  EXPECT_FALSE(faces_out(solid + "[0 2 1 0 1 3 0 3 2 1 2 3]"));
+  EXPECT_TRUE(faces_out(solid + "[0 1 2 0 3 1 0 2 3 1 3 2]"));
   // Normals take precedence over the winding.
   const Mesh against = Parse(
                            "WorldBegin Shape \"trianglemesh\" \"integer indices\" [0 1 2] "
@@ -233,8 +250,31 @@ TEST(Options, FillTheSettings) {
   EXPECT_EQ(v4.filter, PixelFilter::kTriangle);
   EXPECT_EQ(v4.filter_radius, 1.5f);
   EXPECT_EQ(v4.samples_per_pixel, 12);
-  EXPECT_FALSE(Parse("WorldBegin").settings.width);
   EXPECT_EQ(Parse("PixelFilter \"box\"").settings.filter, PixelFilter::kBox);
+  EXPECT_EQ(Parse("PixelFilter \"triangle\"").settings.filter_radius, 2);
+  // What a file leaves out is pbrt's default, which the two versions do not share.
+  const RenderSettings bare4 = Parse("WorldBegin").settings;
+  EXPECT_EQ(bare4.width, 1280);
+  EXPECT_EQ(bare4.height, 720);
+  EXPECT_EQ(bare4.filter, PixelFilter::kGaussian);
+  const RenderSettings bare3 = Parse("WorldBegin WorldEnd").settings;
+  EXPECT_EQ(bare3.width, 640);
+  EXPECT_EQ(bare3.height, 480);
+  EXPECT_EQ(bare3.filter, PixelFilter::kBox);
+}
+
+// The names of version 4 have no type, and a value is one word or string.
+TEST(Options, AreReadAndChangeNothingButWhatIsSaid) {
+  const Scene scene = Parse(
+      "Option \"seed\" 5 Option \"disablepixeljitter\" true Option \"render_coord_sys\" \"world\" "
+      "Option \"forcediffuse\" false WorldBegin");
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_NO_THROW(ParsePbrt("Option \"Seed\" 5 WorldBegin", "t.pbrt", strict));
+  EXPECT_THROW(ParsePbrt("Option \"forcediffuse\" true WorldBegin", "t.pbrt", strict), InputError);
+  EXPECT_THROW(ParsePbrt("Option \"nonsense\" 1 WorldBegin", "t.pbrt", strict), InputError);
+  EXPECT_THROW(Parse("Option \"seed\" [5] WorldBegin"), InputError);
+  EXPECT_THROW(Parse("Option seed 5 WorldBegin"), InputError);
 }
 
 TEST(Options, NameTheIntegrator) {
@@ -695,7 +735,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "PixelFilter \"gaussian\" \"float sigma\" 1",
                            "Accelerator \"bvh\"",
                            "Film \"gbuffer\" \"float diagonal\" 35",
-                           "Option \"bool disablepixeljitter\" true",
+                           "Option \"forcediffuse\" true",
                            "ColorSpace \"aces2065-1\"",
                            "ActiveTransform StartTime",
                            "TransformTimes 0 1",

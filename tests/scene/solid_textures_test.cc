@@ -152,6 +152,18 @@ TEST(SolidTextures, MixByDirection) {
   }
 }
 
+// A mesh with smooth normals is mixed by those of its triangles.
+TEST(SolidTextures, MixMeshesByTheirTriangles) {
+  const Scene scene = ParseAll(
+      "Texture \"d\" \"spectrum\" \"directionmix\" \"rgb tex1\" [1 .5 0] \"float tex2\" .2 "
+      "Material \"matte\" \"texture Kd\" \"d\" Shape \"trianglemesh\" \"point3 P\" "
+      "[0 0 0 1 0 0 0 1 1] \"integer indices\" [0 1 2] \"normal N\" [0 -.2 1 0 -1 .2 0 -1 1]");
+  for (const Place& place : Places(scene, 1)) {
+    const glm::vec3 expected = glm::mix(glm::vec3(.2f), glm::vec3(1, .5f, 0), std::sqrt(.5f));
+    ASSERT_LT(glm::length(place.color - expected), 0.01f) << place.position.y;
+  }
+}
+
 // Without noise, the darkest stone is where the sine along y is highest but for the last knot.
 TEST(SolidTextures, MarbleFollowsItsCurve) {
   const Scene scene = ParseAll(
