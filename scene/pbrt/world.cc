@@ -124,8 +124,8 @@ bool UsesUvs(const Scene& scene, std::uint32_t index, std::set<std::uint32_t>& s
 
 // Returns whether pbrt's normals of a shape point to the other side than one would expect: those of
 // a loopsubdiv, which are computed against its winding, and those of a round shape that its
-// transform mirrors, because they are turned over before the transform and not after it. As lamps
-// such shapes stay as they are: pbrt's light samples see them so, and its hits do not.
+// transform mirrors, because they are turned over before the transform and not after it. Round
+// lamps stay as they are: pbrt's light samples see them so, and its hits do not.
 bool TurnsPbrtShape(std::string_view type, const PbrtGraphicsState& state) {
   const bool round = type == "sphere" || type == "disk" || type == "cylinder";
   return type == "loopsubdiv" ||
