@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -98,6 +99,18 @@ void CheckOutputs(const RenderFlags& flags) {
                          ? "the picture is an EXR file, so its name has to end in .exr"
                          : "the layers of --aovs need an EXR file, whose name ends in .exr",
                      kExitUsage);
+  }
+  const auto given = [&](std::string_view name) {
+    return std::any_of(flags.options.begin(), flags.options.end(),
+                       [&](const auto& option) { return option.first == name; });
+  };
+  for (const OptionOf<ExrFormat>& option : ExrFormatOptions()) {
+    if (flags.output.empty() && given(option.name)) {
+      throw InputError(InputPosition::File(fmt::format("--{}", option.name)),
+                       "is about the picture, and a film alone is written; --output names a "
+                       "picture, too",
+                       kExitUsage);
+    }
   }
   if (!flags.film.empty() && flags.limits.adaptive > 0) {
     throw InputError(InputPosition::File("--film " + flags.film),

@@ -116,6 +116,16 @@ TEST_F(RenderStop, NoFileIsWrittenTwice) {
   EXPECT_EQ(Files(), std::set<std::string>());
 }
 
+TEST_F(RenderStop, AFilmAloneHasNoFormatOfThePicture) {
+  const std::string small = "render spheres --size 8x8 --spp 1 -q --film a.film ";
+  for (const std::string format : {"--half", "--compression piz"}) {
+    const Result run = Run(small + format);
+    EXPECT_EQ(run.exit_code, kExitUsage) << format;
+    EXPECT_NE(run.err.find("a film alone is written"), std::string::npos) << run.err;
+    EXPECT_EQ(Files(), std::set<std::string>());
+  }
+}
+
 TEST_F(RenderStop, PartsAreMergedToTheBytesOfOneRender) {
   const std::string picture = "render spheres --size 40x30 --spp 6 --tone filmic -q ";
   ASSERT_EQ(Run(picture + "-o whole.exr").exit_code, 0);
