@@ -107,7 +107,8 @@ struct HitColumns {
   }
 };
 
-// EscapeColumns::pdf of a ray without a density that sees the texels of the map all the same.
+// EscapeColumns::pdf of a ray without a density that sees the texels of an unbiased strategy
+// (EnvStrategy::unbiased) all the same.
 inline constexpr float kSeesTexels = -1;
 
 // One row is one ray that met light: it left the scene or hit an emitter. Partition writes it, and

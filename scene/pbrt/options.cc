@@ -81,14 +81,13 @@ void ReadShutter(PbrtReader& reader, PbrtParameters& parameters) {
   const float open = FindFloat(parameters, "shutteropen").value_or(0);
   const float close = FindFloat(parameters, "shutterclose").value_or(1);
   if (reader.v3) return;
-  reader.exposure_time = std::abs(close - open);
+  reader.exposure_time = close - open;
   if (!(reader.exposure_time > 0 && reader.exposure_time <= 1e6f)) {
-    throw InputError(parameters.position, fmt::format("{}: the shutter is open for {} s",
-                                                      parameters.directive, reader.exposure_time));
+    throw InputError(parameters.position,
+                     fmt::format("{}: the shutter opens at {} s and closes at {} s",
+                                 parameters.directive, open, close));
   }
 }
-
-constexpr float kPbrtGaussianRadius = 1.5f;
 
 void ReadFieldOfView(PbrtParameters& parameters, Camera& camera) {
   camera.fov_degrees = FindFloat(parameters, "fov").value_or(90);
@@ -141,23 +140,24 @@ void ReadCamera(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   reader.scene.camera = camera;
 }
 
+// Puts the two ends of an interval in order and cuts off what lies beyond [0, end], as pbrt does.
+template <class T>
+void OrderAndCut(T end, T& first, T& last) {
+  if (first > last) std::swap(first, last);
+  first = std::clamp(first, T{0}, end), last = std::clamp(last, T{0}, end);
+}
+
 void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
   // pbrt-v4 gives [left right top bottom] in pixels. The fractions computed here are rounded up to
   // pixels again.
   if (const PbrtParameter* given = Find(parameters, {"integer"}, "pixelbounds")) {
     const int width = settings.width.value_or(1280), height = settings.height.value_or(720);
-    std::array<int, 4> p = {};
-    const bool four = given->ints.size() == 4;
-    if (four) {
-      // What lies beyond the film is cut off.
-      for (std::size_t i = 0; i < 4; ++i) {
-        p[i] = std::clamp(given->ints[i], 0, i < 2 ? width : height);
-      }
-    }
-    if (!four || p[0] >= p[1] || p[2] >= p[3]) {
+    std::vector<int> p = given->ints;
+    if (p.size() == 4) OrderAndCut(width, p[0], p[1]), OrderAndCut(height, p[2], p[3]);
+    if (p.size() != 4 || p[0] == p[1] || p[2] == p[3]) {
       throw InputError(given->position,
-                       fmt::format("{}: \"pixelbounds\" takes left < right and top < bottom on the "
-                                   "film of {} x {}",
+                       fmt::format("{}: \"pixelbounds\" takes left, right, top and bottom on the "
+                                   "film of {} x {}, with pixels between them",
                                    parameters.directive, width, height));
     }
     const auto fraction = [](int pixel, int size) {
@@ -169,13 +169,8 @@ void ReadCrop(PbrtParameters& parameters, RenderSettings& settings) {
   }
   if (const PbrtParameter* given = Find(parameters, {"float"}, "cropwindow")) {
     std::vector<float> c = given->floats;
-    if (c.size() == 4) {
-      // pbrt puts them in order.
-      std::sort(c.begin(), c.begin() + 2);
-      std::sort(c.begin() + 2, c.end());
-    }
-    if (c.size() != 4 || !(0 <= c[0] && c[0] < c[1] && c[1] <= 1) ||
-        !(0 <= c[2] && c[2] < c[3] && c[3] <= 1)) {
+    if (c.size() == 4) OrderAndCut(1.0f, c[0], c[1]), OrderAndCut(1.0f, c[2], c[3]);
+    if (c.size() != 4 || !(c[0] < c[1]) || !(c[2] < c[3])) {
       throw InputError(given->position,
                        fmt::format("{}: \"cropwindow\" takes two different numbers from 0 to 1 for "
                                    "x, and two for y",
@@ -283,9 +278,30 @@ void ReadIntegrator(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
   ReportUnused(parameters, reader.warnings);
 }
 
+// Our Gaussian ends at three standard deviations. Where pbrt's ends later, little is left of it.
+void FitGaussian(PbrtReader& reader, PbrtParameters& parameters) {
+  // Version 3 gives exp(-alpha x^2), of radius 2 in its parameters' defaults.
+  const float alpha = FindFloat(parameters, "alpha").value_or(2);
+  const float sigma = FindFloat(parameters, "sigma").value_or(1 / std::sqrt(2 * alpha));
+  if (!(sigma > 0)) {
+    throw InputError(parameters.position, parameters.directive + ": the width is not positive");
+  }
+  std::optional<float>& radius = reader.scene.settings.filter_radius;
+  radius = radius.value_or(reader.v3 ? 2.0f : 1.5f);
+  if (3 * sigma > 1.01f * *radius) {
+    Warn(reader, parameters,
+         fmt::format("a standard deviation above a third of the radius is not supported: {:.3g} is "
+                     "used",
+                     *radius / 3));
+  } else {
+    radius = 3 * sigma;
+  }
+}
+
 void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   auto [type, parameters] = ReadImplementation(reader, source, word);
   RenderSettings& settings = reader.scene.settings;
+  settings.filter_radius.reset();
   if (type == "box") {
     settings.filter = PixelFilter::kBox;
   } else if (type == "triangle") {
@@ -325,15 +341,7 @@ void ReadPixelFilter(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
     }
     settings.filter_radius = radius;
   }
-  if (settings.filter == PixelFilter::kGaussian && !reader.v3) {
-    const float sigma = FindFloat(parameters, "sigma").value_or(0.5f);
-    const float ours = settings.filter_radius.value_or(kPbrtGaussianRadius) / 3;
-    if (std::abs(sigma - ours) > 0.01f * ours) {
-      Warn(reader, parameters,
-           fmt::format("a sigma other than a third of the radius is not supported: {:.3g} is used",
-                       ours));
-    }
-  }
+  if (settings.filter == PixelFilter::kGaussian) FitGaussian(reader, parameters);
   ReportUnused(parameters, reader.warnings);
 }
 
@@ -359,24 +367,23 @@ void ReadOption(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   for (const char c : given) {
     if (c != '_' && c != '-') name += char(std::tolower(static_cast<unsigned char>(c)));
   }
-  static constexpr std::string_view kOfThePicture[] = {"disabletexturefiltering", "forcediffuse",
-                                                       "displacementedgescale"};
-  static constexpr std::string_view kOthers[] = {"disablepixeljitter",
-                                                 "disablewavelengthjitter",
-                                                 "msereferenceimage",
-                                                 "msereferenceout",
-                                                 "rendercoordsys",
-                                                 "renderingspace",
-                                                 "seed",
-                                                 "pixelmaterial",
-                                                 "pixelstats",
-                                                 "wavefront"};
-  const bool matters = std::find(std::begin(kOfThePicture), std::end(kOfThePicture), name) !=
-                       std::end(kOfThePicture);
+  // Those that change the picture, with the value that does not.
+  static constexpr std::pair<std::string_view, std::string_view> kOfThePicture[] = {
+      {"disabletexturefiltering", "false"},
+      {"forcediffuse", "false"},
+      {"displacementedgescale", "1"}};
+  static constexpr std::string_view kOthers[] = {"disablepixeljitter", "disablewavelengthjitter",
+                                                 "msereferenceimage",  "msereferenceout",
+                                                 "rendercoordsys",     "seed",
+                                                 "pixelstats",         "wavefront"};
+  const auto* const of_picture =
+      std::find_if(std::begin(kOfThePicture), std::end(kOfThePicture),
+                   [&](const auto& option) { return option.first == name; });
+  const bool matters = of_picture != std::end(kOfThePicture);
   const bool known =
       matters || std::find(std::begin(kOthers), std::end(kOthers), name) != std::end(kOthers);
   const std::string what = fmt::format("Option \"{}\" {}", given, value.text);
-  if (matters && value.text != "false") {
+  if (matters && value.text != of_picture->second) {
     AddWarning(reader.warnings, PositionOf(source, word), what + " is not supported: ignored");
   } else if (!known) {
     AddWarning(reader.warnings, PositionOf(source, word), what + " is unknown: ignored");

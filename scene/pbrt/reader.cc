@@ -110,10 +110,26 @@ void ScaleLight(float factor, Scene& scene) {
   for (Material& material : scene.materials) material.emission *= factor;
 }
 
+// Returns whether a file has the directive WorldEnd, which version 4 has no longer. It may have the
+// word in comments and strings.
+bool HasWorldEnd(std::string_view text) {
+  constexpr std::string_view kWord = "WorldEnd";
+  for (std::size_t at = text.rfind(kWord); at != text.npos;) {
+    const std::size_t newline = text.find_last_of("\r\n", at);
+    const std::size_t line = newline == text.npos ? 0 : newline + 1;
+    const std::string_view before = text.substr(line, at - line);
+    const bool quoted = std::count(before.begin(), before.end(), '"') % 2 != 0;
+    if (!quoted && before.find('#') == before.npos) return true;
+    if (at == 0) return false;
+    at = text.rfind(kWord, at - 1);
+  }
+  return false;
+}
+
 // Fills in what a file leaves to pbrt's own defaults.
 void SetPbrtDefaults(bool v3, RenderSettings& settings) {
-  settings.width = settings.width.value_or(v3 ? 640 : 1280);
-  settings.height = settings.height.value_or(v3 ? 480 : 720);
+  settings.width = settings.width.value_or(1280);
+  settings.height = settings.height.value_or(720);
   settings.filter = settings.filter.value_or(v3 ? PixelFilter::kBox : PixelFilter::kGaussian);
 }
 
@@ -162,8 +178,7 @@ Scene ParsePbrt(std::string text, const std::string& path, const ReadOptions& op
   reader.scene.left_handed = true;
   reader.scene.materials.push_back({.name = "default"});
   reader.state.material = 0;
-  // Only a comment or a string of version 4 could have that word, too.
-  reader.v3 = text.rfind("WorldEnd") != std::string::npos;
+  reader.v3 = HasWorldEnd(text);
   reader.sources.push_back(MakeSource(reader, path, std::move(text)));
   ReadDirectives(reader);
   if (!reader.scopes.empty()) {

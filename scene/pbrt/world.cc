@@ -47,7 +47,6 @@ void TransformBegin(PbrtReader& reader, PbrtSource& source, const PbrtToken& wor
 }
 void TransformEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const PbrtGraphicsState saved = ClosePbrtScope(reader, source, word, "TransformBegin");
-  // In pbrt-v4 this is another word for AttributeEnd.
   if (!reader.v3) {
     reader.state = saved;
     return;
@@ -269,6 +268,15 @@ void MediumInterface(PbrtReader& reader, PbrtSource& source, const PbrtToken& wo
              "MediumInterface is not supported: ignored");
 }
 
+// Returns whether two directives open the same kind of scope. To pbrt-v4, TransformBegin and
+// TransformEnd are other words for AttributeBegin and AttributeEnd.
+bool OpenTheSame(const PbrtReader& reader, std::string_view one, std::string_view other) {
+  const auto attributes = [](std::string_view word) {
+    return word == "AttributeBegin" || word == "TransformBegin";
+  };
+  return one == other || (!reader.v3 && attributes(one) && attributes(other));
+}
+
 constexpr PbrtDirective kWorldDirectives[] = {
     {"WorldBegin", WorldBegin},
     {"WorldEnd", WorldEnd},
@@ -308,7 +316,7 @@ PbrtGraphicsState ClosePbrtScope(PbrtReader& reader, const PbrtSource& source,
     throw InputError(PositionOf(source, word), fmt::format("{} without {}", word.text, begin));
   }
   const PbrtScope scope = std::move(reader.scopes.back());
-  if (scope.begin != begin) {
+  if (!OpenTheSame(reader, scope.begin, begin)) {
     throw InputError(PositionOf(source, word),
                      fmt::format("{} cannot close the {} of {}", word.text, scope.begin,
                                  ToString(scope.position)));

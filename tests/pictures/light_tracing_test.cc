@@ -42,6 +42,12 @@ std::uint32_t AddGloss(Scene& scene, float alpha) {
   return std::uint32_t(scene.materials.size() - 1);
 }
 
+std::uint32_t AddThinPane(Scene& scene) {
+  const std::uint32_t pane = AddGlass(scene, 1.5f);
+  scene.materials[pane].bsdf = BsdfKind::kThinDielectric;
+  return pane;
+}
+
 // Returns a floor, a faceted ball, a glossy ball with smooth normals, and a translucent leaf.
 Scene Things() {
   Scene scene;
@@ -167,9 +173,7 @@ TEST(LightTracing, IsPathTracingUnderGlass) {
 TEST(LightTracing, IsPathTracingUnderACoarseMapBehindGlass) {
   Scene scene;
   Place(scene, Quad(1), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
-  const std::uint32_t pane = AddGlass(scene, 1.5f);
-  scene.materials[pane].bsdf = BsdfKind::kThinDielectric;
-  Place(scene, Facetted(RoundedBox(glm::vec3(1.2f), 1e-3f, 1)), pane, glm::vec3(0));
+  Place(scene, Facetted(RoundedBox(glm::vec3(1.2f), 1e-3f, 1)), AddThinPane(scene), glm::vec3(0));
   SetLight(scene, test::NoiseMap(6, 3, 7));
   scene.camera = LookAtCamera({0, 0.9f, 0.2f}, {0, 0, 0}, {0, 1, 0}, 50, false);
   const JobRequest request = Request(6, 96);
@@ -178,6 +182,23 @@ TEST(LightTracing, IsPathTracingUnderACoarseMapBehindGlass) {
   const PictureEstimate light = Estimate(scene, request, Integrator::kLight);
   EXPECT_TRUE(SamePicture(light, Estimate(scene, request, Integrator::kPath), kLevel));
   EXPECT_TRUE(SamePicture(light, Estimate(scene, split, Integrator::kPath), kLevel));
+}
+
+// No light sample goes through glass, so what directional lights stand for is seen behind it. Of a
+// map of one colour all strategies make the same picture.
+TEST(LightTracing, LightBehindGlassIsNotLeftToDirectionalLights) {
+  Scene scene;
+  Place(scene, Quad(1), AddLambert(scene, "floor", glm::vec3(0.7f)), glm::vec3(0));
+  Place(scene, Facetted(RoundedBox(glm::vec3(1.2f), 1e-3f, 1)), AddThinPane(scene), glm::vec3(0));
+  SetConstantLight(scene, 0.5f);
+  scene.camera = LookAtCamera({0, 0.9f, 0.2f}, {0, 0, 0}, {0, 1, 0}, 50, false);
+  JobRequest request = Request(6, 96);
+  const PictureEstimate light = Estimate(scene, request, Integrator::kLight);
+  for (const char* const strategy : {"median-cut", "presampled:mode=fixed", "hybrid:strata=p"}) {
+    SCOPED_TRACE(strategy);
+    request.strategy = strategy;
+    EXPECT_TRUE(SamePicture(light, Estimate(scene, request, Integrator::kPath), kLevel));
+  }
 }
 
 // The floor's shading normals lean by 20 degrees, and a ball hangs above it, low enough that no

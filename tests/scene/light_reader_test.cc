@@ -115,10 +115,11 @@ TEST(PbrtLights, FollowTheShutter) {
   };
   ExpectNear(scale("\"float shutterclose\" .25", ""), {0.5f, 1, 2});
   ExpectNear(scale("\"float shutteropen\" .25", ""), {1.5f, 3, 6});
-  ExpectNear(scale("\"float shutteropen\" 3 \"float shutterclose\" 1", ""), {4, 8, 16});
+  ExpectNear(scale("\"float shutteropen\" 3 \"float shutterclose\" 5", ""), {4, 8, 16});
   ExpectNear(scale("\"float shutterclose\" .25", "WorldEnd"), {2, 4, 8});
   const std::string never = "Camera \"orthographic\" \"float shutterclose\" ";
   EXPECT_THROW(ParsePbrt(never + "0", "t.pbrt"), InputError);
+  EXPECT_THROW(ParsePbrt(never + "-1", "t.pbrt"), InputError);
   EXPECT_NO_THROW(ParsePbrt(never + "0 WorldBegin WorldEnd", "t.pbrt"));
 }
 

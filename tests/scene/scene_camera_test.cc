@@ -87,7 +87,8 @@ TEST(PbrtFilm, CropWindow) {
   EXPECT_EQ(crop->top, 0);
   EXPECT_EQ(crop->bottom, 1);
   EXPECT_FALSE(Parse("Film \"rgb\"").settings.crop);
-  const auto swapped = Parse("Film \"rgb\" \"float cropwindow\" [.5 .25 1 0]").settings.crop;
+  // The ends are put in order, and what is beyond the film is cut off.
+  const auto swapped = Parse("Film \"rgb\" \"float cropwindow\" [.5 .25 3 -1]").settings.crop;
   ASSERT_TRUE(swapped);
   EXPECT_EQ(swapped->left, 0.25f);
   EXPECT_EQ(swapped->right, 0.5f);
@@ -96,15 +97,18 @@ TEST(PbrtFilm, CropWindow) {
 }
 
 TEST(PbrtFilm, PixelBoundsEndWithTheFilm) {
-  const auto crop = Parse(
-                        "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 8 "
-                        "\"integer pixelbounds\" [-3 5 2 99]")
-                        .settings.crop;
-  ASSERT_TRUE(crop);
-  EXPECT_EQ(crop->left, 0);
-  EXPECT_EQ(std::ceil(double(crop->right) * 10), 5);
-  EXPECT_EQ(std::ceil(double(crop->top) * 8), 2);
-  EXPECT_EQ(std::ceil(double(crop->bottom) * 8), 8);
+  for (const std::string bounds : {"[-3 5 2 99]", "[5 -3 99 2]"}) {
+    const auto crop = Parse(
+                          "Film \"rgb\" \"integer xresolution\" 10 \"integer yresolution\" 8 "
+                          "\"integer pixelbounds\" " +
+                          bounds)
+                          .settings.crop;
+    ASSERT_TRUE(crop);
+    EXPECT_EQ(crop->left, 0);
+    EXPECT_EQ(std::ceil(double(crop->right) * 10), 5);
+    EXPECT_EQ(std::ceil(double(crop->top) * 8), 2);
+    EXPECT_EQ(std::ceil(double(crop->bottom) * 8), 8);
+  }
 }
 
 TEST(PbrtFilm, PixelBoundsAreKeptExactly) {
@@ -130,7 +134,7 @@ TEST(PbrtCamera, BadOnesAreRefused) {
       {"Camera \"perspective\" \"float screenwindow\" [0 1 0]", "t.pbrt:1: "},
       {"Camera \"perspective\" \"float screenwindow\" [1 0 0 1]", "t.pbrt:1: "},
       {"Camera \"perspective\" \"float frameaspectratio\" 0", "t.pbrt:1: "},
-      {"\nFilm \"rgb\" \"float cropwindow\" [0 2 0 1]", "t.pbrt:2: "},
+      {"\nFilm \"rgb\" \"float cropwindow\" [1 2 0 1]", "t.pbrt:2: "},
       {"Film \"rgb\" \"float cropwindow\" [.5 .5 0 1]", "t.pbrt:1: "},
       {"Film \"rgb\" \"float cropwindow\" [0 1]", "t.pbrt:1: "},
   };

@@ -239,7 +239,8 @@ TEST(Options, FillTheSettings) {
   EXPECT_EQ(v3.integrator, "direct");
   EXPECT_EQ(v3.max_depth, 3);
   EXPECT_EQ(v3.filter, PixelFilter::kGaussian);
-  EXPECT_EQ(v3.filter_radius, 2.0f);
+  // Version 3's standard deviation is a half by itself. Ours is a third of the radius.
+  EXPECT_EQ(v3.filter_radius, 1.5f);
   const RenderSettings v4 = Parse(
                                 "Integrator \"volpath\" PixelFilter \"triangle\" "
                                 "\"float xradius\" 1.5 \"float yradius\" 1.5 Sampler "
@@ -258,9 +259,39 @@ TEST(Options, FillTheSettings) {
   EXPECT_EQ(bare4.height, 720);
   EXPECT_EQ(bare4.filter, PixelFilter::kGaussian);
   const RenderSettings bare3 = Parse("WorldBegin WorldEnd").settings;
-  EXPECT_EQ(bare3.width, 640);
-  EXPECT_EQ(bare3.height, 480);
+  EXPECT_EQ(bare3.width, 1280);
+  EXPECT_EQ(bare3.height, 720);
   EXPECT_EQ(bare3.filter, PixelFilter::kBox);
+  // The last filter counts, and has nothing of those before it.
+  EXPECT_FALSE(Parse("PixelFilter \"triangle\" PixelFilter \"box\"").settings.filter_radius);
+}
+
+TEST(Options, GaussiansHaveTheirDeviationsWhereTheyEndLate) {
+  const auto radius = [](const std::string& text) {
+    return Parse("PixelFilter \"gaussian\" " + text).settings.filter_radius.value();
+  };
+  EXPECT_FLOAT_EQ(radius(""), 1.5f);
+  EXPECT_FLOAT_EQ(radius("\"float sigma\" .25"), 0.75f);
+  EXPECT_FLOAT_EQ(radius("\"float xradius\" 4 \"float yradius\" 4 \"float sigma\" 1"), 3.0f);
+  EXPECT_FLOAT_EQ(radius("\"float xradius\" 2 \"float yradius\" 2 \"float sigma\" 1"), 2.0f);
+  // exp(-8 x^2) has a standard deviation of a quarter.
+  EXPECT_FLOAT_EQ(radius("\"float alpha\" 8 WorldBegin WorldEnd"), 0.75f);
+  EXPECT_FLOAT_EQ(radius("WorldBegin WorldEnd"), 1.5f);
+}
+
+// Files of version 4 may have the word in comments and strings.
+TEST(Options, OnlyTheDirectiveWorldEndMakesAFileOneOfVersion3) {
+  const auto filter = [](const std::string& text) { return Parse(text).settings.filter; };
+  for (const char* const text : {"WorldBegin # WorldEnd",
+                                 "WorldBegin\nMakeNamedMaterial \"WorldEnd\" \"string type\" "
+                                 "\"diffuse\"\n# a \"WorldEnd\"\n",
+                                 "# WorldEnd\r\nWorldBegin"}) {
+    EXPECT_EQ(filter(text), PixelFilter::kGaussian) << text;
+  }
+  for (const char* const text : {"WorldBegin WorldEnd", "WorldBegin\nWorldEnd # WorldEnd",
+                                 "WorldBegin # \"\nWorldEnd", "WorldBegin\n# a\r  WorldEnd\n#"}) {
+    EXPECT_EQ(filter(text), PixelFilter::kBox) << text;
+  }
 }
 
 // The names of version 4 have no type, and a value is one word or string.
@@ -272,7 +303,11 @@ TEST(Options, AreReadAndChangeNothingButWhatIsSaid) {
   strict.strict = true;
   EXPECT_NO_THROW(ParsePbrt("Option \"Seed\" 5 WorldBegin", "t.pbrt", strict));
   EXPECT_THROW(ParsePbrt("Option \"forcediffuse\" true WorldBegin", "t.pbrt", strict), InputError);
-  EXPECT_THROW(ParsePbrt("Option \"nonsense\" 1 WorldBegin", "t.pbrt", strict), InputError);
+  EXPECT_NO_THROW(ParsePbrt("Option \"displacementedgescale\" 1 WorldBegin", "t.pbrt", strict));
+  for (const std::string name : {"displacementedgescale", "nonsense", "renderingspace"}) {
+    EXPECT_THROW(ParsePbrt("Option \"" + name + "\" 2 WorldBegin", "t.pbrt", strict), InputError)
+        << name;
+  }
   EXPECT_THROW(Parse("Option \"seed\" [5] WorldBegin"), InputError);
   EXPECT_THROW(Parse("Option seed 5 WorldBegin"), InputError);
 }
@@ -530,6 +565,13 @@ TEST(Scopes, RestoreWhatTheySave) {
   const Scene newer = Parse(v4);
   EXPECT_EQ(newer.materials[newer.meshes.at(2).material].bsdf, BsdfKind::kMirror);
   ExpectNear(newer.meshes[2].positions[0], {0, 0, 0});
+  // Each may close what the other has opened, in version 4 only.
+  const std::string crossed =
+      "WorldBegin AttributeBegin TransformEnd TransformBegin AttributeEnd AttributeBegin "
+      "AttributeEnd ";
+  EXPECT_NO_THROW(Parse(crossed));
+  EXPECT_THROW(Parse(crossed + "WorldEnd"), InputError);
+  EXPECT_THROW(Parse("WorldBegin ObjectBegin \"o\" AttributeEnd"), InputError);
 }
 
 TEST(Scopes, AttributesReachWhatFollows) {
@@ -732,7 +774,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Integrator \"mlt\"",
                            "Integrator \"path\" \"bool regularize\" true",
                            "PixelFilter \"mitchell\" \"float B\" 1",
-                           "PixelFilter \"gaussian\" \"float sigma\" 1",
+                           "PixelFilter \"gaussian\" \"float sigma\" 2",
                            "Accelerator \"bvh\"",
                            "Film \"gbuffer\" \"float diagonal\" 35",
                            "Option \"forcediffuse\" true",

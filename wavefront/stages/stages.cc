@@ -169,7 +169,8 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
 void AddEscaped(const FrameView& frame, const ShadePoints& from, const std::uint32_t* met,
                 const EscapeColumns& escaped, std::uint32_t n, const PathColumns& paths) {
   if (n == 0 || !frame.has_environment()) return;
-  if (met != nullptr) {
+  // Texels of a strategy whose lights stand for a part of the map are without that part.
+  if (met != nullptr && frame.strategy->unbiased()) {
     for (std::uint32_t i = 0; i < n; ++i) {
       const bool sees_texels = (met[escaped.path[i]] & kMetDense) != 0;
       if (escaped.pdf[i] == 0 && sees_texels) escaped.pdf[i] = kSeesTexels;
