@@ -26,6 +26,10 @@ constexpr std::uint32_t SamplePair(std::uint32_t bounce, SampleUse use) {
 // A path uses fewer pairs than this; code that needs more for the same event adds multiples of it.
 inline constexpr std::uint32_t kPairBlock = 1u << 16;
 
+// A strategy that draws candidates of a light sample takes them from this many blocks behind the
+// sample's own.
+inline constexpr std::uint32_t kCandidateBlocks = 3;
+
 // Light paths have pairs of their own: this is added to those of SamplePair, MixturePair and their
 // blocks, where bounce 0 is the light.
 inline constexpr std::uint32_t kLightPathPairs = 0xC000u * kPairBlock;

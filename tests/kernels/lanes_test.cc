@@ -49,7 +49,9 @@ TEST(Lanes, AreThoseOfTheQueues) {
   counts[kBsdfKinds - 1] = 9;
   const SurfaceRanges ranges = Ranges(counts);
   LaneCounts lanes = {};
-  CountMeeting(40, 10, ranges, lanes);
+  CountTracing(40, lanes);
+  CountEscaping(40, 10, lanes);
+  CountHits(40, ranges, lanes);
   ExpectLanes(Of(lanes, Kernel::kIntersect), 40, 40, 48);
   ExpectLanes(Of(lanes, Kernel::kMoveEscaped), 10, 40, 48);
   ExpectLanes(Of(lanes, Kernel::kEscape), 10, 16, 16);

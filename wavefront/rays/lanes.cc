@@ -40,12 +40,17 @@ double LaneCount::utilisation(std::uint32_t width) const {
   return issued[std::size_t(at)] > 0 ? double(active) / double(issued[std::size_t(at)]) : 0;
 }
 
-void CountMeeting(std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges,
-                  LaneCounts& lanes) {
+void CountTracing(std::uint32_t n, LaneCounts& lanes) {
   Of(lanes, Kernel::kIntersect).Add(n, n);
   Of(lanes, Kernel::kClassify).Add(n, n);
+}
+
+void CountEscaping(std::uint32_t n, std::uint32_t escaped, LaneCounts& lanes) {
   Of(lanes, Kernel::kMoveEscaped).Add(escaped, n);
   Of(lanes, Kernel::kEscape).Add(escaped, escaped);
+}
+
+void CountHits(std::uint32_t n, const SurfaceRanges& ranges, LaneCounts& lanes) {
   ForEachBsdf(ranges, kAllBsdfs, [&](const BsdfKernels&, const BsdfRows& rows) {
     Of(lanes, Kernel::kMoveHits).Add(rows.n, n);
   });

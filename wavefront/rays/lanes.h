@@ -57,9 +57,11 @@ struct LaneCount {
 
 using LaneCounts = std::array<LaneCount, kKernels>;
 
-// Counts the kernels from rays to surfaces: `n` rays were traced, of which `escaped` hit nothing.
-void CountMeeting(std::uint32_t n, std::uint32_t escaped, const SurfaceRanges& ranges,
-                  LaneCounts& lanes);
+// Counts the kernels from rays to surfaces: `n` rays were traced, `escaped` of them see the
+// environment, and some of them have hit surfaces that are shaded.
+void CountTracing(std::uint32_t n, LaneCounts& lanes);
+void CountEscaping(std::uint32_t n, std::uint32_t escaped, LaneCounts& lanes);
+void CountHits(std::uint32_t n, const SurfaceRanges& ranges, LaneCounts& lanes);
 // Counts those of one light sample for every surface: there were `open` shadow rays, of which
 // `arrived` hit nothing.
 void CountLighting(const SurfaceRanges& ranges, std::uint32_t open, std::uint32_t arrived,

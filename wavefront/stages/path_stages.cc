@@ -1,7 +1,6 @@
 #include "wavefront/stages/path_stages.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "kernels/accumulate.h"
 #include "kernels/partition.h"
@@ -98,6 +97,7 @@ void SeeLights(const FrameView& frame, const RayColumns& rays, const RayQueues& 
                std::uint32_t n, std::uint32_t escaped, std::uint32_t bounce, const Departure& from,
                Worker& w, StageClock& clock) {
   escaped = MoveSeeing(frame, rays, queues, n, escaped, bounce, w);
+  CountEscaping(n, escaped, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   // This comes before the surfaces that the rays left are overwritten: strategies may ask for them.
   AddEscaped(from.frame, from.points, from.met, w.escaped, escaped, from.paths);
@@ -129,6 +129,7 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
     DrawUniforms(w.paths, rays.path, n, end.pairs + MixturePair(bounce), {}, mixture);
     ChooseMaterials(frame.geometry->triangles(), frame.geometry->textures(), mixture->u, n, w.hits);
   }
+  CountTracing(n, w.stats.lanes);
   SortedHits sorted = {.queues = RayQueues(w.scratch), .ranges = {}, .escaped = 0};
   sorted.escaped =
       SortHits(*frame.geometry, rays, w.hits, n, only_delta, sorted.queues, sorted.ranges);
@@ -139,7 +140,7 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
                  std::uint32_t n, const SortedHits& sorted, Worker& w, StageClock& clock) {
   w.ranges = sorted.ranges;
   MoveSurfaces(*frame.geometry, rays, w.hits, sorted.queues, n, w.ranges, w.surfaces);
-  CountMeeting(n, sorted.escaped, w.ranges, w.stats.lanes);
+  CountHits(n, w.ranges, w.stats.lanes);
   clock.Lap(Stage::kPartition);
   PrepareSurfaces(frame.geometry->triangles(), frame.geometry->materials().records,
                   frame.geometry->instances(), w.ranges.total(), w.surfaces);
@@ -151,12 +152,6 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   clock.Lap(Stage::kSurface);
 }
 
-void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                 std::uint32_t n, SortedHits&& sorted, Worker& w, StageClock& clock) {
-  const SortedHits ending = std::move(sorted);
-  PrepareHits(frame, end, rays, n, ending, w, clock);
-}
-
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   IntersectSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
@@ -165,9 +160,9 @@ void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                        StageClock& clock) {
-  SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
+  const SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
   SeeLights(frame, rays, sorted.queues, n, sorted.escaped, bounce, from, w, clock);
-  PrepareHits(frame, kCameraEnd, rays, n, std::move(sorted), w, clock);
+  PrepareHits(frame, kCameraEnd, rays, n, sorted, w, clock);
 }
 
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
@@ -189,7 +184,7 @@ void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32
   clock.Lap(Stage::kIntersect, KindOf(bounce));
   const RayQueues queues(w.scratch);
   const std::uint32_t escaped = ClassifyEscapes(w.hits, n, queues->queue);
-  CountMeeting(n, escaped, {}, w.stats.lanes);
+  CountTracing(n, w.stats.lanes);
   SeeLights(frame, rays, queues, n, escaped, bounce, from, w, clock);
 }
 

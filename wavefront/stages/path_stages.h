@@ -35,12 +35,9 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
                         std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
                         StageClock& clock);
 
-// Makes surfaces to shade of the hits of rays [0, n) that are in the queues of BSDFs. Queues that
-// are moved here end with that.
+// Makes surfaces to shade of the hits of rays [0, n) that are in the queues of BSDFs.
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                  std::uint32_t n, const SortedHits& sorted, Worker& w, StageClock& clock);
-void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
-                 std::uint32_t n, SortedHits&& sorted, Worker& w, StageClock& clock);
 
 // Tells where rays come from: the surfaces that they have left, and the frame that plans the light
 // samples of those, which compete with what the rays see. `paths` takes what they see.
@@ -48,8 +45,8 @@ struct Departure {
   const FrameView& frame;
   ShadePoints points;
   PathColumns paths;
-  // The kinds of BSDFs that each path has met (HistoryColumns); null: none with a density before
-  // the last one.
+  // The kinds of BSDFs that each path has met (HistoryColumns); null: no ray without a density
+  // follows one that had one.
   const std::uint32_t* met = nullptr;
 };
 

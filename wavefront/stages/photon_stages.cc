@@ -106,6 +106,22 @@ void Scale(const RayColumns& rays, std::uint32_t n, float factor) {
   }
 }
 
+SurfaceRanges DenseOnly(SurfaceRanges ranges) {
+  std::fill(ranges.begin + kFirstDeltaBsdf, ranges.begin + kBsdfKinds + 1, ranges.light_sampled());
+  return ranges;
+}
+
+// Returns the pairs of the light samples at surfaces that rays of an index meet. They lie behind
+// those of all directions; a strategy may draw candidates from kCandidateBlocks more. If there are
+// more indices than numbers, some indices share them.
+std::uint32_t GatheredLightPairs(const FrameView& frame, std::uint32_t index) {
+  constexpr std::uint32_t kAll = kLightPathPairs / kPairBlock;
+  const std::uint32_t gather = frame.options.photons.gather;
+  const std::uint32_t each = frame.light_shares().plan.total() + kCandidateBlocks;
+  const std::uint32_t room = std::max((kAll - 1 - gather) / each, 1u);
+  return kPairBlock * (1 + gather + index % room * each);
+}
+
 // Returns how many of rays [0, n) come from BSDFs with a density. They are the first ones.
 std::uint32_t CountDense(const RayColumns& rays, std::uint32_t n) {
   return std::uint32_t(std::find(rays.pdf, rays.pdf + n, 0.0f) - rays.pdf);
@@ -220,8 +236,7 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
   PhotonTables& t = *w.photon;
   const PhotonMaps& maps = *frame.photons;
   const std::uint32_t gather = frame.options.photons.gather, max_depth = frame.options.max_depth;
-  SurfaceRanges dense = w.ranges;
-  std::fill(dense.begin + kFirstDeltaBsdf, dense.begin + kBsdfKinds + 1, dense.light_sampled());
+  const SurfaceRanges dense = DenseOnly(w.ranges);
   if (dense.total() == 0 || bounce + 1 >= max_depth) return;
   for (std::uint32_t index = 0; index < gather; ++index) {
     soa::Table<RayColumns>*rays = &t.rays[0], *next = &t.rays[1];
@@ -229,8 +244,8 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
     const PathEnd first = {.transport = Transport::kRadiance,
                            .pairs = kPairBlock,
                            .split = {.stride = gather, .offset = index}};
-    const std::uint32_t block = 1 + index * frame.light_shares().plan.total();
-    const PathEnd end = {.transport = Transport::kRadiance, .pairs = kPairBlock * block};
+    const PathEnd end = {.transport = Transport::kRadiance, .pairs = kPairBlock * (1 + index)};
+    const std::uint32_t light_pairs = GatheredLightPairs(frame, index);
     std::uint32_t n = Scatter(frame, first, w.paths, w.surfaces, dense, 0, bounce,
                               DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *rays);
     if (gather > 1) Scale(*rays, n, 1.0f / float(gather));
@@ -253,11 +268,13 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       PrepareHits(frame, end, *rays, n, hits, w, clock);
       AddPhotons(frame, maps.indirect, left, w, clock);
       ExchangeHits(n, hits);
-      PrepareHits(frame, end, *rays, n, std::move(hits), w, clock);
-      LightSurfaces(frame, scattered, w, clock, end.pairs);
+      PrepareHits(frame, end, *rays, n, hits, w, clock);
+      LightSurfaces(frame, scattered, w, clock, light_pairs);
       AddPhotons(frame, maps.caustic, left, w, clock);
+      // The last rays only see lights.
+      const SurfaceRanges going = left == 1 ? DenseOnly(w.ranges) : w.ranges;
       const std::uint32_t first_kind = left == 1 ? frame.first_bsdf_that_sees_light() : 0;
-      n = Scatter(frame, end, w.paths, w.surfaces, w.ranges, first_kind, scattered,
+      n = Scatter(frame, end, w.paths, w.surfaces, going, first_kind, scattered,
                   DirectionUniforms(w.scratch), LobeUniforms(w.scratch), *next);
       clock.Lap(Stage::kScatter);
       std::swap(rays, next);
