@@ -24,7 +24,8 @@ std::string LowerCaseEnding(const std::string& path) {
 }
 
 constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01", kPngMagic = "\x89PNG",
-                           kJpegMagic = "\xff\xd8", kBmpMagic = "BM", kGifMagic = "GIF8";
+                           kJpegMagic = "\xff\xd8", kBmpMagic = "BM", kGifMagic = "GIF8",
+                           kQoiMagic = "qoif";
 using Decoder8Bit = Image (*)(const std::string& path, std::string_view bytes, Encoding encoding,
                               const ReadLimits& limits);
 
@@ -35,6 +36,7 @@ Decoder8Bit FindDecoder8Bit(const std::string& name, std::string_view bytes) {
   if (StartsWith(bytes, kJpegMagic)) return DecodeJpeg;
   if (StartsWith(bytes, kBmpMagic)) return DecodeBmp;
   if (StartsWith(bytes, kGifMagic)) return DecodeGif;
+  if (StartsWith(bytes, kQoiMagic)) return DecodeQoi;
   return LowerCaseEnding(name) == ".tga" ? DecodeTga : nullptr;
 }
 

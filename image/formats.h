@@ -33,6 +33,8 @@ Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encodi
                 const ReadLimits& limits);
 Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits);
+Image DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits);
 // Gives the first picture of an animation.
 Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
                 const ReadLimits& limits);

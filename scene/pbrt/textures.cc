@@ -131,15 +131,15 @@ PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
   return AddTexture(reader, *baked, glm::vec3(1));
 }
 
-// Returns the index of the image of a texture of floats: the alpha channel of a PNG that has one,
-// decoded like a colour, or else the mean of the channels. pbrt drops the alpha channel of TGA, BMP
-// and GIF as it reads them.
+// Returns the index of the image of a texture of floats: the alpha channel of a PNG or QOI that has
+// one, decoded like a colour, or else the mean of the channels. pbrt drops the alpha channel of
+// TGA, BMP and GIF as it reads them.
 std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding encoding) {
   const auto [known, is_new] = reader.float_images.try_emplace({path, encoding}, 0);
   if (!is_new) return known->second;
   const std::string ending = std::filesystem::path(path).extension().string();
-  const bool png = ending == ".png" || ending == ".PNG";
-  if (Image alpha = png ? ReadTexture(path, Encoding::kAlpha, kTextureLimits) : Image();
+  const bool keeps_alpha = ending == ".png" || ending == ".PNG" || ending == ".qoi";
+  if (Image alpha = keeps_alpha ? ReadTexture(path, Encoding::kAlpha, kTextureLimits) : Image();
       !IsWhite(alpha)) {
     if (encoding == Encoding::kSrgb) {
       for (float& value : alpha.rgb) value = float(LinearFromSrgb(value));

@@ -134,11 +134,11 @@ void Bench(std::string_view bytes) {
 void Report(std::string_view bytes) { ResultsInJson(std::string(bytes)); }
 
 constexpr FuzzedReader kReaders[] = {
-    {"pbrt", Pbrt},     {"spd", Spd},      {"ply", Ply},     {"gzip", Gzip},      {"obj", Obj},
-    {"mtl", Mtl},       {"gltf", Gltf},    {"hdr", Picture}, {"pfm", Picture},    {"exr", Picture},
-    {"png", Picture},   {"jpeg", Picture}, {"tga", Tga},     {"bmp", Picture},    {"gif", Picture},
-    {"layers", Layers}, {"merl", Merl},    {"job", Job},     {"film", FilmParts}, {"bench", Bench},
-    {"report", Report},
+    {"pbrt", Pbrt},   {"spd", Spd},       {"ply", Ply},     {"gzip", Gzip},   {"obj", Obj},
+    {"mtl", Mtl},     {"gltf", Gltf},     {"hdr", Picture}, {"pfm", Picture}, {"exr", Picture},
+    {"png", Picture}, {"jpeg", Picture},  {"tga", Tga},     {"bmp", Picture}, {"gif", Picture},
+    {"qoi", Picture}, {"layers", Layers}, {"merl", Merl},   {"job", Job},     {"film", FilmParts},
+    {"bench", Bench}, {"report", Report},
 };
 
 }  // namespace
