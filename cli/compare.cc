@@ -33,7 +33,7 @@ struct CompareFlags {
 
 struct ComparedPicture {
   Image image;
-  bool of_screen = false;  // PNG or JPEG
+  bool of_screen = false;  // 8 bits per channel
   std::optional<PictureNoise> noise = {};
   bool denoised = false;       // its noise is the layer error
   bool lacks_samples = false;  // it has the layer variance, but not the layer samples
@@ -131,7 +131,7 @@ std::vector<OptionOf<CompareFlags>> Options() {
   constexpr OptionMaker<CompareFlags> option = {};
   // clang-format off
   return {
-    option({.name = "image", .help = "EXR, HDR, PFM, PNG or JPEG", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
+    option({.name = "image", .help = "EXR, HDR, PFM, PNG, JPEG, TGA, BMP, GIF or QOI", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(image), Texts("IMAGE")),
     option({.name = "reference", .help = "picture of the same size", .scope = OptionScope::kInput, .positional = true, .required = true}, FIELD(reference), Texts("REFERENCE")),
     option({.name = "map", .help = "write the error of each pixel as a false-colour PNG"}, FIELD(map), Texts("PNG")),
     option({.name = "measure", .help = "the error that the map shows: relative to the reference, or as it is seen"}, FIELD(measure), NamesOfEnum<MapMeasure>()),

@@ -24,7 +24,21 @@ std::string LowerCaseEnding(const std::string& path) {
 }
 
 constexpr std::string_view kExrMagic = "\x76\x2f\x31\x01", kPngMagic = "\x89PNG",
-                           kJpegMagic = "\xff\xd8";
+                           kJpegMagic = "\xff\xd8", kBmpMagic = "BM", kGifMagic = "GIF8",
+                           kQoiMagic = "qoif";
+using Decoder8Bit = Image (*)(const std::string& path, std::string_view bytes, Encoding encoding,
+                              const ReadLimits& limits);
+
+// Returns the decoder of a file of 8 bits per channel, or null for other files. TGA has no first
+// bytes of its own, and is known by its name.
+Decoder8Bit FindDecoder8Bit(const std::string& name, std::string_view bytes) {
+  if (StartsWith(bytes, kPngMagic)) return DecodePng;
+  if (StartsWith(bytes, kJpegMagic)) return DecodeJpeg;
+  if (StartsWith(bytes, kBmpMagic)) return DecodeBmp;
+  if (StartsWith(bytes, kGifMagic)) return DecodeGif;
+  if (StartsWith(bytes, kQoiMagic)) return DecodeQoi;
+  return LowerCaseEnding(name) == ".tga" ? DecodeTga : nullptr;
+}
 
 Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
   if (StartsWith(bytes, kExrMagic)) return DecodeExr(path, bytes, limits).image;
@@ -82,19 +96,21 @@ LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::st
 
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
                     const ReadLimits& limits) {
-  if (StartsWith(bytes, kPngMagic)) return DecodePng(name, bytes, encoding, limits);
-  if (encoding == Encoding::kAlpha) {
+  const Decoder8Bit decode = FindDecoder8Bit(name, bytes);
+  if (encoding == Encoding::kAlpha && (!decode || decode == DecodeJpeg)) {
     Image opaque(1, 1);
     opaque.rgb = {1, 1, 1};
     return opaque;
   }
-  if (StartsWith(bytes, kJpegMagic)) return DecodeJpeg(name, bytes, encoding, limits);
-  return DecodeImage(name, bytes, limits);
+  return decode ? decode(name, bytes, encoding, limits) : DecodeImage(name, bytes, limits);
+}
+
+bool IsPngOrJpeg(std::string_view bytes) {
+  return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic);
 }
 
 bool IsOfScreen(const std::string& path) {
-  const std::string bytes = ReadFile(path);
-  return StartsWith(bytes, kPngMagic) || StartsWith(bytes, kJpegMagic);
+  return FindDecoder8Bit(path, ReadFile(path)) != nullptr;
 }
 
 Image ReadTexture(const std::string& path, Encoding encoding, const ReadLimits& limits) {
@@ -109,6 +125,18 @@ Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encod
   Image image(width, height);
   for (std::size_t i = 0; i < image.rgb.size(); ++i) image.rgb[i] = table[bytes[i]];
   return image;
+}
+
+Image FromRgba(int width, int height, std::uint8_t* rgba, Encoding encoding) {
+  const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (encoding == Encoding::kAlpha) {
+      std::fill_n(&rgba[3 * i], 3, rgba[4 * i + 3]);
+    } else {
+      std::copy_n(&rgba[4 * i], 3, &rgba[3 * i]);
+    }
+  }
+  return FromBytes(width, height, rgba, encoding);
 }
 
 void SpreadGrey(Image& image) {

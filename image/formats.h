@@ -29,9 +29,21 @@ Image DecodePng(const std::string& path, std::string_view bytes, Encoding encodi
                 const ReadLimits& limits);
 Image DecodeJpeg(const std::string& path, std::string_view bytes, Encoding encoding,
                  const ReadLimits& limits);
+Image DecodeTga(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits);
+Image DecodeBmp(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits);
+Image DecodeQoi(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits);
+// Gives the first picture of an animation.
+Image DecodeGif(const std::string& path, std::string_view bytes, Encoding encoding,
+                const ReadLimits& limits);
 
 // `bytes` holds three bytes per pixel, rows from the top.
 Image FromBytes(int width, int height, const std::uint8_t* bytes, Encoding encoding);
+// The same from four bytes per pixel, of which it takes the colour or, for kAlpha, the last one.
+// Overwrites them.
+Image FromRgba(int width, int height, std::uint8_t* rgba, Encoding encoding);
 
 // Copies the red channel to the two others.
 void SpreadGrey(Image& image);

@@ -188,14 +188,7 @@ Image DecodePng(const std::string& path, std::string_view bytes, Encoding encodi
   png.format = PNG_FORMAT_RGBA;
   std::vector<std::uint8_t> rgba(PNG_IMAGE_SIZE(png));
   if (!png_image_finish_read(&png, nullptr, rgba.data(), 0, nullptr)) fail();
-  for (std::size_t i = 0; i < rgba.size() / 4; ++i) {
-    if (encoding == Encoding::kAlpha) {
-      std::fill_n(&rgba[3 * i], 3, rgba[4 * i + 3]);
-    } else {
-      std::copy_n(&rgba[4 * i], 3, &rgba[3 * i]);
-    }
-  }
-  return FromBytes(int(png.width), int(png.height), rgba.data(), encoding);
+  return FromRgba(int(png.width), int(png.height), rgba.data(), encoding);
 }
 
 }  // namespace skywave

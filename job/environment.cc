@@ -36,6 +36,7 @@ std::vector<EnvironmentLight> ChooseLights(const Scene& scene, const JobRequest&
 }
 
 // Reads the map of `light` if it is in a file, or makes one pixel of a constant light; repairs it.
+// A map of the scene may be any picture, as in pbrt; one that is asked for has radiance.
 void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
              std::vector<std::string>& notes) {
   if (!light.map && light.map_path.empty() && !request.image) {
@@ -44,7 +45,9 @@ void LoadMap(EnvironmentLight& light, const EnvironmentRequest& request,
   }
   const std::string name = request.image ? "map" : light.map_path;
   if (!light.map) {
-    Image image = request.image ? *request.image : ReadImage(light.map_path, request.limits);
+    Image image = request.image          ? *request.image
+                  : request.path.empty() ? ReadTexture(name, Encoding::kSrgb, request.limits)
+                                         : ReadImage(name, request.limits);
     const bool equal_area = light.equal_area_square && image.width == image.height;
     const Projection projection = request.projection ? *request.projection
                                   : equal_area       ? Projection::kOctahedral

@@ -9,7 +9,7 @@ packages=(
   cmake ninja-build g++ git
   libembree-dev libtbb-dev libhwy-dev libglm-dev libopenexr-dev libpng-dev zlib1g-dev
   libdeflate-dev libxxhash-dev libtinyobjloader-dev libtinygltf-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libtomlplusplus-dev
+  nlohmann-json3-dev libtomlplusplus-dev libstb-dev
 )
 python=(python3-dev python3-numpy pybind11-dev)
 test=(libgtest-dev libbenchmark-dev libnanoflann-dev python3 ccache valgrind groff-base pkg-config

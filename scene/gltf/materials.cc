@@ -54,6 +54,9 @@ std::uint32_t AddImage(Context& context, int index, Encoding encoding) {
   const std::string name = fmt::format("{}, image {}", context.path, index);
   std::string_view bytes(reinterpret_cast<const char*>(image.image.data()), image.image.size());
   if (image.bufferView >= 0) bytes = GltfBytes(context.model, image.bufferView, context.path);
+  if (!IsPngOrJpeg(bytes)) {
+    throw InputError(InputPosition::File(name), "is neither PNG nor JPEG");
+  }
   const std::uint32_t added =
       AddTextureImage(context.scene, DecodeTexture(name, bytes, encoding, kTextureLimits));
   context.images.emplace(key, added);

@@ -64,9 +64,7 @@ TexelEncoding EncodingOf(PbrtReader& reader, PbrtParameters& parameters, const s
       throw InputError(parameters.position, fmt::format("{}: the encoding \"{}\" has no exponent",
                                                         parameters.directive, encoding));
     }
-    const std::string ending = std::filesystem::path(path).extension().string();
-    const bool bytes = ending == ".png" || ending == ".jpg" || ending == ".jpeg";
-    return {Encoding::kLinear, bytes ? gamma : 1};
+    return {Encoding::kLinear, IsOfScreen(path) ? gamma : 1};
   }
   if (encoding != "sRGB") {
     Warn(reader, parameters,
@@ -133,12 +131,16 @@ PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
   return AddTexture(reader, *baked, glm::vec3(1));
 }
 
-// Returns the index of the image of a texture of floats: the alpha channel of a file that has one,
-// decoded like a colour, or else the mean of the channels.
+// Returns the index of the image of a texture of floats: the alpha channel of a PNG or QOI that has
+// one, decoded like a colour, or else the mean of the channels. pbrt drops the alpha channel of
+// TGA, BMP and GIF as it reads them.
 std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding encoding) {
   const auto [known, is_new] = reader.float_images.try_emplace({path, encoding}, 0);
   if (!is_new) return known->second;
-  if (Image alpha = ReadTexture(path, Encoding::kAlpha, kTextureLimits); !IsWhite(alpha)) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const bool keeps_alpha = ending == ".png" || ending == ".PNG" || ending == ".qoi";
+  if (Image alpha = keeps_alpha ? ReadTexture(path, Encoding::kAlpha, kTextureLimits) : Image();
+      !IsWhite(alpha)) {
     if (encoding == Encoding::kSrgb) {
       for (float& value : alpha.rgb) value = float(LinearFromSrgb(value));
     }

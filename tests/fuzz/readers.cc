@@ -61,6 +61,9 @@ void Picture(std::string_view bytes) {
   DecodeTexture(std::string(kPath), bytes, Encoding::kSrgb, kLimits);
 }
 
+// A TGA is known by its name.
+void Tga(std::string_view bytes) { DecodeTexture(Path(".tga"), bytes, Encoding::kSrgb, kLimits); }
+
 // Only built-in scenes can be found.
 void Job(std::string_view bytes) { ParseBatchPlan(Path(".toml"), std::string(bytes)); }
 
@@ -131,10 +134,11 @@ void Bench(std::string_view bytes) {
 void Report(std::string_view bytes) { ResultsInJson(std::string(bytes)); }
 
 constexpr FuzzedReader kReaders[] = {
-    {"pbrt", Pbrt},      {"spd", Spd},      {"ply", Ply},       {"gzip", Gzip},   {"obj", Obj},
-    {"mtl", Mtl},        {"gltf", Gltf},    {"hdr", Picture},   {"pfm", Picture}, {"exr", Picture},
-    {"png", Picture},    {"jpeg", Picture}, {"layers", Layers}, {"merl", Merl},   {"job", Job},
-    {"film", FilmParts}, {"bench", Bench},  {"report", Report},
+    {"pbrt", Pbrt},   {"spd", Spd},       {"ply", Ply},     {"gzip", Gzip},   {"obj", Obj},
+    {"mtl", Mtl},     {"gltf", Gltf},     {"hdr", Picture}, {"pfm", Picture}, {"exr", Picture},
+    {"png", Picture}, {"jpeg", Picture},  {"tga", Tga},     {"bmp", Picture}, {"gif", Picture},
+    {"qoi", Picture}, {"layers", Layers}, {"merl", Merl},   {"job", Job},     {"film", FilmParts},
+    {"bench", Bench}, {"report", Report},
 };
 
 }  // namespace

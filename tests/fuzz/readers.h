@@ -13,8 +13,9 @@ struct FuzzedReader {
   void (*read)(std::string_view bytes);
 };
 
-// Returns pbrt, spd, ply, gzip, obj, mtl, gltf, hdr, pfm, exr, png, jpeg, layers (of an EXR), merl,
-// job (of skywave batch), film, bench (its JSON), report (of skywave batch, in JSON).
+// Returns pbrt, spd, ply, gzip, obj, mtl, gltf, hdr, pfm, exr, png, jpeg, tga, bmp, gif, qoi,
+// layers (of an EXR), merl, job (of skywave batch), film, bench (its JSON), report (of skywave
+// batch, in JSON).
 std::span<const FuzzedReader> FuzzedReaders();
 
 // Passes the bytes to the reader. Other exceptions than InputError are bugs and propagate.

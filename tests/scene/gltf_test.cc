@@ -512,6 +512,14 @@ TEST_F(Gltf, WhatContradictsItselfIsRefused) {
     document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
     EXPECT_NE(ErrorOf(document), "") << uri;
   }
+  {  // The specification has PNG and JPEG alone.
+    WritePfm(folder_.Path("a.pfm"), Image(1, 1));
+    json document = Document();
+    document["images"] = {{{"uri", "a.pfm"}}};
+    document["textures"] = {{{"source", 0}}};
+    document["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+    EXPECT_NE(ErrorOf(document).find("neither PNG nor JPEG"), std::string::npos);
+  }
   for (const char* const pointer : {"/bufferView", "/mimeType"}) {
     json document = Document();
     document["images"] = {{{"bufferView", 0}, {"mimeType", "image/png"}}};

@@ -226,6 +226,38 @@ TEST_F(PbrtTextureFiles, OfFloatsAreAlphaWhereThereIsOne) {
   EXPECT_EQ(srgb[5], 1.0f);
 }
 
+// Pixels of a TGA of 32 bits, rows from the top: blue, green, red, alpha.
+std::string TgaFile(int width, const std::string& pixels) {
+  const std::string header("\0\0\2\0\0\0\0\0\0\0\0\0", 12);
+  return header + char(width) + std::string("\0\1\0\x20\x20", 5) + pixels;
+}
+
+// pbrt drops the alpha channel of a TGA. Exponents are for all files of 8 bits.
+TEST_F(PbrtTextureFiles, OfTgaHaveColorsAlone) {
+  folder_.Write("a.tga", TgaFile(1, "\x33\x66\x99\x80"));
+  const auto map = [](const std::string& type, const std::string& encoding) {
+    return "Texture \"t\" \"" + type + "\" \"imagemap\" \"string filename\" \"a.tga\"" + encoding;
+  };
+  const auto texels = [](const Scene& scene, std::optional<std::uint32_t> Material::*use) {
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials.at(scene.meshes.at(0).material);
+    return scene.images[scene.textures[(material.*use).value()].image].rgb;
+  };
+  const auto color = [&](const std::string& encoding) {
+    return texels(Read(map("spectrum", encoding), "Material \"matte\" \"texture Kd\" \"t\""),
+                  &Material::color_texture);
+  };
+  EXPECT_NEAR(color("")[0], 0.318547, 1e-5);  // IEC 61966-2-1
+  EXPECT_NEAR(color(" \"string encoding\" \"linear\"")[0], 0.6, 1e-6);
+  EXPECT_NEAR(color(" \"string encoding\" \"gamma 2\"")[2], 0.04, 1e-6);
+  const Scene mix =
+      Read(map("float", " \"string encoding\" \"linear\""),
+           "MakeNamedMaterial \"a\" \"string type\" \"matte\" MakeNamedMaterial \"b\" \"string "
+           "type\" \"mirror\" Material \"mix\" \"texture amount\" \"t\" \"string materials\" "
+           "[\"a\" \"b\"]");
+  EXPECT_NEAR(texels(mix, &Material::mixture_texture)[1], 0.4, 1e-6);
+}
+
 TEST_F(PbrtTextureFiles, AreHeightsAndNormalsOfMaterials) {
   const std::string heights =
       "Texture \"h\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" 0.1\n";
@@ -265,6 +297,11 @@ TEST(MtlTextures, AlphaAndReliefAreOfEveryMaterialButGlass) {
   const Texture& texture = holes.textures[*material(holes).opacity_texture];
   EXPECT_FLOAT_EQ(holes.images[texture.image].rgb[0], 0.2f) << "numbers, no sRGB";
   EXPECT_TRUE(material(read("Kd 1 1 1\nd 1")).opaque());
+  folder.Write("leaf.tga", TgaFile(2, std::string("abc\x33gh\xff\xff", 8)));
+  const Scene leaf = read("Kd 1 1 1\nmap_Kd leaf.tga\nmap_d leaf.tga");
+  ASSERT_TRUE(material(leaf).opacity_texture);
+  const Texture& alpha = leaf.textures[*material(leaf).opacity_texture];
+  EXPECT_FLOAT_EQ(leaf.images[alpha.image].rgb[0], 0.2f);
 
   const Scene bumps = read("Kd 1 1 1\nbump -bm 3 grey.png");
   ASSERT_TRUE(material(bumps).normal_texture);
