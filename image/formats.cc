@@ -48,6 +48,14 @@ Image DecodeImage(const std::string& path, std::string_view bytes, const ReadLim
                    bytes.empty() ? "is empty" : "is neither OpenEXR, Radiance RGBE nor PFM");
 }
 
+const std::string kExrAlpha = "A";
+
+bool HasExrAlpha(const std::string& path, std::string_view bytes, const ReadLimits& limits) {
+  if (!StartsWith(bytes, kExrMagic)) return false;
+  const std::vector<std::string> names = ExrLayerNames(path, bytes, limits);
+  return std::find(names.begin(), names.end(), kExrAlpha) != names.end();
+}
+
 }  // namespace
 
 std::int64_t ParseSize(std::string_view text) {
@@ -94,10 +102,25 @@ LayeredImage ReadLayeredImage(const std::string& path, const std::vector<std::st
   return {DecodeImage(path, bytes, limits), {}};
 }
 
+bool IsRgba(const std::string& path, const ReadLimits& limits) {
+  const std::string bytes = ReadFile(path);
+  // The places of PNG's type of colours and of QOI's number of channels.
+  if (StartsWith(bytes, kPngMagic)) return bytes.size() > 25 && bytes[25] == 6;
+  if (StartsWith(bytes, kQoiMagic)) return bytes.size() > 12 && bytes[12] == 4;
+  return HasExrAlpha(path, bytes, limits);
+}
+
 Image DecodeTexture(const std::string& name, std::string_view bytes, Encoding encoding,
                     const ReadLimits& limits) {
   const Decoder8Bit decode = FindDecoder8Bit(name, bytes);
   if (encoding == Encoding::kAlpha && (!decode || decode == DecodeJpeg)) {
+    if (HasExrAlpha(name, bytes, limits)) {
+      LayeredImage read = DecodeExr(name, bytes, limits, {kExrAlpha});
+      for (std::size_t i = 0; i < read.image.rgb.size(); ++i) {
+        read.image.rgb[i] = read.layers[0].values[i / 3];
+      }
+      return std::move(read.image);
+    }
     Image opaque(1, 1);
     opaque.rgb = {1, 1, 1};
     return opaque;

@@ -78,8 +78,8 @@ struct PbrtReader {
   // Textures of floats and textures of colours have separate names.
   PbrtTextures float_textures, color_textures;
   TextureFiles texture_files{&scene};
-  // The images of textures of floats, by file and encoding.
-  std::map<std::pair<std::string, Encoding>, std::uint32_t> float_images;
+  // The images of textures of floats, by file, encoding and whether they are without a filter.
+  std::map<std::tuple<std::string, Encoding, bool>, std::uint32_t> float_images;
   // The copy of a material for shapes with alpha, by material, opacity and opacity texture.
   std::map<std::tuple<std::uint32_t, float, std::uint32_t>, std::uint32_t> materials_with_alpha;
   std::vector<PbrtSolidParameter> solids;  // of the material that is being read

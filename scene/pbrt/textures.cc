@@ -131,32 +131,22 @@ PbrtTexture Combine(PbrtReader& reader, const PbrtParameters& parameters,
   return AddTexture(reader, *baked, glm::vec3(1));
 }
 
-// Returns the index of the image of a texture of floats: the alpha channel of a PNG or QOI that has
-// one, decoded like a colour, or else the mean of the channels. pbrt drops the alpha channel of
-// TGA, BMP and GIF as it reads them.
-std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding encoding) {
-  const auto [known, is_new] = reader.float_images.try_emplace({path, encoding}, 0);
+// Returns the index of the image of a texture of floats. pbrt takes the alpha channel of files of
+// red to alpha, or else the mean of the channels, and without a filter always the first one.
+std::uint32_t FloatImage(PbrtReader& reader, const std::string& path, Encoding encoding,
+                         bool unfiltered) {
+  const auto [known, is_new] = reader.float_images.try_emplace({path, encoding, unfiltered}, 0);
   if (!is_new) return known->second;
-  const std::string ending = std::filesystem::path(path).extension().string();
-  const bool keeps_alpha = ending == ".png" || ending == ".PNG" || ending == ".qoi";
-  if (Image alpha = keeps_alpha ? ReadTexture(path, Encoding::kAlpha, kTextureLimits) : Image();
-      !IsWhite(alpha)) {
-    if (encoding == Encoding::kSrgb) {
-      for (float& value : alpha.rgb) value = float(LinearFromSrgb(value));
-    }
-    known->second = AddTextureImage(reader.scene, std::move(alpha));
-    return known->second;
+  const bool alpha = !unfiltered && IsRgba(path);
+  Image image = ReadTexture(path, alpha ? Encoding::kAlpha : encoding, kTextureLimits);
+  const bool encoded = alpha && encoding == Encoding::kSrgb && IsOfScreen(path);
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    float* const rgb = &image.rgb[i];
+    float value = alpha || unfiltered ? rgb[0] : (rgb[0] + rgb[1] + rgb[2]) / 3;
+    if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) value = rgb[0];
+    std::fill_n(rgb, 3, encoded ? float(LinearFromSrgb(value)) : value);
   }
-  known->second = AddTextureImage(reader.texture_files, path, encoding);
-  Image means = reader.scene.images[known->second];
-  bool colored = false;
-  for (std::size_t i = 0; i < means.rgb.size(); i += 3) {
-    float* const rgb = &means.rgb[i];
-    if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) continue;
-    colored = true;
-    std::fill_n(rgb, 3, (rgb[0] + rgb[1] + rgb[2]) / 3);
-  }
-  if (colored) known->second = AddTextureImage(reader.scene, std::move(means));
+  known->second = AddTextureImage(reader.scene, std::move(image));
   return known->second;
 }
 
@@ -173,11 +163,14 @@ std::uint32_t UnfilteredImage(PbrtReader& reader, const PbrtParameters& paramete
   const int by = std::min(kMaxBakedSide / std::max(texels.width, texels.height), kCheckTexels);
   const int width = texels.width * by, height = texels.height * by;
   const std::size_t count = std::size_t(width) * std::size_t(height);
-  if (by < kLeastSquare || reader.baked_texels + count > kMaxBakedTexels) {
+  const bool too_large = by < kLeastSquare;
+  if (too_large || reader.baked_texels + count > kMaxBakedTexels) {
+    const std::string which = too_large ? fmt::format("images of more than {} texels per side",
+                                                      kMaxBakedSide / kLeastSquare)
+                                        : "so many images";
     Warn(reader, parameters,
-         fmt::format("the filter \"point\" is not supported for images of more than {} texels per "
-                     "side, nor for so many: texels are interpolated",
-                     kMaxBakedSide / kLeastSquare));
+         fmt::format("the filter \"point\" is not supported for {}: texels are interpolated",
+                     which));
     return image;
   }
   reader.baked_texels += count;
@@ -213,7 +206,7 @@ PbrtTexture ImageMap(PbrtReader& reader, PbrtParameters& parameters, bool color)
   const TexelEncoding encoding = EncodingOf(reader, parameters, path);
   const bool invert = FindBool(parameters, "invert").value_or(false);
   texture.image = color ? AddTextureImage(reader.texture_files, path, encoding.encoding)
-                        : FloatImage(reader, path, encoding.encoding);
+                        : FloatImage(reader, path, encoding.encoding, unfiltered);
   if (unfiltered) texture.image = UnfilteredImage(reader, parameters, texture.image);
   const PbrtTexture plain = AddTexture(reader, texture, scale);
   if (encoding.gamma == 1 && !invert) {
