@@ -46,6 +46,9 @@ struct PbrtTexture {
   std::shared_ptr<const PbrtSolid> solid = nullptr;
   int evaluations = 0;  // of functions, that of `solid` takes
 };
+inline bool SamePbrtTexture(const PbrtTexture& a, const PbrtTexture& b) {
+  return a.value == b.value && a.image == b.image && a.solid == b.solid;
+}
 // The most that a texture may take. It also bounds how deeply textures are nested.
 inline constexpr int kMaxPbrtEvaluations = 256;
 // Textures by name; unsupported ones are present without a value.
