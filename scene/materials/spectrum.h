@@ -1,8 +1,7 @@
 // Scene files give some quantities by wavelength; these functions make linear Rec. 709 colours of
 // them.
 //
-// The observer is CIE 1931 2 degrees in the analytic fit of Wyman, Sloan and Shirley, "Simple
-// Analytic Approximations to the CIE XYZ Color Matching Functions" (JCGT 2013, multi-lobe),
+// The observer is that of the CIE of 1931 for 2 degrees, tabulated every 5 nm (CIE 15:2004) and
 // integrated from 360 to 830 nm in steps of 1 nm. Colours outside of Rec. 709 are clamped at 0.
 #pragma once
 
