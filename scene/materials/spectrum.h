@@ -42,6 +42,15 @@ glm::vec3 RgbOfBlackbodyPeak(float kelvin);
 // ACES TB-2014-004).
 std::optional<glm::vec3> RgbOfIlluminant(std::string_view name);
 
+// Conversions of linear RGB of another space to linear Rec. 709, which may give negative values.
+// The colour of light keeps its chromaticity; that of a reflectance is adapted, so that white stays
+// white (Bradford's method, Lam 1985).
+struct RgbConversion {
+  glm::mat3 light, reflectance;
+};
+// Returns that of a space by pbrt-v4's name (srgb, dci-p3, rec2020, aces2065-1), or nothing.
+std::optional<RgbConversion> FindRgbSpace(std::string_view name);
+
 // Parses a file of pairs like pbrt's .spd, with white space between numbers and # comments. Throws
 // InputError with the line on anything else and on wavelengths that do not ascend.
 std::vector<glm::vec2> ParseSpectrumFile(const std::string& text, const std::string& path);

@@ -58,6 +58,7 @@ struct PbrtGraphicsState {
   std::optional<PbrtAreaLight> area_light;
   bool transform_active = true;  // false: transforms describe the end of a motion
   PbrtAttributes attributes;
+  std::optional<RgbConversion> color_space;  // nothing: linear Rec. 709
 };
 
 struct PbrtScope {

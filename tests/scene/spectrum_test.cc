@@ -136,6 +136,36 @@ TEST(Spectrum, IlluminantsHaveTheirChromaticity) {
   }
 }
 
+// Published matrices: ITU-R BT.2087 for Rec. 2020, P3-D65 as in SMPTE EG 432-1, and those of the
+// Academy's ACES-dev for AP0, by Bradford's adaptation.
+TEST(Spectrum, RgbSpacesAreConverted) {
+  const struct {
+    const char* name;
+    double rows[3][3];
+  } spaces[] = {
+      {"srgb", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+      {"rec2020",
+       {{1.6605, -0.5876, -0.0728}, {-0.1246, 1.1329, -0.0083}, {-0.0182, -0.1006, 1.1187}}},
+      {"dci-p3", {{1.2249, -0.2249, 0}, {-0.0420, 1.0420, 0}, {-0.0196, -0.0786, 1.0979}}},
+      {"aces2065-1",
+       {{2.5217, -1.1341, -0.3876}, {-0.2765, 1.3727, -0.0962}, {-0.0154, -0.1530, 1.1683}}}};
+  for (const auto& space : spaces) {
+    const RgbConversion conversion = FindRgbSpace(space.name).value();
+    for (int row = 0; row < 3; ++row) {
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(conversion.reflectance[c][row], space.rows[row][c], 5e-4) << space.name;
+      }
+    }
+    // White light keeps its own white.
+    const glm::vec3 white = conversion.light * glm::vec3(1);
+    const bool warm = std::string_view(space.name) == "aces2065-1";
+    EXPECT_NEAR(Chromaticity(white).x, warm ? 0.32168 : 0.3127, 3e-4) << space.name;
+    EXPECT_NEAR(Chromaticity(white).y, warm ? 0.33767 : 0.3290, 3e-4) << space.name;
+    EXPECT_NEAR(Luminance709(white), 1, 1e-3) << space.name;
+  }
+  EXPECT_FALSE(FindRgbSpace("rec709"));
+}
+
 TEST(Spectrum, FilesAreReadOrRefusedAtTheirLine) {
   const auto pairs = ParseSpectrumFile("# nm value\n400 .1\r\n500\t.2 # mid\n\n600, 3e-1", "a.spd");
   ASSERT_EQ(pairs.size(), 3u);
