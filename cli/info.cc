@@ -211,7 +211,9 @@ std::string Parameters(const Material& material) {
   if (material.color_texture) text += " * texture";
   for (const Parameter& parameter : ListParameters(material)) {
     text += fmt::format(", {} {:.4g}", parameter.name, fmt::join(Numbers(parameter.value), " "));
-    if (parameter.name == "alpha" && material.roughness_texture) text += " * texture";
+    const bool varied = parameter.name == "alpha" || (parameter.name == "coat_alpha" &&
+                                                      material.bsdf == BsdfKind::kCoatedConductor);
+    if (varied && material.roughness_texture) text += " * texture";
   }
   return text;
 }

@@ -250,7 +250,8 @@ struct MaterialRecord {
   std::uint32_t color_texture;  // row in the texture table + 1; 0: none
   float multiscatter[3];        // Kulla and Conty 2017: factor of (1 - E(wo)) (1 - E(wi))
   // Row in the texture table + 1; 0: none. Its green channel scales the square root of alpha, its
-  // red one that of the width across the tangent, and its blue one the share of metal.
+  // red one that of the width across the tangent or of a coat over metal, and its blue one the
+  // share of metal.
   std::uint32_t roughness_texture;
 };
 inline constexpr int kLogMaterialWords = 4;

@@ -310,7 +310,8 @@ void AddNormalMaps(const Scene& scene, std::span<const Mesh* const> meshes,
 bool IsVaried(const Material& material) {
   return material.metal_of_color || material.second_color_texture ||
          (material.roughness_texture &&
-          (BsdfOf(material).varying == Varying::kAlpha || BsdfOf(material).across));
+          (BsdfOf(material).varying == Varying::kAlpha ||
+           BsdfOf(material).varying == Varying::kCoatWidths || BsdfOf(material).across));
 }
 
 // Adds the records of materials and the tables that their BSDFs read. Materials with equal coats,
@@ -323,7 +324,12 @@ void AddMaterials(const Scene& scene, GeometryTables& tables) {
     if (BsdfOf(material).tables.coat) {
       const auto [coat, is_new] =
           coats.emplace(CoatKeyOf(material), std::uint32_t(tables.coats.size()));
-      if (is_new) tables.coats.push_back(MakeCoatTable(material));
+      if (is_new && material.roughness_texture) {
+        const std::vector<CoatTable> by_width = MakeCoatTables(material);
+        tables.coats.insert(tables.coats.end(), by_width.begin(), by_width.end());
+      } else if (is_new) {
+        tables.coats.push_back(MakeCoatTable(material));
+      }
       PutField(tables.materials.back(), MaterialField::kCoatTable, coat->second);
     }
     // One table serves all widths that a texture may give; for two widths there is none.

@@ -37,8 +37,8 @@ struct MaterialView {
   const SheenTables* sheen = nullptr;
   const float* measured = nullptr;  // MERL tables, see kMeasured* in columns.h
   const CoatTable* coats = nullptr;
-  // Some material has a texture of Varying::kAlpha or kSecondColor, or of the two widths of brushed
-  // metal, or is a metal of its colour.
+  // Some material has a texture of Varying::kAlpha, kCoatWidths or kSecondColor, or of the two
+  // widths of brushed metal, or is a metal of its colour.
   bool varied = false;
   // Some rough dielectric has two widths: of BSDFs that may have them, Varying::kAlpha is written
   // and read, textures or not, with a FacetTurn in its second column.
@@ -124,6 +124,8 @@ enum class Varying {
   // This is written, and read, only if MaterialView::varied or two_widths: GGX width; the other
   // column means nothing, or with two_widths is a FacetTurn (kernels/surface/facet_turn-inl.h).
   kAlpha,
+  // This only if MaterialView::varied: GGX widths of a metal and of the coat over it.
+  kCoatWidths,
   // This only if MaterialView::varied: texture of the second colour, red and green, 16 bits each,
   // and blue.
   kSecondColor,

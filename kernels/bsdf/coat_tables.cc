@@ -348,6 +348,45 @@ void OverMetal(const Material& material, const Interface& interface, const Slab*
 
 bool IsMetal(const Material& material) { return material.bsdf == BsdfKind::kCoatedConductor; }
 
+Interface InterfaceOf(const Material& material, const Nodes& nodes) {
+  const float alpha = IsMetal(material) ? material.coat_alpha : material.alpha;
+  return {MicrofacetWidth(alpha), material.ior, nodes};
+}
+
+// Returns the medium of each channel, or nothing if there is none.
+std::vector<Slab> MakeSlabs(const Material& material, const Nodes& nodes) {
+  std::vector<Slab> slabs;
+  const double asymmetry = std::clamp(material.coat_asymmetry, -0.95f, 0.95f);
+  for (int c = 0; c < 3 && material.coat_thickness > 0; ++c) {
+    slabs.push_back(MakeSlab(material.coat_thickness,
+                             std::clamp(material.coat_albedo[c], 0.0f, 1.0f), asymmetry, nodes));
+  }
+  return slabs;
+}
+
+CoatTable MakeTable(const Material& material, const Interface& interface,
+                    const std::vector<Slab>& slabs, const Nodes& nodes) {
+  CoatTable table = {};
+  Store(AsColumn(interface.own), 1, table.own);
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = std::size_t(c);
+    const Slab* const slab = slabs.empty() ? nullptr : &slabs[channel];
+    if (slab != nullptr) {
+      const Vector own = interface.in * Follow(interface, slab, 1, 0, nullptr).down;
+      const double mean = MeanOverCosine(AsColumn(own));
+      if (mean > 1e-9) {
+        Store(AsColumn(own), 1 / std::sqrt(mean * std::numbers::pi), table.medium[c]);
+      }
+    }
+    if (IsMetal(material)) {
+      OverMetal(material, interface, slab, nodes, c, table);
+    } else {
+      OverDiffuse(interface, slab, nodes, channel, table);
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 float WidthUnderCoat(float alpha, float coat_alpha, float ior) {
@@ -360,14 +399,12 @@ float WidthUnderCoat(float alpha, float coat_alpha, float ior) {
 
 CoatKey CoatKeyOf(const Material& m) {
   const bool metal = IsMetal(m);
-  CoatKey key = {metal ? 1.0f : 0.0f,
-                 m.ior,
-                 m.alpha,
-                 metal ? m.coat_alpha : 0,
-                 m.coat_thickness,
-                 m.coat_asymmetry,
-                 m.coat_albedo.x,
-                 m.coat_albedo.y,
+  // Tables of all widths do not depend on one.
+  const bool varies = m.roughness_texture.has_value();
+  CoatKey key = {metal ? 1.0f : 0.0f,   m.ior,
+                 varies ? -1 : m.alpha, metal && !varies ? m.coat_alpha : 0,
+                 m.coat_thickness,      m.coat_asymmetry,
+                 m.coat_albedo.x,       m.coat_albedo.y,
                  m.coat_albedo.z};
   for (int c = 0; metal && c < 3; ++c) {
     key[std::size_t(9 + c)] = m.eta[c], key[std::size_t(12 + c)] = m.k[c];
@@ -376,33 +413,28 @@ CoatKey CoatKeyOf(const Material& m) {
 }
 
 CoatTable MakeCoatTable(const Material& material) {
-  CoatTable table = {};
-  const double ior = material.ior;
-  const Nodes nodes(ior);
-  const float alpha = MicrofacetWidth(IsMetal(material) ? material.coat_alpha : material.alpha);
-  const Interface interface(alpha, ior, nodes);
-  Store(AsColumn(interface.own), 1, table.own);
-  for (int c = 0; c < 3; ++c) {
-    const auto channel = std::size_t(c);
-    std::vector<Slab> slabs;
-    if (material.coat_thickness > 0) {
-      const double asymmetry = std::clamp(material.coat_asymmetry, -0.95f, 0.95f);
-      slabs.push_back(MakeSlab(material.coat_thickness,
-                               std::clamp(material.coat_albedo[c], 0.0f, 1.0f), asymmetry, nodes));
-      const Vector own = interface.in * Follow(interface, &slabs[0], 1, 0, nullptr).down;
-      const double mean = MeanOverCosine(AsColumn(own));
-      if (mean > 1e-9) {
-        Store(AsColumn(own), 1 / std::sqrt(mean * std::numbers::pi), table.medium[c]);
-      }
-    }
-    const Slab* const slab = slabs.empty() ? nullptr : &slabs[0];
-    if (IsMetal(material)) {
-      OverMetal(material, interface, slab, nodes, c, table);
-    } else {
-      OverDiffuse(interface, slab, nodes, channel, table);
+  const Nodes nodes(material.ior);
+  return MakeTable(material, InterfaceOf(material, nodes), MakeSlabs(material, nodes), nodes);
+}
+
+std::vector<CoatTable> MakeCoatTables(const Material& material) {
+  const Nodes nodes(material.ior);
+  const std::vector<Slab> slabs = MakeSlabs(material, nodes);
+  const auto width = [](std::uint32_t row) {
+    const float root = float(row) / (kCoatRows - 1);
+    return MicrofacetWidth(root * root);
+  };
+  Material of_row = material;
+  std::vector<CoatTable> tables;
+  for (std::uint32_t row = 0; row < kCoatRows; ++row) {
+    (IsMetal(material) ? of_row.coat_alpha : of_row.alpha) = width(row);
+    const Interface interface = InterfaceOf(of_row, nodes);
+    for (std::uint32_t metal = 0; metal < (IsMetal(material) ? kCoatRows : 1); ++metal) {
+      if (IsMetal(material)) of_row.alpha = width(metal);
+      tables.push_back(MakeTable(of_row, interface, slabs, nodes));
     }
   }
-  return table;
+  return tables;
 }
 
 }  // namespace skywave

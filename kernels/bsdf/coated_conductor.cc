@@ -28,6 +28,21 @@ struct CoveredMetal {
         eta(Field3(m, fields, kEta)),
         k(Field3(m, fields, kK)) {}
 
+  // Takes the widths of metal and coat, which may have an image in `lanes`, and returns the latter.
+  HWY_INLINE VF Vary(const SurfaceColumns& s, std::uint32_t i, MU lanes, CoatLanes& coat) {
+    const VF one = Set(1.0f), own = Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f);
+    const VF width = Clamp(Load(s.varying_1 + i), 1e-3f, 1.0f);
+    coat.coats = coat.Approach(width, lanes, kCoatRows * kCoatWords);
+    coat.metals = coat.Approach(own, lanes, kCoatWords);
+    coat.over_metals = true;
+    // This is WidthUnderCoat.
+    const VF tilt = hn::Mul(hn::Mul(Set(0.5f), hn::Sub(one, hn::Div(one, ior))), width);
+    const VF wider2 = hn::Add(hn::Mul(own, own), hn::Mul(Set(2.0f), hn::Mul(tilt, tilt)));
+    const VF wider = Clamp(hn::Sqrt(wider2), 1e-3f, 1.0f);
+    ggx = Ggx(IfThen(hn::RebindMask(F(), lanes), wider, own));
+    return width;
+  }
+
   // Refracts a direction into the coat.
   HWY_INLINE V3 Inside(const V3& w) const {
     const VF inverse = hn::Div(Set(1.0f), ior);
@@ -91,10 +106,15 @@ namespace skywave {
 inline constexpr BsdfTraits CoatedConductorTraits = {
     .name = "coated-conductor",
     .lobed = true,
+    .varying = Varying::kCoatWidths,
     .tables = {.coat = true},
     .parameters = {{"alpha"}, {"eta"}, {"k"}, {"coat_alpha"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PutField(r, MaterialField::kAlpha, WidthUnderCoat(m.alpha, m.coat_alpha, m.ior));
+      PackAlpha(m, r);
+      // With an image of the widths, kernels compute this for each surface.
+      if (!m.roughness_texture) {
+        PutField(r, MaterialField::kAlpha, WidthUnderCoat(m.alpha, m.coat_alpha, m.ior));
+      }
       PutField(r, MaterialField::kEta, m.eta / m.ior);
       PutField(r, MaterialField::kK, m.k / m.ior);
       PutField(r, MaterialField::kCoatAlpha, MicrofacetWidth(m.coat_alpha));

@@ -22,6 +22,13 @@ struct DiffuseBody {
                          std::uint32_t n)
       : fields(MaterialFields(s, i, n)), color(ColorOf(s, i)) {}
 
+  // Takes the width of the coat, which may have an image in `lanes`, and returns it.
+  static HWY_INLINE VF Vary(const SurfaceColumns& s, std::uint32_t i, MU lanes, CoatLanes& coat) {
+    const VF width = Clamp(Load(s.varying_0 + i), 1e-3f, 1.0f);
+    coat.coats = coat.Approach(width, lanes, kCoatWords);
+    return width;
+  }
+
   // A clear coat lets all channels through alike.
   static HWY_INLINE V3 Through(const CoatLanes& coat, VF cosine) {
     const auto place = CoatLanes::PlaceOf(cosine);
@@ -69,11 +76,12 @@ namespace skywave {
 inline constexpr BsdfTraits CoatedDiffuseTraits = {
     .name = "coated-diffuse",
     .lobed = true,
+    .varying = Varying::kAlpha,
     .guided = true,
     .tables = {.coat = true},
     .parameters = {{"alpha"}, {"ior"}},
     .pack = [](const Material& m, MeasuredBrdfs, MaterialRecord& r) {
-      PutField(r, MaterialField::kAlpha, MicrofacetWidth(m.alpha));
+      PackAlpha(m, r);
       PutField(r, MaterialField::kIor, m.ior);
       PutField(r, MaterialField::kCoatMedium, m.coat_thickness > 0 ? 1.0f : 0.0f);
     }};

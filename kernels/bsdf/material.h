@@ -82,7 +82,8 @@ struct Material {
   // once is lost. Glass of two widths with an image of them has no table, and always loses it.
   bool energy_compensation = true;
   // Textures are indices into the scene's textures. These are factors of the reflectance; of the
-  // square roots of alpha (green) and of alpha_across (red), and of metallic (blue).
+  // square roots of alpha (green) and of alpha_across, or of coat_alpha of coated conductors (red),
+  // and of metallic (blue).
   std::optional<std::uint32_t> color_texture, roughness_texture;
   std::optional<std::uint32_t> second_color_texture;  // diffuse transmission: a factor of its share
   // The share of the surface that exists is this number times the texture. With a cutoff the

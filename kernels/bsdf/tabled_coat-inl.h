@@ -27,6 +27,35 @@ struct CoatLanes {
     has_medium = !hn::AllFalse(F(), medium);
   }
 
+  // A neighbour among the tables of several widths: its distance in words, 0 where there is one
+  // table, and its share.
+  struct Neighbour {
+    VU words;
+    VF share;
+  };
+  // Goes to the table of the row below a width, in lanes whose widths have an image; tables of
+  // neighbouring rows are so many words apart.
+  HWY_INLINE Neighbour Approach(VF width, MU lanes, std::uint32_t words_a_row) {
+    varied = true;
+    const VF at = hn::Mul(hn::Sqrt(width), Set(float(kCoatRows - 1)));
+    const VU row = hn::Min(ToUnsigned(at), SetU(kCoatRows - 2));
+    const VU step = hn::IfThenElseZero(lanes, SetU(words_a_row));
+    first = hn::Add(first, hn::Mul(row, step));
+    return {step, hn::Sub(at, ToFloat(row))};
+  }
+  HWY_INLINE VF ReadMetal(VU at) const {
+    const VF narrow = Gather(words, at);
+    if (!over_metals) return narrow;
+    const VF wide = Gather(words, hn::Add(at, metals.words));
+    return hn::Add(narrow, hn::Mul(metals.share, hn::Sub(wide, narrow)));
+  }
+  // Reads a word of the table, or between the tables of neighbouring widths.
+  HWY_INLINE VF Read(VU at) const {
+    if (!varied) return Gather(words, at);
+    const VF narrow = ReadMetal(at), wide = ReadMetal(hn::Add(at, coats.words));
+    return hn::Add(narrow, hn::Mul(coats.share, hn::Sub(wide, narrow)));
+  }
+
   // The place of a cosine in the columns.
   struct Place {
     VU column;
@@ -40,7 +69,7 @@ struct CoatLanes {
   HWY_INLINE VF Look(std::size_t member, const Place& place) const {
     const VU at =
         hn::Add(hn::Add(first, place.column), SetU(std::uint32_t(member / sizeof(float))));
-    const VF low = Gather(words, at), high = Gather(words, hn::Add(at, SetU(1)));
+    const VF low = Read(at), high = Read(hn::Add(at, SetU(1)));
     return hn::Add(low, hn::Mul(place.share, hn::Sub(high, low)));
   }
   HWY_INLINE V3 Look3(std::size_t member, const Place& place) const {
@@ -49,8 +78,7 @@ struct CoatLanes {
   }
   HWY_INLINE V3 Constants(std::size_t member) const {
     const VU at = hn::Add(first, SetU(std::uint32_t(member / sizeof(float))));
-    return {Gather(words, at), Gather(words, hn::Add(at, SetU(1))),
-            Gather(words, hn::Add(at, SetU(2)))};
+    return {Read(at), Read(hn::Add(at, SetU(1))), Read(hn::Add(at, SetU(2)))};
   }
 
   HWY_INLINE VF Own(VF cosine) const { return Look(offsetof(CoatTable, own), PlaceOf(cosine)); }
@@ -67,6 +95,9 @@ struct CoatLanes {
   VU first;
   MF medium;
   bool has_medium;
+  bool varied = false;  // some lane's widths have an image: the coat's, and with over_metals both
+  bool over_metals = false;
+  Neighbour coats, metals;  // set if `varied`, and if `over_metals`
 };
 
 // Returns the lanes of the least width.
@@ -79,7 +110,12 @@ struct UnderCoat {
       : below(s, m, i, n),
         coat(m, below.fields, i, n),
         ggx(Clamp(Field(m, below.fields, Below::kCoatWidth), 1e-3f, 1.0f)),
-        ratio(hn::Div(Set(1.0f), hn::Max(Field(m, below.fields, kIor), Set(1e-3f)))) {}
+        ratio(hn::Div(Set(1.0f), hn::Max(Field(m, below.fields, kIor), Set(1e-3f)))) {
+    if (!m.varied) return;
+    const VU image = IndexField(m, below.fields, kRoughnessTexture);
+    const MU lanes = hn::And(RowsBelow(i, n), hn::Ne(image, hn::Zero(U())));
+    if (!hn::AllFalse(U(), lanes)) ggx = Ggx(below.Vary(s, i, lanes, coat));
+  }
 
   HWY_INLINE VF Reflectance(const V3& wo, const V3& h) const {
     return FresnelDielectric(Clamp(Dot(wo, h), 0.0f, 1.0f), ratio).reflectance;

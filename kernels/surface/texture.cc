@@ -44,8 +44,12 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
   }
 }
 
-void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* materials,
-                              float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
+// Writes alpha, times the texture's green channel squared, and another field of materials times
+// what `factor` makes of the texture, not below `least` nor above 1.
+template <class Factor>
+HWY_INLINE void PrepareAlphaAnd(MaterialField second_field, float least, const Factor& factor,
+                                const TextureView& view, const MaterialRecord* materials,
+                                float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
   const auto* fields = reinterpret_cast<const float*>(materials);
   for (std::uint32_t i = 0; i < n; i += hn::Lanes(F())) {
     const VU material =
@@ -54,7 +58,7 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
     const auto field = [&](MaterialField f) HWY_ATTR {
       return Gather(fields, hn::Add(first, SetU(std::uint32_t(f))));
     };
-    VF alpha = field(MaterialField::kAlpha), metallic = field(MaterialField::kMetallic);
+    VF alpha = field(MaterialField::kAlpha), second = field(second_field);
     if (view.records != nullptr) {
       const TexturedLanes<kLogMaterialWords> textured(
           materials, SKYWAVE_WORD(MaterialRecord, roughness_texture), s, i, n);
@@ -62,12 +66,25 @@ void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* mat
         const V3 seen = LookUp(view, textured, pixel_angle, s, i, UnpackColor);
         const VF wider = hn::Mul(alpha, hn::Mul(seen.y, seen.y));
         alpha = IfThen(textured.lanes, Clamp(wider, 1e-3f, 1.0f), alpha);
-        metallic = IfThen(textured.lanes, Clamp(hn::Mul(metallic, seen.z), 0.0f, 1.0f), metallic);
+        const VF scaled = hn::Mul(second, factor(seen));
+        second = IfThen(textured.lanes, Clamp(scaled, least, 1.0f), second);
       }
     }
     StoreBelow(alpha, s.varying_0, i, n);
-    StoreBelow(metallic, s.varying_1, i, n);
+    StoreBelow(second, s.varying_1, i, n);
   }
+}
+
+void PrepareMetallicRoughness(const TextureView& view, const MaterialRecord* materials,
+                              float pixel_angle, std::uint32_t n, const SurfaceColumns& s) {
+  const auto metallic = [](const V3& seen) HWY_ATTR { return seen.z; };
+  PrepareAlphaAnd(MaterialField::kMetallic, 0.0f, metallic, view, materials, pixel_angle, n, s);
+}
+
+void PrepareCoatWidths(const TextureView& view, const MaterialRecord* materials, float pixel_angle,
+                       std::uint32_t n, const SurfaceColumns& s) {
+  const auto width = [](const V3& seen) HWY_ATTR { return hn::Mul(seen.x, seen.x); };
+  PrepareAlphaAnd(MaterialField::kCoatAlpha, 1e-3f, width, view, materials, pixel_angle, n, s);
 }
 
 void PrepareTwoWidths(const TextureView& view, const MaterialRecord* materials,
@@ -167,6 +184,7 @@ struct ScalarNeighbours {
 HWY_EXPORT(TextureColors);
 HWY_EXPORT(TintByVertices);
 HWY_EXPORT(PrepareMetallicRoughness);
+HWY_EXPORT(PrepareCoatWidths);
 HWY_EXPORT(PrepareTwoWidths);
 HWY_EXPORT(PrepareSecondColor);
 
@@ -180,6 +198,10 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
   HWY_DYNAMIC_DISPATCH(PrepareMetallicRoughness)(textures, materials, pixel_angle, n, surfaces);
+}
+void PrepareCoatWidths(const TextureView& textures, const MaterialRecord* materials,
+                       float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces) {
+  HWY_DYNAMIC_DISPATCH(PrepareCoatWidths)(textures, materials, pixel_angle, n, surfaces);
 }
 void PrepareTwoWidths(const TextureView& textures, const MaterialRecord* materials,
                       MaterialField across, bool only_textured, float pixel_angle, std::uint32_t n,

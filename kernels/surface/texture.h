@@ -41,10 +41,16 @@ void TintByVertices(const std::uint32_t* colors, std::uint32_t n, const SurfaceC
 void PrepareMetallicRoughness(const TextureView& textures, const MaterialRecord* materials,
                               float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
 
-// Does so for surfaces of which some have two widths, after PrepareTangents: varying_0 becomes the
-// width along the tangent, and varying_1 the FacetTurn (kernels/surface/facet_turn-inl.h). `across`
-// is the field of materials that has the width across it, 0 where there is only one. With
-// `only_textured`, rows without a texture of their widths stay as they are.
+// Writes Varying::kCoatWidths of rows [0, n), which are coated conductors: the material's widths,
+// times its roughness texture (green and red squared) if it has one.
+void PrepareCoatWidths(const TextureView& textures, const MaterialRecord* materials,
+                       float pixel_angle, std::uint32_t n, const SurfaceColumns& surfaces);
+
+// Does what PrepareMetallicRoughness does for surfaces of which some have two widths, after
+// PrepareTangents: varying_0 becomes the width along the tangent, and varying_1 the FacetTurn
+// (kernels/surface/facet_turn-inl.h). `across` is the field of materials that has the width across
+// it, 0 where there is only one. With `only_textured`, rows without a texture of their widths stay
+// as they are.
 void PrepareTwoWidths(const TextureView& textures, const MaterialRecord* materials,
                       MaterialField across, bool only_textured, float pixel_angle, std::uint32_t n,
                       const SurfaceColumns& surfaces);

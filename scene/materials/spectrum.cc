@@ -13,18 +13,113 @@ namespace {
 
 constexpr int kFirstNanometre = 360, kLastNanometre = 830;
 
-// A Gaussian with a width for each side.
-double Lobe(double x, double centre, double left, double right) {
-  const double t = (x - centre) / (x < centre ? left : right);
-  return std::exp(-0.5 * t * t);
-}
+// The colour matching functions of the CIE 1931 standard observer, every 5 nm from kFirstNanometre
+// to kLastNanometre (CIE 15:2004, table T.4).
+constexpr int kObserverStep = 5;
+constexpr double kObserver[][3] = {{0.0001299, 3.917e-06, 0.0006061},
+                                   {0.0002321, 6.965e-06, 0.001086},
+                                   {0.0004149, 1.239e-05, 0.001946},
+                                   {0.0007416, 2.202e-05, 0.003486},
+                                   {0.001368, 3.9e-05, 0.00645},
+                                   {0.002236, 6.4e-05, 0.01055},
+                                   {0.004243, 0.00012, 0.02005},
+                                   {0.00765, 0.000217, 0.03621},
+                                   {0.01431, 0.000396, 0.06785},
+                                   {0.02319, 0.00064, 0.1102},
+                                   {0.04351, 0.00121, 0.2074},
+                                   {0.07763, 0.00218, 0.3713},
+                                   {0.13438, 0.004, 0.6456},
+                                   {0.21477, 0.0073, 1.03905},
+                                   {0.2839, 0.0116, 1.3856},
+                                   {0.3285, 0.01684, 1.62296},
+                                   {0.34828, 0.023, 1.74706},
+                                   {0.34806, 0.0298, 1.7826},
+                                   {0.3362, 0.038, 1.77211},
+                                   {0.3187, 0.048, 1.7441},
+                                   {0.2908, 0.06, 1.6692},
+                                   {0.2511, 0.0739, 1.5281},
+                                   {0.19536, 0.09098, 1.28764},
+                                   {0.1421, 0.1126, 1.0419},
+                                   {0.09564, 0.13902, 0.81295},
+                                   {0.05795, 0.1693, 0.6162},
+                                   {0.03201, 0.20802, 0.46518},
+                                   {0.0147, 0.2586, 0.3533},
+                                   {0.0049, 0.323, 0.272},
+                                   {0.0024, 0.4073, 0.2123},
+                                   {0.0093, 0.503, 0.1582},
+                                   {0.0291, 0.6082, 0.1117},
+                                   {0.06327, 0.71, 0.07825},
+                                   {0.1096, 0.7932, 0.05725},
+                                   {0.1655, 0.862, 0.04216},
+                                   {0.22575, 0.91485, 0.02984},
+                                   {0.2904, 0.954, 0.0203},
+                                   {0.3597, 0.9803, 0.0134},
+                                   {0.43345, 0.99495, 0.00875},
+                                   {0.51205, 1, 0.00575},
+                                   {0.5945, 0.995, 0.0039},
+                                   {0.6784, 0.9786, 0.00275},
+                                   {0.7621, 0.952, 0.0021},
+                                   {0.8425, 0.9154, 0.0018},
+                                   {0.9163, 0.87, 0.00165},
+                                   {0.9786, 0.8163, 0.0014},
+                                   {1.0263, 0.757, 0.0011},
+                                   {1.0567, 0.6949, 0.001},
+                                   {1.0622, 0.631, 0.0008},
+                                   {1.0456, 0.5668, 0.0006},
+                                   {1.0026, 0.503, 0.00034},
+                                   {0.9384, 0.4412, 0.00024},
+                                   {0.85445, 0.381, 0.00019},
+                                   {0.7514, 0.321, 0.0001},
+                                   {0.6424, 0.265, 5e-05},
+                                   {0.5419, 0.217, 3e-05},
+                                   {0.4479, 0.175, 2e-05},
+                                   {0.3608, 0.1382, 1e-05},
+                                   {0.2835, 0.107, 0},
+                                   {0.2187, 0.0816, 0},
+                                   {0.1649, 0.061, 0},
+                                   {0.1212, 0.04458, 0},
+                                   {0.0874, 0.032, 0},
+                                   {0.0636, 0.0232, 0},
+                                   {0.04677, 0.017, 0},
+                                   {0.0329, 0.01192, 0},
+                                   {0.0227, 0.00821, 0},
+                                   {0.01584, 0.005723, 0},
+                                   {0.0113592, 0.004102, 0},
+                                   {0.008111, 0.002929, 0},
+                                   {0.00579, 0.002091, 0},
+                                   {0.004109, 0.001484, 0},
+                                   {0.002899, 0.001047, 0},
+                                   {0.002049, 0.00074, 0},
+                                   {0.00144, 0.00052, 0},
+                                   {0.0009999, 0.0003611, 0},
+                                   {0.0006901, 0.0002492, 0},
+                                   {0.000476, 0.0001719, 0},
+                                   {0.0003323, 0.00012, 0},
+                                   {0.0002348, 8.48e-05, 0},
+                                   {0.0001662, 6e-05, 0},
+                                   {0.0001174, 4.24e-05, 0},
+                                   {8.308e-05, 3e-05, 0},
+                                   {5.871e-05, 2.12e-05, 0},
+                                   {4.151e-05, 1.499e-05, 0},
+                                   {2.935e-05, 1.06e-05, 0},
+                                   {2.067e-05, 7.466e-06, 0},
+                                   {1.456e-05, 5.258e-06, 0},
+                                   {1.025e-05, 3.703e-06, 0},
+                                   {7.221e-06, 2.608e-06, 0},
+                                   {5.086e-06, 1.837e-06, 0},
+                                   {3.582e-06, 1.293e-06, 0},
+                                   {2.523e-06, 9.109e-07, 0},
+                                   {1.777e-06, 6.415e-07, 0},
+                                   {1.251e-06, 4.518e-07, 0}};
 
-// Returns the colour matching functions, by the equations of the multi-lobe fit.
-glm::dvec3 Observer(double nm) {
-  return {1.056 * Lobe(nm, 599.8, 37.9, 31.0) + 0.362 * Lobe(nm, 442.0, 16.0, 26.7) -
-              0.065 * Lobe(nm, 501.1, 20.4, 26.2),
-          0.821 * Lobe(nm, 568.8, 46.9, 40.5) + 0.286 * Lobe(nm, 530.9, 16.3, 31.1),
-          1.217 * Lobe(nm, 437.0, 11.8, 36.0) + 0.681 * Lobe(nm, 459.0, 26.0, 13.8)};
+// Returns them linearly between their places.
+glm::dvec3 Observer(int nm) {
+  const int from_first = nm - kFirstNanometre;
+  const auto low = std::min(std::size_t(from_first / kObserverStep), std::size(kObserver) - 2);
+  const double share = double(from_first) / kObserverStep - double(low);
+  const double* const a = kObserver[low];
+  const double* const b = kObserver[low + 1];
+  return {std::lerp(a[0], b[0], share), std::lerp(a[1], b[1], share), std::lerp(a[2], b[2], share)};
 }
 
 // Returns the XYZ of `value`(wavelength), where Y = 1 for the constant 1.
@@ -70,6 +165,35 @@ double Planck(double nm, double kelvin) {
 }
 
 glm::vec3 InGamut(const glm::vec3& rgb) { return glm::max(rgb, glm::vec3(0)); }
+
+// A space of colours by the chromaticities of its primaries and of its white.
+struct RgbSpace {
+  std::string_view name;
+  glm::dvec2 red, green, blue, white;
+};
+const glm::dvec2 kWhiteD65(0.3127, 0.329);
+const RgbSpace kRgbSpaces[] = {
+    {"srgb", {0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, kWhiteD65},
+    {"dci-p3", {0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, kWhiteD65},
+    {"rec2020", {0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}, kWhiteD65},
+    {"aces2065-1", {0.7347, 0.2653}, {0, 1}, {0.0001, -0.077}, {0.32168, 0.33767}}};
+
+glm::dvec3 XyzOfChromaticity(const glm::dvec2& c) { return {c.x / c.y, 1, (1 - c.x - c.y) / c.y}; }
+glm::dmat3 XyzFromRgb(const RgbSpace& space) {
+  const glm::dmat3 primaries(XyzOfChromaticity(space.red), XyzOfChromaticity(space.green),
+                             XyzOfChromaticity(space.blue));
+  const glm::dvec3 gains = glm::inverse(primaries) * XyzOfChromaticity(space.white);
+  return {primaries[0] * gains[0], primaries[1] * gains[1], primaries[2] * gains[2]};
+}
+
+// Returns the XYZ under D65 of what has some XYZ under another white.
+glm::dmat3 AdaptToDaylight(const glm::dvec2& white) {
+  const glm::dmat3 cones(0.8951, -0.7502, 0.0389, 0.2664, 1.7135, -0.0685, -0.1614, 0.0367, 1.0296);
+  const glm::dvec3 gains =
+      cones * XyzOfChromaticity(kWhiteD65) / (cones * XyzOfChromaticity(white));
+  const glm::dmat3 scale(gains[0], 0, 0, 0, gains[1], 0, 0, 0, gains[2]);
+  return glm::inverse(cones) * scale * cones;
+}
 
 struct Illuminant {
   std::string_view name;
@@ -127,6 +251,17 @@ glm::vec3 RgbOfBlackbodyPeak(float kelvin) {
 std::optional<glm::vec3> RgbOfIlluminant(std::string_view name) {
   for (const Illuminant& i : kIlluminants) {
     if (i.name == name) return InGamut(RgbFromXyz({i.x / i.y, 1, (1 - i.x - i.y) / i.y}));
+  }
+  return std::nullopt;
+}
+
+std::optional<RgbConversion> FindRgbSpace(std::string_view name) {
+  for (const RgbSpace& space : kRgbSpaces) {
+    if (space.name != name) continue;
+    const glm::dmat3 rgb_from_xyz = glm::inverse(XyzFromRgb(kRgbSpaces[0]));
+    const glm::dmat3 xyz_from_rgb = XyzFromRgb(space);
+    return RgbConversion{glm::mat3(rgb_from_xyz * xyz_from_rgb),
+                         glm::mat3(rgb_from_xyz * AdaptToDaylight(space.white) * xyz_from_rgb)};
   }
   return std::nullopt;
 }

@@ -1,8 +1,7 @@
 // Scene files give some quantities by wavelength; these functions make linear Rec. 709 colours of
 // them.
 //
-// The observer is CIE 1931 2 degrees in the analytic fit of Wyman, Sloan and Shirley, "Simple
-// Analytic Approximations to the CIE XYZ Color Matching Functions" (JCGT 2013, multi-lobe),
+// The observer is that of the CIE of 1931 for 2 degrees, tabulated every 5 nm (CIE 15:2004) and
 // integrated from 360 to 830 nm in steps of 1 nm. Colours outside of Rec. 709 are clamped at 0.
 #pragma once
 
@@ -42,6 +41,15 @@ glm::vec3 RgbOfBlackbodyPeak(float kelvin);
 // illum-acesD60). It has luminance 1 and its chromaticity (CIE 15:2004, tables T.3 and T.5;
 // ACES TB-2014-004).
 std::optional<glm::vec3> RgbOfIlluminant(std::string_view name);
+
+// Conversions of linear RGB of another space to linear Rec. 709, which may give negative values.
+// The colour of light keeps its chromaticity; that of a reflectance is adapted, so that white stays
+// white (Bradford's method, Lam 1985).
+struct RgbConversion {
+  glm::mat3 light, reflectance;
+};
+// Returns that of a space by pbrt-v4's name (srgb, dci-p3, rec2020, aces2065-1), or nothing.
+std::optional<RgbConversion> FindRgbSpace(std::string_view name);
 
 // Parses a file of pairs like pbrt's .spd, with white space between numbers and # comments. Throws
 // InputError with the line on anything else and on wavelengths that do not ascend.

@@ -332,6 +332,20 @@ void Portals(PbrtReader& reader, PbrtParameters& parameters) {
   reader.scene.settings.strategy = "portal";
 }
 
+// Returns the illuminance from the upper half of an equal-area square (Clarberg 2008) as pbrt-v4
+// counts it: a texel as half of its solid angle.
+double IlluminanceFromAbove(const Image& square) {
+  double sum = 0;
+  for (int y = 0; y < square.height; ++y) {
+    for (int x = 0; x < square.width; ++x) {
+      const double from_centre =
+          std::abs((2 * x + 1.0) / square.width - 1) + std::abs((2 * y + 1.0) / square.height - 1);
+      sum += Luminance(square.Pixel(x, y)) * std::max(0.0, 1 - from_centre * from_centre);
+    }
+  }
+  return sum * 2 * kPi / (double(square.width) * square.height);
+}
+
 void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
   EnvironmentLight light;
   light.scale = Emission(reader, parameters, "L");
@@ -343,8 +357,16 @@ void InfiniteLight(PbrtReader& reader, PbrtParameters& parameters) {
     if (light.map_path.empty()) {
       light.scale *= *lux / float(kPi);
     } else {
-      AddWarning(reader.warnings, parameters.position,
-                 parameters.directive + ": the \"illuminance\" of an image is ignored");
+      const Image map = ReadImage(light.map_path);
+      const double lit = map.width == map.height ? IlluminanceFromAbove(map) : 0;
+      if (light.equal_area_square && lit > 0 && std::isfinite(lit)) {
+        light.scale *= float(*lux / lit);
+      } else {
+        AddWarning(reader.warnings, parameters.position,
+                   parameters.directive +
+                       ": the \"illuminance\" of an image that is no equal-area square, or is "
+                       "black above, is ignored");
+      }
     }
   }
   light.world_from_map = MapFrame(reader, parameters);

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include "scene/materials/merl.h"
 #include "scene/materials/metals.h"
@@ -233,7 +235,7 @@ struct Widths {
   float along, across;
   // A texture of both (Material::roughness_texture); the widths are 1 then.
   std::optional<std::uint32_t> texture = std::nullopt;
-  std::optional<PbrtSolidParameter> solid = std::nullopt;  // likewise if both vary in space
+  std::optional<PbrtSolidParameter> solid = std::nullopt;  // likewise if they vary in space
   bool texture_of_two = false;                             // it differs along and across
   bool two() const { return along != across || texture_of_two; }
   bool smooth() const { return std::max(along, across) < kSmoothWidth; }
@@ -242,8 +244,18 @@ struct Widths {
     return std::sqrt(std::max(along, kLeastWidth) * std::max(across, kLeastWidth));
   }
 };
+
+// Returns whether a parameter has an image, or varies in space.
+bool Varies(Context& context, const std::string& name) {
+  const PbrtTextures& textures = context.reader.float_textures;
+  return FindImageTexture(context.parameters, name, textures) ||
+         FindSolidTexture(context.parameters, name, textures);
+}
+
 Widths FindWidths(Context& context, const std::string& prefix, float fallback, bool v4) {
-  const float roughness = FindScalar(context, prefix + "roughness").value_or(fallback);
+  const float roughness = Varies(context, prefix + "roughness")
+                              ? fallback
+                              : FindScalar(context, prefix + "roughness").value_or(fallback);
   const float u = FindScalar(context, prefix + "uroughness").value_or(roughness);
   const float v = FindScalar(context, prefix + "vroughness").value_or(roughness);
   if (!(u >= 0 && v >= 0)) {
@@ -254,53 +266,68 @@ Widths FindWidths(Context& context, const std::string& prefix, float fallback, b
   return {AlphaFromRoughness(u, remap, v4), AlphaFromRoughness(v, remap, v4)};
 }
 
-// Returns widths of roughness that varies in space.
-Widths SolidWidths(Context& context, const std::shared_ptr<const PbrtSolid>& roughness,
-                   float fallback, bool v4) {
-  const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
-  const auto root_of_alpha = [=](const glm::dvec3& place, const glm::dvec3& normal) {
-    const float value = std::max((*roughness)(place, normal).x, 0.0f);
-    return glm::vec3(std::sqrt(std::clamp(AlphaFromRoughness(value, remap, v4), 1e-3f, 1.0f)));
+// Returns whether the roughness along u or v, which override that of both, varies.
+bool RoughnessVaries(Context& context, const std::string& prefix) {
+  const auto varies = [&](const char* name) {
+    const bool given = Find(context.parameters, {"float", "texture"}, prefix + name) != nullptr;
+    return Varies(context, prefix + (given ? name : "roughness"));
   };
-  return {.along = 1,
-          .across = 1,
-          .solid = PbrtSolidParameter{
-              .use = PbrtSolidUse::kRoughness,
-              .value = std::make_shared<const PbrtSolid>(root_of_alpha),
-              .fallback = std::max(AlphaFromRoughness(fallback, remap, v4), 1e-3f)}};
+  return varies("uroughness") || varies("vroughness");
 }
 
-// Does so for materials whose roughness may have an image or vary in space. Roughness along u and v
-// overrides that of both.
-Widths FindVariedWidths(Context& context, float fallback, bool v4) {
-  const auto image = [&](std::string_view name) {
-    return FindImageTexture(context.parameters, name, context.reader.float_textures);
+// The roughness along u and along v, each a number or a texture.
+struct Roughness {
+  PbrtTexture along, across;
+  bool two() const { return !SamePbrtTexture(along, across); }
+};
+// Roughness along u and v overrides that of both.
+Roughness FindRoughness(Context& context, const std::string& prefix, float fallback) {
+  const auto find = [&](const char* name) -> std::optional<PbrtTexture> {
+    const std::string full = prefix + name;
+    const PbrtTextures& textures = context.reader.float_textures;
+    if (auto image = FindImageTexture(context.parameters, full, textures)) return image;
+    if (auto solid = FindSolidTexture(context.parameters, full, textures)) return solid;
+    const auto value = FindScalar(context, full);
+    if (!value) return std::nullopt;
+    return PbrtTexture{.value = glm::vec3(*value)};
   };
-  const auto given = [&](std::string_view name) {
-    return Find(context.parameters, {"float", "texture"}, name) != nullptr;
-  };
-  const bool along_u = given("uroughness"), along_v = given("vroughness");
-  const auto solid =
-      FindSolidTexture(context.parameters, "roughness", context.reader.float_textures);
-  if (solid && !along_u && !along_v) return SolidWidths(context, solid->solid, fallback, v4);
-  const auto both = image("roughness"), u = image("uroughness"), v = image("vroughness");
-  if (!both && !u && !v) return FindWidths(context, "", fallback, v4);
-  const float constant = both ? fallback : FindScalar(context, "roughness").value_or(fallback);
-  const auto operand = [&](const std::optional<PbrtTexture>& own, std::string_view name) {
-    if (own) return *own;
-    if (const auto value = FindScalar(context, name))
-      return PbrtTexture{.value = glm::vec3(*value)};
-    return both ? *both : PbrtTexture{.value = glm::vec3(constant)};
-  };
-  const PbrtTexture along = operand(u, "uroughness"), across = operand(v, "vroughness");
+  const PbrtTexture both = find("roughness").value_or(PbrtTexture{.value = glm::vec3(fallback)});
+  return {find("uroughness").value_or(both), find("vroughness").value_or(both)};
+}
+
+// Returns widths that vary: `pack` makes a texel of Material::roughness_texture of the alphas of
+// `roughness`. Where the textures cannot be combined, the widths are those of `fallback`.
+Widths VariedWidths(Context& context, const std::vector<PbrtTexture>& roughness, float fallback,
+                    bool v4, const PackAlphas& pack) {
   const bool remap = FindBool(context.parameters, "remaproughness").value_or(true);
-  const auto texture =
-      PbrtAlphaTexture(context.reader, context.parameters, along, across,
-                       [&](float roughness) { return AlphaFromRoughness(roughness, remap, v4); });
-  const bool two = along.image != across.image || along.value != across.value;
-  if (texture) return {.along = 1, .across = 1, .texture = texture, .texture_of_two = two};
-  const float alpha = AlphaFromRoughness(fallback, remap, v4);
-  return {alpha, alpha};
+  const auto alpha_of = [remap, v4](float value) { return AlphaFromRoughness(value, remap, v4); };
+  const PbrtTexture packed =
+      PbrtAlphaTexture(context.reader, context.parameters, roughness, alpha_of, pack);
+  const float alpha = alpha_of(fallback);
+  if (packed.image) return {.along = 1, .across = 1, .texture = packed.image};
+  if (!packed.solid) return {alpha, alpha};
+  return {.along = 1,
+          .across = 1,
+          .solid = PbrtSolidParameter{.use = PbrtSolidUse::kRoughness,
+                                      .value = packed.solid,
+                                      .fallback = std::max(alpha, 1e-3f)}};
+}
+
+// Returns the square root of the geometric mean of two alphas.
+float RootOfMean(float along, float across) { return std::sqrt(std::sqrt(along * across)); }
+
+// Returns the widths of a material whose roughness may vary.
+Widths FindVariedWidths(Context& context, float fallback, bool v4) {
+  if (!RoughnessVaries(context, "")) return FindWidths(context, "", fallback, v4);
+  const Roughness roughness = FindRoughness(context, "", fallback);
+  Widths widths = VariedWidths(context, {roughness.along, roughness.across}, fallback, v4,
+                               [](std::span<const float> alphas) {
+                                 const float root = RootOfMean(alphas[0], alphas[1]);
+                                 if (alphas[0] == alphas[1]) return glm::vec3(root);
+                                 return glm::vec3(std::sqrt(alphas[1]), std::sqrt(alphas[0]), root);
+                               });
+  widths.texture_of_two = (widths.texture || widths.solid) && roughness.two();
+  return widths;
 }
 
 // Returns one width for materials without an anisotropic kernel.
@@ -311,6 +338,16 @@ float OneWidth(Context& context, const Widths& widths) {
                               widths.mean()));
   }
   return widths.mean();
+}
+
+// Gives a coat the widths of its textures; `rounded` says that they differed along u and v.
+void SetVariedWidths(Context& context, const Widths& widths, bool rounded, Material& material) {
+  if (rounded) {
+    Warn(context, "anisotropic roughness is not supported here: rendered with the geometric mean");
+  }
+  material.alpha = material.coat_alpha = widths.along;
+  material.roughness_texture = widths.texture;
+  if (widths.solid) context.reader.solids.push_back(*widths.solid);
 }
 
 // Sets the index of a conductor, or the image of its reflectance; `prefix` begins the names of the
@@ -384,8 +421,20 @@ Material CoatedConductor(Context& context) {
   material.bsdf = BsdfKind::kCoatedConductor;
   material.reflectance = glm::vec3(1);
   SetIndex(context, "conductor.", material);
-  material.alpha = OneWidth(context, FindWidths(context, "conductor.", 0, true));
-  material.coat_alpha = OneWidth(context, FindWidths(context, "interface.", 0, true));
+  if (RoughnessVaries(context, "conductor.") || RoughnessVaries(context, "interface.")) {
+    const Roughness metal = FindRoughness(context, "conductor.", 0),
+                    coat = FindRoughness(context, "interface.", 0);
+    const Widths widths =
+        VariedWidths(context, {metal.along, metal.across, coat.along, coat.across}, 0, true,
+                     [](std::span<const float> alphas) {
+                       const float root = RootOfMean(alphas[0], alphas[1]);
+                       return glm::vec3(RootOfMean(alphas[2], alphas[3]), root, root);
+                     });
+    SetVariedWidths(context, widths, metal.two() || coat.two(), material);
+  } else {
+    material.alpha = OneWidth(context, FindWidths(context, "conductor.", 0, true));
+    material.coat_alpha = OneWidth(context, FindWidths(context, "interface.", 0, true));
+  }
   material.ior = DielectricIndex(context, {"interface.eta"});
   SetCoatMedium(context, material);
   return material;
@@ -395,7 +444,15 @@ Material CoatedDiffuse(Context& context) {
   Material material;
   material.bsdf = BsdfKind::kCoatedDiffuse;
   SetReflectance(context, 0.5f, material);
-  material.alpha = OneWidth(context, FindWidths(context, "", 0, true));
+  if (RoughnessVaries(context, "")) {
+    const Roughness roughness = FindRoughness(context, "", 0);
+    const Widths widths = VariedWidths(
+        context, {roughness.along, roughness.across}, 0, true,
+        [](std::span<const float> alphas) { return glm::vec3(RootOfMean(alphas[0], alphas[1])); });
+    SetVariedWidths(context, widths, roughness.two(), material);
+  } else {
+    material.alpha = OneWidth(context, FindWidths(context, "", 0, true));
+  }
   material.ior = DielectricIndex(context, {"eta"});
   SetCoatMedium(context, material);
   return material;

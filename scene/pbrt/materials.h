@@ -22,7 +22,7 @@
 //   anything else         grey Lambert, with a warning
 //
 // A reflectance, Kd or transmittance may be an image (textures.cc), and so may the roughness of
-// conductors and dielectrics and the amount of mix; all but transmittance may vary in space
+// conductors, dielectrics and coats and the amount of mix; all but transmittance may vary in space
 // (solid_textures.h). A reflectance that varies in space is that of a diffuse body. Other
 // parameters are constant.
 #pragma once

@@ -394,10 +394,19 @@ void ReadOption(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
 
 void ReadColorSpace(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   const std::string name = ExpectString(source, "the name of a colour space");
-  if (name == "srgb") return;
-  AddWarning(
-      reader.warnings, PositionOf(source, word),
-      fmt::format("ColorSpace \"{}\" is not supported: colours are taken as linear sRGB", name));
+  if (name == "srgb") {
+    reader.state.color_space.reset();
+    return;
+  }
+  const auto space = FindRgbSpace(name);
+  if (!space) {
+    throw InputError(
+        PositionOf(source, word),
+        fmt::format("ColorSpace \"{}\" is unknown: there are srgb, dci-p3, rec2020 and "
+                    "aces2065-1",
+                    name));
+  }
+  reader.state.color_space = space;
 }
 
 constexpr PbrtDirective kOptionDirectives[] = {

@@ -295,7 +295,18 @@ std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view 
                                                   found->type, name, found->floats.size()));
   }
   const glm::vec3 color(found->floats[0], found->floats[1], found->floats[2]);
-  return found->type == "xyz" ? RgbFromXyz(color) : color;
+  if (found->type == "xyz") return RgbFromXyz(color);
+  if (!parameters.color_space) return color;
+  const auto& [light, reflectance] = *parameters.color_space;
+  const glm::vec3 rgb = (use == SpectrumUse::kEmission ? light : reflectance) * color;
+  constexpr float kRounding = 1e-5f;
+  const float least = std::min({rgb.x, rgb.y, rgb.z}), most = std::max({rgb.x, rgb.y, rgb.z});
+  if (least < -kRounding * std::max(most, 1.0f)) {
+    AddWarning(warnings, found->position,
+               fmt::format("{}: \"{} {}\" is outside of Rec. 709: clamped at 0",
+                           parameters.directive, found->type, found->name));
+  }
+  return glm::max(rgb, glm::vec3(0));
 }
 
 std::optional<PbrtTexture> FindImageTexture(PbrtParameters& parameters, std::string_view name,

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "scene/materials/spectrum.h"
 #include "scene/pbrt/tokens.h"
 #include "scene/warnings.h"
 
@@ -34,6 +35,7 @@ struct PbrtParameters {
   InputPosition position;  // position of the directive
   std::string directive;   // Shape "sphere", for messages
   std::vector<PbrtParameter> list;
+  std::optional<RgbConversion> color_space;  // of colours given as rgb; nothing: linear Rec. 709
 };
 
 // A colour, or a number in all of its channels, that depends on the place and the unit normal, both
@@ -46,6 +48,9 @@ struct PbrtTexture {
   std::shared_ptr<const PbrtSolid> solid = nullptr;
   int evaluations = 0;  // of functions, that of `solid` takes
 };
+inline bool SamePbrtTexture(const PbrtTexture& a, const PbrtTexture& b) {
+  return a.value == b.value && a.image == b.image && a.solid == b.solid;
+}
 // The most that a texture may take. It also bounds how deeply textures are nested.
 inline constexpr int kMaxPbrtEvaluations = 256;
 // Textures by name; unsupported ones are present without a value.
@@ -77,9 +82,10 @@ std::vector<glm::vec2> PairsOf(const PbrtParameter& parameter);
 // Selects how a spectrum is converted to a colour (spectrum.h).
 enum class SpectrumUse { kReflectance, kEmission };
 
-// Returns a linear Rec. 709 colour: rgb or color, xyz, a float (grey), a constant texture, a
-// blackbody, or a spectrum: pairs of wavelength and value, a file of them, or a standard illuminant
-// by name. For other names and for textures that vary, adds a warning and returns nothing.
+// Returns a linear Rec. 709 colour: rgb or color in the space of the parameters, xyz, a float
+// (grey), a constant texture, a blackbody, or a spectrum: pairs of wavelength and value, a file of
+// them, or a standard illuminant by name. Colours outside of Rec. 709 are clamped at 0, with a
+// warning. For other names and for textures that vary, adds a warning and returns nothing.
 std::optional<glm::vec3> FindColor(PbrtParameters& parameters, std::string_view name,
                                    const PbrtTextures& textures, Warnings& warnings,
                                    SpectrumUse use = SpectrumUse::kReflectance);

@@ -157,6 +157,7 @@ PbrtParameters ReadParametersAndAttributes(const PbrtReader& reader, PbrtSource&
                                            const InputPosition& position, std::string_view kind,
                                            const std::string& directive) {
   PbrtParameters parameters = ReadParameters(source, position, directive);
+  parameters.color_space = reader.state.color_space;
   if (!reader.state.attributes) return parameters;
   const auto given = reader.state.attributes->find(kind);
   if (given == reader.state.attributes->end()) return parameters;

@@ -251,7 +251,10 @@ void BakeParameter(const PbrtSolidParameter& solid, const BakeTexels& bake, Scen
 
 void SetFallback(const PbrtSolidParameter& solid, Material& material) {
   if (solid.use == PbrtSolidUse::kReflectance) material.reflectance *= solid.fallback;
-  if (solid.use == PbrtSolidUse::kRoughness) material.alpha = solid.fallback;
+  if (solid.use == PbrtSolidUse::kRoughness) {
+    material.alpha = material.coat_alpha = solid.fallback;
+    if (material.alpha_across) material.alpha_across = solid.fallback;
+  }
   if (solid.use == PbrtSolidUse::kShare) material.mixture->share = solid.fallback;
 }
 
@@ -361,7 +364,8 @@ PbrtTexture ReadNoise(PbrtReader& reader, PbrtParameters& parameters, const std:
 
 PbrtTexture CombineInSpace(PbrtReader& reader, const PbrtParameters& parameters,
                            const std::vector<PbrtTexture>& textures, const CombineTexels& combine) {
-  int evaluations = 1;
+  // Only a material makes something of a single texture, which ends the chain.
+  int evaluations = textures.size() > 1 ? 1 : 0;
   for (const PbrtTexture& texture : textures) {
     evaluations += texture.evaluations;
     if (texture.image) {

@@ -41,7 +41,7 @@ enum class PbrtSolidUse { kReflectance, kRoughness, kHeight, kShare };
 struct PbrtSolidParameter {
   PbrtSolidUse use;
   std::shared_ptr<const PbrtSolid> value;
-  float fallback = 0;  // what shapes get on which it cannot be: for roughness alpha
+  float fallback = 0;  // what shapes get on which it cannot be: for roughness all alphas
 };
 
 // The image of a light in all directions (LightMapping::kSphere).
@@ -58,6 +58,7 @@ struct PbrtGraphicsState {
   std::optional<PbrtAreaLight> area_light;
   bool transform_active = true;  // false: transforms describe the end of a motion
   PbrtAttributes attributes;
+  std::optional<RgbConversion> color_space;  // nothing: linear Rec. 709
 };
 
 struct PbrtScope {
@@ -137,12 +138,14 @@ PbrtTexture ClampedPbrtTexture(PbrtReader& reader, const PbrtTexture& texture);
 // and 1, or 1 less that if `inverted` (textures.cc).
 std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, bool inverted);
 
-// Returns the index of a texture of Material::roughness_texture for facets of an alpha of 1: the
-// geometric mean of two alphas, which are `alpha_of` of the means of each texture's channels; or
-// nothing, with a warning, where the textures cannot be combined (textures.cc).
-std::optional<std::uint32_t> PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
-                                              const PbrtTexture& along, const PbrtTexture& across,
-                                              const std::function<float(float)>& alpha_of);
+// Returns a texture of Material::roughness_texture for facets of an alpha of 1, an image or in
+// space: `pack` makes a texel of the alphas of `roughness`, which are `alpha_of` of the means of
+// each texture's channels. It has no value, with a warning, where the textures cannot be combined
+// (textures.cc).
+using PackAlphas = std::function<glm::vec3(std::span<const float>)>;
+PbrtTexture PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
+                             const std::vector<PbrtTexture>& roughness,
+                             const std::function<float(float)>& alpha_of, const PackAlphas& pack);
 
 // Open a scope at `word`, and close the innermost one, which `begin` must have opened; the latter
 // returns the state saved there (world.cc).

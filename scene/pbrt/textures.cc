@@ -367,20 +367,28 @@ std::uint32_t PbrtShareTexture(PbrtReader& reader, const PbrtTexture& texture, b
   return *AddTexture(reader, copy, glm::vec3(1)).image;
 }
 
-std::optional<std::uint32_t> PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
-                                              const PbrtTexture& along, const PbrtTexture& across,
-                                              const std::function<float(float)>& alpha_of) {
-  const auto alpha = [&](const glm::vec3& value) {
-    return std::clamp(alpha_of(std::max((value.x + value.y + value.z) / 3, 0.0f)), 1e-3f, 1.0f);
-  };
-  return Combine(reader, parameters, {along, across},
-                 [&](std::span<const glm::vec3> values) {
-                   const float first = alpha(values[0]), second = alpha(values[1]);
-                   const float root = std::sqrt(std::sqrt(first * second));
-                   if (first == second) return glm::vec3(root);
-                   return glm::vec3(std::sqrt(second), std::sqrt(first), root);
-                 })
-      .image;
+PbrtTexture PbrtAlphaTexture(PbrtReader& reader, const PbrtParameters& parameters,
+                             const std::vector<PbrtTexture>& roughness,
+                             const std::function<float(float)>& alpha_of, const PackAlphas& pack) {
+  // Textures that serve twice are evaluated once.
+  std::vector<PbrtTexture> distinct;
+  std::vector<std::size_t> at;
+  for (const PbrtTexture& texture : roughness) {
+    const auto same = std::find_if(distinct.begin(), distinct.end(),
+                                   [&](auto& other) { return SamePbrtTexture(other, texture); });
+    at.push_back(std::size_t(same - distinct.begin()));
+    if (same == distinct.end()) distinct.push_back(texture);
+  }
+  return Combine(reader, parameters, distinct,
+                 [alpha_of, pack, at](std::span<const glm::vec3> values) {
+                   std::vector<float> alphas;
+                   for (const std::size_t i : at) {
+                     const glm::vec3& value = values[i];
+                     const float mean = std::max((value.x + value.y + value.z) / 3, 0.0f);
+                     alphas.push_back(std::clamp(alpha_of(mean), 1e-3f, 1.0f));
+                   }
+                   return pack(alphas);
+                 });
 }
 
 void ReadPbrtTexture(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {

@@ -41,6 +41,12 @@ Material Misty(Material material, float thickness, float albedo, float g) {
   return material;
 }
 
+// Its widths come from an image.
+Material Imaged(Material material) {
+  material.roughness_texture = 0;
+  return material;
+}
+
 struct Layered {
   std::string name;
   Material material;
@@ -67,6 +73,15 @@ const std::vector<Layered>& Cases() {
       {"narrow", Metal(0.2f, 3.9f, 0.01f, 0.3f)},
       {"tarnished", Misty(Metal(0.2f, 3.9f, 0.2f, 0.05f), 0.5f, 0.7f, 0.3f)},
       {"smoked", Misty(Metal(0.2f, 3.9f, 0.1f), 0.4f, 0, 0)},
+      {"imaged_smooth", Imaged(Body(0.6f, 0))},
+      {"imaged_gloss", Imaged(Body(0.6f, 0.04f, 1.8f))},
+      {"imaged_satin", Imaged(Body(0.5f, 0.3f))},
+      {"imaged_rough", Imaged(Body(0.7f, 0.75f))},
+      {"imaged_haze", Imaged(Misty(Body(0.5f, 0.25f), 0.3f, 0.6f, 0.7f))},
+      {"imaged_steel", Imaged(Metal(1, 3.0550505f, 0.05f))},
+      {"imaged_brushed", Imaged(Metal(0.2f, 3.9f, 0.3f, 0.1f))},
+      {"imaged_dull", Imaged(Metal(1, 2, 0.5f, 0.3f, 1.8f))},
+      {"imaged_tarnished", Imaged(Misty(Metal(0.2f, 3.9f, 0.2f, 0.05f), 0.5f, 0.7f, 0.3f))},
   };
   return cases;
 }

@@ -202,6 +202,26 @@ TEST_F(TextureRows, RoughnessIsGreenAndMetallicBlue) {
   }
 }
 
+TEST_F(TextureRows, WidthsOfMetalsAreGreenAndThoseOfTheirCoatsRed) {
+  const SurfaceColumns& s = surfaces_;
+  materials_[0].multiscatter[1] = 0.2f;
+  for (std::uint32_t i = 1; i <= kTextures; ++i) materials_[i].multiscatter[1] = 0.7f;
+  PrepareCoatWidths(tables_.view(), materials_.data(), kAngle, kFullWave, s);
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    const std::uint32_t material = s.material[i] & kMaterialMask;
+    if (material == 0) {
+      ASSERT_EQ(s.varying_0[i], 0.3f);
+      ASSERT_EQ(s.varying_1[i], 0.2f);
+      continue;
+    }
+    bool certain = true;
+    const glm::dvec3 seen = Reference(i, (material + 3) % kTextures, certain);
+    if (!certain) continue;
+    ASSERT_NEAR(s.varying_0[i], std::max(1e-3, 0.9 * seen.y * seen.y), 1e-3) << "row " << i;
+    ASSERT_NEAR(s.varying_1[i], std::max(1e-3, 0.7 * seen.x * seen.x), 1e-3) << "row " << i;
+  }
+}
+
 TEST_F(TextureRows, BitsDoNotDependOnTargetOrNumberOfRows) {
   const auto texture_rows = [&](std::uint32_t n) {
     const SurfaceColumns& s = surfaces_;

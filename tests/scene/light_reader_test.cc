@@ -91,6 +91,30 @@ TEST(PbrtLights, SkiesHaveTheirIlluminance) {
   }
 }
 
+// A map's own illuminance is that of its upper half, of which pbrt-v4 counts a half.
+TEST(PbrtLights, MapsHaveTheirIlluminance) {
+  const TemporaryFolder folder;
+  Image square(64, 64);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      // The upper half lies around the middle; what is below does not count.
+      const bool above = std::abs(x - 31.5) + std::abs(y - 31.5) < 32;
+      for (int c = 0; c < 3; ++c) square.Pixel(x, y)[c] = above ? 2.0f : 7.0f;
+    }
+  }
+  WriteImage(folder.Path("sky.pfm"), square);
+  const auto scale = [&](const std::string& more) {
+    const Scene scene =
+        ParsePbrt("WorldBegin LightSource \"infinite\" \"string filename\" \"sky.pfm\" " + more,
+                  folder.Path("t.pbrt"), {.strict = true});
+    return scene.environments.at(0).scale.y;
+  };
+  EXPECT_EQ(scale(""), 1);
+  EXPECT_NEAR(scale("\"float illuminance\" 6"), 6 / (0.5 * 2 * kPi), 2e-3);
+  WriteImage(folder.Path("sky.pfm"), Image(64, 32));
+  EXPECT_ANY_THROW(scale("\"float illuminance\" 6")) << "strict";
+}
+
 // The speed of the film makes all light brighter.
 TEST(PbrtLights, FollowTheSpeedOfTheFilm) {
   const Scene scene = ParsePbrt(

@@ -85,6 +85,9 @@ class PbrtFeatures : public testing::Test {
     Image image(2, 2);
     image.rgb = {1, 0, 0, 0, 1, 0, 0, 0, 1, .5f, .5f, .5f};
     WritePfm(folder_.Path("image.pfm"), image);
+    Image square(4, 4);
+    std::fill(square.rgb.begin(), square.rgb.end(), 0.5f);
+    WritePfm(folder_.Path("square.pfm"), square);
   }
 
   static std::string StoredGzip(const std::string& text) {

@@ -1,5 +1,6 @@
 // Tests pbrt scenes: every directive, the syntax of both versions, and the warnings about
 // unsupported features. Numbers are computed by hand from pbrt's conventions.
+#include "scene/materials/spectrum.h"
 #include "scene/pbrt/reader.h"
 
 #include <gtest/gtest.h>
@@ -766,6 +767,29 @@ TEST(Warnings, SayWhereAndWhatIsDone) {
   EXPECT_EQ(scene.warnings, expected);
 }
 
+// A space lasts as its scope does. Reflectances are adapted to daylight, and lights are not.
+TEST(ColorSpaces, AreThoseOfTheirScope) {
+  const std::string paint = " Material \"matte\" \"rgb Kd\" [.5 .4 .3] Shape \"sphere\" ";
+  const Scene scene =
+      Parse("WorldBegin AttributeBegin ColorSpace \"rec2020\"" + paint + "AttributeEnd" + paint +
+            "ColorSpace \"aces2065-1\" LightSource \"infinite\" \"rgb L\" [1 1 1]");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const auto color = [&](std::size_t mesh) {
+    return scene.materials[scene.meshes.at(mesh).material].reflectance;
+  };
+  const glm::vec3 wide(0.5f * 1.6605f - 0.4f * 0.5876f - 0.3f * 0.0728f,
+                       -0.5f * 0.1246f + 0.4f * 1.1329f - 0.3f * 0.0083f,
+                       -0.5f * 0.0182f - 0.4f * 0.1006f + 0.3f * 1.1187f);
+  const glm::vec3 white = scene.environments.at(0).scale;
+  const glm::vec3 d60 = RgbOfIlluminant("illum-acesD60").value();
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(color(0)[c], wide[c], 5e-4f) << c;
+    EXPECT_EQ(color(1)[c], (glm::vec3(.5f, .4f, .3f))[c]) << c;
+    EXPECT_NEAR(white[c], d60[c], 2e-3f) << c;
+  }
+  EXPECT_THROW(Parse("WorldBegin ColorSpace \"rec709\""), InputError);
+}
+
 // Each of these must give at least one line that begins with its position.
 TEST(Warnings, NothingIsSkippedInSilence) {
   for (const char* text : {"Camera \"realistic\"",
@@ -778,7 +802,7 @@ TEST(Warnings, NothingIsSkippedInSilence) {
                            "Accelerator \"bvh\"",
                            "Film \"gbuffer\" \"float diagonal\" 35",
                            "Option \"forcediffuse\" true",
-                           "ColorSpace \"aces2065-1\"",
+                           "ColorSpace \"rec2020\" Material \"matte\" \"rgb Kd\" [0 1 0]",
                            "ActiveTransform StartTime",
                            "TransformTimes 0 1",
                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"",

@@ -436,9 +436,48 @@ TEST(SolidTextures, RoughnessAlongAxesReplacesThatInSpace) {
   const Scene scene = Parse(
       "Texture \"n\" \"float\" \"wrinkled\" Material \"conductor\" \"texture roughness\" \"n\" "
       "\"float uroughness\" .25 \"float vroughness\" .25 Shape \"sphere\"");
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   const Material& material = scene.materials[scene.meshes.at(0).material];
   EXPECT_FALSE(material.roughness_texture);
   EXPECT_NEAR(material.alpha, 0.5f, 1e-6f);
+}
+
+// Roots of two alphas lie in one image: along u in green, along v or of a coat in red.
+TEST(SolidTextures, MakeTwoWidths) {
+  const std::string noise = "Texture \"n\" \"float\" \"wrinkled\" \"integer octaves\" 2 ";
+  const struct {
+    const char* material;
+    bool across;  // the noise is the second width, and .25 is the first
+    BsdfKind bsdf;
+  } cases[] = {{"\"conductor\" \"texture uroughness\" \"n\" \"float vroughness\" .25", false,
+                BsdfKind::kAnisotropicConductor},
+               {"\"dielectric\" \"float uroughness\" .25 \"texture vroughness\" \"n\"", true,
+                BsdfKind::kRoughDielectric},
+               {"\"coatedconductor\" \"float conductor.roughness\" .25 "
+                "\"texture interface.roughness\" \"n\"",
+                true, BsdfKind::kCoatedConductor},
+               {"\"coatedconductor\" \"texture conductor.roughness\" \"n\" "
+                "\"float interface.roughness\" .25",
+                false, BsdfKind::kCoatedConductor}};
+  for (const auto& test : cases) {
+    SCOPED_TRACE(test.material);
+    const Scene scene = Parse(noise + "Material " + test.material + " Shape \"sphere\"");
+    ASSERT_EQ(scene.warnings, std::vector<std::string>{});
+    const Material& material = scene.materials[scene.meshes.at(0).material];
+    EXPECT_EQ(material.bsdf, test.bsdf);
+    EXPECT_EQ(material.alpha, 1);
+    const bool coat = test.bsdf == BsdfKind::kCoatedConductor;
+    EXPECT_EQ(coat ? material.coat_alpha : material.alpha_across.value_or(0), 1);
+    for (const Place& p : Places(scene, 200, &Material::roughness_texture)) {
+      const glm::dvec3 at(p.position);
+      const double sum =
+          std::abs(GradientNoise(at)) + 0.5 * std::abs(GradientNoise(1.99 * at)) + 0.2 * 0.25;
+      const float varied = test.across ? p.color.x : p.color.y;
+      const float constant = test.across ? p.color.y : p.color.x;
+      ASSERT_NEAR(std::pow(double(varied), 4), Clamped(sum), 0.04);
+      ASSERT_NEAR(constant, std::sqrt(0.5), 1e-3);
+    }
+  }
 }
 
 // A surface between equal indices stays smooth, and needs no image.

@@ -23,8 +23,7 @@ float Luminance709(const glm::vec3& rgb) {
 }
 
 TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
-  // The values are from Wyszecki and Stiles, "Color Science", table 1(3.11); the fit of the
-  // observer is accurate to 0.004.
+  // The values are from Wyszecki and Stiles, "Color Science", table 1(3.11).
   const struct {
     float kelvin, x, y;
   } bodies[] = {{2856, 0.4476f, 0.4074f},
@@ -33,8 +32,8 @@ TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
                 {10000, 0.2807f, 0.2884f}};
   for (const auto& body : bodies) {
     const glm::vec3 rgb = RgbOfBlackbody(body.kelvin);
-    EXPECT_NEAR(Chromaticity(rgb).x, body.x, 0.004) << body.kelvin;
-    EXPECT_NEAR(Chromaticity(rgb).y, body.y, 0.004) << body.kelvin;
+    EXPECT_NEAR(Chromaticity(rgb).x, body.x, 3e-4) << body.kelvin;
+    EXPECT_NEAR(Chromaticity(rgb).y, body.y, 3e-4) << body.kelvin;
     EXPECT_NEAR(Luminance709(rgb), 1, 1e-3) << body.kelvin;
     // The other scale gives the same colour, with no wavelength above 1.
     const glm::vec3 peak = RgbOfBlackbodyPeak(body.kelvin);
@@ -43,6 +42,22 @@ TEST(Spectrum, BlackBodiesLieOnThePlanckianLocus) {
   }
   // With a peak in the visible range, the spectrum is nearly as bright as a constant 1.
   EXPECT_GT(Luminance709(RgbOfBlackbodyPeak(5200)), 0.97);
+}
+
+// Figures of the observer's table for every nanometre, as pbrt-v4 has it; little blue is left of a
+// dim fire.
+TEST(Spectrum, BlackBodiesHaveTheirColour) {
+  const struct {
+    float kelvin;
+    glm::vec3 rgb;
+  } bodies[] = {{2000, {2.51998f, 0.64713f, 0.02049f}},
+                {3000, {1.77072f, 0.84444f, 0.27214f}},
+                {4500, {1.30075f, 0.94572f, 0.65278f}},
+                {10000, {0.87180f, 0.99468f, 1.43076f}}};
+  for (const auto& body : bodies) {
+    const glm::vec3 rgb = RgbOfBlackbody(body.kelvin);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb[c], body.rgb[c], 5e-4) << body.kelvin;
+  }
 }
 
 TEST(Spectrum, ConstantsAreGreyReflectancesAndEqualEnergyLights) {
@@ -119,6 +134,36 @@ TEST(Spectrum, IlluminantsHaveTheirChromaticity) {
     EXPECT_NEAR(x / (x + y + z), known.x, 5e-4) << known.name;
     EXPECT_NEAR(y / (x + y + z), known.y, 5e-4) << known.name;
   }
+}
+
+// Published matrices: ITU-R BT.2087 for Rec. 2020, P3-D65 as in SMPTE EG 432-1, and those of the
+// Academy's ACES-dev for AP0, by Bradford's adaptation.
+TEST(Spectrum, RgbSpacesAreConverted) {
+  const struct {
+    const char* name;
+    double rows[3][3];
+  } spaces[] = {
+      {"srgb", {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+      {"rec2020",
+       {{1.6605, -0.5876, -0.0728}, {-0.1246, 1.1329, -0.0083}, {-0.0182, -0.1006, 1.1187}}},
+      {"dci-p3", {{1.2249, -0.2249, 0}, {-0.0420, 1.0420, 0}, {-0.0196, -0.0786, 1.0979}}},
+      {"aces2065-1",
+       {{2.5217, -1.1341, -0.3876}, {-0.2765, 1.3727, -0.0962}, {-0.0154, -0.1530, 1.1683}}}};
+  for (const auto& space : spaces) {
+    const RgbConversion conversion = FindRgbSpace(space.name).value();
+    for (int row = 0; row < 3; ++row) {
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_NEAR(conversion.reflectance[c][row], space.rows[row][c], 5e-4) << space.name;
+      }
+    }
+    // White light keeps its own white.
+    const glm::vec3 white = conversion.light * glm::vec3(1);
+    const bool warm = std::string_view(space.name) == "aces2065-1";
+    EXPECT_NEAR(Chromaticity(white).x, warm ? 0.32168 : 0.3127, 3e-4) << space.name;
+    EXPECT_NEAR(Chromaticity(white).y, warm ? 0.33767 : 0.3290, 3e-4) << space.name;
+    EXPECT_NEAR(Luminance709(white), 1, 1e-3) << space.name;
+  }
+  EXPECT_FALSE(FindRgbSpace("rec709"));
 }
 
 TEST(Spectrum, FilesAreReadOrRefusedAtTheirLine) {

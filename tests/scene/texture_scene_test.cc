@@ -127,6 +127,42 @@ TEST_F(PbrtTextureFiles, CoatedMaterialsHaveARoughCoat) {
   EXPECT_THROW(Read("", "Material \"coateddiffuse\" \"float g\" 1"), InputError);
 }
 
+// The image of the metal's width lies in green, that of the coat's in red.
+TEST_F(PbrtTextureFiles, RoughnessOfCoats) {
+  const std::string image =
+      "Texture \"t\" \"float\" \"imagemap\" \"string filename\" \"t.png\" \"float scale\" .5\n"
+      "Texture \"h\" \"float\" \"scale\" \"texture tex\" \"t\" \"float scale\" .5\n";
+  const auto texel = [](const Scene& scene) {
+    const Material& coated = scene.materials.at(scene.meshes.at(0).material);
+    EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+    EXPECT_EQ(coated.alpha, 1);
+    const float* const rgb =
+        scene.images.at(scene.textures.at(coated.roughness_texture.value()).image).Pixel(0, 0);
+    return glm::vec3(rgb[0], rgb[1], rgb[2]);
+  };
+  const glm::vec3 body =
+      texel(Read(image,
+                 "Material \"coateddiffuse\" \"texture roughness\" \"t\" \"bool remaproughness\" "
+                 "false"));
+  const float alpha = body.y * body.y;
+  EXPECT_GT(alpha, 0.01f);
+  const glm::vec3 metal =
+      texel(Read(image,
+                 "Material \"coatedconductor\" \"texture conductor.roughness\" \"t\" "
+                 "\"texture interface.roughness\" \"h\" \"bool remaproughness\" false"));
+  EXPECT_NEAR(metal.y * metal.y, alpha, 1e-5f);
+  EXPECT_NEAR(metal.x * metal.x, alpha / 2, 1e-5f);
+  const Scene two =
+      Read(image,
+           "Material \"coateddiffuse\" \"texture uroughness\" \"t\" \"texture vroughness\" \"h\" "
+           "\"bool remaproughness\" false");
+  EXPECT_EQ(two.warnings.size(), 1u);
+  const Material& round = two.materials.at(two.meshes.at(0).material);
+  const float* const rgb =
+      two.images.at(two.textures.at(round.roughness_texture.value()).image).Pixel(0, 0);
+  EXPECT_NEAR(std::pow(rgb[1], 4.0f), alpha * alpha / 2, 1e-5f);
+}
+
 // One name may denote two textures; the parameter that uses it determines which.
 TEST_F(PbrtTextureFiles, OfFloatsAndOfColoursHaveNamesOfTheirOwn) {
   const std::string both =

@@ -636,7 +636,12 @@ std::vector<float> SyntheticMeasuredTable() {
 MaterialRecord RecordWithCoat(const Material& material) {
   MaterialRecord record = PackMaterial(material, {});
   PutField(record, MaterialField::kCoatTable, std::uint32_t(Coats().size()));
-  Coats().push_back(MakeCoatTable(material));
+  if (material.roughness_texture) {
+    const std::vector<CoatTable> by_width = MakeCoatTables(material);
+    Coats().insert(Coats().end(), by_width.begin(), by_width.end());
+  } else {
+    Coats().push_back(MakeCoatTable(material));
+  }
   return record;
 }
 

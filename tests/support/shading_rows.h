@@ -51,7 +51,8 @@ inline MaterialRecord MetallicRoughness(float alpha, float metallic) {
 
 const float* MeasuredForTests();  // SyntheticMeasuredTable, built once
 
-// Returns the record of a material with a coat, and the tables of all such records.
+// Returns the record of a material with a coat, and the tables of all such records. If it has a
+// texture of roughness, its rows (ShadingRows) see that as white.
 MaterialRecord RecordWithCoat(const Material& material);
 const CoatTable* CoatsForTests();
 // The same of rough glass whose facets scatter more than once.
@@ -104,12 +105,14 @@ struct ShadingRows {
     const float across = kernels.two_widths ? records[1].multiscatter[2] : 0;
     s.varying_0[i] = tangent ? float(std::cos(turn)) : records[1].alpha;
     s.varying_1[i] = tangent ? float(std::sin(turn)) : records[1].eta[0];
+    if (kernels.varying == Varying::kCoatWidths) s.varying_1[i] = records[1].multiscatter[1];
     if (across > 0) s.varying_1[i] = FacetTurnOf(back ? -turn : turn, across);
   }
   MaterialView materials() const {
     MaterialView view = {records.data(), &GgxTables(), &GetSheenTables(), measured,
                          CoatsForTests()};
     view.dielectrics = DielectricsForTests();
+    view.varied = kernels.tables.coat && records[1].roughness_texture != 0;
     view.two_widths = kernels.two_widths && records[1].multiscatter[2] > 0;
     if (kernels.tables.anisotropic) view.anisotropic = &GetAnisotropicTables();
     return view;

@@ -339,6 +339,10 @@ SCENES = [
     Scene("check3d", "checkerboard in space",
           ball_textured(texture("p", "checkerboard", '"integer dimension" 3 '
                                 '"rgb tex1" [.1 .1 .1] "rgb tex2" [.9 .9 .9]'))),
+    Scene("coatimage", "coateddiffuse with an image of its roughness, under an even sky",
+          ball_of('Material "coateddiffuse" "rgb reflectance" [.5 .5 .5] "texture roughness" "r" ' +
+                  THICK, depth=8, light='LightSource "infinite" "rgb L" [1 1 1]\n',
+                  before=image("r", "height.pfm", '"float scale" .5', "float")), reason=COAT),
     Scene("condAu", "gold by name",
           ball_of('Material "conductor" "spectrum eta" "metal-Au-eta" '
                   '"spectrum k" "metal-Au-k" "float roughness" .01'),

@@ -153,6 +153,9 @@ void TextureSurfaces(const FrameView& frame, const PathEnd& end, const SurfaceRa
           PrepareMetallicRoughness(textures, materials, angle, n, rows);
         }
         break;
+      case Varying::kCoatWidths:
+        if (view.varied) PrepareCoatWidths(textures, materials, angle, n, rows);
+        break;
       case Varying::kSecondColor:
         if (view.varied) PrepareSecondColor(textures, materials, angle, n, rows);
         break;
