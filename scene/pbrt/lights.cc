@@ -480,8 +480,8 @@ std::uint32_t ShiningPbrtMaterial(PbrtReader& reader, std::uint32_t plain, const
   }
   const auto index = std::uint32_t(reader.scene.materials.size());
   reader.scene.materials.push_back(std::move(material));
-  // Each face is a light to pbrt and emits the given power whatever its area, so the material
-  // cannot be shared.
+  // Each face is a light to pbrt and emits the given power whatever its area. Here they are equally
+  // bright and emit as much together, so the material is that of this shape alone.
   if (!light.power) reader.shining_materials.emplace(key, index);
   return index;
 }

@@ -480,8 +480,8 @@ struct NamedGlass {
 };
 // Indices are those of the yellow line of helium (n_d) [nm].
 constexpr double kIndexWavelength = 587.6;
-// These are indices from Schott's catalogue under pbrt-v4's names. Its F5, F10 and F11 hold the
-// data of SF5, SF10 and SF11.
+// These are indices from Schott's catalogue under pbrt-v4's names and its own. pbrt's F5, F10 and
+// F11 hold the data of SF5, SF10 and SF11.
 constexpr std::array kGlasses = {
     NamedGlass{"glass-BK7", 1.5168f},   NamedGlass{"glass-BAF10", 1.6700f},
     NamedGlass{"glass-FK51A", 1.4866f}, NamedGlass{"glass-LASF9", 1.8503f},

@@ -339,6 +339,10 @@ Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std:
 
 }  // namespace
 
+bool IsRoundPbrtShape(std::string_view type) {
+  return type == "sphere" || type == "disk" || type == "cylinder";
+}
+
 std::optional<PbrtShape> MakePbrtShape(
     const std::string& type, PbrtParameters& parameters,
     const std::function<std::string(const std::string&)>& resolve, const PbrtShapeOptions& options,

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "scene/pbrt/parameters.h"
 #include "scene/scene.h"
@@ -24,6 +25,9 @@ struct PbrtShape {
   Mesh mesh;
   std::size_t faces = 1;  // triangles, patches or polygons of the file; 1: a round shape, or curves
 };
+
+// Returns whether pbrt intersects a shape itself, which is a mesh of patches here.
+bool IsRoundPbrtShape(std::string_view type);
 
 // Returns the mesh of `Shape "type"`, with pbrt's outside before ReverseOrientation; for shapes
 // that are not supported, adds a warning and returns nothing. `resolve` turns a file name in the

@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "scene/materials/noise.h"
+#include "scene/pbrt/shapes.h"
 #include "scene/shapes/curves.h"
 #include "scene/shapes/mesh.h"
 
@@ -410,7 +411,7 @@ PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const Pbr
 
 std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
                                  const PbrtSolidShape& shape, Mesh& mesh) {
-  const bool patch = shape.type == "sphere" || shape.type == "disk" || shape.type == "cylinder";
+  const bool patch = IsRoundPbrtShape(shape.type);
   const bool few = !shape.fixed_uvs && mesh.triangles.size() <= kMostSquares;
   const Atlas atlas = AtlasOf(std::max<std::size_t>(mesh.triangles.size(), 1));
   const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);

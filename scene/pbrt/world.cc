@@ -126,9 +126,8 @@ bool UsesUvs(const Scene& scene, std::uint32_t index, std::set<std::uint32_t>& s
 // transform mirrors, because they are turned over before the transform and not after it. Round
 // lamps stay as they are: pbrt's light samples see them so, and its hits do not.
 bool TurnsPbrtShape(std::string_view type, const PbrtGraphicsState& state) {
-  const bool round = type == "sphere" || type == "disk" || type == "cylinder";
-  return type == "loopsubdiv" ||
-         (round && !state.area_light && glm::determinant(glm::dmat3(state.to_world)) < 0);
+  return type == "loopsubdiv" || (IsRoundPbrtShape(type) && !state.area_light &&
+                                  glm::determinant(glm::dmat3(state.to_world)) < 0);
 }
 
 void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {

@@ -1,9 +1,9 @@
 // Photon mapping (Jensen 1996, T 4.3). A first pass stores photons (photons/photon_pass.cc). The
 // second one takes direct light as `direct` does. At the surfaces that take light samples, caustics
 // come from the caustic map and other light from the indirect map, which is looked up there or
-// where the rays of a final gather hit the next surfaces. BSDFs with a density count as diffuse,
-// however narrow their lobe, and mirrors and glass as specular. There are no more than max_depth
-// surfaces on both sides of a photon together.
+// where the rays of a final gather hit the next surfaces, or later ones behind short rays. BSDFs
+// with a density count as diffuse, however narrow their lobe, and mirrors and glass as specular.
+// There are no more than max_depth surfaces on both sides of a photon together.
 #include <algorithm>
 #include <limits>
 #include <optional>
