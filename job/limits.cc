@@ -77,12 +77,6 @@ SampleRange ChooseSamples(const RenderLimits& limits, std::uint32_t samples_per_
         "sample-range", SampleRanges().print(range),
         fmt::format("the picture has samples 0:{}; `spp` gives their number", samples_per_pixel));
   }
-  if (limits.adaptive > 0 && limits.adaptive_min >= range.count()) {
-    throw OptionError("adaptive-min", fmt::format("{}", limits.adaptive_min),
-                      fmt::format("all pixels would get all of their {} samples; `adaptive` needs "
-                                  "fewer here or a larger `spp`",
-                                  range.count()));
-  }
   return range;
 }
 

@@ -28,7 +28,7 @@ std::vector<OptionOf<RenderLimits>> LimitOptions();
 Codec<SampleRange> SampleRanges();
 
 // Returns the samples of a picture of `samples_per_pixel` samples that are to be rendered. Throws
-// OptionError if the picture does not have them, or if `adaptive` has none to spare.
+// OptionError if the picture does not have them.
 SampleRange ChooseSamples(const RenderLimits& limits, std::uint32_t samples_per_pixel);
 
 // Returns the layers that a film needs so that its noise is known. Throws OptionError where the

@@ -404,8 +404,6 @@ TEST(Limits, ThatMakeNoSenseAreRefused) {
   EXPECT_THROW(ChooseSamples({.samples = SampleRange{0, 7}}, 6), OptionError);
   EXPECT_EQ(ChooseSamples({.samples = SampleRange{5, 6}}, 6), (SampleRange{5, 6}));
   EXPECT_EQ(ChooseSamples({}, 6), (SampleRange{0, 6}));
-  EXPECT_THROW(ChooseSamples({.adaptive = 0.1, .adaptive_min = 6}, 6), OptionError);
-  EXPECT_EQ(ChooseSamples({.adaptive = 0.1, .adaptive_min = 5}, 6), (SampleRange{0, 6}));
   for (const Integrator integrator : ValuesOf<Integrator>()) {
     if (Describe(integrator).has_splats) {
       EXPECT_THROW(LayersForLimits({.noise = 0.1}, integrator), OptionError);
