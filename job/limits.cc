@@ -61,7 +61,7 @@ std::vector<OptionOf<RenderLimits>> LimitOptions() {
   // clang-format off
   return {
     option({.name = "sample-range", .help = "render these samples of --spp only: a part, for --film and skywave merge", .example = "--spp 5 --sample-range 1:4", .default_text = "all"}, FIELD(samples), SampleRanges()),
-    option({.name = "time", .help = "end after about this time with the samples that every pixel has then, at most --spp", .example = "--spp 3 --time 0.001", .default_text = "no limit", .metavar = "SECONDS"}, FIELD(seconds), Unless(0.0, Doubles(0.001, 1e9))),
+    option({.name = "time", .help = "end after about this time with the samples that every pixel has then, at most --spp", .example = "--spp 4096 --time 0.001", .default_text = "no limit", .metavar = "SECONDS"}, FIELD(seconds), Unless(0.0, Doubles(0.001, 1e9))),
     option({.name = "noise", .help = "end as soon as the noise, relative to the mean of the picture, is no larger; looked at whenever the samples have doubled, at most --spp", .example = "--spp 16 --noise 10", .default_text = "no limit", .metavar = "E"}, FIELD(noise), Unless(0.0, Doubles(1e-9, 1e9))),
     option({.name = "adaptive", .help = "sample where the noise is, until the error of the picture, relative to the brightness of each place, is no larger; looked at whenever the samples have doubled, at most --spp", .example = "--spp 32 --adaptive 0.2", .default_text = "all pixels get --spp", .metavar = "E", .excludes = "noise"}, FIELD(adaptive), Unless(0.0, Doubles(1e-9, 1e9))),
     option({.name = "adaptive-min", .help = "samples that every pixel gets before --adaptive chooses", .example = "--spp 32 --adaptive 0.2 --adaptive-min 4", .metavar = "N", .needs = "adaptive"}, FIELD(adaptive_min), Numbers(2u, 1u << 24)),

@@ -1,4 +1,5 @@
-// Tests cameras of pbrt files, and conversions between kinds of cameras.
+// Tests cameras, films, filters and other options of pbrt files, and conversions between kinds of
+// cameras.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -169,6 +170,106 @@ TEST(CameraKinds, SphericalOnesStandUpright) {
     EXPECT_EQ(after.world_from_camera[3], before.world_from_camera[3]);
     ExpectNear(after.world_from_camera[0], before.world_from_camera[0]);
   }
+}
+
+TEST(PbrtOptions, FillTheSettings) {
+  const RenderSettings v3 =
+      Parse(
+          "Film \"image\" \"integer xresolution\" [320] \"integer yresolution\" [200]\n"
+          "Sampler \"halton\" \"integer pixelsamples\" 48\n"
+          "Integrator \"directlighting\" \"integer maxdepth\" [3]\n"
+          "PixelFilter \"gaussian\" \"float xwidth\" [2] \"float ywidth\" [2]\n")
+          .settings;
+  EXPECT_EQ(v3.width, 320);
+  EXPECT_EQ(v3.height, 200);
+  EXPECT_EQ(v3.samples_per_pixel, 48);
+  EXPECT_EQ(v3.integrator, "direct");
+  EXPECT_EQ(v3.max_depth, 3);
+  EXPECT_EQ(v3.filter, PixelFilter::kGaussian);
+  // Version 3's standard deviation is a half by itself. Ours is a third of the radius.
+  EXPECT_EQ(v3.filter_radius, 1.5f);
+  const RenderSettings v4 = Parse(
+                                "Integrator \"volpath\" PixelFilter \"triangle\" "
+                                "\"float xradius\" 1.5 \"float yradius\" 1.5 Sampler "
+                                "\"stratified\" \"integer xsamples\" 4 \"integer ysamples\" 3")
+                                .settings;
+  EXPECT_EQ(v4.integrator, "path");
+  EXPECT_FALSE(v4.photons_each_sample);
+  EXPECT_EQ(v4.filter, PixelFilter::kTriangle);
+  EXPECT_EQ(v4.filter_radius, 1.5f);
+  EXPECT_EQ(v4.samples_per_pixel, 12);
+  EXPECT_EQ(Parse("PixelFilter \"box\"").settings.filter, PixelFilter::kBox);
+  EXPECT_EQ(Parse("PixelFilter \"triangle\"").settings.filter_radius, 2);
+  // What a file leaves out is pbrt's default, which the two versions do not share.
+  const RenderSettings bare4 = Parse("WorldBegin").settings;
+  EXPECT_EQ(bare4.width, 1280);
+  EXPECT_EQ(bare4.height, 720);
+  EXPECT_EQ(bare4.filter, PixelFilter::kGaussian);
+  const RenderSettings bare3 = Parse("WorldBegin WorldEnd").settings;
+  EXPECT_EQ(bare3.width, 1280);
+  EXPECT_EQ(bare3.height, 720);
+  EXPECT_EQ(bare3.filter, PixelFilter::kBox);
+  // The last filter counts, and has nothing of those before it.
+  EXPECT_FALSE(Parse("PixelFilter \"triangle\" PixelFilter \"box\"").settings.filter_radius);
+}
+
+TEST(PbrtOptions, GaussiansHaveTheirDeviationsWhereTheyEndLate) {
+  const auto radius = [](const std::string& text) {
+    return Parse("PixelFilter \"gaussian\" " + text).settings.filter_radius.value();
+  };
+  EXPECT_FLOAT_EQ(radius(""), 1.5f);
+  EXPECT_FLOAT_EQ(radius("\"float sigma\" .25"), 0.75f);
+  EXPECT_FLOAT_EQ(radius("\"float xradius\" 4 \"float yradius\" 4 \"float sigma\" 1"), 3.0f);
+  EXPECT_FLOAT_EQ(radius("\"float xradius\" 2 \"float yradius\" 2 \"float sigma\" 1"), 2.0f);
+  // exp(-8 x^2) has a standard deviation of a quarter.
+  EXPECT_FLOAT_EQ(radius("\"float alpha\" 8 WorldBegin WorldEnd"), 0.75f);
+  EXPECT_FLOAT_EQ(radius("WorldBegin WorldEnd"), 1.5f);
+}
+
+// Files of version 4 may have the word in comments and strings.
+TEST(PbrtOptions, OnlyTheDirectiveWorldEndMakesAFileOneOfVersion3) {
+  const auto filter = [](const std::string& text) { return Parse(text).settings.filter; };
+  for (const char* const text : {"WorldBegin # WorldEnd",
+                                 "WorldBegin\nMakeNamedMaterial \"WorldEnd\" \"string type\" "
+                                 "\"diffuse\"\n# a \"WorldEnd\"\n",
+                                 "# WorldEnd\r\nWorldBegin"}) {
+    EXPECT_EQ(filter(text), PixelFilter::kGaussian) << text;
+  }
+  for (const char* const text : {"WorldBegin WorldEnd", "WorldBegin\nWorldEnd # WorldEnd",
+                                 "WorldBegin # \"\nWorldEnd", "WorldBegin\n# a\r  WorldEnd\n#"}) {
+    EXPECT_EQ(filter(text), PixelFilter::kBox) << text;
+  }
+}
+
+// The names of version 4 have no type, and a value is one word or string.
+TEST(PbrtOptions, AreReadAndChangeNothingButWhatIsSaid) {
+  const Scene scene = Parse(
+      "Option \"seed\" 5 Option \"disablepixeljitter\" true Option \"render_coord_sys\" \"world\" "
+      "Option \"forcediffuse\" false WorldBegin");
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_NO_THROW(ParsePbrt("Option \"Seed\" 5 WorldBegin", "t.pbrt", strict));
+  EXPECT_THROW(ParsePbrt("Option \"forcediffuse\" true WorldBegin", "t.pbrt", strict), InputError);
+  EXPECT_NO_THROW(ParsePbrt("Option \"displacementedgescale\" 1 WorldBegin", "t.pbrt", strict));
+  for (const std::string name : {"displacementedgescale", "nonsense", "renderingspace"}) {
+    EXPECT_THROW(ParsePbrt("Option \"" + name + "\" 2 WorldBegin", "t.pbrt", strict), InputError)
+        << name;
+  }
+  EXPECT_THROW(Parse("Option \"seed\" [5] WorldBegin"), InputError);
+  EXPECT_THROW(Parse("Option seed 5 WorldBegin"), InputError);
+}
+
+TEST(PbrtOptions, NameTheIntegrator) {
+  EXPECT_EQ(Parse("Integrator \"bdpt\"").settings.integrator, "bdpt");
+  EXPECT_EQ(Parse("Integrator \"lightpath\"").settings.integrator, "light");
+  EXPECT_EQ(Parse("Integrator \"mlt\"").settings.integrator, "path");
+  const RenderSettings sppm =
+      Parse("Integrator \"sppm\" \"integer numiterations\" 24 \"float radius\" 0.25").settings;
+  EXPECT_EQ(sppm.integrator, "photon");
+  EXPECT_EQ(sppm.samples_per_pixel, 24);
+  EXPECT_TRUE(sppm.photons_each_sample);
+  EXPECT_EQ(sppm.photon_distance, 0.25f);
+  EXPECT_THROW(Parse("Integrator \"sppm\" \"float radius\" 0"), InputError);
 }
 
 }  // namespace
