@@ -1,8 +1,7 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <memory>
+#include <string>
 
 #include "base/error.h"
 #include "image/byte_cursor.h"
@@ -64,7 +63,7 @@ Image DecodeByStb(const char* format, std::int64_t width, std::int64_t height,
       stbi_image_free);
   const auto fail = [&](const char* reason) {
     throw InputError(InputPosition::File(path),
-                     fmt::format("is no {} to read: {}", format, reason));
+                     std::string("is no ") + format + " to read: " + reason);
   };
   if (source.ended) fail("the file ends within the picture");
   if (!rgba) fail(stbi_failure_reason());
