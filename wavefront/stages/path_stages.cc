@@ -1,6 +1,7 @@
 #include "wavefront/stages/path_stages.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "kernels/accumulate.h"
 #include "kernels/partition.h"
@@ -152,6 +153,12 @@ void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& r
   clock.Lap(Stage::kSurface);
 }
 
+void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
+                 std::uint32_t n, SortedHits&& sorted, Worker& w, StageClock& clock) {
+  const SortedHits ending = std::move(sorted);
+  PrepareHits(frame, end, rays, n, ending, w, clock);
+}
+
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, Worker& w, StageClock& clock) {
   IntersectSurfaces(frame, rays, n, bounce, only_delta, FromOwnSurfaces(frame, w), w, clock);
@@ -160,9 +167,9 @@ void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint
 void IntersectSurfaces(const FrameView& frame, const RayColumns& rays, std::uint32_t n,
                        std::uint32_t bounce, bool only_delta, const Departure& from, Worker& w,
                        StageClock& clock) {
-  const SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
+  SortedHits sorted = TraceAndSort(frame, kCameraEnd, rays, n, bounce, only_delta, w, clock);
   SeeLights(frame, rays, sorted.queues, n, sorted.escaped, bounce, from, w, clock);
-  PrepareHits(frame, kCameraEnd, rays, n, sorted, w, clock);
+  PrepareHits(frame, kCameraEnd, rays, n, std::move(sorted), w, clock);
 }
 
 void IntersectLights(const FrameView& frame, const RayColumns& rays, std::uint32_t n,

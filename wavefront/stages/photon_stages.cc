@@ -268,7 +268,7 @@ void GatherPhotons(const FrameView& frame, std::uint32_t bounce, Worker& w, Stag
       PrepareHits(frame, end, *rays, n, hits, w, clock);
       AddPhotons(frame, maps.indirect, left, w, clock);
       ExchangeHits(n, hits);
-      PrepareHits(frame, end, *rays, n, hits, w, clock);
+      PrepareHits(frame, end, *rays, n, std::move(hits), w, clock);
       LightSurfaces(frame, scattered, w, clock, light_pairs);
       AddPhotons(frame, maps.caustic, left, w, clock);
       // The last rays only see lights.
