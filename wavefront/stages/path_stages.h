@@ -35,8 +35,8 @@ SortedHits TraceAndSort(const FrameView& frame, const PathEnd& end, const RayCol
                         std::uint32_t n, std::uint32_t bounce, bool only_delta, Worker& w,
                         StageClock& clock);
 
-// Makes surfaces to shade of the hits of rays [0, n) that are in the queues of BSDFs. The queues end
-// with that if they are moved here, so that stages behind it may borrow their column.
+// Makes surfaces to shade of the hits of rays [0, n) that are in the queues of BSDFs. The queues
+// end with that if they are moved here, so that stages behind it may borrow their column.
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
                  std::uint32_t n, const SortedHits& sorted, Worker& w, StageClock& clock);
 void PrepareHits(const FrameView& frame, const PathEnd& end, const RayColumns& rays,
