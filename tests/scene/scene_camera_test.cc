@@ -1,4 +1,4 @@
-// Tests cameras, films, filters and other options of pbrt files, and conversions between kinds of
+// Tests cameras, films, filters and other options of scenes, and conversions between kinds of
 // cameras.
 #include <gtest/gtest.h>
 
@@ -170,6 +170,79 @@ TEST(CameraKinds, SphericalOnesStandUpright) {
     EXPECT_EQ(after.world_from_camera[3], before.world_from_camera[3]);
     ExpectNear(after.world_from_camera[0], before.world_from_camera[0]);
   }
+}
+
+TEST(Camera, IsTheInverseOfTheTransform) {
+  const Scene scene = Parse("LookAt 1 2 3  1 2 10  0 1 0 Camera \"perspective\" \"float fov\" 35");
+  ASSERT_TRUE(scene.camera);
+  EXPECT_TRUE(scene.left_handed);
+  EXPECT_FLOAT_EQ(scene.camera->fov_degrees, 35);
+  const glm::mat4& m = scene.camera->world_from_camera;
+  ExpectNear(m[0], {1, 0, 0});
+  ExpectNear(m[1], {0, 1, 0});
+  ExpectNear(m[2], {0, 0, 1});
+  ExpectNear(m[3], {1, 2, 3});
+  EXPECT_FLOAT_EQ(Parse("Camera \"perspective\"").camera->fov_degrees, 90);
+  EXPECT_FLOAT_EQ(Parse("Camera \"perspective\" \"float halffov\" 20").camera->fov_degrees, 40);
+}
+
+TEST(Camera, FrameIsRightHandedSeenInItsWorld) {
+  for (const bool left_handed : {false, true}) {
+    const Camera camera = LookAtCamera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40, left_handed);
+    // Looking along -z with y up, right is +x if the axes are right-handed.
+    ExpectNear(camera.world_from_camera[0], {left_handed ? -1.0f : 1.0f, 0, 0});
+    ExpectNear(camera.world_from_camera[1], {0, 1, 0});
+    ExpectNear(camera.world_from_camera[2], {0, 0, -1});
+  }
+}
+
+TEST(Camera, FramesBounds) {
+  const Bounds bounds{{-3, 10, -1}, {5, 12, 2}};
+  for (const char up : {'x', 'y', 'z'}) {
+    for (const bool left_handed : {false, true}) {
+      for (const float aspect : {1.0f, 2.5f, 0.4f}) {
+        const Camera camera = FrameBounds(bounds, up, left_handed, aspect);
+        const float wide = std::max(aspect, 1.0f), tall = std::max(1 / aspect, 1.0f);
+        const glm::mat4 to_camera = glm::inverse(camera.world_from_camera);
+        const float slope = std::tan(glm::radians(0.5f * camera.fov_degrees));
+        float widest = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+          const glm::vec3 p(to_camera * glm::vec4(corner & 1 ? bounds.high.x : bounds.low.x,
+                                                  corner & 2 ? bounds.high.y : bounds.low.y,
+                                                  corner & 4 ? bounds.high.z : bounds.low.z, 1));
+          ASSERT_GT(p.z, 0);
+          widest = std::max({widest, std::abs(p.x / p.z) / wide, std::abs(p.y / p.z) / tall});
+        }
+        EXPECT_LT(widest, slope);
+        EXPECT_GT(widest, 0.8f * slope);  // not smaller than necessary either
+        // The view is from above: the eye is higher than the centre.
+        const int axis = up - 'x';
+        EXPECT_GT(camera.world_from_camera[3][axis], 0.5f * (bounds.low + bounds.high)[axis]);
+      }
+    }
+  }
+}
+
+TEST(EnvironmentFrame, IsNeverMirroredAndTurnsCounterClockwise) {
+  for (const char up : {'x', 'y', 'z'}) {
+    for (const bool left_handed : {false, true}) {
+      for (const float degrees : {0.0f, 30.0f, 200.0f}) {
+        const glm::mat3 f = EnvironmentFrame(up, left_handed, degrees);
+        const glm::vec3 cross = glm::cross(f[1], f[2]);
+        ExpectNear(f[0], left_handed ? -cross : cross);
+      }
+      // A quarter turn to the left moves forward to the former left.
+      const glm::mat3 still = EnvironmentFrame(up, left_handed, 0);
+      const glm::mat3 turned = EnvironmentFrame(up, left_handed, 90);
+      ExpectNear(turned[1], -still[0]);
+      ExpectNear(turned[2], still[2]);
+    }
+  }
+  ExpectNear(EnvironmentFrame('y', false, 0)[1], {0, 0, -1});
+  ExpectNear(EnvironmentFrame('z', false, 0)[1], {0, 1, 0});
+  ExpectNear(EnvironmentFrame('x', false, 0)[1], {0, 1, 0});
+  ExpectNear(EnvironmentFrame('y', true, 0)[1], {0, 0, 1});
+  ExpectNear(EnvironmentFrame('x', true, 0)[0], {0, 0, -1});
 }
 
 TEST(PbrtOptions, FillTheSettings) {
