@@ -98,13 +98,25 @@ EnvironmentLight Sum(const std::vector<EnvironmentLight>& lights) {
   return light;
 }
 
+// Repeats a single pixel over a small map. Light samples hold each channel of a texel with nine
+// bits of the brightest (lights/tables/texels.h), and what one texel loses its neighbours take up.
+void SpreadSinglePixel(Image& map) {
+  if (map.width * map.height > 1) return;
+  Image spread(32, 16);
+  for (std::size_t i = 0; i < spread.rgb.size(); ++i) spread.rgb[i] = map.rgb[i % 3];
+  map = std::move(spread);
+}
+
 }  // namespace
 
 EnvironmentLight LoadEnvironment(const Scene& scene, const JobRequest& request,
                                  std::vector<std::string>& notes) {
   std::vector<EnvironmentLight> lights = ChooseLights(scene, request);
   for (EnvironmentLight& light : lights) LoadMap(light, request.environment, notes);
-  if (lights.size() == 1) return std::move(lights.front());
+  if (lights.size() == 1) {
+    SpreadSinglePixel(*lights.front().map);
+    return std::move(lights.front());
+  }
   EnvironmentLight sum = Sum(lights);
   notes.push_back(fmt::format("{}: {} infinite lights are summed into a map of {} x {}",
                               request.scene, scene.environments.size(), sum.map->width,

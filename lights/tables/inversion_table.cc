@@ -26,6 +26,10 @@ double EnergyAbove(const Texels& texels, double base) {
   return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
+// What rises above the mean by less than this share of the energy may be rounding: a texel holds
+// nine bits, and one that takes up what its neighbours have lost is a unit too bright.
+constexpr double kRounding = 0x1p-8;
+
 }  // namespace
 
 float BaseLuminance(const Texels& texels, double& compensate) {
@@ -36,8 +40,8 @@ float BaseLuminance(const Texels& texels, double& compensate) {
   }
   if (compensate <= 0) return 0;
   const double base = compensate * energy / (4 * std::numbers::pi);
-  if (EnergyAbove(texels, base) > 1e-6 * energy) return float(base);
-  compensate = 0;  // all that rises above the mean is rounding
+  if (EnergyAbove(texels, base) > kRounding * energy) return float(base);
+  compensate = 0;
   return 0;
 }
 

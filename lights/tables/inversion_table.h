@@ -10,8 +10,9 @@
 namespace skywave {
 
 // Returns the luminance that importance sampling subtracts from all texels: `compensate` (0 to 1)
-// times the mean over the sphere. A map that nowhere rises above it has nothing to compensate: then
-// `compensate` becomes 0. A black map gets -1, so all its texels weigh the same.
+// times the mean over the sphere. A map that rises above it by no more than the rounding of its
+// texels has nothing to compensate: then `compensate` becomes 0. A black map gets -1, so all its
+// texels weigh the same.
 float BaseLuminance(const Texels& texels, double& compensate);
 
 class InversionTable {
