@@ -149,10 +149,10 @@ void CheckMemory(const std::string& scene, const FilmLayout& layout, bool forget
   if (needed <= granted) return;
   throw InputError(
       InputPosition::File(scene),
-      fmt::format("a film of {} x {} pixels and its picture need {:.1f} GiB, and this process may "
-                  "use {:.1f} GiB ({}); render it in parts or with fewer layers",
-                  layout.area.picture.width, layout.area.picture.height, needed / (1 << 30),
-                  granted / (1 << 30), GrantedHere().memory_from));
+      fmt::format("a film of {} x {} pixels and its picture need {:.0f} MiB, and this process may "
+                  "use {:.0f} MiB ({}); render it in parts or with fewer layers",
+                  layout.area.picture.width, layout.area.picture.height, needed / (1 << 20),
+                  granted / (1 << 20), GrantedHere().memory_from));
 }
 
 bool KeepsVariance(const Session& session) {
