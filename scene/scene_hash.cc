@@ -67,6 +67,7 @@ void AddTexture(const Texture& texture, Hash& hash) {
   hash.Add(texture.image), hash.Add(texture.wrap_u), hash.Add(texture.wrap_v);
   hash.Add(texture.transform);
   if (texture.use != TextureUse::kColor) hash.Add(texture.use);
+  if (texture.one_level) hash.Add(texture.one_level);
 }
 
 void AddImage(const Image& image, Hash& hash) {

@@ -80,8 +80,9 @@ Image NormalsOfHeights(const Image& image, const Texture& texture, float& slope)
   return normals;
 }
 
-std::uint32_t AppendLevels(Image image, std::uint32_t (*pack)(const float*), TextureTables& tables,
-                           const std::string& path) {
+// Appends the levels of an image, or its finest one alone, and returns how many these are.
+std::uint32_t AppendLevels(Image image, bool one_level, std::uint32_t (*pack)(const float*),
+                           TextureTables& tables, const std::string& path) {
   std::uint32_t count = 0;
   while (true) {
     if (tables.texels.size() + image.rgb.size() / 3 > kMaxTexels) {
@@ -94,7 +95,7 @@ std::uint32_t AppendLevels(Image image, std::uint32_t (*pack)(const float*), Tex
       tables.texels.push_back(pack(&image.rgb[i]));
     }
     ++count;
-    if (image.width == 1 && image.height == 1) return count;
+    if (one_level || (image.width == 1 && image.height == 1)) return count;
     image = HalfSize(image);
   }
 }
@@ -108,20 +109,21 @@ struct Pyramid {
 Pyramid AppendPyramid(const Image& image, const Texture& texture, TextureTables& tables,
                       const std::string& path) {
   Pyramid pyramid = {.first = std::uint32_t(tables.levels.size()), .count = 0, .slope = 1};
+  const bool one_level = texture.one_level;
   switch (texture.use) {
     case TextureUse::kColor:
-      pyramid.count = AppendLevels(image, PackTexel, tables, path);
+      pyramid.count = AppendLevels(image, one_level, PackTexel, tables, path);
       break;
     case TextureUse::kOpacity:
-      pyramid.count = AppendLevels(Grey(image), PackTexel, tables, path);
+      pyramid.count = AppendLevels(Grey(image), one_level, PackTexel, tables, path);
       break;
     case TextureUse::kNormals:
     case TextureUse::kPbrtNormals:
-      pyramid.count = AppendLevels(SignedNormals(image), PackNormalTexel, tables, path);
+      pyramid.count = AppendLevels(SignedNormals(image), one_level, PackNormalTexel, tables, path);
       break;
     case TextureUse::kHeights:
-      pyramid.count = AppendLevels(NormalsOfHeights(image, texture, pyramid.slope), PackNormalTexel,
-                                   tables, path);
+      pyramid.count = AppendLevels(NormalsOfHeights(image, texture, pyramid.slope), one_level,
+                                   PackNormalTexel, tables, path);
       break;
   }
   return pyramid;
@@ -173,7 +175,7 @@ std::size_t TextureTables::bytes() const {
 TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
   TextureTables tables;
   // The pyramid of an image depends on its use; that of heights depends on the wrapping, too.
-  using Key = std::tuple<std::uint32_t, TextureUse, TextureWrap, TextureWrap>;
+  using Key = std::tuple<std::uint32_t, TextureUse, bool, TextureWrap, TextureWrap>;
   std::map<Key, Pyramid> pyramids;
   for (const Texture& texture : scene.textures) {
     if (texture.image >= scene.images.size()) {
@@ -181,7 +183,8 @@ TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
     }
     const Image& image = scene.images[texture.image];
     const bool heights = texture.use == TextureUse::kHeights;
-    const Key key = {texture.image, texture.use, heights ? texture.wrap_u : TextureWrap::kRepeat,
+    const Key key = {texture.image, texture.use, texture.one_level,
+                     heights ? texture.wrap_u : TextureWrap::kRepeat,
                      heights ? texture.wrap_v : TextureWrap::kRepeat};
     auto pyramid = pyramids.find(key);
     if (pyramid == pyramids.end()) {

@@ -1,6 +1,7 @@
 #include "scene/pbrt/solid_textures.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -15,14 +16,14 @@
 #include "scene/pbrt/shapes.h"
 #include "scene/shapes/curves.h"
 #include "scene/shapes/mesh.h"
+#include "scene/shapes/triangle_atlas.h"
 
 namespace skywave {
 namespace {
 
 constexpr int kPatchWidth = 1024, kPatchHeight = 512;  // texels over (u, v) of a round shape
-constexpr int kAtlasSide = 2048;                       // most texels per side over all triangles
-constexpr std::size_t kMostSquares = 4096;
-constexpr int kMargin = 2;  // texels around a triangle, which are beyond its edges
+// A shape made of triangles takes at most this share of the texels that are left for a scene.
+constexpr std::size_t kAtlasShare = 8;
 
 PbrtTexture SolidTexture(PbrtSolid color, int evaluations = 1) {
   PbrtTexture texture;
@@ -64,30 +65,6 @@ std::optional<Pair> ConstantPair(PbrtReader& reader, PbrtParameters& parameters,
   return pair;
 }
 
-// A mesh of which each triangle has its own square of the image.
-struct Atlas {
-  int squares, side;  // squares per side of the image, texels per side of a square
-};
-Atlas AtlasOf(std::size_t triangles) {
-  const int squares = int(std::ceil(std::sqrt(double(triangles))));
-  return {squares, std::min(kAtlasSide / squares, 512)};
-}
-
-// Gives each triangle three vertices and their place in its square.
-void LayOut(const Atlas& atlas, Mesh& mesh) {
-  GiveCornersUvs(mesh);
-  const double image = double(atlas.squares) * atlas.side;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const glm::dvec2 corner =
-        glm::dvec2(int(t) % atlas.squares, int(t) / atlas.squares) * double(atlas.side) +
-        double(kMargin);
-    for (int i = 0; i < 3; ++i) {
-      glm::vec2& uv = mesh.uvs[mesh.triangles[t][i]];
-      uv = glm::vec2((corner + glm::dvec2(uv) * double(atlas.side - 2 * kMargin)) / image);
-    }
-  }
-}
-
 // A texel of an image on a surface.
 struct SurfaceTexel {
   glm::dvec3 place, normal;  // in the world, unit
@@ -97,11 +74,12 @@ struct SurfaceTexel {
 };
 using TexelValue = std::function<glm::vec3(const SurfaceTexel&)>;
 
-// Evaluates texels of triangle `t` whose barycentric coordinates are at least `least`, which may be
-// beyond its edges. The mesh stands for a round shape, or for itself.
+// Evaluates texels in [begin, end) of triangle `t` whose barycentric coordinates are at least
+// `least`, which may be beyond its edges. The mesh stands for a round shape, or for itself. `done`
+// tells for each texel of the image whether it has a value.
 void BakeTriangle(const Mesh& mesh, bool round, const glm::uvec3& t, const TexelValue& value,
                   double least, const glm::ivec2& begin, const glm::ivec2& end, Image& image,
-                  std::vector<bool>& done) {
+                  std::vector<char>& done) {
   const glm::dvec2 size(image.width, image.height);
   std::array<glm::dvec2, 3> at;
   for (int i = 0; i < 3; ++i) {
@@ -144,7 +122,7 @@ void BakeTriangle(const Mesh& mesh, bool round, const glm::uvec3& t, const Texel
 // (u, v) of the shape cover the unit square, except for slivers at poles.
 Image BakePatch(const Mesh& mesh, const TexelValue& value) {
   Image image(kPatchWidth, kPatchHeight);
-  std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
+  std::vector<char> done(std::size_t(image.width) * std::size_t(image.height));
   const glm::ivec2 size(image.width, image.height);
   for (const glm::uvec3& t : mesh.triangles) {
     glm::dvec2 low(1), high(0);
@@ -169,17 +147,16 @@ Image BakePatch(const Mesh& mesh, const TexelValue& value) {
   return image;
 }
 
-Image BakeAtlas(const Mesh& mesh, const Atlas& atlas, const TexelValue& value) {
-  Image image(atlas.squares * atlas.side, atlas.squares * atlas.side);
-  std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const int row = int(t) / atlas.squares;
-    // v points upwards, and rows of the image downwards.
-    const glm::ivec2 begin(int(t) % atlas.squares * atlas.side,
-                           (atlas.squares - 1 - row) * atlas.side);
-    BakeTriangle(mesh, /*round=*/false, mesh.triangles[t], value, -1e6, begin, begin + atlas.side,
-                 image, done);
-  }
+Image BakeAtlas(const Mesh& mesh, const TriangleAtlas& atlas, const TexelValue& value) {
+  Image image(atlas.size.x, atlas.size.y);
+  std::vector<char> done(std::size_t(image.width) * std::size_t(image.height));
+  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+    const AtlasSquare& square = atlas.squares[t];
+    // A bilinear lookup reads texels that are less than one beyond an edge, in x and in y.
+    const double least = -2.0 / (square.side - 1);
+    BakeTriangle(mesh, /*round=*/false, mesh.triangles[t], value, least, square.corner,
+                 square.corner + square.side, image, done);
+  });
   return image;
 }
 
@@ -221,30 +198,35 @@ float NormalsOfSlopes(Image& image) {
   return steepest;
 }
 
-// Adds the texture of an image over the unit square of (u, v).
-std::uint32_t AddSurfaceTexture(Scene& scene, Image image, TextureUse use) {
+// Bakes a texture into an image over the unit square of (u, v) of a shape.
+struct Bake {
+  std::function<Image(const TexelValue&)> image;
+  bool one_level;  // as Texture has it
+};
+
+std::uint32_t AddSurfaceTexture(Scene& scene, Image image, TextureUse use, bool one_level) {
   Texture texture;
   texture.image = AddTextureImage(scene, std::move(image));
   texture.wrap_u = texture.wrap_v = TextureWrap::kClamp;
   texture.transform = UpwardTextureTransform({1, 1}, {0, 0});
   texture.use = use;
+  texture.one_level = one_level;
   scene.textures.push_back(texture);
   return std::uint32_t(scene.textures.size() - 1);
 }
 
-using BakeTexels = std::function<Image(const TexelValue&)>;
-
 // Gives the material the image of a parameter.
-void BakeParameter(const PbrtSolidParameter& solid, const BakeTexels& bake, Scene& scene,
+void BakeParameter(const PbrtSolidParameter& solid, const Bake& bake, Scene& scene,
                    Material& material) {
   if (solid.use == PbrtSolidUse::kHeight) {
-    Image normals = bake(SlopeAt(*solid.value));
+    Image normals = bake.image(SlopeAt(*solid.value));
     material.normal_scale = NormalsOfSlopes(normals);
-    material.normal_texture = AddSurfaceTexture(scene, std::move(normals), TextureUse::kNormals);
+    material.normal_texture =
+        AddSurfaceTexture(scene, std::move(normals), TextureUse::kNormals, bake.one_level);
     return;
   }
-  const std::uint32_t texture =
-      AddSurfaceTexture(scene, bake(ShareAt(*solid.value)), TextureUse::kColor);
+  const std::uint32_t texture = AddSurfaceTexture(scene, bake.image(ShareAt(*solid.value)),
+                                                  TextureUse::kColor, bake.one_level);
   if (solid.use == PbrtSolidUse::kReflectance) material.color_texture = texture;
   if (solid.use == PbrtSolidUse::kRoughness) material.roughness_texture = texture;
   if (solid.use == PbrtSolidUse::kShare) material.mixture_texture = texture;
@@ -277,14 +259,14 @@ std::size_t CountSolids(const PbrtReader& reader, std::uint32_t named,
 // makes, or else with its defaults, and likewise of those that it is mixed of. `copies` has those
 // that exist, by what they are named.
 std::uint32_t CopyWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
-                             const BakeTexels& bake,
+                             const std::optional<Bake>& bake,
                              std::map<std::uint32_t, std::uint32_t>& copies) {
   const auto found = reader.solid_materials.find(named);
   if (found == reader.solid_materials.end()) return material;
   if (const auto known = copies.find(named); known != copies.end()) return known->second;
   Material copy = reader.scene.materials[material];
   for (const PbrtSolidParameter& solid : found->second) {
-    bake ? BakeParameter(solid, bake, reader.scene, copy) : SetFallback(solid, copy);
+    bake ? BakeParameter(solid, *bake, reader.scene, copy) : SetFallback(solid, copy);
   }
   if (copy.mixture) {
     for (std::uint32_t* part : {&copy.mixture->first, &copy.mixture->second}) {
@@ -412,24 +394,31 @@ PbrtTexture LayOnPlane(PbrtReader& reader, PbrtParameters& parameters, const Pbr
 std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
                                  const PbrtSolidShape& shape, Mesh& mesh) {
   const bool patch = IsRoundPbrtShape(shape.type);
-  const bool few = !shape.fixed_uvs && mesh.triangles.size() <= kMostSquares;
-  const Atlas atlas = AtlasOf(std::max<std::size_t>(mesh.triangles.size(), 1));
-  const auto side = std::size_t(atlas.squares) * std::size_t(atlas.side);
   std::set<std::uint32_t> counted;
-  const std::size_t texels = CountSolids(reader, named, counted) *
-                             (patch ? std::size_t(kPatchWidth) * kPatchHeight : side * side);
-  BakeTexels bake;
-  if (!(patch || few) || reader.baked_texels + texels > kMaxBakedTexels) {
+  const std::size_t images = CountSolids(reader, named, counted);
+  const std::size_t left = kMaxBakedTexels - std::min(kMaxBakedTexels, reader.baked_texels);
+  TriangleAtlas atlas;
+  glm::ivec2 size(kPatchWidth, kPatchHeight);
+  if (!patch) {
+    if (!shape.fixed_uvs && images > 0)
+      atlas = MakeTriangleAtlas(mesh, left / kAtlasShare / images);
+    size = atlas.size;
+  }
+  const std::size_t texels = images * std::size_t(size.x) * std::size_t(size.y);
+  std::optional<Bake> bake;
+  if (texels == 0 || texels > left) {
     AddWarning(
         reader.warnings, shape.position,
         "a texture that varies in space is not supported on so many triangles, together with "
         "other textures, or on so many shapes: the default of its parameter is used");
   } else {
     reader.baked_texels += texels;
-    if (!patch) LayOut(atlas, mesh);
-    bake = [&](const TexelValue& value) {
-      return patch ? BakePatch(mesh, value) : BakeAtlas(mesh, atlas, value);
-    };
+    if (patch) {
+      bake = {[&](const TexelValue& value) { return BakePatch(mesh, value); }, false};
+    } else {
+      LayOutTriangles(atlas, mesh);
+      bake = {[&](const TexelValue& value) { return BakeAtlas(mesh, atlas, value); }, true};
+    }
   }
   std::map<std::uint32_t, std::uint32_t> copies;
   return CopyWithSolids(reader, named, material, bake, copies);

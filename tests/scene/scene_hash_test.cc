@@ -39,6 +39,13 @@ TEST(SceneHash, TellsEveryFieldOfAMaterial) {
   });
 }
 
+TEST(SceneHash, TellsWhetherATextureHasLevels) {
+  Texture texture;
+  const std::uint64_t hash = SceneHash({.textures = {texture}});
+  texture.one_level = true;
+  EXPECT_NE(SceneHash({.textures = {texture}}), hash);
+}
+
 TEST(SceneHash, DoesNotKnowNames) {
   Material material = MaterialOfAllParts(BsdfKind::kConductor);
   const std::uint64_t hash = HashOf(material);

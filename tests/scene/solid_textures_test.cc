@@ -1,4 +1,5 @@
 // Tests textures in space: what is baked for a shape is what their formulas give there.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -560,19 +561,46 @@ TEST(Dots, LieOverTheUnitSquare) {
   EXPECT_LT(differ, 100);  // at the rims of dots, a texel wide
 }
 
+// Each of 12800 small triangles shows the place that it is at, in as many texels as it needs.
+TEST(SolidTextures, FollowSmallTriangles) {
+  std::string points, triangles;
+  constexpr int kCells = 80;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int k = 0; k <= kCells; ++k) {
+      const double x = double(k) / kCells, y = double(i) / kCells;
+      points += fmt::format("{} {} {} ", x, y, 0.3 * x * y);
+      if (i == kCells || k == kCells) continue;
+      const int at = i * (kCells + 1) + k;
+      triangles += fmt::format("{} {} {} {} {} {} ", at, at + 1, at + kCells + 2, at,
+                               at + kCells + 2, at + kCells + 1);
+    }
+  }
+  const Scene scene = ParseAll(
+      "AttributeBegin Scale .02 .02 .02 Texture \"c\" \"spectrum\" \"checkerboard\" "
+      "\"integer dimension\" 3 \"rgb tex1\" [.9 .8 .7] \"rgb tex2\" [.1 .2 .3] AttributeEnd "
+      "Material \"diffuse\" \"texture reflectance\" \"c\" Translate .003 .004 .005 "
+      "Shape \"trianglemesh\" \"point3 P\" [" +
+      points + "] \"integer indices\" [" + triangles + "]");
+  // The longest edge has 32 texels and is 0.018 long, 0.9 checks: half a texel's diagonal is 0.02.
+  ExpectChecks(Places(scene, 2), 0.03, {.9f, .8f, .7f}, {.1f, .2f, .3f},
+               [](const Place& place) { return place.position / 0.02f; });
+  EXPECT_TRUE(scene.textures.at(0).one_level);
+}
+
 TEST(SolidTextures, AreReportedWhereTheyCannotBe) {
   const std::string checks = "Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 ";
-  const Scene fine = Parse(checks +
-                           "Material \"diffuse\" \"texture reflectance\" \"c\" "
-                           "Shape \"loopsubdiv\" \"integer levels\" 7 \"integer indices\" [0 1 2] "
-                           "\"point3 P\" [0 0 0 1 0 0 0 1 0]");
-  ASSERT_EQ(fine.warnings.size(), 1u);
-  EXPECT_EQ(fine.materials[fine.meshes[0].material].reflectance, glm::vec3(0.5f));
+  // Alpha depends on the (u, v) that the triangle has.
+  const std::string shape =
+      "Texture \"a\" \"float\" \"checkerboard\" Shape \"trianglemesh\" \"point3 P\" "
+      "[0 0 0 1 0 0 0 1 0] \"texture alpha\" \"a\"";
+  const Scene fixed = Parse(checks + "Material \"diffuse\" \"texture reflectance\" \"c\" " + shape);
+  ASSERT_EQ(fixed.warnings.size(), 1u);
+  EXPECT_EQ(fixed.materials[fixed.meshes[0].material].reflectance, glm::vec3(0.5f));
   const Scene mixed = Parse(checks +
                             "MakeNamedMaterial \"p\" \"string type\" \"diffuse\" \"texture "
                             "reflectance\" \"c\" Material \"mix\" \"string materials\" [\"p\" "
-                            "\"p\"] Shape \"loopsubdiv\" \"integer levels\" 7 \"integer indices\" "
-                            "[0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]");
+                            "\"p\"] " +
+                            shape);
   ASSERT_EQ(mixed.warnings.size(), 1u);
   const auto& mixture = mixed.materials[mixed.meshes[0].material].mixture;
   EXPECT_EQ(mixed.materials[mixture->first].reflectance, glm::vec3(0.5f));
