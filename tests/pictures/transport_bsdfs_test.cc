@@ -1,5 +1,6 @@
-// Tests every BSDF with every transport of light: compares pictures of bidirectional paths and of
-// light paths with those of camera paths, in one small scene per BSDF.
+// Tests every BSDF with every transport of light and with strategies that ask for BSDFs: compares
+// pictures of bidirectional paths and of light paths with those of camera paths, in one small scene
+// per BSDF.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,14 +56,15 @@ Scene SceneOf(std::size_t tested) {
   return scene;
 }
 
-PictureEstimate Estimate(const Scene& scene, Integrator integrator, int samples,
-                         std::uint32_t seed) {
+PictureEstimate Estimate(const Scene& scene, Integrator integrator, int samples, std::uint32_t seed,
+                         const std::string& strategy = "importance") {
   JobRequest request = SmallRequest(24, 18, std::uint32_t(samples));
   request.integrator = integrator;
+  request.strategy = strategy;
   request.max_depth = 4;
   return MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, seed), 3);
 }
-double Level() { return SidakLevel(2 * Tested().size() + 2); }
+double Level() { return SidakLevel(7 * Tested().size() + 2); }
 
 class TransportBsdfs : public testing::TestWithParam<std::size_t> {};
 
@@ -79,6 +81,21 @@ TEST_P(TransportBsdfs, PicturesAreThoseOfPaths) {
   } else {
     EXPECT_TRUE(SamePicture(Estimate(scene, Integrator::kLight, 64, 500), paths, Level()))
         << "light";
+  }
+}
+
+// Strategies that ask what the surface reflects or lets through, and light paths that start by
+// another strategy than the default, where they may.
+TEST_P(TransportBsdfs, PicturesAreThoseOfOtherStrategies) {
+  const Scene scene = SceneOf(GetParam());
+  const PictureEstimate paths = Estimate(scene, Integrator::kPath, 64, 1000);
+  for (const char* strategy : {"product", "ris"}) {
+    EXPECT_TRUE(SamePicture(Estimate(scene, Integrator::kPath, 64, 100, strategy), paths, Level()))
+        << strategy;
+  }
+  for (const char* strategy : {"warp", "uniform", "presampled"}) {
+    EXPECT_TRUE(SamePicture(Estimate(scene, Integrator::kBdpt, 24, 300, strategy), paths, Level()))
+        << "bdpt, " << strategy;
   }
 }
 
