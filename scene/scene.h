@@ -30,7 +30,8 @@ struct Texture {
   TextureWrap wrap_u = TextureWrap::kRepeat, wrap_v = TextureWrap::kRepeat;
   glm::mat3x2 transform{1, 0, 0, 1, 0, 0};
   TextureUse use = TextureUse::kColor;
-  bool one_level = false;  // neighbours in the image need not be neighbours on the surface
+  // There are no coarser levels: neighbours in the image may be far apart on the surface.
+  bool one_level = false;
 };
 
 // A mesh is triangles. (p1 - p0) x (p2 - p0) is on the side that the normals point to, in

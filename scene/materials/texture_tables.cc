@@ -174,7 +174,8 @@ std::size_t TextureTables::bytes() const {
 
 TextureTables MakeTextureTables(const Scene& scene, const std::string& path) {
   TextureTables tables;
-  // The pyramid of an image depends on its use; that of heights depends on the wrapping, too.
+  // The pyramid of an image depends on its use and on how many levels it has; that of heights
+  // depends on the wrapping, too.
   using Key = std::tuple<std::uint32_t, TextureUse, bool, TextureWrap, TextureWrap>;
   std::map<Key, Pyramid> pyramids;
   for (const Texture& texture : scene.textures) {

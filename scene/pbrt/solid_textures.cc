@@ -22,8 +22,9 @@ namespace skywave {
 namespace {
 
 constexpr int kPatchWidth = 1024, kPatchHeight = 512;  // texels over (u, v) of a round shape
-// A shape made of triangles takes at most this share of the texels that are left for a scene.
-constexpr std::size_t kAtlasShare = 8;
+// The squares of a shape made of triangles have at most one in so many of the texels that are left
+// for a scene, and its images less than twice as many.
+constexpr std::size_t kTexelsPerAtlasTexel = 8;
 
 PbrtTexture SolidTexture(PbrtSolid color, int evaluations = 1) {
   PbrtTexture texture;
@@ -76,10 +77,10 @@ using TexelValue = std::function<glm::vec3(const SurfaceTexel&)>;
 
 // Evaluates texels in [begin, end) of triangle `t` whose barycentric coordinates are at least
 // `least`, which may be beyond its edges. The mesh stands for a round shape, or for itself. `done`
-// tells for each texel of the image whether it has a value.
+// learns for each texel of the image that it has a value; null: nobody asks.
 void BakeTriangle(const Mesh& mesh, bool round, const glm::uvec3& t, const TexelValue& value,
                   double least, const glm::ivec2& begin, const glm::ivec2& end, Image& image,
-                  std::vector<char>& done) {
+                  std::vector<bool>* done) {
   const glm::dvec2 size(image.width, image.height);
   std::array<glm::dvec2, 3> at;
   for (int i = 0; i < 3; ++i) {
@@ -114,7 +115,7 @@ void BakeTriangle(const Mesh& mesh, bool round, const glm::uvec3& t, const Texel
       if (glm::dot(texel.up, up) < 0) texel.up = -texel.up;
       const glm::vec3 color = value(texel);
       for (int c = 0; c < 3; ++c) image.Pixel(x, y)[c] = color[c];
-      done[std::size_t(y) * std::size_t(image.width) + std::size_t(x)] = true;
+      if (done) (*done)[std::size_t(y) * std::size_t(image.width) + std::size_t(x)] = true;
     }
   }
 }
@@ -122,7 +123,7 @@ void BakeTriangle(const Mesh& mesh, bool round, const glm::uvec3& t, const Texel
 // (u, v) of the shape cover the unit square, except for slivers at poles.
 Image BakePatch(const Mesh& mesh, const TexelValue& value) {
   Image image(kPatchWidth, kPatchHeight);
-  std::vector<char> done(std::size_t(image.width) * std::size_t(image.height));
+  std::vector<bool> done(std::size_t(image.width) * std::size_t(image.height));
   const glm::ivec2 size(image.width, image.height);
   for (const glm::uvec3& t : mesh.triangles) {
     glm::dvec2 low(1), high(0);
@@ -132,7 +133,7 @@ Image BakePatch(const Mesh& mesh, const TexelValue& value) {
     }
     const glm::ivec2 begin = glm::max(glm::ivec2(glm::floor(low * glm::dvec2(size))) - 1, 0);
     const glm::ivec2 end = glm::min(glm::ivec2(glm::ceil(high * glm::dvec2(size))) + 1, size);
-    BakeTriangle(mesh, /*round=*/true, t, value, -1e-6, begin, end, image, done);
+    BakeTriangle(mesh, /*round=*/true, t, value, -1e-6, begin, end, image, &done);
   }
   // A texel that no triangle has gets the value of the one before it in its row.
   for (int y = 0; y < image.height; ++y) {
@@ -149,13 +150,12 @@ Image BakePatch(const Mesh& mesh, const TexelValue& value) {
 
 Image BakeAtlas(const Mesh& mesh, const TriangleAtlas& atlas, const TexelValue& value) {
   Image image(atlas.size.x, atlas.size.y);
-  std::vector<char> done(std::size_t(image.width) * std::size_t(image.height));
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
     const AtlasSquare& square = atlas.squares[t];
-    // A bilinear lookup reads texels that are less than one beyond an edge, in x and in y.
-    const double least = -2.0 / (square.side - 1);
+    // A bilinear lookup reads texels one step beyond the slanted edge, not two.
+    const double least = -1.5 / (square.side - 1);
     BakeTriangle(mesh, /*round=*/false, mesh.triangles[t], value, least, square.corner,
-                 square.corner + square.side, image, done);
+                 square.corner + square.side, image, nullptr);
   });
   return image;
 }
@@ -198,10 +198,10 @@ float NormalsOfSlopes(Image& image) {
   return steepest;
 }
 
-// Bakes a texture into an image over the unit square of (u, v) of a shape.
+// How textures are evaluated for one shape, over the unit square of its (u, v).
 struct Bake {
   std::function<Image(const TexelValue&)> image;
-  bool one_level;  // as Texture has it
+  bool one_level;  // Texture::one_level of these images
 };
 
 std::uint32_t AddSurfaceTexture(Scene& scene, Image image, TextureUse use, bool one_level) {
@@ -398,12 +398,10 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
   const std::size_t images = CountSolids(reader, named, counted);
   const std::size_t left = kMaxBakedTexels - std::min(kMaxBakedTexels, reader.baked_texels);
   TriangleAtlas atlas;
-  glm::ivec2 size(kPatchWidth, kPatchHeight);
-  if (!patch) {
-    if (!shape.fixed_uvs && images > 0)
-      atlas = MakeTriangleAtlas(mesh, left / kAtlasShare / images);
-    size = atlas.size;
+  if (!patch && !shape.fixed_uvs) {
+    atlas = MakeTriangleAtlas(mesh, left / kTexelsPerAtlasTexel / images);
   }
+  const glm::ivec2 size = patch ? glm::ivec2(kPatchWidth, kPatchHeight) : atlas.size;
   const std::size_t texels = images * std::size_t(size.x) * std::size_t(size.y);
   std::optional<Bake> bake;
   if (texels == 0 || texels > left) {

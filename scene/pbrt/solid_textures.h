@@ -35,9 +35,10 @@ struct PbrtSolidShape {
 };
 // Returns the material of one shape, whose mesh is in the world: `material`, which is `named` or a
 // copy of it with alpha, with the images of what varies in space on it and on the materials that it
-// is mixed of. Spheres, disks and cylinders keep their (u, v); other shapes get a square of the
-// image for each triangle. Where that cannot be, because there are too many triangles or other
-// textures, the material gets its defaults, with a warning at the shape.
+// is mixed of. Spheres, disks and cylinders keep their (u, v); other shapes, which have triangles,
+// get a square of the image for each (scene/shapes/triangle_atlas.h). Where that cannot be, because
+// there are too many triangles, other textures, or no texels left for the scene, the material gets
+// its defaults, with a warning at the shape.
 std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::uint32_t material,
                                  const PbrtSolidShape& shape, Mesh& mesh);
 

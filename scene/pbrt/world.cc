@@ -74,8 +74,8 @@ void ObjectEnd(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
   reader.in_object = false;
 }
 
-// Adds a mesh to the object at hand, or to the world.
-void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh) {
+// Counts a mesh in the world, and refuses what no table of triangles can hold.
+void CheckMesh(PbrtReader& reader, const InputPosition& position, const Mesh& mesh) {
   reader.triangles += mesh.triangles.size();
   if (reader.triangles > reader.options.max_triangles) {
     throw InputError(position,
@@ -87,8 +87,6 @@ void AddMesh(PbrtReader& reader, const InputPosition& position, Mesh mesh) {
   if (bad < mesh.positions.size()) {
     throw InputError(position, fmt::format("vertex {} is not finite after its transform", bad));
   }
-  Scene& scene = reader.scene;
-  (reader.in_object ? scene.objects.back().meshes : scene.meshes).push_back(std::move(mesh));
 }
 
 void ObjectInstance(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
@@ -161,15 +159,17 @@ void ReadShape(PbrtReader& reader, PbrtSource& source, const PbrtToken& word) {
     return;
   }
   TransformMesh(reader.state.to_world, mesh);
+  CheckMesh(reader, position, mesh);
   if (reader.state.reverse_orientation != TurnsPbrtShape(type, reader.state)) {
     FlipOrientation(mesh);
   }
-  if (varies) {
+  if (varies && !mesh.triangles.empty()) {
     material = MaterialWithSolids(reader, *named, *material, {type, position, fixed_uvs}, mesh);
   }
   mesh.material = ShiningPbrtMaterial(reader, *material, mesh, shape->faces, position);
   mesh.name = fmt::format("{} ({})", type, ToString(position));
-  AddMesh(reader, position, std::move(mesh));
+  Scene& scene = reader.scene;
+  (reader.in_object ? scene.objects.back().meshes : scene.meshes).push_back(std::move(mesh));
 }
 
 std::optional<std::uint32_t> AddMaterial(PbrtReader& reader, const std::string& type,

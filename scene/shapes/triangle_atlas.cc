@@ -12,6 +12,8 @@ namespace skywave {
 namespace {
 
 constexpr int kLeastSide = 4, kMostSide = 1024;
+// The side that the longest edge would have at the finest scale, if squares had no largest side.
+constexpr unsigned kFinestScale = 1u << 20;
 
 double LongestEdge(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 p[3] = {mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]};
@@ -43,7 +45,7 @@ void PlaceSquares(TriangleAtlas& atlas) {
     square.corner = {EvenBits(next), EvenBits(next >> 1)};
     next += Area(square);
   }
-  // The curve goes through the lower half of a square first.
+  // With an odd number of bits, x has one more than y.
   const auto area = std::bit_ceil(next);
   const int bits = std::countr_zero(area);
   atlas.size = {1 << (bits + 1) / 2, 1 << bits / 2};
@@ -52,18 +54,20 @@ void PlaceSquares(TriangleAtlas& atlas) {
 }  // namespace
 
 TriangleAtlas MakeTriangleAtlas(const Mesh& mesh, std::size_t most) {
+  constexpr std::size_t kLeastArea = kLeastSide * kLeastSide;
+  if (mesh.triangles.empty() || mesh.triangles.size() > most / kLeastArea) return {};
   std::vector<double> edges;
+  edges.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) edges.push_back(LongestEdge(mesh, t));
-  if (edges.empty()) return {};
   const double longest = *std::max_element(edges.begin(), edges.end());
   TriangleAtlas atlas;
   atlas.squares.resize(edges.size());
-  for (unsigned side_of_longest = kMostSide; side_of_longest >= kLeastSide; side_of_longest /= 2) {
+  for (unsigned scale = kFinestScale; scale >= kLeastSide; scale /= 2) {
     std::size_t texels = 0;
     for (std::size_t t = 0; t < edges.size(); ++t) {
-      const double share = longest > 0 ? edges[t] / longest : 1;
-      const auto side = std::bit_ceil(unsigned(std::ceil(share * side_of_longest)));
-      atlas.squares[t].side = std::max(int(side), kLeastSide);
+      const double share = longest > 0 ? edges[t] / longest : 0;
+      const auto side = std::bit_ceil(unsigned(std::ceil(share * scale)));
+      atlas.squares[t].side = std::clamp(int(side), kLeastSide, kMostSide);
       texels += Area(atlas.squares[t]);
     }
     if (texels > most) continue;

@@ -122,6 +122,9 @@ TEST(BadPbrt, IsRefusedWithFileLineAndReason) {
       {"ObjectBegin \"a\" ObjectEnd\nObjectBegin \"a\"", "t.pbrt:2", "a second object"},
       {"ObjectBegin \"a\"\nObjectInstance \"a\"", "t.pbrt:2", "inside an object"},
       {"ObjectInstance \"a\"", "t.pbrt:1", "no object \"a\""},
+      {"WorldBegin Texture \"c\" \"spectrum\" \"marble\" Material \"matte\" \"texture Kd\" \"c\" "
+       "Scale 1e30 1 1\nShape \"trianglemesh\" \"point3 P\" [1e30 0 0 1 0 0 0 1 0]",
+       "t.pbrt:2", "vertex 0 is not finite"},
       {"NamedMaterial \"a\"", "t.pbrt:1", "no material \"a\""},
       {"MakeNamedMaterial \"a\"", "t.pbrt:1", "needs a \"string type\""},
       {"Material \"matte\" \"texture Kd\" \"t\"", "t.pbrt:1", "no texture \"t\""},

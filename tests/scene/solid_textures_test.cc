@@ -581,13 +581,65 @@ TEST(SolidTextures, FollowSmallTriangles) {
       "Material \"diffuse\" \"texture reflectance\" \"c\" Translate .003 .004 .005 "
       "Shape \"trianglemesh\" \"point3 P\" [" +
       points + "] \"integer indices\" [" + triangles + "]");
-  // The longest edge has 32 texels and is 0.018 long, 0.9 checks: half a texel's diagonal is 0.02.
-  ExpectChecks(Places(scene, 2), 0.03, {.9f, .8f, .7f}, {.1f, .2f, .3f},
+  // Squares have 16 texels a side: one is 0.042 checks along a leg.
+  ExpectChecks(Places(scene, 2), 0.05, {.9f, .8f, .7f}, {.1f, .2f, .3f},
                [](const Place& place) { return place.position / 0.02f; });
   EXPECT_TRUE(scene.textures.at(0).one_level);
 }
 
+// A shape leaves texels for those behind it, and its parameters share what it takes.
+TEST(SolidTextures, LeaveTexelsForOthers) {
+  std::string triangles, shapes;
+  for (int i = 0; i < 100; ++i) triangles += "0 1 2 ";
+  const std::string shape =
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [" + triangles +
+      "] ";
+  const std::string checks =
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 "
+      "Texture \"n\" \"float\" \"checkerboard\" \"integer dimension\" 3 "
+      "Material \"diffuse\" \"texture reflectance\" \"c\" ";
+  const Scene four = ParseAll(checks + shape + shape + shape + shape);
+  ASSERT_EQ(four.images.size(), 4u);
+  std::size_t left = std::size_t{1} << 25;
+  for (const Image& image : four.images) {
+    const std::size_t texels = image.rgb.size() / 3;
+    EXPECT_LE(texels, left / 4);
+    left -= texels;
+  }
+  const Scene both = ParseAll(checks + "\"texture displacement\" \"n\" " + shape);
+  ASSERT_EQ(both.images.size(), 2u);
+  for (const Image& image : both.images) EXPECT_LE(image.rgb.size() / 3, (1u << 25) / 8);
+}
+
+// A mesh without triangles shows no texture, and is no reason for a warning.
+TEST(SolidTextures, AreNotMissedWithoutTriangles) {
+  const TemporaryFolder folder;
+  folder.Write("empty.ply",
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+               "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
+               "end_header\n0 0 0\n1 0 0\n0 1 0\n");
+  const Scene scene = ParsePbrt(
+      "WorldBegin Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 "
+      "Material \"diffuse\" \"texture reflectance\" \"c\" Shape \"plymesh\" \"string filename\" "
+      "\"empty.ply\"",
+      folder.Path("t.pbrt"), {.strict = true});
+  EXPECT_TRUE(scene.images.empty());
+}
+
 TEST(SolidTextures, AreReportedWhereTheyCannotBe) {
+  std::string triangles;
+  for (int i = 0; i <= 1 << 18; ++i) triangles += "0 1 2 ";
+  const Scene fine = Parse(
+      "Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 "
+      "Material \"diffuse\" \"texture reflectance\" \"c\" "
+      "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] "
+      "\"integer indices\" [" +
+      triangles + "]");
+  ASSERT_EQ(fine.warnings.size(), 1u);
+  EXPECT_EQ(fine.materials[fine.meshes[0].material].reflectance, glm::vec3(0.5f));
+}
+
+TEST(SolidTextures, AreReportedWhereOthersNeedTheCoordinates) {
   const std::string checks = "Texture \"c\" \"spectrum\" \"checkerboard\" \"integer dimension\" 3 ";
   // Alpha depends on the (u, v) that the triangle has.
   const std::string shape =
