@@ -16,6 +16,7 @@
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -178,7 +179,25 @@ class OutputFile {
 
 }  // namespace
 
+namespace {
+
+thread_local FilesRead* files_read = nullptr;
+
+}  // namespace
+
+FilesRead::FilesRead() : before_(std::exchange(files_read, this)) {}
+FilesRead::~FilesRead() { files_read = before_; }
+
+void FilesRead::CheckAreNot(std::span<const std::string> outputs) const {
+  for (const std::string& output : outputs) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(output, ignored)) continue;
+    for (const std::string& input : names_) CheckNotInput(output, input);
+  }
+}
+
 std::string ReadFile(const std::string& path, std::size_t max_bytes) {
+  if (files_read != nullptr) files_read->names_.push_back(path);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) ThrowIo(path, "is a folder, not a file");
   const FileHandle file(std::fopen(path.c_str(), "rb"));

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace skywave {
 
@@ -63,5 +64,24 @@ void CheckAllWritable(std::span<const std::string> paths);
 
 // Throws InputError (kExitUsage) if both names denote the same existing file.
 void CheckNotInput(const std::string& output, const std::string& input);
+
+// Remembers the files that ReadFile reads on this thread while it exists: a scene names textures,
+// maps and meshes that no command line does. If there are several, the last one remembers.
+class FilesRead {
+ public:
+  FilesRead();
+  ~FilesRead();
+  FilesRead(const FilesRead&) = delete;
+  FilesRead& operator=(const FilesRead&) = delete;
+
+  const std::vector<std::string>& names() const { return names_; }
+  // Throws as CheckNotInput does if one of `outputs` is one of them.
+  void CheckAreNot(std::span<const std::string> outputs) const;
+
+ private:
+  friend std::string ReadFile(const std::string& path, std::size_t max_bytes);
+  std::vector<std::string> names_;
+  FilesRead* before_;
+};
 
 }  // namespace skywave

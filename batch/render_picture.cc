@@ -84,7 +84,9 @@ PictureRenderer::PictureRenderer(const BatchPlan& plan, const PictureSettings& s
 PictureRenderer::Ready PictureRenderer::Read(const BatchPicture& picture) try {
   const Clock::time_point start = Clock::now();
   Ready ready = {.request = RequestOf(plan_.path, picture.options)};
+  const FilesRead inputs;
   ready.job = std::make_unique<RenderJob>(ready.request.job, &cache_);
+  ready.inputs = inputs.names();
   ready.identity = IdentityOf(*ready.job, ready.request.exposure, true, ready.request.limits);
   ready.load_seconds = SecondsSince(start);
   return ready;
@@ -114,6 +116,7 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
   }
   const RenderJob& job = *ready.job;
   const RenderLimits& limits = ready.request.limits;
+  inputs_.insert(ready.inputs.begin(), ready.inputs.end());
   PictureResult result = {.status = PictureStatus::kSkipped, .load_seconds = ready.load_seconds};
   const std::string checkpoint = CheckpointBeside(picture.output);
   if (!settings_.force && IsFinished(picture.output, job, ready.identity, limits)) {
@@ -121,6 +124,9 @@ std::future<PictureResult> PictureRenderer::Render(const BatchPicture& picture,
     std::filesystem::remove(checkpoint);
     result.hash = HashText(ReadFile(picture.output));
     return Known(std::move(result));
+  }
+  for (const std::string& output : {picture.output, PngBeside(picture.output)}) {
+    for (const std::string& input : inputs_) CheckNotInput(output, input);
   }
   result.status = PictureStatus::kRendered;
   result.notes = job.notes();

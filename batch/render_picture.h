@@ -8,6 +8,9 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "batch/run.h"
 #include "job/job.h"
@@ -47,6 +50,7 @@ class PictureRenderer {
     PictureRequest request;
     std::unique_ptr<const RenderJob> job;
     PictureIdentity identity;
+    std::vector<std::string> inputs;  // files that were read for it and had not been before
     double load_seconds = 0;
   };
   Ready Read(const BatchPicture& picture);
@@ -63,6 +67,7 @@ class PictureRenderer {
   JobCache cache_;
   const BatchPicture* next_ = nullptr;
   std::future<Ready> next_ready_;
+  std::set<std::string> inputs_;  // of the pictures so far, which none may overwrite
 };
 
 // Returns the name of the checkpoint of a picture.

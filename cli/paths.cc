@@ -106,10 +106,6 @@ int PathsMain(PathsFlags& flags) {
   }
   const std::string png = std::filesystem::path(flags.output).replace_extension(".png").string();
   const std::array outputs = {flags.output, png};
-  for (const std::string& path : outputs) {
-    CheckNotInput(path, flags.request.scene);
-    CheckNotInput(path, MapFile(flags.request));
-  }
   CheckAllWritable(outputs);
   const JobRequest& request = flags.request;
   if (request.integrator.value_or(Integrator::kBdpt) != Integrator::kBdpt ||
@@ -120,7 +116,9 @@ int PathsMain(PathsFlags& flags) {
                      kExitUsage);
   }
   flags.request.integrator = Integrator::kBdpt;
+  const FilesRead inputs;
   const RenderJob job(flags.request);
+  inputs.CheckAreNot(outputs);
   const RenderOptions& options = job.options();
   if (options.max_depth > kDeepest) {
     throw InputError(InputPosition::File(fmt::format("--max-depth {}", options.max_depth)),

@@ -126,13 +126,19 @@ void CheckOutputs(const RenderFlags& flags) {
       throw InputError(InputPosition::File(path), "is to be written twice; give another name",
                        kExitUsage);
     }
-    CheckNotInput(path, flags.request.scene);
-    CheckNotInput(path, MapFile(flags.request));
   }
   CheckAllWritable(outputs);
   // Of snapshots it is known only later whether they are written.
   const std::string snapshot = SnapshotPath(flags);
   RemoveLeftovers(std::vector<std::string>{snapshot, PngBeside(snapshot)});
+}
+
+// Reads the scene and all that it names, which the outputs must leave as they are.
+api::Renderer ReadRenderer(const RenderFlags& flags) {
+  const FilesRead inputs;
+  api::Renderer renderer(api::Scene(flags.request.scene, flags.read_options), flags.options);
+  inputs.CheckAreNot(Outputs(flags));
+  return renderer;
 }
 
 // Renders, and shows progress and what signals ask for.
@@ -173,7 +179,7 @@ int RenderMain(RenderFlags& flags) {
     flags.output = std::filesystem::path(flags.request.scene).stem().string() + ".exr";
   }
   CheckOutputs(flags);
-  api::Renderer renderer(api::Scene(flags.request.scene, flags.read_options), flags.options);
+  api::Renderer renderer = ReadRenderer(flags);
   try {
     RenderWatched(flags, renderer);
   } catch (const api::Canceled&) {

@@ -185,7 +185,9 @@ bool PictureIsRight(const SuiteScene& scene, PictureCheck check, const Fingerpri
 
 int BenchScene(const BenchFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
+  const FilesRead inputs;
   const RenderJob job(flags.request);
+  inputs.CheckAreNot(std::array{flags.json});
   PrintNotes(job.notes());
   Film film = job.MakeFilm();
   const Speed speed = MeasureSpeed(
@@ -213,9 +215,13 @@ int BenchScene(const BenchFlags& flags) {
 }
 
 int BenchSuite(const BenchFlags& flags) {
-  CheckAllWritable(std::array{flags.json, flags.report});
+  const std::array outputs = {flags.json, flags.report};
+  CheckAllWritable(outputs);
   std::vector<HistoryEntry> history;
-  for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
+  for (const std::string& path : flags.history) {
+    for (const std::string& output : outputs) CheckNotInput(output, path);
+    history.push_back(ReadHistory(path));
+  }
 
   SpeedSettings settings;
   settings.repetitions = flags.counters ? 0 : RepetitionsOf(flags);

@@ -1,5 +1,6 @@
 // Measures copies of a scene or of the suite, one thread each.
 #include <algorithm>
+#include <array>
 
 #include "base/error.h"
 #include "base/files.h"
@@ -34,8 +35,12 @@ std::vector<CopyScene> CopyScenes(const BenchFlags& flags) {
 }
 
 // Returns {"samples", "seconds"} of a scene as JSON; all copies render it at the same time.
-nlohmann::json MeasureCopy(const CopyScene& scene, int repetitions, CopyBarrier& barrier) {
+// The file `output` must not be one that the scene is read from.
+nlohmann::json MeasureCopy(const CopyScene& scene, int repetitions, const std::string& output,
+                           CopyBarrier& barrier) {
+  const FilesRead inputs;
   const RenderJob job(scene.request);
+  inputs.CheckAreNot(std::array{output});
   Film film = job.MakeFilm();
   const FrameResult first = RenderFrame(job.frame(), film);
   if (scene.known != nullptr) {
@@ -74,7 +79,7 @@ int BenchCopies(const BenchFlags& flags) {
       RunCopies(copies, ProcessorsByCore(), [&](CopyBarrier& barrier) {
         nlohmann::json measured;
         for (const CopyScene& scene : scenes) {
-          measured.push_back(MeasureCopy(scene, repetitions, barrier));
+          measured.push_back(MeasureCopy(scene, repetitions, flags.json, barrier));
         }
         return measured.dump();
       });

@@ -1,5 +1,6 @@
 // Guards a scene: holds a run to a baseline, and prints what a baseline counts.
 #include <fmt/format.h>
+#include <array>
 
 #include <algorithm>
 #include <filesystem>
@@ -81,7 +82,9 @@ int WriteBaseline(const BenchFlags& flags, const std::string& reason) {
   CheckWritable(flags.baseline);
   std::vector<std::string> reasons;
   if (std::filesystem::exists(flags.baseline)) reasons = ReadBaseline(flags.baseline).reasons;
+  const FilesRead inputs;
   const RenderJob job(flags.request);
+  inputs.CheckAreNot(std::array{flags.baseline});
   PrintNotes(job.notes());
   Baseline baseline = MeasureBaseline(job, flags, flags.gates);
   if (!baseline.not_counted.empty()) {

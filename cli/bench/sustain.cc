@@ -1,5 +1,6 @@
 // Measures whether the speed lasts.
 #include <fmt/format.h>
+#include <array>
 
 #include <cmath>
 #include <memory>
@@ -77,7 +78,9 @@ std::string Ends(const Interval& interval, double scale) {
 
 int BenchSustained(const BenchFlags& flags) {
   if (!flags.json.empty()) CheckWritable(flags.json);
+  const FilesRead inputs;
   const SustainedJobs prepared = PrepareSustained(flags);
+  inputs.CheckAreNot(std::array{flags.json});
   if (!prepared.right) return kExitWrongPicture;
   std::vector<const RenderJob*> jobs;
   for (const auto& job : prepared.jobs) jobs.push_back(job.get());

@@ -1,4 +1,5 @@
 // Implements skywave converge: light strategies and integrators by their error at equal time.
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,8 +29,6 @@ void CheckOutputs(const ConvergeFlags& flags) {
   const std::vector<std::string> outputs = {flags.json, flags.plot, flags.html};
   for (const std::string& path : outputs) {
     if (path.empty()) continue;
-    CheckNotInput(path, flags.request.job.scene);
-    CheckNotInput(path, MapFile(flags.request.job));
     CheckNotInput(path, flags.request.reference);
   }
   CheckAllWritable(outputs);
@@ -62,7 +61,9 @@ void WriteOutputs(const ConvergeFlags& flags, const ConvergeReport& report) {
 
 int ConvergeMain(const ConvergeFlags& flags) {
   CheckOutputs(flags);
+  const FilesRead inputs;
   const RenderJob job(flags.request.job);
+  inputs.CheckAreNot(std::array{flags.json, flags.plot, flags.html, flags.request.save_reference});
   if (!flags.progress.quiet) PrintNotes(job.notes());
   // The steps are the reference, unless it is given, and the measurement.
   std::optional<ProgressDisplay> display(std::in_place, flags.progress,

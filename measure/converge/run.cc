@@ -164,8 +164,6 @@ void CheckSavedReference(const ConvergeRequest& request) {
     throw OptionError("save-reference", path,
                       "the reference is an EXR file, so its name has to end in .exr");
   }
-  CheckNotInput(path, request.job.scene);
-  CheckNotInput(path, MapFile(request.job));
   CheckWritable(path);
 }
 

@@ -213,6 +213,7 @@ Mesh BilinearMesh(PbrtParameters& parameters, std::size_t limit, std::size_t& pa
   const std::vector<glm::vec2> uvs = FindUvs(parameters);
   CheckPerVertex(parameters, "N", normals.size(), positions.size());
   CheckPerVertex(parameters, "uv", uvs.size(), positions.size());
+  FindString(parameters, "emissionfilename");  // only tells pbrt where to draw light samples
   const std::vector<std::uint32_t> indices =
       RequireIndices(parameters, 4, "bilinear patches", positions.size());
   if (indices.size() / 4 > limit / (2 * kBilinearSteps * kBilinearSteps)) {
@@ -292,7 +293,8 @@ void SetRibbonNormals(PbrtParameters& parameters, std::span<CurveSegment> segmen
   }
 }
 
-// A flat curve, which faces every ray, has the outline of a tube for each of them.
+// A flat curve, which faces every ray, has the outline of a tube for each of them, but not its
+// normals.
 Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std::size_t limit,
                Warnings& warnings) {
   const std::vector<glm::vec3> points = RequirePositions(parameters);
@@ -302,7 +304,13 @@ Mesh PbrtCurve(PbrtParameters& parameters, const PbrtShapeOptions& options, std:
                      fmt::format("{}: the degree is {}, not 2 or 3", parameters.directive, degree));
   }
   const bool spline = FindName(parameters, "basis", {"bezier", "bspline"}) == "bspline";
-  const bool ribbon = FindName(parameters, "type", {"flat", "cylinder", "ribbon"}) == "ribbon";
+  const std::string type = FindName(parameters, "type", {"flat", "cylinder", "ribbon"});
+  const bool ribbon = type == "ribbon";
+  if (type == "flat") {
+    AddWarning(warnings, parameters.position,
+               "a curve of the type \"flat\", the default, becomes a tube like \"cylinder\", whose "
+               "sides are darker");
+  }
   const float width = FindFloat(parameters, "width").value_or(1);
   const float begin = FindFloat(parameters, "width0").value_or(width),
               end = FindFloat(parameters, "width1").value_or(width);

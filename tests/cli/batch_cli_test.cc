@@ -85,6 +85,24 @@ TEST_F(Batch, ListsAndSharesMakeNothing) {
   EXPECT_EQ(Files(), Names{"job.toml"});
 }
 
+// A scene names files that the job does not.
+TEST_F(Batch, NoPictureReplacesWhatAnEarlierOneIsMadeOf) {
+  WriteExr(Path("map_2.exr"), Image(4, 2));
+  const std::string before = Bytes("map_2.exr");
+  Put("sky.pbrt",
+      "WorldBegin LightSource \"infinite\" \"string filename\" \"map_2.exr\" Shape \"sphere\"");
+  Put("job.toml",
+      "[base]\nscene = \"sky.pbrt\"\nsize = \"8x6\"\nspp = 1\n[axes]\nseed = \"1-3\"\n"
+      "[output]\npath = \"map_{seed}.exr\"\n");
+  const Result result = Run("batch job.toml");
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_TRUE(Contains(result.out + result.err, "map_2.exr: is an input"))
+      << result.out << result.err;
+  EXPECT_EQ(Bytes("map_2.exr"), before);
+  EXPECT_FALSE(std::filesystem::exists(Path("map_2.png")));
+  EXPECT_TRUE(std::filesystem::exists(Path("map_3.exr")));
+}
+
 TEST_F(Batch, WritesUnderTheFolderThatIsAskedFor) {
   Put("job.toml", kJob);
   EXPECT_EQ(Run("batch job.toml -q -o else --only 1/2").exit_code, 0);

@@ -131,6 +131,20 @@ TEST_F(OptionsCli, SwitchesCanBeTakenBack) {
   ASSERT_EQ(Run(base + "plain.exr").exit_code, 0);
   ASSERT_EQ(Run(base + "back.exr --ground --no-ground --no-mis --mis").exit_code, 0);
   EXPECT_EQ(Bytes("plain.exr"), Bytes("back.exr"));
+  ASSERT_EQ(Run(base + "light.exr --integrator light").exit_code, 0);
+  ASSERT_EQ(Run(base + "guided.exr --integrator light --guide").exit_code, 0);
+  ASSERT_EQ(Run(base + "back.exr --integrator light --guide --no-guide").exit_code, 0);
+  EXPECT_EQ(Bytes("light.exr"), Bytes("back.exr"));
+  EXPECT_NE(Bytes("light.exr"), Bytes("guided.exr"));
+}
+
+TEST_F(OptionsCli, PhotonsOfALookupAreAsManyAsAskedFor) {
+  const std::string base = "render lamps --size 12x9 --spp 2 --integrator photon -q -o ";
+  ASSERT_EQ(Run(base + "plain.exr").exit_code, 0);
+  ASSERT_EQ(Run(base + "same.exr --photon-neighbors 50").exit_code, 0);
+  ASSERT_EQ(Run(base + "fewer.exr --photon-neighbors 7").exit_code, 0);
+  EXPECT_EQ(ReadImage(Path("plain.exr")).rgb, ReadImage(Path("same.exr")).rgb);
+  EXPECT_NE(ReadImage(Path("plain.exr")).rgb, ReadImage(Path("fewer.exr")).rgb);
 }
 
 TEST_F(OptionsCli, TheReferenceIsCurrent) {

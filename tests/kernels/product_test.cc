@@ -24,6 +24,9 @@ const std::vector<MaterialCase>& Materials() {
       {"Gold", BsdfKind::kConductor, GoldConductor(0.3f)},
       {"Rough", BsdfKind::kConductor, GoldConductor(0.9f)},
       {"Varnish", BsdfKind::kMetallicRoughness, MetallicRoughness(0.3f, 0.2f)},
+      {"Leaf",
+       BsdfKind::kDiffuseTransmission,
+       {.color = {0.4f, 0.3f, 0.1f}, .eta = {0.2f, 0.5f, 0.6f}}},
   };
   return materials;
 }

@@ -63,8 +63,7 @@ Scene WithoutBalls(Scene scene) {
 }
 
 // Takes the mean of three pictures with the given number of passes, because under the lamp the
-// light of one is noisy by 1 % or 2 %. Disks are taken whole unless photons are seen directly, so
-// large disks darken edges.
+// light of one is noisy by 1 % or 2 %.
 PictureEstimate Progressive(const Scene& scene, JobRequest request, std::uint32_t gather,
                             std::uint32_t passes) {
   const bool merges = request.integrator == Integrator::kVcm;

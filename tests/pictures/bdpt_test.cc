@@ -11,6 +11,7 @@
 #include "tests/support/matt_room.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
+#include "tests/support/shining_cave.h"
 #include "tests/support/statistics.h"
 #include "wavefront/option_names.h"
 #include "wavefront/render.h"
@@ -20,13 +21,47 @@ namespace {
 
 constexpr int kRuns = 12;
 // This many comparisons of pictures share the level of the test program.
-const double kLevel = SidakLevel(60);
+const double kLevel = SidakLevel(70);
 
 JobRequest Request(Integrator integrator, std::uint32_t max_depth) {
   JobRequest request = SmallRequest(24, 18, 32);
   request.integrator = integrator;
   request.max_depth = max_depth;
   return request;
+}
+
+// The oracle follows paths from the camera by code of its own.
+TEST(Bdpt, PicturesAreThoseOfTheOracle) {
+  for (const BsdfKind kind : {BsdfKind::kLambert, BsdfKind::kConductor, BsdfKind::kDielectric}) {
+    const Scene scene = MattRoom(Of(kind), kEnvironment | kLamp);
+    const RenderJob bdpt(scene, Request(Integrator::kBdpt, 4));
+    const RenderJob paths(scene, Request(Integrator::kPath, 4));
+    EXPECT_TRUE(SamePicture(MeanOfBlocks(EstimateFromEngine(bdpt, kRuns, 0), 3),
+                            MeanOfBlocks(EstimateFromOracle(scene, paths, kRuns), 3), kLevel))
+        << Bsdfs()[int(kind)].name;
+  }
+}
+
+TEST(Bdpt, CaveIsAsBrightAsItsSeries) {
+  const PictureEstimate picture =
+      EstimateFromEngine(RenderJob(ShiningCave(), Request(Integrator::kBdpt, 5)), kRuns, 0);
+  double sum[3] = {};
+  for (std::size_t i = 0; i < picture.mean.size(); ++i) sum[i % 3] += picture.mean[i];
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(3 * sum[c] / double(picture.mean.size()) / CaveRadiance(c, 5), 1, 0.01) << c;
+  }
+}
+
+// Light paths start by other strategies than the default, and by directional lights.
+TEST(Bdpt, OtherStrategiesAreThoseOfPaths) {
+  for (const char* const strategy :
+       {"alias", "uniform", "presampled", "median-cut:pick=power", "hybrid:pick=power"}) {
+    JobRequest request = Request(Integrator::kBdpt, 4);
+    request.strategy = strategy;
+    EXPECT_TRUE(
+        SameAsPaths(MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp), request, kRuns, kLevel))
+        << strategy;
+  }
 }
 
 class BdptLights : public testing::TestWithParam<int> {};

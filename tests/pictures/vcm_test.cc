@@ -27,7 +27,7 @@ namespace {
 
 constexpr int kRuns = 12;
 // This many comparisons of pictures share the level of the test program.
-const double kLevel = SidakLevel(30);
+const double kLevel = SidakLevel(35);
 
 // The radius is small enough for its bias to vanish in the noise, and one pass has so many light
 // paths that merging still contributes.
@@ -100,6 +100,17 @@ TEST(Vcm, TheRadiusFitsWhatPixelsSee) {
   request.crop = CropWindow{300, 220, 24, 24};
   request.options.photons.passes = 0;
   EXPECT_TRUE(SameAsPaths(scene, request, kRuns, kLevel));
+}
+
+TEST(Vcm, OtherStrategiesAreThoseOfPaths) {
+  for (const char* const strategy :
+       {"alias", "uniform", "presampled", "median-cut:pick=power", "hybrid:pick=power"}) {
+    JobRequest request = Request(4, kSmallRadius);
+    request.strategy = strategy;
+    EXPECT_TRUE(
+        SameAsPaths(MattRoom(Of(BsdfKind::kLambert), kEnvironment | kLamp), request, kRuns, kLevel))
+        << strategy;
+  }
 }
 
 TEST(Vcm, LensesSeeWhatPathsSee) {

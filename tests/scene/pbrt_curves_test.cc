@@ -20,9 +20,22 @@ constexpr double kPi = 3.14159265358979324;
 // A texture makes coordinates necessary.
 const std::string kWithUvs = "WorldBegin Texture \"c\" \"spectrum\" \"checkerboard\" ";
 
+// Curves are cylinders unless they say something else. Only flat ones are not quite what they say.
 Mesh Curve(const std::string& parameters, const std::string& before = kWithUvs) {
-  return ParsePbrt(before + "Shape \"curve\" " + parameters, "t.pbrt", {.strict = true})
+  const bool has_type = parameters.find("string type") != std::string::npos;
+  const bool flat = parameters.find("flat") != std::string::npos;
+  return ParsePbrt(before + "Shape \"curve\" " + (has_type ? "" : "\"string type\" \"cylinder\" ") +
+                       parameters,
+                   "t.pbrt", {.strict = !flat})
       .meshes.at(0);
+}
+
+TEST(Curves, FlatOnesAreReportedOnce) {
+  const std::string curve = "\nShape \"curve\" \"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3]";
+  const Scene scene = ParsePbrt("WorldBegin" + curve + curve, "t.pbrt");
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_TRUE(scene.warnings[0].starts_with("t.pbrt:2: a curve of the type \"flat\""));
+  EXPECT_TRUE(scene.warnings[0].ends_with("(2 times)"));
 }
 
 glm::dvec3 Cross(const Mesh& mesh, const glm::uvec3& t) {
@@ -315,7 +328,8 @@ TEST(Curves, LookLikeCylinders) {
     return EstimateFromEngine(job, 8, seed);
   };
   const PictureEstimate cylinder = picture("Shape \"cylinder\" \"float radius\" .5", 1);
-  const std::string points = "Shape \"curve\" \"point3 P\" [0 0 -1 0 0 -.4 0 0 .3 0 0 1] ";
+  const std::string points =
+      "Shape \"curve\" \"point3 P\" [0 0 -1 0 0 -.4 0 0 .3 0 0 1] \"string type\" \"cylinder\" ";
   EXPECT_TRUE(SamePicture(cylinder, picture(points + "\"float width\" 1", 20), 1e-4));
   EXPECT_FALSE(SamePicture(cylinder, picture(points + "\"float width\" .95", 40), 1e-4));
 }

@@ -12,6 +12,8 @@
 
 #include "base/error.h"
 #include "scene/builtin/builtin.h"
+#include "scene/shapes/mesh.h"
+#include "scene/shapes/shapes.h"
 #include "tests/support/painted_scene.h"
 #include "tests/support/targets.h"
 #include "wavefront/render.h"
@@ -134,6 +136,37 @@ TEST(Aovs, SayWhatTheCameraSees) {
 
 // At the edge of a wall, coverage is a fraction, means are over the hits, and ids are one or the
 // other.
+// From the middle of a ball everything is equally far, along the ray; a film that is a plane has
+// depths along its axis.
+TEST(Aovs, DepthIsAlongTheRayWhereTheFilmIsNoPlane) {
+  Scene scene;
+  Mesh ball = Sphere(2, 32);
+  FlipOrientation(ball);
+  Place(scene, ball, AddLambert(scene, "ball", glm::vec3(0.5f)), glm::vec3(0));
+  SetConstantLight(scene, 1);
+  scene.camera = LookAtCamera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 90, false);
+  for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kLatLong,
+                                CameraKind::kEqualArea, CameraKind::kFisheye}) {
+    SCOPED_TRACE(int(kind));
+    JobRequest request = SmallRequest(16, 16, 16);
+    request.camera.kind = kind;
+    if (kind == CameraKind::kLatLong) request.height = 8;
+    request.filter = PixelFilter::kBox;
+    const std::vector<float> depths = Resolve(MakeJob(scene, request, "depth")).at("depth.Z");
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+      if (kind == CameraKind::kFisheye && depths[i] > 1e9f) continue;  // beyond its circle
+      double expected = 2;
+      if (kind == CameraKind::kPerspective) {
+        const glm::dvec2 on_plane((double(i % 16) + 0.5) / 8 - 1, (double(i / 16) + 0.5) / 8 - 1);
+        expected /= std::sqrt(1 + glm::dot(on_plane, on_plane));
+      }
+      ASSERT_NEAR(depths[i], expected, 0.01) << i;
+    }
+    EXPECT_LT(std::count_if(depths.begin(), depths.end(), [](float depth) { return depth > 1e9f; }),
+              std::ptrdiff_t(depths.size() / 3));
+  }
+}
+
 TEST(Aovs, MeansAreOverTheSamplesThatHit) {
   JobRequest request = SmallRequest(21, 21, 64);  // the middle column sees the edge
   request.filter = PixelFilter::kBox;
