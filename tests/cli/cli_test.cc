@@ -1,6 +1,5 @@
 // Tests the program from the outside: help, exit codes, messages and files.
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <cmath>
 #include <limits>
@@ -362,75 +361,6 @@ TEST_F(Cli, AFailureKeepsTheOldPicture) {
   Put("a.exr", "old");
   EXPECT_NE(Run("render scene.pbrt --env cut.exr -o a.exr").exit_code, 0);
   EXPECT_EQ(Bytes("a.exr"), "old");
-}
-
-TEST_F(Cli, AnInputIsNeverOverwritten) {
-  WriteExr(Path("sky.exr"), Image(4, 2));
-  Put("sky.pbrt", "WorldBegin Shape \"sphere\"");
-  const std::string before = Bytes("sky.exr");
-  const Result result = Run("render sky.pbrt --env sky.exr --size 8x8 --spp 1");
-  EXPECT_EQ(result.exit_code, 64);
-  EXPECT_NE(result.err.find("sky.exr: is an input"), std::string::npos) << result.err;
-  EXPECT_EQ(Bytes("sky.exr"), before);
-  // What a scene names itself is an input, too.
-  Put("part.pbrt", "LightSource \"infinite\" \"string filename\" \"map.exr\"");
-  Put("map.pbrt", "WorldBegin Include \"part.pbrt\" Shape \"sphere\"");
-  Put("earlier.json", "{}");
-  Image map(4, 2);
-  map.rgb.assign(map.rgb.size(), 1.0f);
-  WriteExr(Path("map.exr"), map);
-  for (const std::string name : {"map.exr", "map.pbrt", "part.pbrt"}) {
-    const std::string old = Bytes(name);
-    for (const std::string& command :
-         {"render map.pbrt --size 8x8 --spp 1" + (name == "map.exr" ? "" : " --stats " + name),
-          "paths map.pbrt --size 8x8 --spp 1 -o " + name,
-          "converge map.pbrt --size 8x8 --budgets 1 --json " + name,
-          "converge map.pbrt --size 8x8 --budgets 1 --save-reference " + name,
-          "bench map.pbrt --size 8x8 --json " + name,
-          "bench map.pbrt --size 8x8 --sustain 0.1 --json " + name,
-          "bench map.pbrt --size 8x8 --copies 1 --repetitions 1 --json " + name}) {
-      EXPECT_EQ(Run(command).exit_code, kExitUsage) << command;
-      EXPECT_EQ(Bytes(name), old) << command;
-    }
-  }
-  EXPECT_EQ(Run("bench --history earlier.json --report earlier.json").exit_code, kExitUsage);
-  EXPECT_EQ(Bytes("earlier.json"), "{}");
-  for (const char* command :
-       {"compare sky.exr map.exr --map sky.exr", "compare map.exr sky.exr --map sky.exr",
-        "compare sky.exr map.exr --json sky.exr"}) {
-    EXPECT_EQ(Run(command).exit_code, kExitUsage) << command;
-    EXPECT_EQ(Bytes("sky.exr"), before) << command;
-  }
-}
-
-// The PNG is the picture of the EXR through the curve that is asked for.
-TEST_F(Cli, PngsHaveTheirToneCurve) {
-  std::set<std::string> pngs;
-  for (const auto& [curve, name] : kEnumNames<ToneCurve>) {
-    const std::string tone(name);
-    ASSERT_EQ(Run("render gallery --size 24x16 --spp 4 -q --exposure 1.5 --tone " + tone + " -o " +
-                  tone + ".exr")
-                  .exit_code,
-              0);
-    const Image picture = ReadImage(Path(tone + ".exr"));
-    EXPECT_EQ(Bytes(tone + ".png"),
-              EncodePng(24, 16, ToneMap(picture, {.exposure_stops = 1.5f, .curve = curve})))
-        << tone;
-    EXPECT_TRUE(pngs.insert(Bytes(tone + ".png")).second) << tone;
-  }
-  EXPECT_GE(pngs.size(), 4u);
-}
-
-TEST_F(Cli, LinksAndPipesSurviveBeingWrittenTo) {
-  std::filesystem::create_symlink("real.json", Path("link.json"));
-  Put("real.json", "old");
-  ASSERT_EQ(Run("render furnace --size 8x8 --spp 1 -q -o a.exr --stats link.json").exit_code, 0);
-  EXPECT_TRUE(std::filesystem::is_symlink(Path("link.json")));
-  EXPECT_EQ(Bytes("real.json").front(), '{');
-  ASSERT_EQ(::mkfifo(Path("pipe").c_str(), 0600), 0);
-  const Result read = Run("render furnace --size 8x8 --spp 1 -q -o b.exr --stats pipe & cat pipe");
-  EXPECT_EQ(read.out.front(), '{') << read.out;
-  EXPECT_TRUE(std::filesystem::is_fifo(Path("pipe")));
 }
 
 TEST_F(Cli, SquareMapsOfPbrtFourAreOctahedral) {
