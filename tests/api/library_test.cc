@@ -460,6 +460,15 @@ void ExpectRefusals(const std::vector<Refusal>& refusals) {
   }
 }
 
+// A stop is a factor of two.
+TEST(LibraryPictures, PngsAreExposed) {
+  const std::vector<float> once = {0.02f, 0.1f, 0.25f}, twice = {0.04f, 0.2f, 0.5f};
+  for (const char* const tone : {"clip", "filmic"}) {
+    EXPECT_EQ(api::EncodePng({once, 1, 1}, 1, tone), api::EncodePng({twice, 1, 1}, 0, tone));
+    EXPECT_NE(api::EncodePng({once, 1, 1}, 1, tone), api::EncodePng({once, 1, 1}, 0, tone));
+  }
+}
+
 TEST(LibraryErrors, NameTheBadArray) {
   api::Scene scene;
   Square square;
