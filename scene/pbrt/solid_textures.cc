@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -396,6 +397,7 @@ std::uint32_t MaterialWithSolids(PbrtReader& reader, std::uint32_t named, std::u
   const bool patch = IsRoundPbrtShape(shape.type);
   std::set<std::uint32_t> counted;
   const std::size_t images = CountSolids(reader, named, counted);
+  assert(images > 0);  // only materials that vary in space, or of which a part does, get here
   const std::size_t left = kMaxBakedTexels - std::min(kMaxBakedTexels, reader.baked_texels);
   TriangleAtlas atlas;
   if (!patch && !shape.fixed_uvs) {
