@@ -5,7 +5,7 @@ renderer.
 
 usage: scripts/load_bench.py FOLDER [MILLIONS_OF_TRIANGLES=10] [PROGRAM=build/release/skywave]
 
-FOLDER receives the mesh (13 bytes per triangle and 6 per vertex) and keeps it for the next time.
+FOLDER receives the mesh (13 bytes per triangle and 12 per vertex) and keeps it for the next time.
 """
 import array
 import json
