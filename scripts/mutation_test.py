@@ -29,10 +29,12 @@ from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent.parent
 LIST = SOURCE / "tests" / "mutations.toml"
-# A fault may leave a variable without use, which is no reason to refuse it.
+# A fault may leave a variable without use, which is no reason to refuse it. To Python these lines
+# are comments.
 QUIET = "".join(f'#pragma GCC diagnostic ignored "-Wunused-{kind}"\n'
                 for kind in ("variable", "but-set-variable", "parameter", "function"))
 KEYS = {"name", "file", "find", "put", "tests", "why"}
+PYTHON = "python_"  # how ctest calls the programs of tests/python
 
 
 def split_test(test):
@@ -43,6 +45,20 @@ def split_test(test):
 
 def test_source(program):
     return next(SOURCE.glob(f"tests/*/{program}.cc"), None)
+
+
+def targets_of(program):
+    """What has to be built for a test: a program of its own, or what the test runs."""
+    if program.startswith(PYTHON):
+        return {"skywave", "skywave_python"}
+    return {program if test_source(program) else "skywave"}
+
+
+def is_known(program):
+    """Whether ctest has a test that is no program of GoogleTest."""
+    if program.startswith(PYTHON):
+        return (SOURCE / f"tests/python/{program.removeprefix(PYTHON)}_test.py").is_file()
+    return f"NAME {program}\n" in (SOURCE / "tests/CMakeLists.txt").read_text()
 
 
 def complaints(mutation, names):
@@ -61,8 +77,10 @@ def complaints(mutation, names):
     for program, cases in map(split_test, mutation["tests"]):
         source = test_source(program)
         if not source:
-            if f"NAME {program}\n" not in (SOURCE / "tests/CMakeLists.txt").read_text():
+            if not is_known(program):
                 yield f"there is no test {program}"
+            elif cases:
+                yield f"{program} has no cases that could be filtered"
             continue
         known = "\n".join(
             f"{suite}.{case}" for suite, case in
@@ -158,13 +176,14 @@ class Build:
         self.binaries = self.tree / "build" / "release"
         self.tree.mkdir(parents=True, exist_ok=True)
 
-    def configure(self, definitions):
-        return run(["cmake", "--preset", "release", "-DSKYWAVE_BENCH=OFF", "-DSKYWAVE_PYTHON=OFF",
+    def configure(self, mutations, definitions):
+        python = any(test.startswith(PYTHON) for m in mutations for test in m["tests"])
+        return run(["cmake", "--preset", "release", "-DSKYWAVE_BENCH=OFF",
+                    f"-DSKYWAVE_PYTHON={'ON' if python else 'OFF'}",
                     *(f"-D{definition}" for definition in definitions)], cwd=self.tree)
 
     def make(self, tests):
-        targets = {program if test_source(program) else "skywave"
-                   for program, _ in map(split_test, tests)}
+        targets = set().union(*(targets_of(program) for program, _ in map(split_test, tests)))
         return run(["cmake", "--build", str(self.binaries), f"-j{self.jobs}", "--target",
                     *sorted(targets)])
 
@@ -243,7 +262,7 @@ def main():
     lock = open(given.folder / "lock", "w")
     fcntl.flock(lock, fcntl.LOCK_EX)
     copy_tree(build.tree)
-    configured = build.configure(given.definitions)
+    configured = build.configure(mutations, given.definitions)
     if configured.returncode:
         print(configured.stdout + "skipped: the tests cannot be configured here")
         return 77

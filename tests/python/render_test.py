@@ -47,6 +47,9 @@ class RenderTest(Case):
         self.assertEqual(list(picture.layers), ["albedo", "depth"])
         self.assertEqual(picture.layers["albedo"].shape, (30, 40, 3))
         self.assertEqual(picture.layers["depth"].shape, (30, 40))
+        for layer in picture.layers.values():
+            with self.assertRaisesRegex(ValueError, "read-only"):
+                layer[0] = 1
 
     def test_a_map_may_be_an_array_or_a_picture(self):
         write_obj("mesh.obj")
@@ -106,6 +109,12 @@ class RenderTest(Case):
         self.assertEqual(pathlib.Path("bright.png").read_bytes(),
                          skywave.encode_png(picture.rgb, exposure=2, tone="filmic"))
         self.assertNotEqual(picture._repr_png_(), skywave.encode_png(picture, exposure=2))
+        # Either of both replaces the two options of the render; the other is that of encode_png.
+        graded = skywave.render("mesh.obj", sky(), exposure=1, tone="aces", **SMALL)
+        for option in ({"exposure": 2}, {"tone": "filmic"}):
+            graded.save("one.png", **option)
+            self.assertEqual(pathlib.Path("one.png").read_bytes(),
+                             skywave.encode_png(graded, **option))
 
     def test_statistics_have_the_keys_of_the_command_line(self):
         self.command("render", "furnace", "--size", "40x30", "--spp", "2", "-q", "--stats",
@@ -134,6 +143,20 @@ class RenderTest(Case):
             skywave.render("gallery", **picture, seed=1, checkpoint="a.checkpoint", resume=True)
         with self.assertRaisesRegex(skywave.Error, "checkpoint"):
             skywave.render("gallery", **picture, checkpoint=1)
+
+    def test_a_checkpoint_is_written_while_the_render_runs(self):
+        # It would take hours. A checkpoint that is not there after 30 s never will be.
+        kept = pathlib.Path("a.checkpoint")
+        seen = []
+
+        def progress(done):
+            seen.append(kept.exists())
+            return not (seen[-1] or len(seen) > 300)
+
+        with self.assertRaises(skywave.Canceled):
+            skywave.render("gallery", size=(400, 300), spp=1 << 16, checkpoint=kept,
+                           checkpoint_seconds=0.01, progress=progress)
+        self.assertTrue(seen[-1])
 
     def test_films_of_parts_are_merged(self):
         for name, samples in (("a.film", "0:1"), ("b.film", "1:2")):
@@ -169,6 +192,10 @@ class RenderTest(Case):
         text = json.dumps(table)
         self.assertIn("importance", text)
         self.assertIn("product", text)
+        table = skywave.converge("gallery", integrators=["path", "direct"], budgets=[1], repeats=2,
+                                 size=(24, 16), reference_spp=8)
+        self.assertEqual([contestant["integrator"] for contestant in table["strategies"]],
+                         ["path", "direct"])
 
     def test_version(self):
         self.assertTrue(skywave.version().startswith(skywave.__version__ + " (Embree "))

@@ -106,6 +106,56 @@ class SceneTest(Case):
         self.assertNotEqual(skywave.render(turned, **SMALL).rgb.tobytes(), pictures[-1].tobytes())
         self.assert_same_bits(skywave.render(scene, **SMALL).rgb, pictures[-1])
 
+    def test_lights_shine_as_their_formulas(self):
+        # A grey square in the plane y = 0, of which the film sees about one point.
+        square = [[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]]
+        colors = numpy.array([1, 2, 4])
+        for light, irradiance in (
+                # The cosine of a triangle of sides 3, 4 and 5.
+                (lambda s: s.add_point_light((3, 4, 0), 25 * colors), 25 / 5**2 * 0.8),
+                (lambda s: s.add_distant_light((3, 4, 0), 2 * colors), 2 * 0.8),
+                (lambda s: s.add_spot_light((0, 4, 0), (0, -1, 0), 16 * colors, 20, 30), 16 / 4**2),
+                (lambda s: s.add_spot_light((0, 4, 0), (1, -1, 0), 16 * colors, 20, 30), 0)):
+            scene = skywave.Scene()
+            grey = scene.add_material(reflectance=0.5)
+            scene.add_mesh(square, [[0, 1, 2], [0, 2, 3]], material=grey)
+            scene.set_camera((0, 2, 0.001), (0, 0, 0), fov=0.01)
+            light(scene)
+            rgb = skywave.render(scene, size=(4, 4), spp=16, filter="box", max_depth=1).rgb
+            expected = numpy.broadcast_to(0.5 / numpy.pi * irradiance * colors, rgb.shape)
+            numpy.testing.assert_allclose(rgb, expected, rtol=2e-3)
+
+    def test_a_camera_has_the_defaults_of_its_signature(self):
+        scene = skywave.Scene().add_mesh(VERTICES, FACES)
+        eye, target = (0, 2, 5), (0, 0.5, 0)
+        expected = render(scene.copy().set_camera(eye, target, (0, 1, 0), 45))
+        self.assert_same_bits(render(scene.copy().set_camera(eye, target)), expected)
+        self.assertNotEqual(render(scene.set_camera(eye, target, fov=46)).tobytes(),
+                            expected.tobytes())
+
+    def test_images_of_one_channel_are_grey(self):
+        ramp = numpy.linspace(0.1, 0.9, 16, dtype=numpy.float32).reshape(8, 2)
+        pictures = []
+        for image in (ramp, numpy.repeat(ramp[:, :, None], 3, axis=2)):
+            scene = skywave.Scene()
+            painted = scene.add_material(color_texture=scene.add_texture(image))
+            scene.add_mesh(VERTICES, FACES, uvs=VERTICES[:, :2], material=painted)
+            pictures.append(render(scene))
+        self.assert_same_bits(*pictures)
+
+    def test_textures_are_what_they_are_used_for(self):
+        # As a normal map it tilts normals; as heights it is a plane, which tilts nothing.
+        image = numpy.full((4, 4, 3), [0.8, 0.5, 0.9], numpy.float32)
+        pictures = {}
+        for use in (None, "normals", "heights"):
+            scene = skywave.Scene()
+            relief = {} if use is None else {"normal_texture": scene.add_texture(image, use)}
+            scene.add_mesh(VERTICES, FACES, uvs=VERTICES[:, :2],
+                           material=scene.add_material(**relief))
+            pictures[use] = render(scene).tobytes()
+        self.assertEqual(pictures["heights"], pictures[None])
+        self.assertNotEqual(pictures["normals"], pictures[None])
+
     def test_more_is_added_to_a_file(self):
         write_obj("mesh.obj")
         scene = skywave.Scene("mesh.obj")
