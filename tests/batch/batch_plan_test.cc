@@ -101,6 +101,12 @@ TEST(Bytes, HaveUnits) {
   EXPECT_EQ(ParseBytes("4GiB"), std::uint64_t{4} << 30);
   EXPECT_EQ(ParseBytes("1.5 KB"), 1500u);
   EXPECT_EQ(ParseBytes("77"), 77u);
+  std::uint64_t decimal = 1, binary = 1;
+  for (const std::string prefix : {"K", "M", "G", "T"}) {
+    decimal *= 1000, binary *= 1024;
+    EXPECT_EQ(ParseBytes("3" + prefix + "B"), 3 * decimal) << prefix;
+    EXPECT_EQ(ParseBytes("3" + prefix + "iB"), 3 * binary) << prefix;
+  }
   for (const char* const text : {"", "x", "-1GB", "0", "4 G", "4GiBs", "1e300TB", "nan"}) {
     EXPECT_EQ(ParseBytes(text), 0u) << text;
   }
@@ -171,6 +177,18 @@ TEST_F(Plan, CrossesAxesInTheOrderOfTheFileTheLastOneFastest) {
   EXPECT_EQ(plan.pictures.size(), index);
   ASSERT_EQ(plan.dimensions.size(), 3u);
   EXPECT_EQ(plan.dimensions[2].labels, (std::vector<std::string>{"0", "120", "240"}));
+}
+
+// Any float is told by nine digits.
+TEST_F(Plan, NumbersKeepTheirDigits) {
+  const BatchPlan plan = Read(std::string(kBase) + kOutput +
+                              "[axes]\nenv-rotate = [12.3456789, 3]\n"
+                              "env-intensity = { from = 0.123456789, to = 1, steps = 1 }\n");
+  EXPECT_EQ(plan.pictures[0].axes[0].label, "12.3456789");
+  EXPECT_EQ(plan.pictures[0].axes[1].label, "0.123456789");
+  const PictureRequest request = RequestOf(plan.path, plan.pictures[0].options);
+  EXPECT_EQ(request.job.environment.rotation_degrees, 12.3456789f);
+  EXPECT_EQ(request.job.environment.intensity, 0.123456789f);
 }
 
 TEST_F(Plan, ZippedAxesGoInStep) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/files.h"
 #include "batch/report.h"
 #include "batch/save.h"
 #include "batch/thumbnail.h"
@@ -121,7 +122,9 @@ TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
   BatchSummary first;
   for (const std::string hash : {"a", "b", "c", "d", ""}) {
     first.results.push_back({.status = PictureStatus::kRendered,
+                             .load_seconds = 1,
                              .render_seconds = 2,
+                             .write_seconds = 3,
                              .samples = 10,
                              .noise = 0.5,
                              .hash = hash});
@@ -136,7 +139,9 @@ TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
   const BatchFiles files(plan_, {});
   const BatchSummary told = files.WithEarlier(second);
   EXPECT_EQ(told.results[0].status, PictureStatus::kSkipped);
+  EXPECT_EQ(told.results[0].load_seconds, 1);
   EXPECT_EQ(told.results[0].render_seconds, 2);
+  EXPECT_EQ(told.results[0].write_seconds, 3);
   EXPECT_EQ(told.results[0].noise, 0.5);
   EXPECT_EQ(told.results[1].render_seconds, 0);
   EXPECT_EQ(told.results[2].render_seconds, 7);
@@ -146,6 +151,50 @@ TEST_F(Run, KeepsWhatEarlierRunsHaveMeasuredOfTheSameBytes) {
 
   folder_.Write("o/job.batch.json", "{\"schema\": \"skywave-batch-1\", \"pictures\": [7]}");
   EXPECT_EQ(BatchFiles(plan_, {}).WithEarlier(second).results[0].render_seconds, 0);
+}
+
+// The axis that goes fastest is that of the columns, and rates are those of the rendering alone.
+TEST_F(Run, ThePageIsAGridOfWhatWasMeasured) {
+  const BatchPlan plan =
+      ReadBatchPlan(folder_.Write("grid.toml",
+                                  "[base]\nscene = \"spheres\"\n[axes]\nspp = [16, 64]\n"
+                                  "seed = \"7-9\"\n[output]\npath = \"o/{spp}_{seed}.exr\"\n"));
+  std::filesystem::create_directory(folder_.Path("o"));
+  BatchSummary summary;
+  summary.results.resize(plan.pictures.size());
+  summary.results[4] = {.status = PictureStatus::kRendered,
+                        .load_seconds = 1250,
+                        .render_seconds = 2500,
+                        .write_seconds = 30,
+                        .samples = 10'000'000'000};
+  summary.seconds = 5000;
+  BatchFiles(plan, {}).Save(summary);
+  const std::string page = ReadFile(folder_.Path("o/grid.batch.html"));
+  const auto has = [&](const std::string& part) { return page.find(part) != std::string::npos; };
+  EXPECT_TRUE(
+      has("<th>spp / seed</th><th scope=\"col\">7</th><th scope=\"col\">8</th>"
+          "<th scope=\"col\">9</th></tr>"));
+  // The picture is the second one of the second row.
+  const std::size_t row = page.find("<tr><th scope=\"row\">64</th>");
+  ASSERT_NE(row, std::string::npos);
+  const std::size_t cell = page.find("<td>", page.find("<td>", row) + 1);
+  EXPECT_EQ(page.find("figure class=\"rendered\""), page.find("figure class", cell));
+  EXPECT_TRUE(has("<dt>wall clock</dt><dd>1:23 h</dd>"));
+  EXPECT_TRUE(has("<dt>rendering</dt><dd>41:40 min</dd>"));
+  EXPECT_TRUE(has("<dt>Msamples/s</dt><dd>4</dd>"));
+  EXPECT_TRUE(has("<figcaption>1:03 h</figcaption>")) << "3780 s in all";
+  EXPECT_TRUE(
+      has("<td class=\"number\">1250.000</td><td class=\"number\">2500.000</td>"
+          "<td class=\"number\">30.000</td><td class=\"number\">4</td>"));
+}
+
+// A picture that is smaller than a thumbnail is shown as it is.
+TEST(Thumbnails, AreNoLargerThanTheirPictures) {
+  const TemporaryFolder folder;
+  WritePng(folder.Path("a.png"), 8, 6, std::vector<std::uint8_t>(8 * 6 * 3, 128));
+  const Thumbnail thumbnail = MakeThumbnail(folder.Path("a.png"));
+  EXPECT_EQ(thumbnail.width, 8);
+  EXPECT_EQ(thumbnail.height, 6);
 }
 
 TEST(Thumbnails, AreMeansInLinearLight) {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "base/error.h"
@@ -83,6 +84,56 @@ TEST_F(Batch, ListsAndSharesMakeNothing) {
   EXPECT_TRUE(Contains(Run("batch job.toml --list").out, "2        out/spheres_03.exr  3"));
   EXPECT_TRUE(Contains(Run("batch job.toml --dry-run").out, "3 pictures, 0.000144 Msamples"));
   EXPECT_EQ(Files(), Names{"job.toml"});
+}
+
+TEST_F(Batch, ADryRunCountsTheSamplesOfAPart) {
+  Put("job.toml",
+      "[base]\nscene = \"spheres\"\nsize = \"8x6\"\nspp = 4\nsample-range = \"1:3\"\n"
+      "[axes]\nseed = \"1-3\"\n[output]\npath = \"{seed}.exr\"\n");
+  // Three pictures of 8 x 6 pixels have two of four samples each.
+  const Result result = Run("batch job.toml --dry-run");
+  EXPECT_TRUE(Contains(result.out, "3 pictures, 0.000288 Msamples")) << result.out << result.err;
+}
+
+// The table adds up what the summary has of each picture. Large ones take their time to be written.
+TEST_F(Batch, TheTableHasTheTimesAndRatesOfTheSummary) {
+  std::string job = kJob;
+  Put("job.toml", job.replace(job.find("8x6"), 3, "400x300"));
+  std::istringstream table(Run("batch job.toml").out);
+  std::string line;
+  ASSERT_TRUE(std::getline(table, line) && Contains(line, "time [s]")) << line;
+  const Json summary = Json::parse(Bytes("out/job.batch.json"));
+  ASSERT_EQ(summary.at("pictures").size(), 3u);
+  for (const Json& picture : summary.at("pictures")) {
+    std::string output, status;
+    double seconds = 0, rate = 0, sum = 0;
+    table >> output >> status >> seconds >> rate;
+    for (const Json& part : picture.at("seconds")) sum += part.get<double>();
+    EXPECT_EQ(output, "out/" + picture.at("output").get<std::string>());
+    EXPECT_NEAR(seconds, sum, 0.0006);
+    const double expected = 400 * 300e-6 / picture.at("seconds").at("render").get<double>();
+    EXPECT_NEAR(rate, expected, 0.0006);
+    std::getline(table, line);
+  }
+}
+
+// The format of a picture and the limits under which it ends are those of the job.
+TEST_F(Batch, FormatsAndLimitsAreThoseOfTheJob) {
+  const auto batch = [&](const std::string& options) {
+    Put("job.toml", "[base]\nscene = \"spheres\"\nsize = \"8x6\"\nspp = 64\n" + options +
+                        "[output]\npath = \"a.exr\"\n");
+    const Result result = Run("batch job.toml -q");
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(Bytes("job.batch.json"));
+  };
+  batch("half = true\n");
+  const std::string half = Bytes("a.exr");
+  EXPECT_EQ(Run("render spheres --size 8x6 --spp 64 --half -q -o alone.exr").exit_code, 0);
+  EXPECT_EQ(half, Bytes("alone.exr"));
+  // Under a limit that is never reached the picture has the same samples, and is another one.
+  EXPECT_EQ(batch("noise = 1e-9\n")["rendered"], 1);
+  EXPECT_EQ(batch("noise = 1e-9\n")["skipped"], 1);
+  EXPECT_EQ(batch("noise = 1e-8\n")["rendered"], 1);
 }
 
 // A scene names files that the job does not.
