@@ -1,6 +1,7 @@
 // Tests skywave bench from the outside: the suite, its files, and that wrong pictures get no score.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -83,8 +84,20 @@ TEST_F(Bench, SuiteWritesFiguresThatAgreeAndAPageThatNeedsNothingElse) {
     EXPECT_NEAR(scene.at("msamples_per_s").get<double>(), samples / seconds * 1e-6, 1e-9);
     logs += std::log(scene.at("msamples_per_s").get<double>()) / 3;
     double share = 0;
-    for (const Json& stage : scene.at("stages")) share += stage.at("share").get<double>();
+    for (const auto& [name, stage] : scene.at("stages").items()) {
+      share += stage.at("share").get<double>();
+      const double of_one = scene.at("repetitions").at("stages").at(name).at(0);
+      EXPECT_NEAR(stage.at("ns_per_sample").get<double>(), of_one * 1e9 / samples, 1e-6) << name;
+    }
     EXPECT_NEAR(share, 1, 1e-9);
+    // Sorted rays gain the factor by which they take less time.
+    const Json& replay = scene.at("replay");
+    for (const char* const order : {"wave", "frame"}) {
+      EXPECT_NEAR(replay.at(order).at("gain").get<double>() *
+                      replay.at(order).at("best_seconds").get<double>(),
+                  replay.at("traced").at("best_seconds").get<double>(), 1e-9)
+          << order;
+    }
     for (const Backend call : kBackends) {
       const Json& replays = scene.at("replay").at("traced").at("seconds").at(ToString(call));
       for (const char* const kind : {"camera", "bounce", "shadow"}) {
@@ -211,6 +224,28 @@ TEST_F(Bench, SustainRendersForTheTimeAndKeepsEveryRound) {
     last = round.at("start");
   }
   EXPECT_LT(last, 0.5);
+  // Means of rounds lie between them, in the units of the rounds; the last line has the same.
+  double least = json.at("rounds").at(0).at("msamples_per_s"), most = least;
+  for (const Json& round : json.at("rounds")) {
+    least = std::min(least, round.at("msamples_per_s").get<double>());
+    most = std::max(most, round.at("msamples_per_s").get<double>());
+  }
+  const double ends[] = {json.at("first_msamples_per_s"), json.at("last_msamples_per_s")};
+  for (const double end : ends) {
+    EXPECT_GE(end, least * (1 - 1e-9));
+    EXPECT_LE(end, most * (1 + 1e-9));
+  }
+  const std::size_t summary = result.out.find("SUSTAIN");
+  double seconds = 0, first = 0, final = 0, ratio = 0;
+  ASSERT_EQ(std::sscanf(result.out.c_str() + summary,
+                        "SUSTAIN seconds=%lf first_msamples_per_s=%lf last_msamples_per_s=%lf "
+                        "ratio=%lf",
+                        &seconds, &first, &final, &ratio),
+            4)
+      << result.out;
+  EXPECT_NEAR(first, ends[0], 0.0006);
+  EXPECT_NEAR(final, ends[1], 0.0006);
+  EXPECT_NEAR(ratio, json.at("last_to_first").at("ratio").get<double>(), 0.00006);
   const Json& interval = json.at("last_to_first").at("interval");
   EXPECT_LE(interval.at(0), json.at("last_to_first").at("ratio"));
 }

@@ -491,7 +491,32 @@ TEST_F(Cli, StatisticsHaveThePromisedKeys) {
   EXPECT_FALSE(json.at("occupancy").empty());
   EXPECT_EQ(json.at("clamped_samples"), 0);
   EXPECT_EQ(json.at("invalid_samples"), 0);
-  for (const char* const key : {"msamples_per_s", "mrays_per_s"}) EXPECT_GT(json.at(key), 0) << key;
+  // Millions a second, of all and of each kind.
+  const double seconds = json.at("seconds").at("render");
+  const auto expect_rate = [&](const nlohmann::json& of, const char* key, double count) {
+    EXPECT_NEAR(of.at(key).get<double>() * seconds, count * 1e-6, 1e-9 * count) << key;
+  };
+  expect_rate(json, "msamples_per_s", 6 * 5 * 3);
+  double rays = 0;
+  for (const auto& kind : json.at("rays")) {
+    expect_rate(kind, "mrays_per_s", kind.at("count"));
+    rays += kind.at("count").get<double>();
+  }
+  expect_rate(json, "mrays_per_s", rays);
+  EXPECT_FALSE(json.contains("mean_samples_per_pixel"));
+}
+
+// Blocks of an adaptive picture end early, and the mean is what was rendered of each pixel.
+TEST_F(Cli, StatisticsOfAdaptiveSamplesHaveTheirMean) {
+  ASSERT_EQ(Run("render spheres --size 16x16 --spp 64 --adaptive 0.5 --adaptive-min 8 -q --stats "
+                "s.json -o a.exr")
+                .exit_code,
+            0);
+  const auto json = nlohmann::json::parse(Bytes("s.json"));
+  EXPECT_NEAR(json.at("mean_samples_per_pixel").get<double>(),
+              json.at("samples").get<double>() / (16 * 16), 1e-3);
+  EXPECT_GT(json.at("ended_blocks").get<double>(), 0);
+  EXPECT_LE(json.at("ended_blocks").get<double>(), 1);
 }
 
 std::string Value(const Metadata& metadata, const std::string& name) {
@@ -559,6 +584,47 @@ TEST_F(Cli, PathsShowsEveryTechnique) {
   const Image sheet = ReadTexture(Path("techniques.png"), Encoding::kSrgb);
   EXPECT_EQ(sheet.width, 4 * 14 - 2);
   EXPECT_EQ(sheet.height, 6 * 22 - 2);
+}
+
+// Each technique is the picture of `render --paths`, in its layer and at its place on the sheet.
+TEST_F(Cli, PathsShowsWhatRenderMakesOfEachTechnique) {
+  const std::string common =
+      "good.ply --env map.exr --ground --size 12x9 --spp 2 --max-depth 2 -q ";
+  ASSERT_EQ(Run("paths " + common + "--exposure=-3 -o techniques.exr").exit_code, 0);
+  const Image sheet = ReadTexture(Path("techniques.png"), Encoding::kSrgb);
+  std::vector<double> sum(12 * 9 * 3);
+  for (const auto& [light, eye] :
+       {std::pair(0, 2), std::pair(0, 3), std::pair(1, 2), std::pair(2, 1), std::pair(0, 4),
+        std::pair(1, 3), std::pair(2, 2), std::pair(3, 1)}) {
+    for (const bool weighted : {true, false}) {
+      const std::string name = (weighted ? "weighted_s" : "unweighted_s") + std::to_string(light) +
+                               "t" + std::to_string(eye);
+      SCOPED_TRACE(name);
+      ASSERT_EQ(
+          Run("render " + common + "--exposure=-3 -o one.exr --integrator bdpt --paths " +
+              std::to_string(light) + "," + std::to_string(eye) + (weighted ? "" : " --no-mis"))
+              .exit_code,
+          0);
+      const Image one = ReadImage(Path("one.exr"));
+      const LayeredImage layers =
+          ReadLayeredImage(Path("techniques.exr"), {name + ".R", name + ".G", name + ".B"});
+      for (std::size_t i = 0; i < one.rgb.size(); ++i) {
+        ASSERT_EQ(layers.layers[i % 3].values[i / 3], one.rgb[i]);
+        if (weighted) sum[i] += one.rgb[i];
+      }
+      const Image png = ReadTexture(Path("one.png"), Encoding::kSrgb);
+      const int left = light * 14, top = (light + eye - 2 + (weighted ? 0 : 3)) * 22 + 11;
+      for (int y = 0; y < 9; ++y) {
+        for (int x = 0; x < 12; ++x) {
+          for (int c = 0; c < 3; ++c) {
+            ASSERT_EQ(sheet.Pixel(left + x, top + y)[c], png.Pixel(x, y)[c]) << x << ", " << y;
+          }
+        }
+      }
+    }
+  }
+  const Image whole = ReadImage(Path("techniques.exr"));
+  for (std::size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(sum[i], whole.rgb[i], 1e-5 * sum[i]);
 }
 
 // A crop of the film has exactly the pixels that the whole film has there.

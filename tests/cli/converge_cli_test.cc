@@ -1,9 +1,11 @@
 // Tests skywave converge from the outside: consistent figures, files and messages.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -105,10 +107,56 @@ TEST_F(Converge, FiguresAgreeWithEachOther) {
   EXPECT_EQ(json.at("target").at("error"), first.at("budgets").at(2).at("error"));
   EXPECT_EQ(first.at("time_to_target").at("place"), "inside");
   EXPECT_NEAR(first.at("speed_up").at("factor").get<double>(), 1, 1e-9);
+  // One light never comes as near, so its time is longer and its speed-up smaller than any.
+  EXPECT_EQ(json.at("strategies").at(2).at("time_to_target").at("place"), "beyond");
+  const std::string targets = result.out.substr(result.out.find("time to mse"));
+  const std::string row = targets.substr(targets.find("\nmedian-cut"));
+  EXPECT_TRUE(std::regex_search(row, std::regex("^\nmedian-cut:lights=1 +\\S+ +> \\S+ .* < \\S+ .*"
+                                                "biased")))
+      << targets;
   for (const char* const part :
        {"importance", "median-cut:lights=1", "speed-up", "x variance", "none found"}) {
     EXPECT_TRUE(Contains(result.out, part)) << part << "\n" << result.out;
   }
+}
+
+// References have 16 times the samples of the largest budget, and weights also where what is
+// measured has none.
+TEST_F(Converge, ReferencesAreAsGoodAsTheHelpSays) {
+  const std::string rest =
+      "--strategies uniform --reference-strategy uniform --budgets 1,4 --repeats 2 -q --json ";
+  ASSERT_EQ(Run(kSmall + rest + "a.json").exit_code, 0);
+  ASSERT_EQ(Run(kSmall + rest + "b.json --no-mis").exit_code, 0);
+  const Json a = ReadJson("a.json"), b = ReadJson("b.json");
+  EXPECT_EQ(a.at("reference").at("samples_per_pixel"), 64);
+  EXPECT_EQ(a.at("reference").at("mse"), b.at("reference").at("mse"));
+  EXPECT_NE(a.at("strategies").at(0).at("budgets").at(0).at("error"),
+            b.at("strategies").at(0).at("budgets").at(0).at("error"));
+}
+
+// The error maps of all share a scale: twice the typical relative error of the median strategy,
+// rounded up to two digits.
+TEST_F(Converge, ErrorMapsHaveTheScaleOfTheMedianStrategy) {
+  const Result result = Run(std::string(kSmall) +
+                            "--strategies importance uniform median-cut:lights=1 --budgets 1,16 "
+                            "--repeats 2 --reference-spp 256 --json j.json --report r.html -q");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::vector<double> errors;
+  const Json json = ReadJson("j.json");
+  for (const Json& strategy : json.at("strategies")) {
+    double sum = 0;
+    for (const Json& run : strategy.at("budgets").at(1).at("runs")) {
+      sum += run.at("relative_mse").get<double>();
+    }
+    errors.push_back(sum / 2);
+  }
+  std::sort(errors.begin(), errors.end());
+  const std::string page = Bytes("r.html"), words = "black 0, yellow ";
+  const std::size_t at = page.find(words);
+  ASSERT_NE(at, std::string::npos);
+  const double scale = std::stod(page.substr(at + words.size()));
+  EXPECT_GE(scale, 2 * std::sqrt(errors[1]) * (1 - 1e-9));
+  EXPECT_LE(scale, 2 * std::sqrt(errors[1]) * 1.1);
 }
 
 TEST_F(Converge, TimesAreComparedAtTheErrorThatIsAskedFor) {
@@ -163,7 +211,9 @@ TEST_F(Converge, BiasedIntegratorsAreCalledSo) {
           "--integrators path vcm photon vpl irradiance-cache --budgets 1 --repeats 2 "
           "--reference-spp 16 --json j.json -q");
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  for (const Json& contestant : ReadJson("j.json").at("strategies")) {
+  const Json json = ReadJson("j.json");
+  EXPECT_EQ(json.at("strategies").size(), 5u);
+  for (const Json& contestant : json.at("strategies")) {
     const std::string name = contestant.at("integrator");
     EXPECT_EQ(contestant.at("unbiased"), name == "path" || name == "vcm") << name;
   }
@@ -226,6 +276,8 @@ TEST_F(Converge, ASavedReferenceGivesTheSameErrors) {
   EXPECT_NEAR(x.at("squared_bias").get<double>(), y.at("squared_bias").get<double>(),
               1e-6 * x.at("error").get<double>());
   EXPECT_EQ(a.at("reference").at("mse"), b.at("reference").at("mse"));
+  EXPECT_EQ(a.at("reference").at("relative_mse"), b.at("reference").at("relative_mse"));
+  EXPECT_NE(b.at("reference").at("relative_mse"), b.at("reference").at("mse"));
   EXPECT_EQ(b.at("reference").at("samples_per_pixel"), 256);
   EXPECT_EQ(b.at("reference").at("source"), "r.exr");
   const Result other = Run("converge gallery --size 32x24 --reference r.exr " + rest);

@@ -55,6 +55,18 @@ TEST_F(DenoiseProgram, TwoCommandsMakeThePictureOfOne) {
             ValueOf(ReadExrMetadata(Path("noisy.exr")), "command"));
 }
 
+// A noisy picture that was exposed automatically leads to a clean one that is, too.
+TEST_F(DenoiseProgram, ExposureIsAutomaticWhereThatOfTheNoisyPictureWas) {
+  Make(kRender + std::string("--denoise --exposure auto -o one.exr"));
+  Make(kRender + std::string("--denoise -o plain.exr"));
+  Make(kRender + std::string("--aovs denoiser --exposure auto -o noisy.exr"));
+  Make("denoise noisy.exr -q -o two.exr");
+  EXPECT_EQ(Bytes("two.png"), Bytes("one.png"));
+  EXPECT_NE(Bytes("two.png"), Bytes("plain.png"));
+  Make("denoise noisy.exr --exposure 0 -q -o two.exr");
+  EXPECT_EQ(Bytes("two.png"), Bytes("plain.png"));
+}
+
 TEST_F(DenoiseProgram, ThreadsDoNotChangeABatchOrABlockThatEndsEarly) {
   Make(kRender + std::string("--denoise --threads 1 --adaptive 0.4 --adaptive-min 8 -o one.exr"));
   Make(kRender + std::string("--denoise --threads 2 --adaptive 0.4 --adaptive-min 8 -o two.exr"));

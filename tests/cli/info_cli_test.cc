@@ -92,6 +92,24 @@ TEST_F(Info, ListsCamerasAndAnimations) {
   EXPECT_NEAR(json.at("bounds").at("low")[0].get<double>(), 0, 1e-6);
 }
 
+// Three nodes show the triangle of one mesh, which is there once where it is shared.
+TEST_F(Info, CountsWhatInstancesShow) {
+  GltfDocument document = TriangleDocument();
+  for (const int x : {1, 2}) {
+    document.json["scenes"][0]["nodes"].push_back(document.json["nodes"].size());
+    document.json["nodes"].push_back({{"mesh", 0}, {"translation", {x, 0, 0}}});
+  }
+  Put("three.gltf", document.text());
+  const Result result = Run("info three.gltf --instances share --json i.json");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(Bytes("i.json"));
+  EXPECT_EQ(json.at("triangles"), 1);
+  EXPECT_EQ(json.at("objects"), 1);
+  EXPECT_EQ(json.at("instances"), 3);
+  EXPECT_EQ(json.at("triangles_with_instances"), 3);
+  EXPECT_TRUE(Contains(result.out, "3 of 1 objects: 3 triangles are seen")) << result.out;
+}
+
 TEST_F(Info, KnowsLightsCamerasAndBuiltinScenes) {
   const Result pbrt = Run("info light.pbrt --json i.json");
   EXPECT_EQ(pbrt.exit_code, 0) << pbrt.err;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "lights/maps/resample.h"
+#include "lights/probe/calibration.h"
 #include "tests/support/light_test_maps.h"
 #include "tests/support/paths.h"
 
@@ -52,6 +54,21 @@ TEST_F(ProbeCommand, InfoTellsTheMap) {
   EXPECT_EQ(json["projection"], "latlong");
   EXPECT_EQ(json["spots"][0]["x"], 21);
   EXPECT_GT(json["table_7_1"]["p"], 0.5);
+  // Both strata together are the sphere and all of its energy.
+  const auto& table = json["table_7_1"];
+  const double area = table["sphere_area"], energy = table["energy"];
+  EXPECT_NEAR(table["area_a"].get<double>() + table["area_b"].get<double>(), area, 1e-6 * area);
+  EXPECT_NEAR(table["energy_a"].get<double>() + table["energy_b"].get<double>(), energy,
+              1e-6 * energy);
+  const std::size_t row = out_.find("\narea A, B ");
+  ASSERT_NE(row, std::string::npos) << out_;
+  double pixels[2], percent[2];
+  ASSERT_EQ(std::sscanf(out_.c_str() + row, "\narea A, B %lf, %lf (%lf %%, %lf %%)", &pixels[0],
+                        &pixels[1], &percent[0], &percent[1]),
+            4)
+      << out_;
+  EXPECT_NEAR(percent[0], 100 * table["area_a"].get<double>() / area, 0.001);
+  EXPECT_NEAR(percent[0] + percent[1], 100, 0.002);
 }
 
 TEST_F(ProbeCommand, ConvertGoesThereAndBack) {
@@ -171,6 +188,27 @@ TEST_F(ProbeCommand, PlotsAreColouredAsAsked) {
   };
   EXPECT_EQ(coloured("tone"), 0);
   EXPECT_GT(coloured("log"), 0.4);
+}
+
+// The middle of the sphere is the axis from which it is seen, in the colour that calibrate tells.
+TEST_F(ProbeCommand, PlotsShowTheSideThatIsAskedFor) {
+  ASSERT_EQ(Probe("calibrate -o axes.exr --height 128"), 0) << out_;
+  const std::pair<const char*, Vector3> sides[] = {{"right", {1, 0, 0}}, {"left", {-1, 0, 0}},
+                                                   {"front", {0, 1, 0}}, {"back", {0, -1, 0}},
+                                                   {"up", {0, 0, 1}},    {"down", {0, 0, -1}}};
+  for (const auto& [side, direction] : sides) {
+    ASSERT_EQ(Probe(std::string("plot axes.exr -o p.png --what map --view sphere --color tone "
+                                "--height 128 --side ") +
+                    side),
+              0)
+        << out_;
+    const Image picture = DecodeTexture("p.png", ReadFile(File("p.png")), Encoding::kSrgb);
+    for (const CalibrationAxis& axis : kCalibrationAxes) {
+      if (Dot(axis.direction, direction) < 0.5) continue;
+      const float* const middle = picture.Pixel(picture.width / 2, picture.height / 2);
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(middle[c], axis.radiance[c], 0.02) << side;
+    }
+  }
 }
 
 TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {

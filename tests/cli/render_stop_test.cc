@@ -157,6 +157,11 @@ TEST_F(RenderStop, PartsAreMergedToTheBytesOfOneRender) {
   // A part is a picture as well.
   ASSERT_EQ(Run("merge c.film --crop 40x17+0+13 --sample-range 0:2 -o part.exr -q").exit_code, 0);
   EXPECT_TRUE(Bytes("part.exr") == Bytes("c.exr"));
+  // The format is asked for where the picture is written.
+  ASSERT_EQ(Run(picture + "--half -o half.exr").exit_code, 0);
+  ASSERT_EQ(Run("merge b.film ca.film --half -o m.exr -q").exit_code, 0);
+  EXPECT_TRUE(Bytes("m.exr") == Bytes("half.exr"));
+  EXPECT_FALSE(Bytes("m.exr") == Bytes("whole.exr"));
 }
 
 TEST_F(RenderStop, ALimitOfTimeRecordsACommandThatRepeatsThePicture) {

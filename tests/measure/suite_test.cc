@@ -6,9 +6,12 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "measure/bars.h"
+#include "measure/counters.h"
 #include "tests/support/xml.h"
 
 namespace skywave {
@@ -159,6 +162,40 @@ TEST(MeasureSpeed, KeepsEveryRepetition) {
   EXPECT_EQ(FingerprintOf(film, 2).hash, Render(kTiny, OnThreads(0)).hash);
 }
 
+// Lanes and rows in use come before those that there are.
+TEST(Counters, TellThePartBeforeTheWhole) {
+  RenderStats stats;
+  stats.samples = 12, stats.waves = 2;
+  stats.rays = {12, 7, 5};
+  stats.bounces[0] = {.rows = 12, .capacity = 16};
+  stats.bounces[1] = {.rows = 7, .capacity = 12};
+  const StrategyTable table = {.name = "importance", .bytes = 99};
+  std::map<std::string, std::string> counters;
+  for (const auto& [name, value] : Counters({.picture = 0xab,
+                                   .scene = 0xcd,
+                                   .triangles = 3,
+                                   .geometry_bytes = 400,
+                                   .stats = stats,
+                                   .tables = std::span(&table, 1)})) {
+    EXPECT_TRUE(counters.emplace(name, value).second) << name;
+  }
+  const std::map<std::string, std::string> expected = {{"picture", "00000000000000ab"},
+                                                       {"scene", "00000000000000cd"},
+                                                       {"triangles", "3"},
+                                                       {"geometry_bytes", "400"},
+                                                       {"samples", "12"},
+                                                       {"waves", "2"},
+                                                       {"rays camera", "12"},
+                                                       {"rays bounce", "7"},
+                                                       {"rays shadow", "5"},
+                                                       {"bounce 0 rows", "12 of 16"},
+                                                       {"bounce 1 rows", "7 of 12"},
+                                                       {"clamped_samples", "0"},
+                                                       {"invalid_samples", "0"},
+                                                       {"table_bytes importance", "99"}};
+  EXPECT_EQ(counters, expected);
+}
+
 TEST(ScalingThreads, DoublesUpToAllOfThem) {
   EXPECT_EQ(ScalingThreads(1), (std::vector<int>{1}));
   EXPECT_EQ(ScalingThreads(2), (std::vector<int>{1, 2}));
@@ -175,6 +212,14 @@ TEST(Bars, AreAsLongAsTheirValues) {
   // 634 pixels stand for 4: a quarter, three quarters, and half of them for the second bar.
   for (const char* const width : {"width=\"158.50\"", "width=\"475.50\"", "width=\"317.00\""}) {
     EXPECT_NE(svg.find(width), std::string::npos) << width << "\n" << svg;
+  }
+  // Ticks from 0 on are 0.5 apart, and a bar of 4 ends at the last of them.
+  for (const auto& [label, x] : {std::pair("0", "190.0"), std::pair("1", "348.5"),
+                                 std::pair("2.5", "586.2"), std::pair("4", "824.0")}) {
+    const std::string tick = std::string("<text x=\"") + x +
+                             "\" y=\"133.0\" text-anchor=\"middle\" font-size=\"12\">" + label +
+                             "<";
+    EXPECT_NE(svg.find(tick), std::string::npos) << tick << "\n" << svg;
   }
   EXPECT_TRUE(IsWellFormedXml(Svg(BarChart{.title = "none", .unit = ""})));
 }
