@@ -216,6 +216,20 @@ TEST_F(Library, MapsInMemoryAreWhatFilesAre) {
                         Render(memory, With(kSmall, {{"env", Path("black_but_one.pfm")}}))));
 }
 
+// The camera of a scene is the one that the options place, also where space is left-handed.
+TEST_F(Library, CamerasAreThoseOfTheOptions) {
+  Put("left.pbrt",
+      "WorldBegin\nLightSource \"infinite\" \"rgb L\" [1 2 3]\n"
+      "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n"
+      "  \"point P\" [-1 -1 3 1 -1 3 0 1 3]\nWorldEnd\n");
+  api::Scene placed(Path("left.pbrt"));
+  placed.SetCamera({1, 0.5f, 0}, {0.5f, 0, 3}, {0, 1, 0}, 50);
+  const std::vector<float> picture = Render(placed, kSmall);
+  EXPECT_TRUE(SameBits(
+      picture, Render(api::Scene(Path("left.pbrt")),
+                      With(kSmall, {{"eye", "1,0.5,0"}, {"target", "0.5,0,3"}, {"fov", "50"}}))));
+}
+
 // A white square under lights of closed form: radiance is rho / pi times irradiance.
 TEST(LibraryLights, IlluminateByTheirIntensity) {
   static constexpr double kPi = std::numbers::pi;

@@ -3,6 +3,9 @@
 #include "job/merge_films.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -21,6 +24,19 @@
 #include "tests/support/painted_scene.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/temporary_folder.h"
+
+namespace {
+
+std::vector<bool> flushed_are_folders;
+
+}  // namespace
+
+// Takes the place of the C library's, to know what is flushed to disk, and in which order.
+extern "C" int fsync(int file) {
+  struct stat status = {};
+  flushed_are_folders.push_back(::fstat(file, &status) == 0 && S_ISDIR(status.st_mode));
+  return int(::syscall(SYS_fsync, file));
+}
 
 namespace skywave {
 namespace {
@@ -141,6 +157,16 @@ void ExpectBytesOfOneRender(const JobRequest& request, int splits, bool samples_
     EXPECT_TRUE(merged.first == expected.first) << "EXR of split " << split;
     EXPECT_TRUE(merged.second == expected.second) << "PNG of split " << split;
   }
+}
+
+// A farm renders no part twice that it was told to be there, so neither bytes nor name may be lost
+// with the power.
+TEST(MergeFilms, AFilmIsFlushedBeforeItsName) {
+  const TemporaryFolder folder;
+  Parts parts(folder, Request(Integrator::kDirect, "depth"));
+  flushed_are_folders.clear();
+  parts.Render(Whole());
+  EXPECT_EQ(flushed_are_folders, (std::vector<bool>{false, true}));
 }
 
 TEST(MergeFilms, AnySplitHasTheBytesOfOneRender) {
