@@ -31,9 +31,11 @@ bool Passes(const Portal& portal, Vec point, Vec direction) {
 }
 
 struct Fixture {
-  explicit Fixture(const std::string& name, std::vector<Portal> portals, double share,
-                   std::uint32_t texels = 64)
-      : map{AdversarialMap(name), Orientations()[1].map_from_world, std::move(portals)},
+  Fixture(const std::string& name, std::vector<Portal> portals, double share,
+          std::uint32_t texels = 64)
+      : Fixture(AdversarialMap(name), std::move(portals), share, texels) {}
+  Fixture(Image latlong, std::vector<Portal> portals, double share, std::uint32_t texels = 64)
+      : map{std::move(latlong), Orientations()[1].map_from_world, std::move(portals)},
         strategy(MakeStrategy(
             "portal:texels=" + std::to_string(texels) + ",share=" + std::to_string(share), map)) {}
 
@@ -199,6 +201,61 @@ TEST(Portals, EstimatesAreTheLightOfTheWindows) {
         }
       }
     }
+  }
+}
+
+// Light that covers a part of a texel is drawn with half of its own density at least, wherever the
+// texel's border cuts it, and light between the points of a texel with that of the whole texel.
+TEST(Portals, NoLightIsDrawnMuchTooRarely) {
+  const Portal portal = {.corner = {-1, -1, 1}, .side_x = {2, 0, 0}, .side_y = {0, 2, 0}};
+  constexpr double kTexels = 64, kTexel = kPi / kTexels;  // side of a texel [rad]
+  struct Row {
+    int width;
+    double luminance;
+  };
+  // Lamps of several texels, and of a seventh of one.
+  for (const Row& row : {Row{48, 50}, Row{1024, 2e5}}) {
+    Random random(17);
+    int seen = 0;
+    for (int lamp = 0; lamp < 400 && seen < 12; ++lamp) {
+      Image image(row.width, row.width / 2);
+      for (float& value : image.rgb) value = 1;
+      const auto x = int(random.Word() % std::uint32_t(image.width));
+      const auto y = int(random.Word() % std::uint32_t(image.height));
+      std::fill_n(image.Pixel(x, y), 3, float(row.luminance));
+      const EnvironmentMap placed = {image, Orientations()[1].map_from_world, {}};
+      const double u = (x + 0.5) / image.width, v = (y + 0.5) / image.height;
+      const Vec middle = WorldDirection(placed.map_from_world, u, v);
+      if (!Passes(portal, {0, 0, 0}, middle) || std::fabs(v - 0.5) > 0.35) continue;
+      ++seen;
+      Fixture f(image, {portal}, 0);
+      f.Draw({0, 0, 0}, 1);
+      // Of the light that comes in: the sky's 1 through a sixth of the sphere, and the lamp's.
+      const double solid_angle =
+          2 * kPi / image.width *
+          (std::cos(kPi * y / image.height) - std::cos(kPi * (y + 1) / image.height));
+      const double light = 4 * kPi / 6 + row.luminance * solid_angle;
+      std::vector<Vec> directions;
+      for (int i = 0; i < 400; ++i) {
+        const Vec d =
+            WorldDirection(placed.map_from_world, (x + random.Between(0.01, 0.99)) / image.width,
+                           (y + random.Between(0.01, 0.99)) / image.height);
+        if (Passes(portal, {0, 0, 0}, d)) directions.push_back(d);
+      }
+      const double own = row.luminance / light;
+      const double spread = row.luminance * solid_angle / (kTexel * kTexel) / light;
+      const std::vector<float> densities = f.Densities(directions);
+      // A narrow lamp may have its middle in the next texel.
+      if (row.width > kTexels * 2) {
+        const float at_middle = f.Densities({middle})[0];
+        EXPECT_GT(at_middle, 0.5 * spread) << "lamp at " << x << ", " << y;
+      } else {
+        for (const float density : densities) {
+          ASSERT_GT(density, 0.3 * own) << "lamp at " << x << ", " << y;
+        }
+      }
+    }
+    EXPECT_EQ(seen, 12);
   }
 }
 
