@@ -118,6 +118,166 @@ TEST(BounceGuide, DrawsItsDensity) {
   EXPECT_TRUE(MatchesExpected(observed, expected, 0.01, /*strays=*/5));
 }
 
+// Rays leave one point that faces z, evenly over the disk below the hemisphere. Those to the right
+// bring 1 each, those to the left 0 and `most` by turns, which is 1 on average if that is 2.
+BounceGuide HalvesGuide(float most) {
+  const PlaceBox box = {{0, 0, 0}, 1};
+  const PlaceWord place = PackPlace(box, {0.3f, 0.6f, 0.9f}, {0, 0, 1});
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> both(-1, 1);
+  std::vector<BounceRay> rays;
+  while (rays.size() < 80000) {
+    const float x = both(random), y = both(random);
+    if (x * x + y * y >= 0.999f) continue;
+    const float left = rays.size() % 2 == 0 ? most : 0.0f;
+    rays.push_back({place, {x, y, std::sqrt(1 - x * x - y * y)}, x > 0 ? 1.0f : left});
+  }
+  return {rays, box};
+}
+
+// Returns the densities of directions all over the disk, over that of the cosine.
+std::vector<double> DensitiesOnTheDisk(const BounceGuide& guide, std::vector<float>& x) {
+  GuidedRows rows;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    rows.surfaces->ns_x[i] = rows.surfaces->ns_y[i] = 0, rows.surfaces->ns_z[i] = 1;
+    // A spiral of equal steps in area.
+    const double area = (i + 0.5) / kRows, turn = i * 0.38196601125;
+    const double angle = 2 * std::numbers::pi * turn;
+    rows.directions->dir_x[i] = float(std::sqrt(area) * std::cos(angle));
+    rows.directions->dir_y[i] = float(std::sqrt(area) * std::sin(angle));
+    rows.directions->dir_z[i] = float(std::sqrt(1 - area));
+    x.push_back(rows.directions->dir_x[i]);
+  }
+  FindPlaces(guide.view().places, kRows, rows.surfaces, rows.guide->place);
+  FindGuideDensities(guide.view(), kRows, rows.directions, rows.guide);
+  std::vector<double> densities;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    densities.push_back(double(rows.guide->pdf[i]) * std::numbers::pi /
+                        double(rows.directions->dir_z[i]));
+  }
+  return densities;
+}
+
+// Directions are drawn in proportion to the root of the second moment of their light, which has the
+// least variance, but a tenth of them evenly.
+TEST(BounceGuide, DrawsInProportionToTheSecondMoment) {
+  for (const float most : {2.0f, 0.0f}) {
+    SCOPED_TRACE(most);
+    std::vector<float> x;
+    const std::vector<double> densities = DensitiesOnTheDisk(HalvesGuide(most), x);
+    const double root = std::sqrt(0.5) * double(most);  // of the left
+    double left = 0, least = 1;
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      least = std::min(least, densities[i]);
+      if (x[i] < 0) left += densities[i] / kRows;
+    }
+    EXPECT_NEAR(left, 0.05 + 0.9 * root / (1 + root), 0.01);
+    EXPECT_GT(least, 0.09);
+  }
+}
+
+// A place with few rays expects what the node above has seen, in the same directions of the world,
+// though its own hemisphere leans: light comes from positive x.
+TEST(BounceGuide, ExpectsTheLightOfTheNodeAbove) {
+  const PlaceBox box = {{0, 0, 0}, 1};
+  const std::array<float, 3> leaning = {0.6f, 0, 0.8f};
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> both(-1, 1);
+  std::vector<BounceRay> rays;
+  while (rays.size() < 80000) {
+    const float x = both(random), y = both(random);
+    if (x * x + y * y >= 0.999f) continue;
+    const PlaceWord place = rays.size() < 79990 ? PackPlace(box, {0.3f, 0.6f, 0.9f}, {0, 0, 1})
+                                                : PackPlace(box, {0.8f, 0.2f, 0.1f}, leaning);
+    rays.push_back({place, {x, y, std::sqrt(1 - x * x - y * y)}, float(x > 0)});
+  }
+  const BounceGuide guide(rays, box);
+  GuidedRows rows;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    rows.surfaces->org_x[i] = 0.8f, rows.surfaces->org_y[i] = 0.2f, rows.surfaces->org_z[i] = 0.1f;
+    rows.surfaces->ns_x[i] = leaning[0], rows.surfaces->ns_y[i] = 0;
+    rows.surfaces->ns_z[i] = leaning[2];
+    // Both sides of the border of the light, near z.
+    rows.directions->dir_x[i] = i % 2 == 0 ? 0.3f : -0.3f;
+    rows.directions->dir_y[i] = float(i) / kRows - 0.5f;
+    rows.directions->dir_z[i] = std::sqrt(0.91f - std::pow(float(i) / kRows - 0.5f, 2.0f));
+  }
+  FindPlaces(guide.view().places, kRows, rows.surfaces, rows.guide->place);
+  FindGuideDensities(guide.view(), kRows, rows.directions, rows.guide);
+  double bright = 0, dark = 0;
+  for (std::uint32_t i = 0; i < kRows; ++i) {
+    const double cosine = double(leaning[0]) * double(rows.directions->dir_x[i]) +
+                          double(leaning[2]) * double(rows.directions->dir_z[i]);
+    const double density = double(rows.guide->pdf[i]) * std::numbers::pi / cosine / (kRows / 2);
+    (i % 2 == 0 ? bright : dark) += density;
+  }
+  // The bright directions are four fifths of the leaning hemisphere.
+  EXPECT_NEAR(bright, 0.1 + 0.9 / 0.8, 0.1);
+  EXPECT_LT(dark, 0.3);
+}
+
+// Roulette ends some paths, and the others carry their light, also where all of them go on.
+TEST(BounceGuide, RouletteKeepsTheMeanOfPaths) {
+  GuidedRows rows;
+  const soa::Table<BsdfValueColumns> values(kRows);
+  const soa::Table<RayColumns> rays(kRows);
+  std::vector<float> roulette(PaddedRows(kRows));
+  for (const float throughput : {0.9f, 0.3f, 0.04f}) {
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      const SurfaceColumns& s = rows.surfaces;
+      s.ng_x[i] = s.ns_x[i], s.ng_y[i] = s.ns_y[i], s.ng_z[i] = s.ns_z[i];
+      s.wo_x[i] = s.ns_x[i], s.wo_y[i] = s.ns_y[i], s.wo_z[i] = s.ns_z[i];
+      s.throughput_r[i] = throughput, s.throughput_g[i] = 0.5f * throughput;
+      s.throughput_b[i] = 0;
+      s.lift[i] = 0, s.path[i] = i;
+      rows.directions->dir_x[i] = s.ns_x[i], rows.directions->dir_y[i] = s.ns_y[i];
+      rows.directions->dir_z[i] = s.ns_z[i];
+      values->r[i] = values->g[i] = values->b[i] = 0.4f, values->pdf[i] = 0.3f;
+      rows.guide->share[i] = 0.5f, rows.guide->pdf[i] = 0.7f;
+      roulette[i] = (float(i) + 0.5f) / kRows;
+    }
+    const double mean = double(throughput) * 0.4 / (0.5 * 0.3 + 0.5 * 0.7);
+    for (const bool plays : {false, true}) {
+      const std::uint32_t count =
+          ScatterGuided(rows.surfaces, rows.guide, values, rows.directions, roulette.data(), kRows,
+                        {.roulette = plays}, rays, 0);
+      double red = 0, green = 0;
+      for (std::uint32_t i = 0; i < count; ++i) {
+        red += double(rays->throughput_r[i]) / kRows;
+        green += double(rays->throughput_g[i]) / kRows;
+        ASSERT_NEAR(rays->pdf[i], 0.5f, 1e-6);
+      }
+      EXPECT_NEAR(red / mean, 1, 2e-3) << throughput << plays;
+      EXPECT_NEAR(green / mean, 0.5, 1e-3) << throughput << plays;
+      EXPECT_NEAR(count, kRows * (plays ? std::min(1.0, 4 * mean) : 1.0), 1) << throughput;
+    }
+  }
+}
+
+// Metals and sharp highlights are left to the BSDF, all others lose nothing to it.
+TEST(BounceGuide, SharesNoDirectionsOfGloss) {
+  constexpr std::uint32_t kCount = 101;
+  GuidedRows rows;
+  const auto shares = [&](auto width, auto metal) {
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      rows.guide->share[i] = 0.5f;
+      rows.surfaces->varying_0[i] = width(i), rows.surfaces->varying_1[i] = metal(i);
+    }
+    LeaveGlossToBsdf(rows.surfaces, kCount, rows.guide);
+    return std::vector<float>(rows.guide->share, rows.guide->share + kCount);
+  };
+  const auto grows = [](std::uint32_t i) { return float(i) / (kCount - 1); };
+  const std::vector<float> by_width = shares(grows, [](std::uint32_t) { return 0.0f; });
+  EXPECT_TRUE(std::is_sorted(by_width.begin(), by_width.end()));
+  EXPECT_EQ(by_width[10], 0);
+  EXPECT_EQ(by_width[80], 0.5f);
+  const std::vector<float> by_metal = shares([](std::uint32_t) { return 1.0f; }, grows);
+  EXPECT_TRUE(std::is_sorted(by_metal.rbegin(), by_metal.rend()));
+  EXPECT_EQ(by_metal.front(), 0.5f);
+  EXPECT_NEAR(by_metal[50], 0.25f, 1e-6);
+  EXPECT_EQ(by_metal.back(), 0);
+}
+
 TEST(BounceGuide, LeavesWhatAUniformHasLeft) {
   GuidedRows rows;
   for (std::uint32_t i = 0; i < kRows; ++i) {
