@@ -9,10 +9,13 @@
 #include <vector>
 
 #include "tests/support/matt_room.h"
+#include "tests/support/photon_maps.h"
 #include "tests/support/picture_estimate.h"
 #include "tests/support/render_scenes.h"
 #include "tests/support/shining_cave.h"
+#include "tests/support/statistics.h"
 #include "wavefront/irradiance/irradiance_cache.h"
+#include "wavefront/irradiance/irradiance_pass.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -32,11 +35,21 @@ Image Render(const Scene& scene, const JobRequest& request) {
   return film.Resolve(job.options().samples_per_pixel);
 }
 
+std::vector<IrradianceRecord> RecordsOf(const RenderJob& job) {
+  WorkerPool pool = TwoThreads(job.frame());
+  std::vector<IrradianceRecord> records;
+  pool.Run([&] {
+    const IrradianceCache cache = MakeIrradianceCache(job.frame(), pool);
+    records.assign(cache.records().begin(), cache.records().end());
+  });
+  return records;
+}
+
 Triple TripleOf(const glm::dvec3& v) { return {float(v.x), float(v.y), float(v.z)}; }
 
 // Measures what a point sees of a wide ceiling with a bright spot for each channel, by the middles
 // of many cells.
-IrradianceRecord UnderTheCeiling(const glm::dvec3& point, const glm::dvec3& normal) {
+MeasuredIrradiance MeasureUnderTheCeiling(const glm::dvec3& point, const glm::dvec3& normal) {
   constexpr double kHeight = 1.5;
   const HemisphereGrid grid = GridOf(20000);
   const Axes axes = AxesAround(TripleOf(normal));
@@ -55,7 +68,10 @@ IrradianceRecord UnderTheCeiling(const glm::dvec3& point, const glm::dvec3& norm
       samples[i].radiance[c] = float(std::exp(-glm::dot(offset, offset)));
     }
   }
-  return MeasureIrradiance(grid, axes, samples, directions).record;
+  return MeasureIrradiance(grid, axes, samples, directions);
+}
+IrradianceRecord UnderTheCeiling(const glm::dvec3& point, const glm::dvec3& normal) {
+  return MeasureUnderTheCeiling(point, normal).record;
 }
 
 // Gradients of a record are the changes of its irradiance, by differences of records.
@@ -103,6 +119,40 @@ TEST(IrradianceGradients, VanishWhereLightIsTheSame) {
       EXPECT_NEAR(measured.record.turn[c][axis], 0, 1e-3);
     }
   }
+}
+
+// A record counts as far as its surroundings are away, by their harmonic mean, and no farther than
+// its gradient would take the irradiance to nothing (Ward and Heckbert 1992).
+TEST(IrradianceGradients, BoundHowFarARecordCounts) {
+  const HemisphereGrid grid = GridOf(200);
+  const Axes axes = AxesAround({0, 0, 1});
+  std::vector<HemisphereSample> samples(grid.count());
+  std::vector<Triple> directions;
+  double inverse = 0;
+  for (std::uint32_t i = 0; i < grid.count(); ++i) {
+    samples[i] = {.radiance = {1, 1, 1}, .distance = 0.5f + float(i * 7 % 11)};
+    inverse += 1 / double(samples[i].distance) / double(grid.count());
+    directions.push_back(DirectionInCell(grid, i, 0.5f, 0.5f, axes));
+  }
+  EXPECT_NEAR(double(MeasureIrradiance(grid, axes, samples, directions).distance), 1 / inverse,
+              1e-4 / inverse);
+
+  // Far from the spots of the ceiling the light falls fast, and the ceiling is farther away.
+  const glm::dvec3 point(2.5, -1.5, 0), normal(0, 0, 1);
+  constexpr double kStep = 0.02;
+  const auto light = [](const IrradianceRecord& record) {
+    return 0.2126 * double(record.irradiance[0]) + 0.7152 * double(record.irradiance[1]) +
+           0.0722 * double(record.irradiance[2]);
+  };
+  const auto change = [&](const glm::dvec3& step) {
+    return (light(UnderTheCeiling(point + step, normal)) -
+            light(UnderTheCeiling(point - step, normal))) /
+           (2 * kStep);
+  };
+  const double slope = std::hypot(change({kStep, 0, 0}), change({0, kStep, 0}));
+  const MeasuredIrradiance measured = MeasureUnderTheCeiling(point, normal);
+  EXPECT_LT(light(measured.record) / slope, 1.5);
+  EXPECT_NEAR(double(measured.distance) * slope / light(measured.record), 1, 0.03);
 }
 
 TEST(IrradianceCache, FindsAllRecordsThatCountAndNoOthers) {
@@ -162,6 +212,22 @@ TEST(IrradianceCache, FollowsTheGradientsOfARecord) {
   EXPECT_NEAR(irradiance[2], 1 - 2 * 0.1f, 1e-5);
 }
 
+// What lies behind a record, as the side of a step does below its edge, sees what the record does
+// not.
+TEST(IrradianceCache, RecordsDoNotCountBehindTheirSurface) {
+  IrradianceRecord record = {.position = {1, 2, 3}, .normal = {0, 0, 1}, .radius = 2};
+  record.irradiance = {1, 1, 1};
+  const IrradianceCache cache({record}, 1);
+  Triple irradiance = {};
+  for (const float turn : {0.0f, 0.2f, -0.2f}) {
+    const Triple normal = {turn, 0, std::sqrt(1 - turn * turn)};
+    EXPECT_TRUE(cache.Interpolate({1, 2.4f, 3}, normal, irradiance)) << turn;
+    EXPECT_TRUE(cache.Interpolate({1, 2.4f, 3.4f}, normal, irradiance)) << turn;
+    EXPECT_TRUE(cache.Interpolate({1, 2.4f, 2.95f}, normal, irradiance)) << turn;
+    EXPECT_FALSE(cache.Interpolate({1, 2.4f, 2.6f}, normal, irradiance)) << turn;
+  }
+}
+
 // All light is the same everywhere in the cave, so what is interpolated is exact up to the noise of
 // the rays of a record.
 TEST(IrradianceCache, CaveIsAsBrightAsItsSeries) {
@@ -198,6 +264,76 @@ TEST(IrradianceCache, ShowsThePictureOfPathsWithinItsBias) {
     EXPECT_LT(difference, 0.04);
     EXPECT_NEAR(ratio / all, 1, 0.01);
   }
+}
+
+// No point of a plane sees another one, so there is no light but the direct one, however far its
+// shading normals lean: below its triangle a hemisphere sees nothing.
+TEST(IrradianceCache, BentNormalsSeeNothingBelowTheirTriangle) {
+  Scene scene;
+  Mesh floor = Quad(2);
+  floor.normals.assign(floor.positions.size(), glm::normalize(glm::vec3(1, 1, 0)));
+  Place(scene, floor, AddLambert(scene, "floor", glm::vec3(0.9f)), glm::vec3(0));
+  SetConstantLight(scene, 1);
+  scene.camera = LookAtCamera({1.5f, 2, 0.5f}, {0, 0, 0}, {0, 1, 0}, 30, false);
+  Image pictures[2];
+  for (const std::uint32_t depth : {1u, 4u}) {
+    JobRequest request = Request(16, 16, 16);
+    request.max_depth = depth;
+    pictures[depth == 4] = Render(scene, request);
+  }
+  for (std::size_t i = 0; i < pictures[0].rgb.size(); ++i) {
+    EXPECT_GT(pictures[0].rgb[i], 0.1f);
+    EXPECT_NEAR(pictures[1].rgb[i], pictures[0].rgb[i], 1e-5 * pictures[0].rgb[i]) << i;
+  }
+}
+
+// As far as a record counts, its gradient changes the irradiance by the accuracy's share at most,
+// also where the record counts farther than its surroundings suggest because pixels are large.
+TEST(IrradianceCache, GradientsChangeWhatARecordSaysByLittle) {
+  const Scene scene = MattRoom(Of(BsdfKind::kLambert), kLamp | kEnvironment);
+  JobRequest request = Request(24, 18, 4);
+  request.options.irradiance_cache = {.accuracy = 0.2f, .rays = 64};
+  const std::vector<IrradianceRecord> records = RecordsOf(RenderJob(scene, request));
+  ASSERT_GT(records.size(), 20u);
+  const auto luminance = [](double r, double g, double b) {
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  double most = 0;
+  for (const IrradianceRecord& r : records) {
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      square += std::pow(luminance(r.move[0][axis], r.move[1][axis], r.move[2][axis]), 2);
+    }
+    const double all = luminance(r.irradiance[0], r.irradiance[1], r.irradiance[2]);
+    if (all > 0) most = std::max(most, std::sqrt(square) * double(r.radius) / all);
+  }
+  EXPECT_LT(most, 0.2 * 1.001);
+  EXPECT_GT(most, 0.1);
+}
+
+// Every point of a small floor sees the same of a far ceiling, which the sky below lights evenly.
+// Records have rays of their own, so the mean of many comes close to the form factor of the square
+// (Howell, configuration B-4).
+TEST(IrradianceCache, RecordsAreIndependent) {
+  constexpr float kHeight = 20, kHalf = 12, kAlbedo = 0.8f;
+  Scene scene;
+  Place(scene, Quad(0.1f), AddLambert(scene, "floor", glm::vec3(0.5f)), glm::vec3(0));
+  Mesh ceiling = Quad(kHalf);
+  FlipOrientation(ceiling);
+  Place(scene, ceiling, AddLambert(scene, "ceiling", glm::vec3(kAlbedo)), {0, kHeight, 0});
+  SetConstantLight(scene, 1);
+  scene.camera = LookAtCamera({0, 0.3f, 0}, {0, 0, 0}, {0, 0, 1}, 30, false);
+  JobRequest request = Request(64, 64, 1);
+  request.max_depth = 2;
+  request.options.irradiance_cache = {.accuracy = 1e-4f, .rays = 16};
+  const std::vector<IrradianceRecord> records = RecordsOf(RenderJob(scene, request));
+  Moments irradiance;
+  for (const IrradianceRecord& r : records) irradiance.Add(double(r.irradiance[1]));
+  ASSERT_GT(irradiance.count(), 300u);
+  const double x = double(kHalf) / double(kHeight), to_edge = x / std::sqrt(1 + x * x);
+  const double form_factor = 4 / std::numbers::pi * to_edge * std::atan(to_edge);
+  EXPECT_TRUE(AgreesWith(irradiance.mean(), irradiance.standard_error(),
+                         double(kAlbedo) * std::numbers::pi * form_factor, kSuiteLevel, 1e-3));
 }
 
 TEST(IrradianceCache, PartsOfAFilmAreThoseOfTheWhole) {
