@@ -210,6 +210,82 @@ TEST(Adaptive, IsRefusedWhereSamplesDoNotTellTheErrorOrFilmsAreAdded) {
   EXPECT_NE(Difference(identity, IdentityOf(job, {}, true)), "");
 }
 
+// The fewest samples for an error, by the formula of the header: every pixel has two samples, m (1
+// + d) and m (1 - d), whose variance is 2 (m d)^2.
+TEST(WantedSamples, AreTheFewestForTheError) {
+  constexpr int kWidth = 256, kHeight = 96, kAcross = kWidth / 4, kDown = kHeight / 2;
+  // The left half is bright and the right half is not, and the lower half is noisier.
+  const auto mean_at = [](int x) { return x < kWidth / 2 ? 1.0f : 0.01f; };
+  const auto spread_at = [](int y) { return y < kHeight / 2 ? 0.25f : 0.75f; };
+  Film film(kWidth, kHeight, 4, *ParseAovs("variance"), 1);
+  const soa::Table<PathColumns> paths(kWidth * kHeight);
+  RenderStats stats;
+  for (const float sign : {-1.0f, 1.0f}) {
+    for (int i = 0; i < kWidth * kHeight; ++i) {
+      const float value = mean_at(i % kWidth) * (1 + sign * spread_at(i / kWidth));
+      paths->pixel[i] = std::uint32_t(i), paths->sample[i] = sign > 0;
+      paths->r[i] = paths->g[i] = paths->b[i] = value;
+    }
+    film.Add(paths, kWidth * kHeight, stats);
+  }
+  const std::vector<double> wanted = WantedSamples(film, 2, 0.1);
+  ASSERT_EQ(wanted.size(), std::size_t(kAcross * kDown));
+  // Both colours have as many blocks of each kind.
+  const double darkest = 0.1 * (1 + 0.01) / 2;
+  const auto relative = [&](int x, int y) {
+    const double mean = mean_at(4 * x), deviation = std::sqrt(2.0) * mean * spread_at(2 * y);
+    return deviation / std::sqrt(mean * mean + darkest * darkest);
+  };
+  double sum = 0;
+  for (int y = 0; y < kDown; ++y) {
+    for (int x = 0; x < kAcross; ++x) sum += relative(x, y) / (kAcross * kDown);
+  }
+  for (int y = 0; y < kDown; ++y) {
+    for (int x = 0; x < kAcross; ++x) {
+      // Blocks at the borders of the halves know of both, and weigh a few percent in
+      // the sum.
+      if (x == kAcross / 2 - 1 || x == kAcross / 2 || std::abs(2 * y + 1 - kDown) < 5) continue;
+      const double expected = relative(x, y) * sum / (0.1 * 0.1);
+      EXPECT_NEAR(wanted[std::size_t(y * kAcross + x)] / expected, 1, 0.07) << x << ", " << y;
+    }
+  }
+}
+
+// What a block should have is a matter of the blocks of the other colour alone, in the whole
+// picture too: blocks of its own colour may be brighter and noisier, and nothing changes.
+TEST(WantedSamples, DoNotDependOnBlocksOfTheSameColour) {
+  constexpr int kWidth = 32, kHeight = 24, kAcross = kWidth / 4;
+  const auto wanted_with = [](int changed, float factor) {
+    Film film(kWidth, kHeight, 64, *ParseAovs("variance"), 1);
+    const soa::Table<PathColumns> paths(kWidth * kHeight);
+    RenderStats stats;
+    for (const std::uint32_t sample : {0u, 1u}) {
+      for (int i = 0; i < kWidth * kHeight; ++i) {
+        const int x = i % kWidth, y = i / kWidth, color = (x / 4 + y / 2) % 2;
+        const float level = x < kWidth / 2 ? 0.05f : 1.0f;
+        float value = level * (1 + 0.5f * float((i + 3 * int(sample)) % 7));
+        if (color == changed && sample == 1) value *= factor;
+        paths->pixel[i] = std::uint32_t(i), paths->sample[i] = sample;
+        paths->r[i] = paths->g[i] = paths->b[i] = value;
+      }
+      film.Add(paths, kWidth * kHeight, stats);
+    }
+    return WantedSamples(film, 2, 0.1);
+  };
+  const std::vector<double> before = wanted_with(0, 1);
+  for (const int changed : {0, 1}) {
+    const std::vector<double> after = wanted_with(changed, 9);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const int color = int(i % kAcross + i / kAcross) % 2;
+      if (color == changed) {
+        ASSERT_EQ(after[i], before[i]) << i;
+      } else {
+        ASSERT_NE(after[i], before[i]) << i;
+      }
+    }
+  }
+}
+
 // A floor that fills the picture. Directions come from its BSDF alone, so the sun, which gives most
 // of the light, is met by about one in 700 samples.
 RenderJob Floor(bool spiky, std::string_view strategy, std::uint32_t seed, std::uint32_t samples) {
