@@ -81,7 +81,16 @@ const std::vector<Subject>& Subjects() {
       {.specification = "penrose:lights=40,cluster=F2,clusters=12,pick=power",
        .has_density = false,
        .unbiased = false},
+      {.specification = "median-cut:lights=40,cluster=F1,clusters=10",
+       .has_density = false,
+       .unbiased = false},
+      {.specification = "polyomino:lights=40,cluster=F3,separation=30",
+       .has_density = false,
+       .unbiased = false},
+      {.specification = "presampled:lights=40,cluster=F2,clusters=9", .stratified = false},
       {.specification = "hybrid:lights=20", .has_density = false, .unbiased = false},
+      {.specification = "hybrid:lights=20,strata=lights,angle=25,cluster=F2,clusters=8,inside=1",
+       .has_density = false},
       {.specification = "hybrid:lights=20,from=median-cut,inside=1", .has_density = false},
       {.specification = "hybrid:lights=20,from=polyomino,strata=p,p=1,inside=1",
        .has_density = false},
@@ -643,6 +652,46 @@ TEST(Strategies, CompensationGivesUpCompleteness) {
   // A constant map has nothing above its mean, so it is sampled unchanged.
   const EnvironmentMap flat = {AdversarialMap("Constant"), Orientations()[0].map_from_world};
   EXPECT_TRUE(MakeStrategy("importance:compensate=1", flat)->complete());
+}
+
+// Of n light samples and one BSDF sample, each technique leaves the other one's part of the mean.
+TEST(Strategies, CompensationIsSharedByLightSamples) {
+  const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[1].map_from_world, {}};
+  const MapCells cells(map);
+  const auto same = [&](const StrategyUse& use, const char* specification) {
+    const SeenCells seen = See(*MakeStrategy("importance", map, use), cells, 1);
+    return seen.pdf == See(*MakeStrategy(specification, map), cells, 1).pdf;
+  };
+  EXPECT_TRUE(same({.mis = true}, "importance:compensate=1"));
+  EXPECT_TRUE(same({.mis = true, .light_samples = 4}, "importance:compensate=0.25"));
+  EXPECT_TRUE(same({.mis = false, .light_samples = 4}, "importance:compensate=0"));
+  EXPECT_TRUE(same({.mis = true, .starts_light_paths = true}, "importance:compensate=0"));
+  EXPECT_FALSE(same({.mis = true}, "importance:compensate=0"));
+}
+
+// The mean of four light samples varies about a quarter as much as one, which it could not if they
+// chose from the same candidates.
+TEST(Strategies, LightSamplesOfRisHaveCandidatesOfTheirOwn) {
+  constexpr std::uint32_t kRows = 4096, kLights = 4;
+  const EnvironmentMap map = {AdversarialMap("Noise"), Orientations()[1].map_from_world, {}};
+  const auto strategy = MakeStrategy("ris", map);
+  const auto surfaces = SurfacesWith(kNormal, kRows);
+  const LambertPoints points(surfaces, kRows);
+  std::vector<double> sums(kRows);
+  Moments one, mean;
+  for (std::uint32_t index = 0; index < kLights; ++index) {
+    soa::Table<LightColumns> out(kRows);
+    strategy->Sample(points, RandomUniforms(kRows, 60 + index), kRows,
+                     {.index = index, .requested = kLights}, out);
+    for (std::uint32_t i = 0; i < kRows; ++i) {
+      const Vec direction = Get(i, out->dir_x, out->dir_y, out->dir_z);
+      const double light =
+          Weighted(out->r[i], out->g[i], out->b[i]) * std::max(0.0, Dot(direction, kNormal));
+      one.Add(kLights * light), sums[i] += light;
+    }
+  }
+  for (const double sum : sums) mean.Add(sum);
+  EXPECT_LT(mean.variance(), 0.3 * one.variance());
 }
 
 TEST(Strategies, UnknownNamesAndKeysAreRefused) {
