@@ -13,6 +13,7 @@
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"
 #include "wavefront/frame.h"
+#include "wavefront/option_names.h"
 #include "wavefront/render.h"
 
 namespace skywave {
@@ -317,6 +318,50 @@ TEST(Fisheye, SeesNothingOutsideOfItsCircle) {
         }
         if (first.empty()) first = image.rgb;
         EXPECT_EQ(image.rgb, first) << ToString(backend);
+      }
+    }
+  }
+}
+
+// The rays of a pixel and of its neighbours span an area: that of a square of the size told, where
+// pixels are not slanted.
+TEST(PixelSize, IsTheSideOfWhatAPixelCovers) {
+  const std::vector<float> none(kFilterCells + 1);  // rays go through the middles of pixels
+  struct Row {
+    CameraKind kind;
+    int width, height;
+  };
+  // Pixels of a map of the sphere are squares in the middle if it has this shape.
+  for (const Row& row : {Row{CameraKind::kPerspective, 640, 480},
+                         {CameraKind::kOrthographic, 480, 640},
+                         {CameraKind::kLatLong, 1024, 512},
+                         {CameraKind::kEqualArea, 512, 512},
+                         {CameraKind::kFisheye, 640, 480}}) {
+    for (const float scale : {1.0f, 2.5f}) {
+      SCOPED_TRACE(std::string(ToString(row.kind)) + " " + std::to_string(scale));
+      Camera camera = ObliqueCamera(row.kind, scale);
+      if (row.kind == CameraKind::kFisheye) camera.fov_degrees = 200;
+      const CameraView view = MakeCameraView(camera, row.width, row.height, none.data());
+      // In the middle of the square rays on both sides of a diagonal belong to different formulae.
+      const bool square = row.kind == CameraKind::kEqualArea;
+      const auto column = std::uint32_t(square ? 0.7 * row.width : row.width / 2);
+      const std::uint32_t pixel = std::uint32_t(row.height / 2) * view.width + column;
+      soa::Table<PathColumns> paths(3);
+      paths->pixel[0] = pixel, paths->pixel[1] = pixel + 1, paths->pixel[2] = pixel + view.width;
+      const soa::Table<UniformColumns> uniforms(3);
+      soa::Table<RayColumns> rays(3);
+      GenerateCameraRays(view, paths, uniforms, uniforms, 3, rays);
+      for (const float distance : {0.5f, 20.0f}) {
+        const auto point = [&](std::uint32_t i) {
+          return Get(i, rays->org_x, rays->org_y, rays->org_z) +
+                 double(distance) * Get(i, rays->dir_x, rays->dir_y, rays->dir_z);
+        };
+        const double area = Length(Cross(point(1) - point(0), point(2) - point(0)));
+        EXPECT_NEAR(double(PixelSize(view, distance)) / std::sqrt(area), 1, 5e-3) << distance;
+        // Where it does not depend on the distance, textures are looked up by the angle alone.
+        if (row.kind == CameraKind::kPerspective || row.kind == CameraKind::kFisheye) {
+          EXPECT_NEAR(double(PixelAngle(view)) * double(distance) / std::sqrt(area), 1, 5e-3);
+        }
       }
     }
   }
