@@ -256,6 +256,26 @@ TEST(Vcm, LastPassHasTheRadiusThatIsLeft) {
   }
 }
 
+// A sample has the same pass in every picture that has one, whichever samples that begins with.
+TEST(Vcm, APassOfASampleIsThatOfEveryPicture) {
+  const auto passes_of = [](std::uint32_t first, std::uint32_t end) {
+    RenderOptions options;
+    options.integrator = Integrator::kVcm;
+    options.photons.passes = 0;
+    options.picture_samples = {first, end};
+    return PhotonPasses(options);
+  };
+  const std::vector<PhotonPass> whole = passes_of(0, 16), part = passes_of(7, 16);
+  ASSERT_EQ(whole.size(), 16u);
+  ASSERT_EQ(part.size(), 9u);
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    EXPECT_EQ(part[i].samples.first, whole[i + 7].samples.first);
+    EXPECT_EQ(part[i].samples.end, whole[i + 7].samples.end);
+    EXPECT_EQ(part[i].shrink, whole[i + 7].shrink) << i;
+    EXPECT_LT(whole[i + 7].shrink, whole[i + 6].shrink) << i;
+  }
+}
+
 // Radii shrink, and with them the blur of a large first radius.
 TEST(Vcm, PassesConverge) {
   const Scene scene = MattRoom(Of(BsdfKind::kDielectric), kLamp);
