@@ -259,10 +259,12 @@ TEST(LightRaysOfAll, ArePickedAsTheChoiceHasIt) {
   FillWithGarbage(e.rays.columns(), kSamples);
   std::fill_n(e.emission->light, kSamples, 99u);
   EmitFromLocalLights(view, choice, kSphere, pick, aim, kSamples, e.rays, e.emission, e.places);
-  std::vector<double> flux(5);
+  std::vector<Moments> flux(5);
+  std::vector<double> observed(6), expected(6);
   for (std::uint32_t i = 0; i < kSamples; ++i) {
     const auto unit = std::uint32_t(pick->u[i] * float(kChoiceUnits));
     if (unit >= first[5]) {
+      ++observed[5];
       ASSERT_EQ(e.emission->light[i], 99u);
       ASSERT_TRUE(std::isnan(e.rays->org_x[i]));
       ASSERT_EQ(e.places->geom[i], kNoHit);
@@ -271,11 +273,19 @@ TEST(LightRaysOfAll, ArePickedAsTheChoiceHasIt) {
     const auto row = std::uint32_t(std::upper_bound(first, first + 6, unit) - first) - 1;
     ASSERT_EQ(e.emission->light[i], row);
     ASSERT_EQ(e.places->geom[i], row <= kBothSides ? 0 : kNoHit);
-    flux[row] += e.rays->throughput_r[i] / kSamples;
+    ++observed[row], flux[row].Add(e.rays->throughput_r[i]);
   }
-  for (const std::uint32_t row : {0u, 1u, 3u, 4u}) {
-    EXPECT_NEAR(flux[row], PowerOf(row), 0.05 * PowerOf(row)) << row;
+  for (std::uint32_t row = 0; row < 6; ++row) {
+    const std::uint32_t end = row < 5 ? first[row + 1] : kChoiceUnits;
+    const double probability = double(end - first[row]) / kChoiceUnits;
+    expected[row] = kSamples * probability;
+    if (row == kPoint || row == 5) continue;  // hardly ever chosen, and the environment
+    // Where all rays of a light carry the same flux, only rounding is left.
+    EXPECT_TRUE(AgreesWith(probability * flux[row].mean(), probability * flux[row].standard_error(),
+                           PowerOf(row), SidakLevel(5), 1e-5 * PowerOf(row)))
+        << row;
   }
+  EXPECT_TRUE(MatchesExpected(observed, expected, SidakLevel(5), /*strays=*/1));
 }
 
 // Light samples of an environment: some have a density, some are directional, some found nothing.
