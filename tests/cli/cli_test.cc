@@ -666,21 +666,6 @@ TEST_F(Cli, ACropWindowOfAPbrtFileIsTaken) {
   EXPECT_EQ(ReadImage(Path("a.exr")).height, 2);
 }
 
-TEST_F(Cli, CamerasSeeDifferently) {
-  std::set<std::string> pictures;
-  for (const std::string camera :
-       {"", "--camera orthographic", "--camera latlong", "--camera equal-area", "--fov 20",
-        "--eye 0,1,3", "--target 1,1,1", "--lens-radius 0.3",
-        "--lens-radius 0.3 --focal-distance 1"}) {
-    ASSERT_EQ(Run("render good.ply --env map.exr --ground --size 8x6 --spp 2 -q -o a.exr " + camera)
-                  .exit_code,
-              0)
-        << camera;
-    pictures.insert(Bytes("a.png"));
-  }
-  EXPECT_EQ(pictures.size(), 9u);
-}
-
 TEST_F(Cli, TheSceneHashTellsScenesApart) {
   const auto hash = [&](const std::string& arguments) {
     EXPECT_EQ(Run("render " + arguments + " -q --size 3x3 --spp 1 -o h.exr").exit_code, 0);

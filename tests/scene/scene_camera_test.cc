@@ -160,6 +160,18 @@ TEST(CameraKinds, OrthographicShowsTheMiddleAtTheSameSize) {
   ExpectNear(after.world_from_camera[2], {0, 0, -1});
 }
 
+// The middle may lie beside the axis, and a lens keeps its size in the world.
+TEST(CameraKinds, OrthographicKeepsDepthAndLens) {
+  const Bounds bounds{{-1, -1, -1}, {1, 1, 1}};
+  Camera before = LookAtCamera({3, 0, 8}, {3, 0, 0}, {0, 1, 0}, 30, false);
+  before.lens_radius = 0.25f, before.focal_distance = 6;
+  const Camera after = WithKind(before, CameraKind::kOrthographic, bounds, 'y', false);
+  const float side = glm::length(glm::vec3(after.world_from_camera[0]));
+  EXPECT_NEAR(side, 8 * std::tan(glm::radians(15.0f)), 1e-5f);
+  EXPECT_NEAR(after.lens_radius * side, 0.25f, 1e-6f);
+  EXPECT_NEAR(after.focal_distance * glm::length(glm::vec3(after.world_from_camera[2])), 6, 1e-5f);
+}
+
 TEST(CameraKinds, SphericalOnesStandUpright) {
   const Bounds bounds{{-1, -1, -1}, {1, 1, 1}};
   for (const bool left_handed : {false, true}) {
