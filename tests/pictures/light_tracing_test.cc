@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 #include <string>
 
@@ -134,6 +135,21 @@ TEST(LightTracing, IsPathTracingThroughALens) {
   scene.camera->lens_radius = 0.15f;
   scene.camera->focal_distance = 4;
   ExpectSame(scene, Request(3));
+}
+
+// Far out of focus and under a filter of several pixels the shape of a spot tells whether the point
+// of the lens and the pixel are chosen independently.
+TEST(LightTracing, IsPathTracingOutOfFocusUnderAWideFilter) {
+  Scene scene;
+  Place(scene, Quad(0.25f), AddLambert(scene, "spot", glm::vec3(0.9f)), {0.1f, 0, -0.1f});
+  AddLamp(scene, 0.6f, {0.8f, 1.5f, 0.6f}, {8, 7, 6});
+  scene.camera = LookAtCamera({0, 4, 0.5f}, {0, 0, 0}, {0, 1, 0}, 40, false);
+  scene.camera->lens_radius = 0.3f;
+  scene.camera->focal_distance = 2;
+  JobRequest request = Request(1, 192);
+  request.filter = PixelFilter::kBox;
+  request.options.filter_radius = 2.5f;
+  ExpectSame(scene, request);
 }
 
 TEST(LightTracing, IsPathTracingInEveryCameraAndPartOfAFilm) {
@@ -298,6 +314,41 @@ TEST(LightTracing, LightsASphereAsItShould) {
     }
   }
   EXPECT_TRUE(SamePicture(lit, exact, kLevel, 0.02));
+}
+
+// Light paths go on with normals that face their light, and camera paths with those that face the
+// eye, so silhouettes of coarse meshes differ by some tenths of a percent, as
+// docs/design/bidirectional.md says.
+TEST(LightTracing, NearlyIsPathTracingAtSmoothSilhouettes) {
+  Scene scene;
+  // Most light paths of a small scene meet what the camera sees.
+  Place(scene, Quad(1.1f), AddLambert(scene, "floor", glm::vec3(0.6f)), glm::vec3(0));
+  Place(scene, Sphere(0.8f, 3), AddLambert(scene, "ball", glm::vec3(0.8f)), {0, 0.8f, 0});
+  AddLamp(scene, 1, {0.7f, 2.2f, 0.5f}, {6, 6, 6});
+  scene.camera = LookAtCamera({0.3f, 2.6f, 2.6f}, {0, 0.4f, 0}, {0, 1, 0}, 32, false);
+  // Runs are compared as a whole: the points of light paths are spread over the film together.
+  constexpr std::uint32_t kSamples[] = {256, 1024};
+  Moments means[2];
+  for (const bool light : {false, true}) {
+    JobRequest request = Request(4, kSamples[light]);
+    request.integrator = light ? Integrator::kLight : Integrator::kPath;
+    const RenderJob job(scene, request);
+    for (std::uint32_t run = 0; run < kRuns; ++run) {
+      FrameView frame = job.frame();
+      frame.options.seed = 100 + run;
+      Film film = job.MakeFilm();
+      RenderFrame(frame, film);
+      double sum = 0;
+      for (const float value : film.Resolve(kSamples[light]).rgb) sum += double(value);
+      means[light].Add(sum);
+    }
+  }
+  const double difference = means[1].mean() / means[0].mean() - 1;
+  const double error =
+      std::hypot(means[0].standard_error(), means[1].standard_error()) / means[0].mean();
+  std::printf("light over path: %.5f +- %.5f\n", difference, error);
+  EXPECT_LT(error, 0.001);
+  EXPECT_LT(std::abs(difference), 0.005);
 }
 
 void ExpectRefused(const Scene& scene, const JobRequest& request, const std::string& part) {
