@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "lights/light_sets/light_builder.h"
+#include "lights/light_sets/strata.h"
 #include "lights/strategies/strategy.h"
 #include "tests/support/light_test_maps.h"
 
@@ -120,6 +121,28 @@ TEST(LightBias, CoarseMapsAreAreasAndNotPoints) {
   EXPECT_NEAR(LightBias(map).Of(set.lights), bias, 0.02 * bias);
   // A texel cannot be cut, so that no number is enough for a map of one.
   EXPECT_THROW(BuildLights(map, {.source = LightSource::kVarianceCut, .bias = 0.1}), OptionError);
+}
+
+// The bias of a hybrid is that of the light of the whole map, of which lights stand for a part.
+TEST(LightBias, LightsOfAHybridAreNoMoreThanTheWholeNeeds) {
+  const EnvironmentMap map = {test::SunMap(64, 32, 40), {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+  constexpr double kWanted = 0.05;
+  const auto strategy =
+      MakeStrategy("hybrid:lights=auto:0.05,strata=p,p=0.3,from=variance-cut", map);
+  const int count = int(strategy->Plan(1).fixed);
+  const SphereMap whole = MakeSphereMap(map.latlong);
+  const Strata strata = StrataByFraction(whole, 0.3);
+  const Image bright = StratumImage(whole, strata, true);
+  const SphereMap part = MakeSphereMap(bright);
+  const double share = part.energy / whole.energy;
+  EXPECT_LT(share, 0.5);
+  const auto bias = [&](int lights) {
+    const LightSet set = BuildLights(part, {.source = LightSource::kVarianceCut, .lights = lights});
+    return share * LightBias(part).Of(set.lights);
+  };
+  ASSERT_GT(count, 3);
+  EXPECT_LE(bias(count), 1.05 * kWanted);
+  EXPECT_GT(bias(count - std::max(1, count / 4)), kWanted);
 }
 
 TEST(LightBias, StrategiesTakeItAndSaySo) {
