@@ -194,11 +194,14 @@ TEST(Filters, SamplesFollowTheFilter) {
 }
 
 TEST(Filters, HaveARadiusOfTheirOwn) {
+  // A pixel, the neighbours between which is interpolated, three deviations of half a pixel, the
+  // support of Mitchell and Netravali's cubic, and four lobes.
   EXPECT_EQ(DefaultFilterRadius(PixelFilter::kBox), 0.5f);
-  for (const PixelFilter filter :
-       {PixelFilter::kTriangle, PixelFilter::kGaussian, PixelFilter::kBlackmanHarris}) {
-    EXPECT_GE(DefaultFilterRadius(filter), 1.0f);
-  }
+  EXPECT_EQ(DefaultFilterRadius(PixelFilter::kTriangle), 1.0f);
+  EXPECT_EQ(DefaultFilterRadius(PixelFilter::kGaussian), 1.5f);
+  EXPECT_EQ(DefaultFilterRadius(PixelFilter::kMitchell), 2.0f);
+  EXPECT_EQ(DefaultFilterRadius(PixelFilter::kSinc), 4.0f);
+  EXPECT_GE(DefaultFilterRadius(PixelFilter::kBlackmanHarris), 1.0f);
 }
 
 }  // namespace

@@ -84,6 +84,37 @@ TEST(Aovs, IdsAreThoseOfBothSides) {
   EXPECT_EQ(materials, (std::set<float>{0, 1}));
 }
 
+// A camera whose axes are longer than a unit, as files may have them, sees the same depths.
+TEST(Aovs, DepthsAreThoseOfTheWorld) {
+  for (const CameraKind kind : {CameraKind::kPerspective, CameraKind::kOrthographic}) {
+    for (const float scale : {1.0f, 2.5f}) {
+      Scene scene = TwoWalls();
+      scene.camera->kind = kind;
+      for (int axis = 0; axis < 3; ++axis) scene.camera->world_from_camera[axis] *= scale;
+      JobRequest request = SmallRequest(20, 20, 4);
+      request.filter = PixelFilter::kBox;
+      const std::vector<float> depth = Resolve(MakeJob(scene, request, "depth")).at("depth.Z");
+      EXPECT_NEAR(depth[9 * 20 + 9], 4, 1e-4) << scale;
+      EXPECT_NEAR(depth[10 * 20 + 9], 2, 1e-4) << scale;
+    }
+  }
+}
+
+// Positions are on the surface itself, whichever way it faces; the walls are turned to face x.
+TEST(Aovs, PositionsAreOnTheSurface) {
+  Scene scene = TwoWalls();
+  for (Mesh& mesh : scene.meshes) {
+    for (glm::vec3& p : mesh.positions) p = {p.z, p.x, p.y};
+    for (glm::vec3& n : mesh.normals) n = {n.z, n.x, n.y};
+  }
+  scene.camera = LookAtCamera({4, 0, 0}, {0, 0, 0}, {0, 0, 1}, 2 * 14.0362435f, false);
+  JobRequest request = SmallRequest(20, 20, 4);
+  request.filter = PixelFilter::kBox;
+  const std::vector<float> x = Resolve(MakeJob(scene, request, "position")).at("position.X");
+  EXPECT_NEAR(x[9 * 20 + 9], 0, 1e-5);
+  EXPECT_NEAR(x[10 * 20 + 9], 2, 1e-5);
+}
+
 TEST(Aovs, SayWhatTheCameraSees) {
   JobRequest request = SmallRequest(20, 20, 16);
   request.filter = PixelFilter::kBox;
