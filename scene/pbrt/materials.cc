@@ -459,12 +459,13 @@ Material CoatedDiffuse(Context& context) {
 }
 
 // A diffuse body under a dielectric coat. Version 3 has three such materials, which weight the coat
-// and its transmission differently; here the index alone determines both.
-Material Coated(Context& context) {
+// and its transmission differently; here the index alone determines both. They have different
+// colours by default.
+Material Coated(Context& context, float fallback) {
   PbrtParameters& parameters = context.parameters;
   Material material;
   material.bsdf = BsdfKind::kMetallicRoughness;
-  SetReflectance(context, 0.25f, material);
+  SetReflectance(context, fallback, material);
   material.alpha = FindWidths(context, "", 0.1f, false).mean();
   material.ior = DielectricIndex(context, {"eta", "index"});
   FindFraction(context, "Ks");
@@ -649,7 +650,8 @@ Material ByType(const std::string& type, Context& context) {
   if (type == "diffusetransmission") return DiffuseTransmission(context);
   if (type == "translucent") return Translucent(context);
   if (type == "coateddiffuse") return CoatedDiffuse(context);
-  if (type == "plastic" || type == "substrate" || type == "uber") return Coated(context);
+  if (type == "plastic" || type == "uber") return Coated(context, 0.25f);
+  if (type == "substrate") return Coated(context, 0.5f);
   if (type == "measured") return Measured(context);
   if (type == "mix") return Mix(context);
   for (const char* other : {"shinymetal", "disney"}) {

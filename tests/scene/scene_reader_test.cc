@@ -311,6 +311,46 @@ TEST(Materials, DiffuseOnes) {
   ExpectNear(translucent.second_color, {0.2f, 0.4f, 0.8f});
 }
 
+// What a file leaves out is what pbrt's own readers take, which differs between materials and
+// versions.
+TEST(Materials, HaveTheDefaultsOfTheirVersions) {
+  // 1.62142 + 0.819955 x + 0.1734 x^2 + 0.0171201 x^3 + 0.000640711 x^4 at x = ln 0.1 and ln 0.01
+  constexpr float kAlphaOfTenth = 0.46176f, kAlphaOfHundredth = 0.13894f;
+  for (const auto& [type, reflectance] :
+       {std::pair("plastic", 0.25f), {"uber", 0.25f}, {"substrate", 0.5f}}) {
+    SCOPED_TRACE(type);
+    const Material coated = OnlyMaterial("Material \"" + std::string(type) + "\"");
+    EXPECT_EQ(coated.bsdf, BsdfKind::kMetallicRoughness);
+    ExpectNear(coated.reflectance, glm::vec3(reflectance));
+    EXPECT_NEAR(coated.alpha, kAlphaOfTenth, 1e-4f);
+    EXPECT_FLOAT_EQ(coated.ior, 1.5f);
+  }
+  const Material metal = OnlyMaterial("Material \"metal\"");
+  EXPECT_EQ(metal.bsdf, BsdfKind::kConductor);
+  EXPECT_NEAR(metal.alpha, kAlphaOfHundredth, 1e-4f);
+  const Material paint = OnlyMaterial("Material \"coateddiffuse\"");
+  ExpectNear(paint.reflectance, glm::vec3(0.5f));
+  EXPECT_EQ(paint.alpha, 0);
+  EXPECT_FLOAT_EQ(paint.ior, 1.5f);
+  const Material lacquer = OnlyMaterial("Material \"coatedconductor\"");
+  ExpectNear(lacquer.eta, {0.20044f, 0.92403f, 1.10221f});  // copper
+  EXPECT_EQ(lacquer.alpha, 0);
+  EXPECT_EQ(lacquer.coat_alpha, 0);
+  EXPECT_FLOAT_EQ(lacquer.ior, 1.5f);
+  const Material sheet = OnlyMaterial("Material \"diffusetransmission\"");
+  ExpectNear(sheet.reflectance, glm::vec3(0.25f));
+  ExpectNear(sheet.second_color, glm::vec3(0.25f));
+  // A quarter of the light, of which each side gets a half.
+  const Material leaf = OnlyMaterial("Material \"translucent\"");
+  ExpectNear(leaf.reflectance, glm::vec3(0.125f));
+  ExpectNear(leaf.second_color, glm::vec3(0.125f));
+  const Material page =
+      OnlyMaterial("Material \"translucent\" \"rgb reflect\" [.4 .2 0] \"rgb transmit\" [.1 0 .8]");
+  ExpectNear(page.reflectance, {0.1f, 0.05f, 0});
+  ExpectNear(page.second_color, {0.025f, 0, 0.2f});
+  EXPECT_FLOAT_EQ(OnlyMaterial("Material \"thindielectric\"").ior, 1.5f);
+}
+
 TEST(Materials, RoughAndThinGlass) {
   const Material frosted =
       OnlyMaterial("Material \"dielectric\" \"float roughness\" .09 \"float eta\" 1.4");
@@ -459,7 +499,8 @@ TEST(Shapes, SphereTriangleMeshAndSubdivision) {
       "Shape \"loopsubdiv\" \"integer nlevels\" 1 \"integer indices\" [0 1 2] \"point P\" "
       "[0 0 0 1 0 0 0 1 0]\n"
       "Shape \"loopsubdiv\" \"integer levels\" 2 \"integer indices\" [0 1 2] \"point3 P\" "
-      "[0 0 0 1 0 0 0 1 0]\n");
+      "[0 0 0 1 0 0 0 1 0]\n"
+      "Shape \"loopsubdiv\" \"integer indices\" [0 1 2] \"point3 P\" [0 0 0 1 0 0 0 1 0]\n");
   EXPECT_EQ(scene.warnings, std::vector<std::string>{});
   for (const glm::vec3& p : scene.meshes.at(0).positions) {
     EXPECT_NEAR(glm::distance(p, glm::vec3(1, 0, 0)), 2, 1e-5);
@@ -468,6 +509,7 @@ TEST(Shapes, SphereTriangleMeshAndSubdivision) {
   EXPECT_EQ(scene.meshes.at(1).uvs.at(1), glm::vec2(1, 0));
   EXPECT_EQ(scene.meshes.at(2).triangles.size(), 4u);
   EXPECT_EQ(scene.meshes.at(3).triangles.size(), 16u);
+  EXPECT_EQ(scene.meshes.at(4).triangles.size(), 64u);  // three levels are pbrt's default
 }
 
 TEST(Lights, FramesOfInfiniteLights) {
