@@ -297,6 +297,13 @@ TEST(PbrtLights, Projections) {
   ExpectNear(parse("\"float power\" 8").lights.at(0).emission,
              glm::vec3(float(8 / (sum * half * half))));
   EXPECT_THROW(parse("\"float fov\" 180"), InputError);
+  // The default of version 4 is 90 degrees: the picture is as far away as it is high by halves.
+  const Scene wide = ParseWithImage(MadeImage(4, 2, [](int, int) { return glm::vec3(1); }),
+                                    "LightSource \"projection\" \"string filename\" \"image.pfm\"");
+  EXPECT_EQ(SentTo(wide, {0, 0.98, 1}), glm::dvec3(1));
+  EXPECT_EQ(SentTo(wide, {0, 1.02, 1}), glm::dvec3(0));
+  EXPECT_EQ(SentTo(wide, {1.98, 0, 1}), glm::dvec3(1));
+  EXPECT_EQ(SentTo(wide, {2.02, 0, 1}), glm::dvec3(0));
 }
 
 TEST(PbrtLights, DistantOnes) {

@@ -462,6 +462,31 @@ TEST_F(ComputedTextures, MixAndScaleWorkTexelByTexel) {
   EXPECT_EQ(baked.height, 4);
 }
 
+// pbrt's defaults are 1 for a constant, black and white for the two that are mixed.
+TEST_F(ComputedTextures, HaveDefaults) {
+  Expect("Texture \"x\" \"color\" \"constant\"", {0, 0}, glm::dvec3(1), 1e-6);
+  Expect("Texture \"x\" \"color\" \"mix\" \"float amount\" .25", {0, 0}, glm::dvec3(0.25), 1e-6);
+  Expect("Texture \"x\" \"color\" \"mix\" \"float amount\" .25 \"float tex1\" .5", {0, 0},
+         glm::dvec3(0.625), 1e-6);
+  Expect("Texture \"x\" \"color\" \"scale\" \"float scale\" .25", {0, 0}, glm::dvec3(0.25), 1e-6);
+}
+
+// (s, t) = (2 u + 0.1, v / 2 + 0.2), and t points up.
+TEST_F(ComputedTextures, AreScaledAndMovedAlongBothAxes) {
+  const std::string moved =
+      "\"float uscale\" 2 \"float vscale\" .5 \"float udelta\" .1 \"float vdelta\" .2";
+  const auto uv = [](double s, double t) { return glm::dvec2((s - 0.1) / 2, (t - 0.2) * 2); };
+  const std::string image = "Texture \"x\" \"color\" " + kImage + moved;
+  Expect(image, uv(0.25, 0.75), {1, 0, 0});
+  Expect(image, uv(0.75, 0.75), {0, 1, 0});
+  Expect(image, uv(0.25, 0.25), {0, 0, 1});
+  const std::string checks =
+      "Texture \"x\" \"color\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1] " + moved;
+  Expect(checks, uv(0.9, 0.1), {1, 0, 0});
+  Expect(checks, uv(0.9, -0.1), {0, 0, 1});
+  Expect(checks, uv(1.1, 0.1), {0, 0, 1});
+}
+
 TEST_F(ComputedTextures, InvertAndGammaActOnNumbers) {
   Expect("Texture \"x\" \"color\" " + kImage + "\"bool invert\" true \"float scale\" .5",
          {0.25, 0.75}, {0.5, 1, 1});
@@ -583,6 +608,32 @@ TEST(MtlTextures, HaveTheirFirstRowOnTopAndTheirOptions) {
   EXPECT_TRUE(material(coated).color_texture);
   folder.Write("t.png", "no picture");
   EXPECT_THROW(read("map_Kd t.png"), InputError);
+}
+
+// Each statement has options of its own, with a number for each axis; v points up.
+TEST(MtlTextures, LieAsTheirOwnStatementsSay) {
+  const TemporaryFolder folder;
+  WriteFourColors(folder, "t.png");
+  WritePng(folder.Path("grey.png"), 2, 1, {51, 51, 51, 255, 255, 255});
+  folder.Write("a.mtl",
+               "newmtl m\nKd 1 1 1\nKe 1 1 1\nmap_Kd -s 2 3 1 -o .125 .25 0 t.png\n"
+               "map_Ke -s 5 7 1 -o .5 .75 0 t.png\nmap_d -s 11 13 1 -o 2 3 0 grey.png\n"
+               "bump -s 17 19 1 -o 4 5 0 grey.png\n");
+  const Scene scene = ReadScene(
+      folder.Write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  const Material& material = scene.materials.at(scene.meshes.at(0).material);
+  const auto expect = [&](const std::optional<std::uint32_t>& texture, const glm::vec2& scale,
+                          const glm::vec2& offset) {
+    ASSERT_TRUE(texture);
+    const glm::vec2 uv(0.25f, 0.5f), up = scale * uv + offset;
+    const glm::vec2 at = scene.textures.at(*texture).transform * glm::vec3(uv, 1);
+    EXPECT_LT(glm::length(at - glm::vec2(up.x, 1 - up.y)), 1e-6f) << at.x << " " << at.y;
+  };
+  expect(material.color_texture, {2, 3}, {0.125f, 0.25f});
+  expect(material.emission_texture, {5, 7}, {0.5f, 0.75f});
+  expect(material.opacity_texture, {11, 13}, {2, 3});
+  expect(material.normal_texture, {17, 19}, {4, 5});
 }
 
 }  // namespace
