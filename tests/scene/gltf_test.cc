@@ -208,6 +208,142 @@ TEST_F(Gltf, CamerasLookAlongMinusZ) {
   EXPECT_NEAR(scene.camera->fov_degrees, glm::degrees(1.0), 1e-4);
 }
 
+// yfov is the vertical angle, and ours is that across the shorter side of the film.
+TEST_F(Gltf, CamerasOfPortraitsAndWithoutPerspective) {
+  const auto camera = [&](const json& from) {
+    json document = Document();
+    document["cameras"] = {from};
+    document["nodes"].push_back({{"camera", 0}});
+    document["scenes"][0]["nodes"].push_back(3);
+    return Read(document).camera.value();
+  };
+  const auto perspective = [&](double aspect) {
+    return camera({{"type", "perspective"},
+                   {"perspective", {{"yfov", 1.0}, {"znear", 0.1}, {"aspectRatio", aspect}}}});
+  };
+  EXPECT_NEAR(perspective(0.25).fov_degrees, 2 * glm::degrees(std::atan(0.25 * std::tan(0.5))),
+              1e-4);
+  EXPECT_NEAR(perspective(4).fov_degrees, glm::degrees(1.0), 1e-4);
+  const Camera parallel =
+      camera({{"type", "orthographic"},
+              {"orthographic", {{"xmag", 3.0}, {"ymag", 2.0}, {"znear", 0}, {"zfar", 9}}}});
+  EXPECT_EQ(parallel.kind, CameraKind::kOrthographic);
+  ASSERT_TRUE(parallel.window);
+  EXPECT_EQ(parallel.window->left, -3);
+  EXPECT_EQ(parallel.window->right, 3);
+  EXPECT_EQ(parallel.window->bottom, -2);
+  EXPECT_EQ(parallel.window->top, 2);
+}
+
+// A matrix is listed by columns (glTF 2.0, 3.5.3); a scale comes before the rotation.
+TEST_F(Gltf, NodesHaveAMatrixOrAScaleForEachAxis) {
+  json document = Document();
+  document["nodes"][1] = {{"mesh", 0},
+                          {"matrix", {0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 7, 8, 9, 1}}};
+  document["nodes"][2]["scale"] = {3, 5, 7};
+  document["nodes"][2]["translation"] = {0, 0, 4};
+  const Scene scene = Read(document);
+  // The parent moves by (1, 0, 0). The first columns take x to y and y to z.
+  ExpectNear(scene.meshes.at(0).positions[1], {8, 10, 9});
+  ExpectNear(scene.meshes.at(0).positions[2], {8, 8, 11});
+  ExpectNear(scene.meshes.at(1).positions[1], {1, 6, 4});
+  ExpectNear(scene.meshes.at(1).positions[2], {-9, 0, 4});
+}
+
+TEST_F(Gltf, TheDefaultSceneIsRead) {
+  json document = Document();
+  document["nodes"][0].erase("children");
+  document["scenes"] = {{{"nodes", {1}}}, {{"nodes", {0, 2}}}};
+  document["scene"] = 1;
+  const Scene second = Read(document);
+  ASSERT_EQ(second.meshes.size(), 1u);
+  ExpectNear(second.meshes[0].positions[1], {0, 2, 0});
+  document.erase("scene");
+  const Scene first = Read(document);
+  ASSERT_EQ(first.meshes.size(), 1u);
+  ExpectNear(first.meshes[0].positions[1], {4, 0, 0});
+  // Without any scene, what is nobody's child is shown.
+  document = Document();
+  document.erase("scene"), document.erase("scenes");
+  EXPECT_EQ(Read(document).meshes.size(), 2u);
+}
+
+// Triangle i of a strip is (i, i + 1 + i % 2, i + 2 - i % 2), that of a fan (i + 1, i + 2, 0)
+// (glTF 2.0, 3.7.2.1).
+TEST(GltfMeshes, StripsAndFansAreWoundAsTheSpecificationSays) {
+  using Triangles = std::vector<glm::uvec3>;
+  const auto triangles = [](int mode) {
+    GltfDocument document;
+    const int positions =
+        document.Add<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0}, "VEC3");
+    document.json["meshes"] = {
+        {{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"mode", mode}}}}}};
+    document.json["nodes"] = {{{"mesh", 0}}};
+    document.json["scenes"] = {{{"nodes", {0}}}};
+    Triangles found = ParseGltf(document.text(), "a.gltf").meshes.at(0).triangles;
+    for (glm::uvec3& t : found) {  // begin with the least number
+      while (t.x > t.y || t.x > t.z) t = {t.y, t.z, t.x};
+    }
+    return found;
+  };
+  EXPECT_EQ(triangles(5), (Triangles{{0, 1, 2}, {1, 3, 2}, {2, 3, 4}}));
+  EXPECT_EQ(triangles(6), (Triangles{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+}
+
+// Positions, coordinates of two sets and a number that nobody reads, vertex by vertex in one view.
+TEST(GltfMeshes, AttributesMayBeInterleavedAndMaterialsChooseTheirCoordinates) {
+  GltfDocument document;
+  std::vector<float> vertices;
+  for (int i = 0; i < 3; ++i) {
+    const float n = float(i);
+    for (const float number : {n, 10 + n * n, -n, 77.f, 0.1f * n, 0.2f, 0.3f, 0.4f + n}) {
+      vertices.push_back(number);
+    }
+  }
+  const int view = document.AddView(vertices);
+  document.json["bufferViews"][0]["byteStride"] = 32;
+  const auto accessor = [&](int offset, const char* type) {
+    document.json["accessors"].push_back({{"bufferView", view},
+                                          {"byteOffset", offset},
+                                          {"componentType", 5126},
+                                          {"count", 3},
+                                          {"type", type}});
+    return document.json["accessors"].size() - 1;
+  };
+  const auto positions = accessor(0, "VEC3"), first = accessor(16, "VEC2"),
+             second = accessor(24, "VEC2");
+  document.json["meshes"] = {
+      {{"primitives",
+        {{{"attributes", {{"POSITION", positions}, {"TEXCOORD_0", first}, {"TEXCOORD_1", second}}},
+          {"material", 0}}}}}};
+  document.json["nodes"] = {{{"mesh", 0}}};
+  document.json["scenes"] = {{{"nodes", {0}}}};
+  const TemporaryFolder folder;
+  WritePng(folder.Path("a.png"), 1, 1, {255, 0, 0});
+  document.json["images"] = {{{"uri", "a.png"}}};
+  document.json["textures"] = {{{"source", 0}}};
+  json color = {{"index", 0}};
+  const auto mesh = [&] {
+    document.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", color}}}}};
+    return ParseGltf(document.text(), folder.Path("a.gltf")).meshes.at(0);
+  };
+  const Mesh plain = mesh();
+  ASSERT_EQ(plain.positions.size(), 3u);
+  ASSERT_EQ(plain.uvs.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const float n = float(i);
+    EXPECT_EQ(plain.positions[i], glm::vec3(n, 10 + n * n, -n));
+    EXPECT_EQ(plain.uvs[i], glm::vec2(0.1f * n, 0.2f));
+  }
+  color["texCoord"] = 1;
+  EXPECT_EQ(mesh().uvs.at(2), glm::vec2(0.3f, 2.4f));
+  // The extension has the last word.
+  color["extensions"]["KHR_texture_transform"] = {{"texCoord", 0}};
+  EXPECT_EQ(mesh().uvs.at(2), glm::vec2(0.2f, 0.2f));
+  color["extensions"]["KHR_texture_transform"] = {{"scale", {2, 2}}};
+  EXPECT_EQ(mesh().uvs.at(2), glm::vec2(0.3f, 2.4f));
+}
+
 TEST_F(Gltf, TexturesHaveSamplersAndTransforms) {
   WritePng(folder_.Write("a b.png", ""), 2, 1, {255, 0, 0, 0, 255, 0});
   json document = Document();
@@ -450,6 +586,16 @@ TEST_F(Gltf, LayersAndSpecular) {
   const float ior = Read(document).materials[0].ior;
   EXPECT_NEAR((ior - 1) / (ior + 1), 0.5 * 0.2, 1e-6);
   EXPECT_EQ(Read(document).warnings, std::vector<std::string>{});
+  // A colour stands for its mean, here a half, and multiplies the factor.
+  extensions["KHR_materials_specular"] = {{"specularFactor", 0.5},
+                                          {"specularColorFactor", {0.75, 0.5, 0.25}}};
+  const Scene tinted = Read(document);
+  const float weaker = tinted.materials[0].ior;
+  EXPECT_NEAR((weaker - 1) / (weaker + 1), 0.5 * 0.2, 1e-6);
+  EXPECT_EQ(tinted.warnings.size(), 1u);
+  extensions["KHR_materials_specular"]["specularColorFactor"] = {0, 0, 1.5};
+  const float blue = Read(document).materials[0].ior;
+  EXPECT_NEAR((blue - 1) / (blue + 1), 0.5 * 0.2, 1e-6);
 }
 
 TEST_F(Gltf, WhatIsNotRenderedIsNamed) {
