@@ -161,6 +161,31 @@ TEST(Obj, NormalsOfTheFileComeFirst) {
             0);
 }
 
+// The normals of corners are those that they name, in any order.
+TEST(Obj, EveryCornerHasItsOwnNormal) {
+  const Scene scene = Parse(std::string(kSquare) +
+                            "vn 0 0 1\nvn 0 .6 .8\nvn .8 0 .6\nvn -.6 0 .8\n"
+                            "f 1//3 2//1 3//4\nf 1//3 3//2 4//1\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  const glm::vec3 expected[] = {{0.8f, 0, 0.6f}, {0, 0, 1},       {-0.6f, 0, 0.8f},
+                                {0.8f, 0, 0.6f}, {0, 0.6f, 0.8f}, {0, 0, 1}};
+  for (int corner = 0; corner < 6; ++corner) {
+    SCOPED_TRACE(corner);
+    ExpectNear(mesh.normals.at(mesh.triangles[std::size_t(corner / 3)][corner % 3]),
+               expected[corner]);
+  }
+}
+
+// Three sides of a cube meet evenly, though one of them is cut in two there.
+TEST(Obj, SmoothNormalsDoNotShowHowFacesAreCut) {
+  const Mesh mesh = Parse(
+                        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\ns 1\n"
+                        "f 1 4 3\nf 1 3 2\nf 1 2 5\nf 1 5 4\n")
+                        .meshes.at(0);
+  ExpectNear(mesh.normals.at(mesh.triangles.at(0).x), glm::vec3(-std::sqrt(1 / 3.0f)));
+}
+
 TEST(Obj, AFanOfManyTrianglesEndsInTime) {
   std::string text = "v 0 0 0\n";
   constexpr int kSides = 20000;

@@ -361,6 +361,29 @@ TEST(Ply, FormatsTypesAndExtras) {
   EXPECT_EQ(quad.uvs.at(2), glm::vec2(1, 1));
 }
 
+// Exporters have four pairs of names for the same coordinates.
+TEST(Ply, EveryPropertyGoesToItsPlace) {
+  const std::pair<const char*, const char*> pairs[] = {
+      {"u", "v"}, {"s", "t"}, {"texture_u", "texture_v"}, {"texture_s", "texture_t"}};
+  for (const auto& [u, v] : pairs) {
+    SCOPED_TRACE(u);
+    const Mesh mesh = ParsePly(
+        std::string("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                    "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                    "property float ") +
+            u + "\nproperty float " + v +
+            "\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+            "1 2 3 .6 0 .8 .25 .75\n4 2 3 0 .6 .8 .5 .125\n1 6 3 0 -.6 .8 1 0\n3 0 1 2\n",
+        "t.ply");
+    ASSERT_EQ(mesh.uvs.size(), 3u);
+    EXPECT_EQ(mesh.positions[0], glm::vec3(1, 2, 3));
+    EXPECT_LT(glm::length(mesh.normals.at(0) - glm::vec3(0.6f, 0, 0.8f)), 1e-6f);
+    EXPECT_LT(glm::length(mesh.normals.at(1) - glm::vec3(0, 0.6f, 0.8f)), 1e-6f);
+    EXPECT_EQ(mesh.uvs[0], glm::vec2(0.25f, 0.75f));
+    EXPECT_EQ(mesh.uvs[1], glm::vec2(0.5f, 0.125f));
+  }
+}
+
 TEST(BadPly, EveryTruncationIsRefused) {
   for (const bool big_endian : {false, true}) {
     const std::string bytes = BinaryPly(big_endian);
