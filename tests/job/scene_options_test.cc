@@ -102,6 +102,29 @@ TEST(Orbit, KeepsEverythingElseOfTheCamera) {
   EXPECT_EQ(after.focal_distance, before.focal_distance);
 }
 
+// The options of a lens are in units of the world, however a file has scaled its camera.
+TEST(Lens, OfAScaledCameraIsInUnitsOfTheWorld) {
+  Camera camera = LookAtCamera({1, 1, 9}, {1, 1, 0}, {0, 1, 0}, 30, false);
+  camera.world_from_camera[0] *= 2.0f, camera.world_from_camera[1] *= 2.0f;
+  camera.world_from_camera[2] *= 4.0f;
+  const Scene scene = {.camera = camera};
+  CameraRequest request;
+  request.lens_radius = 0.25f;
+  const auto distance = [](const Camera& of) {
+    return of.focal_distance * glm::length(glm::vec3(of.world_from_camera[2]));
+  };
+  const Camera automatic = Choose(scene, request);
+  EXPECT_FLOAT_EQ(automatic.lens_radius * glm::length(glm::vec3(automatic.world_from_camera[0])),
+                  0.25f);
+  EXPECT_FLOAT_EQ(distance(automatic), 9) << "that of the middle of the scene";
+  request.focal_distance = 3.0f;
+  EXPECT_FLOAT_EQ(distance(Choose(scene, request)), 3);
+  // What lies behind the camera cannot be sharp.
+  request.focal_distance.reset();
+  request.eye = glm::vec3(1, 1, 5), request.target = glm::vec3(1, 1, 9);
+  EXPECT_EQ(Choose(scene, request).focal_distance, Camera().focal_distance);
+}
+
 TEST(SceneCamera, IsFoundByItsName) {
   const Scene scene = ParseGltf(TriangleDocument().text(), "a.gltf");
   CameraRequest request;
@@ -156,6 +179,30 @@ TEST(MaterialChanges, WithoutABsdfKeepWhatTheyDoNotName) {
   EXPECT_EQ(scene.materials[2].bsdf, BsdfKind::kConductor);
   EXPECT_EQ(scene.materials[1].ior, 1.75f) << "the name has the sign that ends it";
   EXPECT_EQ(scene.materials[1].absorption, glm::vec3(1, 2, 3));
+}
+
+TEST(MaterialChanges, AreOfTheLongestNameThatFits) {
+  Scene scene = Painted();
+  scene.materials.push_back({.name = "a", .bsdf = BsdfKind::kDielectric, .ior = 2});
+  ChangeMaterials({"a=b=:ior=1.75"}, scene);
+  EXPECT_EQ(scene.materials[1].ior, 1.75f);
+  EXPECT_EQ(scene.materials[4].ior, 2);
+  ChangeMaterials({"a=:ior=3"}, scene);
+  EXPECT_EQ(scene.materials[1].ior, 1.75f);
+  EXPECT_EQ(scene.materials[4].ior, 3);
+}
+
+// Without compensation rough metal is that of two widths, which are equal: it draws no other lobe.
+TEST(MaterialChanges, LeaveFacetsWithoutTheirCompensation) {
+  Scene scene = Painted();
+  scene.materials.push_back({.bsdf = BsdfKind::kConductor, .alpha = 0.5f, .roughness_texture = 0u});
+  LeaveOutCompensation(scene);
+  for (const Material& material : scene.materials) EXPECT_FALSE(material.energy_compensation);
+  EXPECT_EQ(scene.materials[1].bsdf, BsdfKind::kDielectric);
+  EXPECT_EQ(scene.materials[2].bsdf, BsdfKind::kAnisotropicConductor);
+  EXPECT_EQ(scene.materials[2].alpha, 0.5f);
+  EXPECT_EQ(scene.materials[2].alpha_across, 0.5f);
+  EXPECT_EQ(scene.materials[4].bsdf, BsdfKind::kConductor) << "its widths are those of an image";
 }
 
 TEST(MaterialChanges, ThatMakeNoSenseAreRefused) {
