@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "denoise/planes.h"
 #include "tests/support/targets.h"
 
 namespace skywave {
@@ -47,9 +49,10 @@ struct Noisy {
 
 double TrueValue(const Pixel& pixel) { return pixel.light * pixel.albedo; }
 
-// Draws the samples of every pixel, the same for all channels, from a normal distribution, or from
-// those that `sample` makes of it.
-Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int height = kSide) {
+// Draws the samples of every pixel, the same for all channels, from a normal distribution. One in
+// `period` of them is in the second half.
+Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int height = kSide,
+           int period = 2) {
   Noisy noisy{.image = Image(width, height), .layers = {}};
   for (const std::string& name : DenoiserChannels()) {
     noisy.layers.push_back({name, std::vector<float>(std::size_t(width) * height, 0)});
@@ -61,9 +64,12 @@ Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int height
       std::normal_distribution<double> normal;
       const Pixel pixel = truth(x, y);
       double sums[2] = {0, 0}, squares[2] = {0, 0};
+      int second = 0;
       for (int i = 0; i < kSamples; ++i) {
         const double value = TrueValue(pixel) + pixel.deviation * pixel.albedo * normal(random);
-        sums[i % 2] += value, squares[i % 2] += value * value;
+        const bool is_second = i % period == period - 1;
+        second += is_second;
+        sums[is_second] += value, squares[is_second] += value * value;
       }
       const auto variance = [](double n, double sum, double square) {
         return (square - sum * sum / n) / (n - 1);
@@ -71,16 +77,16 @@ Noisy Draw(const Truth& truth, std::uint32_t seed, int width = kSide, int height
       const std::size_t i = std::size_t(y) * width + x;
       const double all = sums[0] + sums[1];
       noisy.at("samples.V")[i] = kSamples;
-      noisy.at("half.N")[i] = kSamples / 2;
+      noisy.at("half.N")[i] = float(second);
       noisy.at("coverage.V")[i] = float(pixel.coverage);
       noisy.at("depth.Z")[i] = 4;
       noisy.at("shading-normal.Z")[i] = 1;
       for (int c = 0; c < 3; ++c) {
         const std::string letter(1, "RGB"[c]);
         noisy.image.rgb[3 * i + std::size_t(c)] = float(all / kSamples);
-        noisy.at("half." + letter)[i] = float(sums[1] / (kSamples / 2));
+        noisy.at("half." + letter)[i] = float(sums[1] / second);
         noisy.at("variance." + letter)[i] = float(variance(kSamples, all, squares[0] + squares[1]));
-        noisy.at("half-variance." + letter)[i] = float(variance(kSamples / 2, sums[1], squares[1]));
+        noisy.at("half-variance." + letter)[i] = float(variance(second, sums[1], squares[1]));
         noisy.at("albedo." + letter)[i] = float(pixel.albedo);
       }
     }
@@ -268,27 +274,173 @@ TEST(Denoise, ErrorsAreWhatIntervalsSay) {
   }
 }
 
-TEST(Denoise, OutliersAreSpreadAndEnergyIsKept) {
-  Noisy noisy = Draw(Flat, 7);
-  const Denoised before = Clean(noisy);
-  // One sample of the second half was 4000 times as bright as the others.
-  const std::size_t at = 48 * kSide + 50;
-  for (const char* const letter : {"R", "G", "B"}) {
-    const std::string channel(letter);
-    noisy.image.rgb[3 * at + std::size_t(std::string("RGB").find(channel))] += 4000.0f / kSamples;
-    noisy.at("half." + channel)[at] += 4000.0f / (kSamples / 2);
-    noisy.at("variance." + channel)[at] += 4000.0f * 4000 / kSamples;
-    noisy.at("half-variance." + channel)[at] += 4000.0f * 4000 / (kSamples / 2);
+// What is known of each half is that of its samples alone, channel by channel, though files keep
+// the second half and the whole.
+TEST(Planes, HoldTheMeansAndTheNoiseOfBothHalves) {
+  constexpr int kWidth = 5, kHeight = 3, kFirst = 11, kSecond = 5;
+  Noisy noisy{.image = Image(kWidth, kHeight), .layers = {}};
+  for (const std::string& name : DenoiserChannels()) {
+    noisy.layers.push_back({name, std::vector<float>(std::size_t(kWidth) * kHeight, 0)});
   }
+  struct Half {
+    double mean[3] = {}, noise = 0;  // of light, over its count
+  };
+  std::vector<std::array<Half, 2>> expected;
+  std::mt19937_64 random(21);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0.1, 1);
+  for (std::size_t i = 0; i < std::size_t(kWidth) * kHeight; ++i) {
+    std::array<Half, 2>& halves = expected.emplace_back();
+    noisy.at("samples.V")[i] = kFirst + kSecond, noisy.at("half.N")[i] = kSecond;
+    noisy.at("coverage.V")[i] = 1, noisy.at("depth.Z")[i] = float(std::exp(uniform(random)));
+    for (const int c : {0, 1, 2}) {
+      const std::string letter(1, "RGB"[c]);
+      const double albedo = uniform(random), level = 3 * uniform(random);
+      std::vector<double> samples;
+      for (int k = 0; k < kFirst + kSecond; ++k) samples.push_back(level + 0.3 * normal(random));
+      const auto moments = [&](int first, int end) {
+        double sum = 0, squares = 0;
+        for (int k = first; k < end; ++k) sum += samples[std::size_t(k)];
+        const double mean = sum / (end - first);
+        for (int k = first; k < end; ++k) squares += std::pow(samples[std::size_t(k)] - mean, 2);
+        return std::pair(mean, squares / (end - first - 1));
+      };
+      const auto [all, variance] = moments(0, kFirst + kSecond);
+      const auto [second, half_variance] = moments(kFirst, kFirst + kSecond);
+      const auto [first, first_variance] = moments(0, kFirst);
+      noisy.image.rgb[3 * i + std::size_t(c)] = float(all);
+      noisy.at("variance." + letter)[i] = float(variance);
+      noisy.at("half." + letter)[i] = float(second);
+      noisy.at("half-variance." + letter)[i] = float(half_variance);
+      noisy.at("albedo." + letter)[i] = float(albedo);
+      noisy.at("shading-normal." + std::string(1, "XYZ"[c]))[i] = float(uniform(random));
+      halves[0].mean[c] = first, halves[1].mean[c] = second;
+      // In units of what the albedo reflects.
+      const double light2 = std::pow(albedo + 0.02, 2);
+      halves[0].noise += first_variance / kFirst / light2;
+      halves[1].noise += half_variance / kSecond / light2;
+    }
+  }
+  const DenoiserInput input = FindInput("noisy.exr", noisy.image, noisy.layers);
+  const PlaneShape shape = {kWidth, kHeight};
+  DenoiserPlanes planes(shape);
+  for (int y = 0; y < kHeight; ++y) ReadRow(input, y, planes);
+  const double unit2 = double(input.brightness) * input.brightness;
+  const FeaturePlanes& features = planes.features;
+  const std::pair<const char*, const float*> alike[] = {
+      {"shading-normal.X", features.normal_x}, {"shading-normal.Y", features.normal_y},
+      {"shading-normal.Z", features.normal_z}, {"albedo.R", features.albedo_r},
+      {"albedo.G", features.albedo_g},         {"albedo.B", features.albedo_b}};
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      SCOPED_TRACE(testing::Message() << x << ' ' << y);
+      const std::size_t at = shape.at(x, y), i = std::size_t(y * kWidth + x);
+      const float texture[] = {planes.texture->r[at], planes.texture->g[at], planes.texture->b[at]};
+      for (int h = 0; h < 2; ++h) {
+        const HalfPlanes half = planes.halves[h];
+        const float light[] = {half.r[at], half.g[at], half.b[at]};
+        for (int c = 0; c < 3; ++c) {
+          EXPECT_NEAR(light[c] * texture[c], expected[i][std::size_t(h)].mean[c], 1e-5) << h << c;
+        }
+        EXPECT_NEAR(half.noise[at] * unit2 / expected[i][std::size_t(h)].noise, 1, 1e-3) << h;
+      }
+      // The features are those of the picture in units of 0.1, and so is the depth's logarithm in
+      // units of 0.02.
+      for (const auto& [name, plane] : alike) {
+        EXPECT_NEAR(plane[at], 10 * noisy.at(name)[i], 1e-4) << name;
+      }
+      EXPECT_NEAR(features.depth[at], 50 * std::log(noisy.at("depth.Z")[i]), 1e-3);
+    }
+  }
+}
+
+// The channels of a picture are alike: one whose colours and axes are turned round becomes the
+// turned picture.
+TEST(Denoise, NoChannelHasPrivileges) {
+  const Truth truths[] = {
+      [](int x, int) { return Pixel{.light = x < kSide / 2 ? 1.0 : 1.6}; },
+      [](int x, int y) { return Pixel{.light = 1 + 0.01 * x + 0.005 * y, .deviation = 0.2}; },
+      [](int x, int y) {
+        return Pixel{.deviation = 0.8, .albedo = (x / 2 + y / 2) % 2 == 0 ? 0.7 : 0.75};
+      }};
+  // Returns the picture whose channel c + turn is drawn from truth c, modulo 3.
+  const auto drawn = [&](std::size_t turn) {
+    Noisy noisy = Draw(Flat, 20);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::size_t to = (c + turn) % 3;
+      Noisy of_channel = Draw(truths[c], 30 + std::uint32_t(c));
+      for (std::size_t i = to; i < noisy.image.rgb.size(); i += 3) {
+        noisy.image.rgb[i] = of_channel.image.rgb[i];
+      }
+      for (const char* const name : {"half.", "variance.", "half-variance.", "albedo."}) {
+        const std::string channel = name + std::string(1, "RGB"[to]);
+        noisy.at(channel) = of_channel.at(channel);
+      }
+      // Blocks of 8 x 8, 4 x 4 and 2 x 2 pixels lean by half of what makes strangers of them.
+      std::vector<float>& normal = noisy.at("shading-normal." + std::string(1, "XYZ"[to]));
+      for (std::size_t i = 0; i < normal.size(); ++i) {
+        const std::size_t block = 8 >> c;
+        normal[i] = (i % kSide / block + i / kSide / block) % 2 == 0 ? 0.05f : 0.1f;
+      }
+    }
+    return noisy;
+  };
+  const Denoised plain = Clean(drawn(0));
+  for (const std::size_t turn : {1, 2}) {
+    SCOPED_TRACE(turn);
+    const Denoised turned = Clean(drawn(turn));
+    for (std::size_t i = 0; i < plain.image.rgb.size(); ++i) {
+      const std::size_t c = i % 3, to = (c + turn) % 3;
+      ASSERT_NEAR(plain.image.rgb[i], turned.image.rgb[i - c + to], 1e-4) << i / 3 << ' ' << c;
+      ASSERT_NEAR(plain.error[c].values[i / 3], turned.error[to].values[i / 3], 1e-4)
+          << i / 3 << ' ' << c;
+    }
+  }
+}
+
+// Halves of unequal counts are both in the picture by their samples, here five and eleven.
+TEST(Denoise, UnequalHalvesKeepTheMean) {
+  const Noisy noisy = Draw(Flat, 19, kSide, kSide, 3);
+  ASSERT_EQ(noisy.layers.size(), DenoiserChannels().size());
   const Denoised clean = Clean(noisy);
-  EXPECT_EQ(clean.outliers, 1u);
-  EXPECT_NE(OutlierNote(clean), "");
-  EXPECT_EQ(OutlierNote(before), "");
-  const double given = 3 * 4000.0 / kSamples;
-  EXPECT_NEAR((Sum(clean.image) - Sum(before.image)) / given, 1, 0.01);
-  EXPECT_NEAR(clean.spread_share, given / Sum(noisy.image), 0.01 * given / Sum(noisy.image));
-  EXPECT_LT(clean.image.rgb[3 * at], 6);
-  EXPECT_NEAR(clean.image.rgb[3 * (at + 30)], 1, 0.3);
+  EXPECT_LT(SquaredError(clean.image, Flat), SquaredError(noisy.image, Flat) / 25);
+  // A single pixel has nothing to be averaged with.
+  const Noisy alone = Draw(Flat, 19, 1, 1, 3);
+  const Denoised same = Clean(alone);
+  for (const std::size_t c : {0, 1, 2}) {
+    EXPECT_NEAR(same.image.rgb[c], alone.image.rgb[c], 1e-5);
+  }
+}
+
+TEST(Denoise, OutliersAreSpreadAndEnergyIsKept) {
+  for (const int half : {0, 1}) {
+    for (const int period : {2, 3}) {
+      SCOPED_TRACE(testing::Message() << half << ' ' << period);
+      Noisy noisy = Draw(Flat, 7, kSide, kSide, period);
+      const Denoised before = Clean(noisy);
+      // One sample of a half was 4000 times as bright as the others.
+      const std::size_t at = 48 * kSide + 50;
+      const float second = noisy.at("half.N")[at];
+      for (const char* const letter : {"R", "G", "B"}) {
+        const std::string channel(letter);
+        noisy.image.rgb[3 * at + std::size_t(std::string("RGB").find(channel))] +=
+            4000.0f / kSamples;
+        noisy.at("variance." + channel)[at] += 4000.0f * 4000 / kSamples;
+        if (half == 0) continue;
+        noisy.at("half." + channel)[at] += 4000.0f / second;
+        noisy.at("half-variance." + channel)[at] += 4000.0f * 4000 / second;
+      }
+      const Denoised clean = Clean(noisy);
+      EXPECT_EQ(clean.outliers, 1u);
+      EXPECT_NE(OutlierNote(clean), "");
+      EXPECT_EQ(OutlierNote(before), "");
+      const double given = 3 * 4000.0 / kSamples;
+      EXPECT_NEAR((Sum(clean.image) - Sum(before.image)) / given, 1, 0.01);
+      EXPECT_NEAR(clean.spread_share, given / Sum(noisy.image), 0.01 * given / Sum(noisy.image));
+      EXPECT_LT(clean.image.rgb[3 * at], 6);
+      EXPECT_NEAR(clean.image.rgb[3 * (at + 30)], 1, 0.3);
+    }
+  }
 }
 
 // The excess goes to what reflects: not to the sky beside the surface.
@@ -349,23 +501,27 @@ TEST(Denoise, APixelDependsOnItsSurroundings) {
   }
 }
 
-// A floor that recedes by 6 % of its distance a pixel is one surface, whose noise is averaged.
+// A floor that recedes by 6 % of its distance a pixel is one surface, whose noise is averaged,
+// along either axis of the picture.
 TEST(Denoise, SlantedSurfacesAreAveraged) {
-  Noisy noisy = Draw(Flat, 13);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      noisy.at("depth.Z")[std::size_t(y * kSide + x)] = 4 * std::exp(0.06f * float(x));
-    }
+  const Noisy flat = Draw(Flat, 13);
+  for (const bool along_x : {true, false}) {
+    SCOPED_TRACE(along_x);
+    Noisy noisy = flat;
+    const auto set_depth = [&](const auto& depth) {
+      for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+          noisy.at("depth.Z")[std::size_t(y * kSide + x)] = depth(along_x ? x : y);
+        }
+      }
+    };
+    set_depth([](int i) { return 4 * std::exp(0.06f * float(i)); });
+    const double slanted = SquaredError(Clean(noisy).image, Flat);
+    EXPECT_LT(slanted, SquaredError(noisy.image, Flat) / 25);
+    // Steps are edges, on both sides of which there is less to average.
+    set_depth([](int i) { return i % 4 < 2 ? 4.0f : 5.0f; });
+    EXPECT_GT(SquaredError(Clean(noisy).image, Flat), 1.4 * slanted);
   }
-  const double slanted = SquaredError(Clean(noisy).image, Flat);
-  EXPECT_LT(slanted, SquaredError(noisy.image, Flat) / 25);
-  // Steps are edges, on both sides of which there is less to average.
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      noisy.at("depth.Z")[std::size_t(y * kSide + x)] = x % 4 < 2 ? 4.0f : 5.0f;
-    }
-  }
-  EXPECT_GT(SquaredError(Clean(noisy).image, Flat), 1.4 * slanted);
 }
 
 TEST(Denoise, SmallPicturesAndNegativeValues) {
