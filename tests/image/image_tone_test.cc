@@ -98,6 +98,17 @@ TEST(ToneMap, AcesFollowsHill) {
   EXPECT_EQ(ToneMap(red, {.curve = ToneCurve::kFilmic})[1], 0);
 }
 
+// Colours mix by both matrices, none of whose numbers is small enough not to be seen in one of
+// these.
+TEST(ToneMap, AcesMixesColoursAsHillDoes) {
+  Image colors(3, 2);
+  colors.rgb = {.1f, .5f, .9f, .8f, .3f, .05f, .05f, .6f, .2f,
+                .4f, .1f, .7f, .1f, .9f, .4f,  .6f,  .2f, .3f};
+  EXPECT_EQ(ToneMap(colors, {.curve = ToneCurve::kAces}),
+            (std::vector<std::uint8_t>{82, 164, 199, 197, 130, 48, 59, 176, 108, 146, 62, 183, 110,
+                                       201, 155, 177, 102, 127}));
+}
+
 TEST(ToneMap, ReinhardKeepsHueAndEndsAtWhite) {
   const ToneMapping reinhard = {.curve = ToneCurve::kReinhard};
   // L (1 + L / 16) / (1 + L): 0.18 becomes 0.15426, 1 becomes 0.53125, and 4 becomes 1.
