@@ -140,11 +140,11 @@ TEST(Aovs, SayWhatTheCameraSees) {
       EXPECT_NEAR(at("position.X", x, y), (x - 9.5) * pixel, 0.05 * pixel);
       EXPECT_NEAR(at("position.Y", x, y), (9.5 - y) * pixel, 0.05 * pixel);
       EXPECT_NEAR(at("position.Z", x, y), near ? 2 : 0, 1e-4);
-      // The value belongs to the sample nearest to the centre of a pixel, so it deviates by at most
-      // half a pixel.
+      // The value belongs to the sample nearest to the centre of a pixel. One of sixteen points of
+      // the sequence lies in each of the four squares about it, a quarter of a pixel wide.
       const double v = near ? (19.5 - y) / 10 : (19.5 - y) / 20;
-      EXPECT_NEAR(at("uv.U", x, y), (x + 0.5) / 10, 0.05);
-      EXPECT_NEAR(at("uv.V", x, y), v, near ? 0.05 : 0.025);
+      EXPECT_NEAR(at("uv.U", x, y), (x + 0.5) / 10, 0.025);
+      EXPECT_NEAR(at("uv.V", x, y), v, near ? 0.025 : 0.0125);
       EXPECT_EQ(at("uv.A", x, y), 1);
       EXPECT_EQ(at("object-id.V", x, y), near ? 2 : 1);
       EXPECT_EQ(at("material-id.V", x, y), near ? 3 : 1);
@@ -211,26 +211,83 @@ TEST(Aovs, MeansAreOverTheSamplesThatHit) {
   for (const float id : layers.at("object-id.V")) EXPECT_TRUE(id == 0 || id == 1 || id == 2) << id;
 }
 
-TEST(Aovs, IdsAreOfTheSampleNearestToTheCentre) {
-  const Scene scene = PaintedScene();
-  JobRequest request = SmallRequest(24, 18, 8);
+// A single sample has the coordinates of the place that it has seen.
+TEST(Aovs, CoordinatesAreThoseOfThePlace) {
+  JobRequest request = SmallRequest(20, 20, 1);
   request.filter = PixelFilter::kBox;
-  const Layers fine = Resolve(MakeJob(scene, request, "object-id,material-id"));
-  // This renders the object at the exact centre of each pixel.
-  request.options.filter_radius = 1e-4f;
-  request.samples_per_pixel = 1;
-  const Layers middle = Resolve(MakeJob(scene, request, "object-id,material-id"));
-  request.options.filter_radius = 0;
-  const Layers coarse = Resolve(MakeJob(scene, request, "object-id,material-id"));
-  int wrong = 0, wrong_of_one = 0;
-  for (const char* const name : {"object-id.V", "material-id.V"}) {
-    for (std::size_t i = 0; i < fine.at(name).size(); ++i) {
-      wrong += fine.at(name)[i] != middle.at(name)[i];
-      wrong_of_one += coarse.at(name)[i] != middle.at(name)[i];
+  const Layers layers = Resolve(MakeJob(TwoWalls(), request, "uv,position"));
+  double most = 0;
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 10; ++x) {
+      const std::size_t i = std::size_t(y * 20 + x);
+      const bool near = y >= 10;
+      const double width = near ? 0.5 : 1, height = near ? 0.5 : 2, bottom = near ? -0.5 : -1;
+      const double px = layers.at("position.X")[i], py = layers.at("position.Y")[i];
+      EXPECT_NEAR(layers.at("uv.U")[i], px / width + 1, 1e-5);
+      EXPECT_NEAR(layers.at("uv.V")[i], (py - bottom) / height, 1e-5);
+      const double pixel = near ? 0.05 : 0.1;
+      most = std::max(most, std::abs(px - (x - 9.5) * pixel) / pixel);
     }
   }
-  EXPECT_GT(wrong_of_one, 20);
-  EXPECT_LT(wrong, wrong_of_one / 2);
+  EXPECT_GT(most, 0.3) << "samples are not all in the middle";
+}
+
+// A triangle for each of 16 x 16 parts of a pixel tells which part a sample has seen, and all
+// samples of a pixel one by one tell which of them is nearest.
+TEST(Aovs, IdsAreOfTheSampleNearestToTheCentre) {
+  constexpr int kParts = 16, kPixels = 4, kSide = kParts * kPixels;
+  constexpr std::uint32_t kSamples = 8;
+  Scene scene;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const float left = float(x) / (kSide / 2) - 1, right = float(x + 1) / (kSide / 2) - 1;
+      const float top = 1 - float(y) / (kSide / 2), bottom = 1 - float(y + 1) / (kSide / 2);
+      Mesh part;
+      part.positions = {{left, bottom, 0}, {right, bottom, 0}, {right, top, 0}, {left, top, 0}};
+      part.triangles = {{0, 1, 2}, {0, 2, 3}};
+      scene.meshes.push_back(std::move(part));
+    }
+  }
+  AddLambert(scene, "wall", glm::vec3(0.5f));
+  SetConstantLight(scene, 1);
+  scene.camera = LookAtCamera({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 90, false);
+  JobRequest request = SmallRequest(kPixels, kPixels, int(kSamples));
+  request.filter = PixelFilter::kBox;
+  const RenderJob job = MakeJob(scene, request, "object-id,material-id");
+  // Returns the parts that samples [first, end) have seen, by pixel.
+  const auto parts = [&](std::uint32_t first, std::uint32_t end) {
+    FrameView frame = job.frame();
+    frame.options.first_sample = first, frame.options.samples_per_pixel = end - first;
+    const Layers layers = ByName(Render(job, frame).ResolveAovs(end - first));
+    std::vector<glm::ivec2> seen;
+    for (std::size_t i = 0; i < std::size_t(kPixels * kPixels); ++i) {
+      const int id = int(layers.at("object-id.V")[i]) - 1;
+      EXPECT_EQ(layers.at("material-id.V")[i], 1);
+      seen.emplace_back(id % kSide, id / kSide);
+      EXPECT_EQ(seen.back().x / kParts, int(i % kPixels));
+      EXPECT_EQ(seen.back().y / kParts, int(i / kPixels));
+    }
+    return seen;
+  };
+  const std::vector<glm::ivec2> chosen = parts(0, kSamples);
+  std::vector<std::vector<glm::ivec2>> each;
+  for (std::uint32_t sample = 0; sample < kSamples; ++sample) {
+    each.push_back(parts(sample, sample + 1));
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const glm::dvec2 centre = double(kParts) * (glm::dvec2(i % kPixels, i / kPixels) + 0.5);
+    const auto distance = [&](const glm::ivec2& part) {
+      return glm::distance(glm::dvec2(part) + 0.5, centre);
+    };
+    bool is_one = false;
+    for (std::uint32_t sample = 0; sample < kSamples; ++sample) {
+      const glm::ivec2 part = each[sample][i];
+      is_one = is_one || part == chosen[i];
+      // Where a sample lies in its part is unknown, up to the diagonal.
+      EXPECT_LE(distance(chosen[i]), distance(part) + std::sqrt(2.0)) << i << ' ' << sample;
+    }
+    EXPECT_TRUE(is_one) << i;
+  }
 }
 
 TEST(Aovs, ChangeNoBitOfThePicture) {
