@@ -551,6 +551,104 @@ TEST(PenroseCorrections, AreTheTablesInTheMiddleOfItsRows) {
   }
 }
 
+// Returns for each class how far its samples are from the centroids of their Voronoi cells in the
+// mean, in spacings and in the basis of their tiles, where `importance` samples of one level are
+// displaced by a table; classes of few samples are left out.
+std::map<int, double> LeftToRelax(const PenroseCorrections& table, int level, double importance) {
+  constexpr int kPointsPerSpacing = 12, kFewest = 16;
+  struct Sample {
+    Complex place, basis, sum;
+    int structural, points = 0;
+    bool inside;
+  };
+  const double spacing = std::sqrt(RhombusArea(1) / importance);
+  // The rhombus that Tiling begins with; at its border cells are cut off.
+  const Complex corner = {0.3, -0.2}, turn = Polar(1, 17);
+  const Complex sides[2] = {turn * Polar(kPhi, -36), turn * Polar(kPhi, 36)};
+  std::vector<Sample> samples;
+  for (int birth = 1; birth <= level + 1; ++birth) {
+    for (const PlacedTile& t : Tiling(birth)) {
+      if (!IsSample(t) || BirthLevel(t.value) != birth || double(t.value) > importance) continue;
+      const BornSample born = {t.origin, t.axis, t.value, birth};
+      const double area = Cross(sides[0], sides[1]);
+      const double a = Cross(t.origin - corner, sides[1]) / area,
+                   b = Cross(sides[0], t.origin - corner) / area;
+      samples.push_back({t.origin + PenroseCorrection(table, born, importance),
+                         BasisAtLevel(t.axis, birth, level),
+                         {},
+                         StructuralClass(t.value, level),
+                         0,
+                         std::min({a, b, 1 - a, 1 - b}) > 4 * spacing});
+    }
+  }
+  std::map<Key, std::vector<std::size_t>> buckets;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Complex p = samples[i].place;
+    buckets[{std::lround(p.re / spacing), std::lround(p.im / spacing)}].push_back(i);
+  }
+  // Points of a fine grid belong to the cell of the nearest sample.
+  for (const auto& [key, ignored] : buckets) {
+    std::vector<std::size_t> near;
+    for (long i = 0; i < 25; ++i) {
+      const auto found = buckets.find({key.first + i % 5 - 2, key.second + i / 5 - 2});
+      if (found == buckets.end()) continue;
+      near.insert(near.end(), found->second.begin(), found->second.end());
+    }
+    for (int i = 0; i < kPointsPerSpacing * kPointsPerSpacing; ++i) {
+      const double x = (i % kPointsPerSpacing + 0.5) / kPointsPerSpacing - 0.5;
+      const double y = (i / kPointsPerSpacing + 0.5) / kPointsPerSpacing - 0.5;
+      const Complex p = {(double(key.first) + x) * spacing, (double(key.second) + y) * spacing};
+      const auto distance = [&](std::size_t s) {
+        return std::hypot(samples[s].place.re - p.re, samples[s].place.im - p.im);
+      };
+      const std::size_t nearest = *std::min_element(
+          near.begin(), near.end(),
+          [&](std::size_t one, std::size_t other) { return distance(one) < distance(other); });
+      samples[nearest].sum = samples[nearest].sum + (p - samples[nearest].place);
+      ++samples[nearest].points;
+    }
+  }
+  std::map<int, Complex> sums;
+  std::map<int, int> counts;
+  for (const Sample& sample : samples) {
+    if (!sample.inside) continue;
+    const Complex off = (1 / (sample.points * spacing)) * sample.sum;
+    const Complex back = {sample.basis.re, -sample.basis.im};
+    Complex& sum = sums[sample.structural];
+    sum = sum + (1 / std::hypot(back.re, back.im)) * (off * back);
+    ++counts[sample.structural];
+  }
+  std::map<int, double> left;
+  for (const auto& [structural, sum] : sums) {
+    const int count = counts[structural];
+    if (count >= kFewest) left[structural] = std::hypot(sum.re, sum.im) / count;
+  }
+  return left;
+}
+
+// One step by the table stands for Lloyd's relaxation to its end. What is left of it in the middle
+// of a row comes from the other importances that the row was computed from. The other sign of
+// almost any vector leaves more in its class.
+TEST(PenroseCorrections, LeaveNothingToRelax) {
+  constexpr int kLevel = 8;
+  const PenroseCorrections none = {};
+  for (int row = 0; row < kPenroseRows; ++row) {
+    SCOPED_TRACE(row);
+    const double t = kLevel + (row + 0.5) / kPenroseRows;
+    const double importance = (std::pow(kPhi * kPhi, t) - 1) / std::sqrt(5.0);
+    const auto mean_square = [&](const std::map<int, double>& left) {
+      double sum = 0;
+      for (const auto& [structural, off] : left) sum += off * off / double(left.size());
+      return sum;
+    };
+    const auto left = LeftToRelax(DefaultPenroseCorrections(), kLevel, importance);
+    EXPECT_GT(left.size(), 8u);
+    for (const auto& [structural, off] : left) EXPECT_LT(off, 0.045) << structural;
+    const double without = mean_square(LeftToRelax(none, kLevel, importance));
+    EXPECT_LT(std::sqrt(mean_square(left)), 0.5 * std::sqrt(without));
+  }
+}
+
 TEST(PenroseCorrections, AreContinuousInImportance) {
   // There is no jump where rows or levels meet, for samples that are old enough on both sides.
   for (const PlacedTile& t : Tiling(4)) {
