@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -211,6 +212,113 @@ TEST_F(ProbeCommand, PlotsShowTheSideThatIsAskedFor) {
   }
 }
 
+// A picture as it is shown, in bytes.
+struct Plot {
+  Image image;
+  bool Has(int x, int y, const std::array<int, 3>& rgb, int off = 2) const {
+    const float* const pixel = image.Pixel(x, y);
+    return std::abs(255 * pixel[0] - float(rgb[0])) <= float(off) &&
+           std::abs(255 * pixel[1] - float(rgb[1])) <= float(off) &&
+           std::abs(255 * pixel[2] - float(rgb[2])) <= float(off);
+  }
+  int Count(const std::array<int, 3>& rgb, int off = 2) const {
+    int count = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) count += Has(x, y, rgb, off);
+    }
+    return count;
+  }
+};
+
+// The sun is the brightest, and what is brightest has the end of the ramp. On a sphere that is seen
+// from a side it lies where its direction is, and what is not the sphere is white.
+TEST_F(ProbeCommand, PlotsShowTheMapWhereItIs) {
+  constexpr std::array<int, 3> kBrightest = {255, 255, 217}, kWhite = {255, 255, 255};
+  const auto plot = [&](const std::string& view) {
+    EXPECT_EQ(Probe("plot sun.exr --height 64 -o p.png --what map --view " + view), 0) << out_;
+    return Plot{DecodeTexture("p.png", ReadFile(File("p.png")), Encoding::kLinear)};
+  };
+  const Plot flat = plot("latlong");
+  ASSERT_EQ(flat.image.width, 128);
+  ASSERT_EQ(flat.image.height, 64);
+  // Two texels of 64 x 32 along each side, of two pixels each.
+  EXPECT_EQ(flat.Count(kBrightest), 16);
+  for (int y = 16; y < 20; ++y) {
+    for (int x = 42; x < 46; ++x) EXPECT_TRUE(flat.Has(x, y, kBrightest)) << x << ' ' << y;
+  }
+  EXPECT_EQ(flat.Count(kWhite), 0);
+
+  // The middle of these texels; that of the map is forward, and its right half to the right.
+  const double turn = 2 * std::numbers::pi * (22 / 64.0 - 0.5), down = std::numbers::pi * 9 / 32;
+  const double right = std::sin(down) * std::sin(turn), forward = std::sin(down) * std::cos(turn);
+  const double up = std::cos(down);
+  const struct {
+    const char* side;
+    double x, y, depth;  // the sun, to the right, upwards, and towards the eye
+  } views[] = {{"up", -right, -forward, up},  {"left", -forward, up, -right},
+               {"right", forward, up, right}, {"front", -right, up, forward},
+               {"back", right, up, -forward}, {"down", -right, forward, -up}};
+  for (const auto& view : views) {
+    SCOPED_TRACE(view.side);
+    const Plot sphere = plot(std::string("sphere --side ") + view.side);
+    ASSERT_EQ(sphere.image.width, 64);
+    EXPECT_TRUE(sphere.Has(0, 0, kWhite) && sphere.Has(63, 63, kWhite));
+    EXPECT_FALSE(sphere.Has(32, 32, kWhite));
+    const int x = int(32 + 30 * view.x), y = int(32 - 30 * view.y);
+    if (view.depth > 0.1) {
+      EXPECT_TRUE(sphere.Has(x, y, kBrightest, 8)) << x << ' ' << y;
+    } else if (view.depth < -0.1) {
+      EXPECT_EQ(sphere.Count(kBrightest), 0);
+    }
+  }
+}
+
+// Lights are bright dots where their directions are, cells have pale borders, and strata a green
+// one beyond which the map is dimmed.
+TEST_F(ProbeCommand, PlotsShowLightsCellsAndStrata) {
+  constexpr std::array<int, 3> kDot = {89, 255, 242}, kBorder = {51, 255, 77};
+  const auto plot = [&](const std::string& what) {
+    EXPECT_EQ(Probe("plot sun.exr -n 9 --height 256 -o p.png --what " + what), 0) << out_;
+    return Plot{DecodeTexture("p.png", ReadFile(File("p.png")), Encoding::kLinear)};
+  };
+  ASSERT_EQ(Probe("lights sun.exr -n 9 --format json -o l.json"), 0) << out_;
+  const auto lights = nlohmann::json::parse(ReadFile(File("l.json")))["lights"];
+  ASSERT_EQ(lights.size(), 9u);
+  const Plot map = plot("map"), dots = plot("lights"), cells = plot("cells"),
+             strata = plot("strata");
+  for (const auto& light : lights) {
+    const double right = light["direction"][0], forward = light["direction"][1],
+                 up = light["direction"][2];
+    // The middle of the picture is forward, its right half to the right.
+    const double u = 0.5 + std::atan2(right, forward) / (2 * std::numbers::pi);
+    const double v = std::acos(std::clamp(up, -1.0, 1.0)) / std::numbers::pi;
+    const int x = std::min(int(512 * u), 511), y = std::min(int(256 * v), 255);
+    EXPECT_TRUE(dots.Has(x, y, kDot)) << x << ' ' << y;
+    EXPECT_TRUE(cells.Has(x, y, kDot)) << x << ' ' << y;
+  }
+  EXPECT_EQ(map.Count(kDot), 0);
+  EXPECT_EQ(strata.Count(kDot), 0);
+  // Borders of cells are all that the two pictures differ by; they are brighter than the map.
+  int borders = 0, dimmed = 0, others = 0;
+  for (int y = 0; y < 256; ++y) {
+    for (int x = 0; x < 512; ++x) {
+      const auto sum = [&](const Plot& of) {
+        const float* const rgb = of.image.Pixel(x, y);
+        return rgb[0] + rgb[1] + rgb[2];
+      };
+      borders += sum(cells) > sum(dots) + 0.1f;
+      others += sum(cells) < sum(dots) - 0.1f;
+      dimmed += std::abs(sum(strata) - 0.45f * sum(map)) < 0.03f;
+    }
+  }
+  EXPECT_GT(borders, 256);
+  EXPECT_LT(borders, 512 * 256 / 8);
+  EXPECT_EQ(others, 0);
+  EXPECT_GT(strata.Count(kBorder, 30), 20);
+  EXPECT_GT(dimmed, 512 * 256 / 4);
+  EXPECT_LT(dimmed, 512 * 256);
+}
+
 TEST_F(ProbeCommand, PresamplePlotAndCalibrateWrite) {
   ASSERT_EQ(Probe("presample sun.exr -n 30 -o set.json --cells cells.png"), 0) << out_;
   const auto json = nlohmann::json::parse(ReadFile(File("set.json")));
@@ -270,6 +378,29 @@ TEST_F(ProbeCommand, BadInputIsNamed) {
   EXPECT_EQ(Probe("convert sun.exr x.exr --to horizontal-cross --size 10x10"), kExitBadInput);
   EXPECT_EQ(Probe("plot sun.exr -o p.png --height 3"), kExitUsage);
   EXPECT_EQ(Probe(""), kExitUsage);
+}
+
+// The faces of a cube are squares of one size, and the file of the one that is not is named.
+TEST_F(ProbeCommand, FacesOfUnequalSizesAreRefused) {
+  const char* const names[] = {"right", "left", "up", "down", "front", "back"};
+  for (const char* const odd : names) {
+    for (const auto& [width, height] : {std::pair(5, 5), {4, 5}, {5, 4}}) {
+      SCOPED_TRACE(testing::Message() << odd << ' ' << width << " x " << height);
+      for (const char* const name : names) {
+        const bool is_odd = std::string(name) == odd;
+        WriteExr(File(std::string("cube-") + name + ".exr"),
+                 is_odd ? Image(width, height) : Image(4, 4));
+      }
+      EXPECT_EQ(Probe("convert cube.exr back.exr --from-faces --to latlong"), kExitBadInput);
+      // The first face is what the others are compared with, unless it is no square itself.
+      const bool first = std::string(odd) == "right" && width == height;
+      EXPECT_NE(out_.find(std::string("cube-") + (first ? "left" : odd) + ".exr"),
+                std::string::npos)
+          << out_;
+      EXPECT_NE(out_.find("squares of one size"), std::string::npos) << out_;
+      EXPECT_FALSE(std::filesystem::exists(File("back.exr")));
+    }
+  }
 }
 
 }  // namespace
