@@ -13,7 +13,8 @@ import math
 import re
 from dataclasses import dataclass, field
 
-# Camera samples per pixel of the direct lighting rows; docs/reproduction.md explains their origin.
+# Camera samples per pixel of the direct lighting rows; docs/reproduction_tables.md explains their
+# origin.
 CAMERA_SAMPLES = 4
 
 # Lights before clustering over lights after it. The tables give only the remaining ones; the one
