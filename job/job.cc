@@ -36,6 +36,9 @@ double EnvironmentPower(double mean_luminance, float radius) {
   return 4 * kPi * mean_luminance * kPi * double(radius) * radius;
 }
 
+// With this strategy light paths start where that of the camera paths cannot emit.
+constexpr char kEmitter[] = "importance";
+
 // Runs `work` with as many threads as the user allows.
 template <class Work>
 void RunOnThreads(int threads, const Work& work) {
@@ -199,14 +202,18 @@ void RenderJob::BuildStrategies(const JobParts& parts, const LoadedLight& light)
     irradiance_ = parts.Irradiance(request_, light, *map_);
   }
   const IntegratorDescriptor& integrator = Describe(options().integrator);
-  if (integrator.light_paths == LightPaths::kAny && has_environment() && !CanEmit(strategy())) {
-    emitter_ = make("importance", 1);
-  }
+  if (NeedsEmitter(options().integrator, strategy())) emitter_ = make(kEmitter, 1);
   if (options().guide && integrator.has_light_paths() && !has_environment()) {
     notes_.emplace_back(
         "--guide changes nothing: it is for light from a map, which gives none here; light paths "
         "start at the lights by their power");
   }
+}
+
+// Whether light paths start at the map and the strategy of the camera paths cannot emit them.
+bool RenderJob::NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const {
+  return Describe(integrator).light_paths == LightPaths::kAny && has_environment() &&
+         !CanEmit(strategy);
 }
 
 // Throws InputError where no light path can start or is merged with everything.
@@ -226,15 +233,14 @@ void RenderJob::CheckLightPaths(Integrator integrator) const {
   if (const auto check = Describe(integrator).check_scene) check(options(), geometry(), sphere_);
 }
 
-FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy) const {
+FrameView RenderJob::frame(Integrator integrator, const EnvStrategy& strategy,
+                           const EnvStrategy* emitter) const {
   RenderOptions changed = options();
   changed.integrator = integrator;
   if (request_.read.frame && !request_.coherent_noise) {
     changed.seed = SeedOfFrame(changed.seed, *request_.read.frame);
   }
-  const EnvStrategy* const emitter = CanEmit(strategy) ? &strategy
-                                     : emitter_        ? emitter_->strategy.get()
-                                                       : strategy_->strategy.get();
+  if (emitter == nullptr) emitter = &strategy;
   assert(!Describe(integrator).has_light_paths() || !has_environment() || CanEmit(*emitter));
   return {.options = changed,
           .geometry = &geometry(),
@@ -267,18 +273,21 @@ bool RenderJob::has_environment() const {
   return lights.count == 0 || lights.shared.share < 1;
 }
 
-std::unique_ptr<EnvStrategy> RenderJob::MakeOtherStrategy(const std::string& specification,
-                                                          Integrator integrator) const {
+RenderMethod RenderJob::MakeMethod(const std::string& specification, Integrator integrator) const {
   RenderOptions changed = options();
   changed.integrator = integrator;
   CheckIntegrator(changed);
   CheckLightPaths(integrator);
-  std::unique_ptr<EnvStrategy> strategy;
+  RenderMethod method = {.integrator = integrator, .strategy = nullptr, .emitter = nullptr};
   RunOnThreads(options().threads, [&] {
-    strategy = MakeStrategy(specification, map_->map, UseOf(changed, LightSamplesOf(changed)));
-    CheckStrategy(*strategy, specification, has_environment(), changed);
+    method.strategy =
+        MakeStrategy(specification, map_->map, UseOf(changed, LightSamplesOf(changed)));
+    CheckStrategy(*method.strategy, specification, has_environment(), changed);
+    if (NeedsEmitter(integrator, *method.strategy)) {
+      method.emitter = MakeStrategy(kEmitter, map_->map, UseOf(changed, 1));
+    }
   });
-  return strategy;
+  return method;
 }
 
 FilmLayout RenderJob::LayoutOfFilm(Integrator integrator, AovSet layers) const {

@@ -22,6 +22,14 @@ struct JobTimes {
   double load = 0, build = 0, tables = 0;  // [s] scene and map read, BVH built, strategy built
 };
 
+// An integrator, the strategy of its camera paths, and that with which its light paths start.
+struct RenderMethod {
+  Integrator integrator = Integrator::kPath;
+  std::unique_ptr<const EnvStrategy> strategy;
+  // Null where `strategy` itself can emit (CanEmit), and where no light path starts at the map.
+  std::unique_ptr<const EnvStrategy> emitter;
+};
+
 class RenderJob {
  public:
   // Reads, checks and builds; throws InputError. No file is touched for writing. What jobs have in
@@ -31,18 +39,20 @@ class RenderJob {
   // `load_seconds` is the time that reading it took.
   RenderJob(Scene scene, const JobRequest& request, double load_seconds = 0);
 
-  FrameView frame() const { return frame(options().integrator, strategy()); }
+  FrameView frame() const {
+    return frame(options().integrator, strategy(), emitter_ ? emitter_->strategy.get() : nullptr);
+  }
+  // The same scene by another method, which has to outlive the view.
+  FrameView frame(const RenderMethod& method) const {
+    return frame(method.integrator, *method.strategy, method.emitter.get());
+  }
   // The film keeps `layers` in addition to those of the options.
   Film MakeFilm(AovSet layers = 0) const { return MakeFilm(options().integrator, layers); }
   FilmLayout LayoutOfFilm(Integrator integrator, AovSet layers = 0) const;
-  // The same scene by another integrator and strategy, the job's own or one of MakeOtherStrategy
-  // for it. Where light paths start, that strategy or the job's can emit (CanEmit).
-  FrameView frame(Integrator integrator, const EnvStrategy& strategy) const;
   Film MakeFilm(Integrator integrator, AovSet layers = 0) const;
-  // A strategy for the same map; it must not outlive the job. Throws InputError like the
-  // constructor where it is not made for these options and `integrator`, or that not for the scene.
-  std::unique_ptr<EnvStrategy> MakeOtherStrategy(const std::string& specification,
-                                                 Integrator integrator) const;
+  // A method for the same map; it must not outlive the job. Throws InputError like the constructor
+  // where the strategy is not made for these options and `integrator`, or that not for the scene.
+  RenderMethod MakeMethod(const std::string& specification, Integrator integrator) const;
   const RenderOptions& options() const { return request_.options; }
   // The request with a value for every option (ResolveRequest).
   const JobRequest& request() const { return request_; }
@@ -62,6 +72,9 @@ class RenderJob {
   void PlaceLights(const PreparedScene& prepared, const LoadedLight& light);
   void BuildStrategies(const JobParts& parts, const LoadedLight& light);
   bool has_environment() const;
+  bool NeedsEmitter(Integrator integrator, const EnvStrategy& strategy) const;
+  FrameView frame(Integrator integrator, const EnvStrategy& strategy,
+                  const EnvStrategy* emitter) const;
   void CheckLightPaths(Integrator integrator) const;
 
   JobRequest request_;  // resolved

@@ -20,7 +20,7 @@ Image Render(FrameView frame, const RenderJob& job, std::uint32_t samples, std::
 }
 
 FrameView FrameOf(const RenderJob& job, const Contestant& contestant) {
-  return job.frame(contestant.integrator, *contestant.strategy);
+  return job.frame(contestant.method);
 }
 
 std::size_t LongestLadder(const std::vector<Contestant>& contestants) {
@@ -76,14 +76,13 @@ std::vector<Contestant> MakeContestants(const RenderJob& job,
   std::vector<Contestant> contestants;
   for (const std::string& specification : specifications) {
     for (const Integrator integrator : integrators) {
-      Contestant contestant = {
-          .name = specification, .specification = specification, .integrator = integrator};
+      Contestant contestant = {.name = specification, .specification = specification};
       if (integrators.size() > 1) {
         contestant.name = ToString(integrator);
         if (specifications.size() > 1) contestant.name += " " + specification;
       }
       const auto start = Clock::now();
-      contestant.strategy = job.MakeOtherStrategy(specification, integrator);
+      contestant.method = job.MakeMethod(specification, integrator);
       contestant.table_seconds = SecondsSince(start);
       contestants.push_back(std::move(contestant));
     }
@@ -126,14 +125,15 @@ void WarmUp(const RenderJob& job, const Contestant& contestant) {
 
 Integrator ReferenceIntegrator(const std::vector<Contestant>& contestants) {
   const bool direct = std::all_of(contestants.begin(), contestants.end(), [](const Contestant& c) {
-    return Describe(c.integrator).direct_light_only;
+    return Describe(c.method.integrator).direct_light_only;
   });
-  return direct && !contestants.empty() ? contestants.front().integrator : Integrator::kPath;
+  return direct && !contestants.empty() ? contestants.front().method.integrator : Integrator::kPath;
 }
 
 Reference RenderReference(const RenderJob& job, Integrator integrator,
                           std::uint32_t samples_per_half, Progress* progress) {
-  FrameView frame = job.frame(integrator, job.strategy());
+  const RenderMethod method = job.MakeMethod(job.request().strategy, integrator);
+  FrameView frame = job.frame(method);
   frame.options.mis = true;
   Image halves[2];
   for (int half = 0; half < 2; ++half) {

@@ -33,13 +33,14 @@ struct Rung {
 struct Contestant {
   std::string name;  // the part that distinguishes it from its rivals
   std::string specification;
-  Integrator integrator = Integrator::kPath;
-  std::unique_ptr<EnvStrategy> strategy;
+  RenderMethod method;
   double table_seconds = 0;  // time to build it from the map
   std::vector<Rung> ladder;  // samples ascending
   Image picture;             // first run of the last rung
 
-  bool unbiased() const { return strategy->unbiased() && !Describe(integrator).biased; }
+  bool unbiased() const {
+    return method.strategy->unbiased() && !Describe(method.integrator).biased;
+  }
 };
 
 // Settings shared by all runs.

@@ -183,9 +183,9 @@ std::vector<StrategyTable> MeasureTables(const RenderJob& job) {
   for (const StrategyFactory& factory : Strategies()) {
     if (factory.needs_portals && job.frame().map->portals.empty()) continue;
     const auto start = Clock::now();
-    const auto strategy = job.MakeOtherStrategy(std::string(factory.name), Integrator::kPath);
+    const RenderMethod method = job.MakeMethod(std::string(factory.name), Integrator::kPath);
     tables.push_back({.name = std::string(factory.name),
-                      .bytes = strategy->table_bytes(),
+                      .bytes = method.strategy->table_bytes(),
                       .seconds = SecondsSince(start)});
   }
   return tables;

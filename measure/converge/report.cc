@@ -157,10 +157,10 @@ nlohmann::ordered_json Json(const ConvergeReport& report) {
     const TimeToTarget& time = report.summary.times[i];
     nlohmann::ordered_json strategy = {
         {"strategy", contestant.specification},
-        {"integrator", ToString(contestant.integrator)},
+        {"integrator", ToString(contestant.method.integrator)},
         {"unbiased", contestant.unbiased()},
         {"table_seconds", contestant.table_seconds},
-        {"table_bytes", contestant.strategy->table_bytes()},
+        {"table_bytes", contestant.method.strategy->table_bytes()},
         {"time_to_target",
          {{"seconds", time.time.x},
           {"place", KindText(time.time)},
