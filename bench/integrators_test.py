@@ -51,8 +51,8 @@ class Integrators(unittest.TestCase):
             folder = pathlib.Path(scratch) / "out"
             done = subprocess.run(
                 [sys.executable, "-B", FOLDER / "integrators.py", "--program", PROGRAM,
-                 "-o", folder, "--scenes", "three-spheres", "--size", "16x12", "--depth", "2", "--time", "0.001",
-                 "--repeats", "2", "--reference-spp", "2", "--sheet"],
+                 "-o", folder, "--scenes", "three-spheres", "--size", "16x12", "--depth", "2",
+                 "--time", "0.001", "--repeats", "2", "--reference-spp", "2", "--sheet"],
                 capture_output=True, text=True, timeout=200, check=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             row = done.stdout.splitlines()[-1]

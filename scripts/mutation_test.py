@@ -2,7 +2,7 @@
 """Seeds the one-line faults of tests/mutations.toml, one after the other, and tells which of them
 the tests do not see:
 
-  scripts/mutation_test.py                        # all of them: half an hour
+  scripts/mutation_test.py                        # all of them: an hour or more
   scripts/mutation_test.py --only 'kernels/*'     # those whose name or file matches the pattern
   scripts/mutation_test.py --share commit/50      # a fiftieth, another one at every commit
   scripts/mutation_test.py --check                # only whether the list still fits the sources
