@@ -91,7 +91,8 @@ class WaveAllocations : public testing::TestWithParam<Backend> {};
 
 void ExpectNoAllocations(const RenderJob& job, Integrator integrator, std::uint32_t split = 0) {
   SCOPED_TRACE(ToString(integrator));
-  FrameView frame = job.frame(integrator, job.strategy());
+  const RenderMethod method = job.MakeMethod(job.request().strategy, integrator);
+  FrameView frame = job.frame(method);
   frame.options.split = split;
   frame.options.wave = 600;  // the last wave is smaller
   frame.options.photons.passes = 1;

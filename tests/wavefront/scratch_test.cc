@@ -221,7 +221,8 @@ void FillTables(const Worker& w) {
 // that it has not written.
 void ExpectSameInGarbage(const RenderJob& job, Integrator integrator, std::uint32_t split = 0) {
   SCOPED_TRACE(testing::Message() << ToString(integrator) << ", split " << split);
-  FrameView frame = job.frame(integrator, job.strategy());
+  const RenderMethod method = job.MakeMethod(job.request().strategy, integrator);
+  FrameView frame = job.frame(method);
   frame.options.split = split;
   frame.options.wave = 200;  // the last wave is smaller
   frame.options.photons.passes = 1;
