@@ -58,7 +58,8 @@ def is_known(program):
     """Whether ctest has a test that is no program of GoogleTest."""
     if program.startswith(PYTHON):
         return (SOURCE / f"tests/python/{program.removeprefix(PYTHON)}_test.py").is_file()
-    return f"NAME {program}\n" in (SOURCE / "tests/CMakeLists.txt").read_text()
+    return re.search(rf"(NAME |add_script_test\(){re.escape(program)}\s",
+                     (SOURCE / "tests/CMakeLists.txt").read_text())
 
 
 def complaints(mutation, names):
