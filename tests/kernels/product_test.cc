@@ -62,8 +62,6 @@ struct Hits {
   MaterialView materials = shading.materials();
 };
 
-double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
-
 // Returns the sum of value times radiance over the sphere.
 double ReflectedLight(const EnvironmentMap& map, const MaterialCase& material, const Hits& hits) {
   const MapCells cells(map, 512);

@@ -54,4 +54,14 @@ inline std::vector<Portal> PortalsAroundTheOrigin() {
           {.corner = {-1, -1, -1}, .side_x = {1, 0, 0}, .side_y = {0, 1, 0}}};
 }
 
+// Returns surfaces with one normal.
+inline soa::Table<SurfaceColumns> SurfacesWith(Vec normal, std::uint32_t rows) {
+  soa::Table<SurfaceColumns> surfaces(rows);
+  for (std::uint32_t i = 0; i < rows; ++i) PutSurface(normal, i, surfaces);
+  return surfaces;
+}
+
+// One number of a colour, for which no two channels count the same.
+inline double Weighted(double r, double g, double b) { return 0.5 * r + 0.3 * g + 0.2 * b; }
+
 }  // namespace skywave
