@@ -177,10 +177,6 @@ class OutputFile {
   FileHandle file_;
 };
 
-}  // namespace
-
-namespace {
-
 thread_local FilesRead* files_read = nullptr;
 
 }  // namespace
@@ -323,13 +319,6 @@ void RemoveUnfinishedFiles() noexcept {
   errno = error;
 }
 
-void CheckNotInput(const std::string& output, const std::string& input) {
-  std::error_code ignored;
-  if (!std::filesystem::equivalent(output, input, ignored)) return;
-  throw InputError(InputPosition::File(output), "is an input of this command; write elsewhere",
-                   kExitUsage);
-}
-
 namespace {
 
 // Throws unless a file could be created at `path`; returns false if what is there is written into.
@@ -360,6 +349,20 @@ void CheckAllWritable(std::span<const std::string> paths) {
     if (!path.empty() && CheckCreatable(path)) created.push_back(path);
   }
   RemoveLeftovers(created);
+}
+
+void CheckNotInput(const std::string& output, const std::string& input) {
+  std::error_code ignored;
+  if (!std::filesystem::equivalent(output, input, ignored)) return;
+  throw InputError(InputPosition::File(output), "is an input of this command; write elsewhere",
+                   kExitUsage);
+}
+
+void CheckOutputs(std::span<const std::string> outputs, std::span<const std::string> inputs) {
+  for (const std::string& output : outputs) {
+    for (const std::string& input : inputs) CheckNotInput(output, input);
+  }
+  CheckAllWritable(outputs);
 }
 
 void CheckWritable(const std::string& path) { CheckAllWritable({&path, 1}); }

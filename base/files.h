@@ -64,6 +64,9 @@ void CheckAllWritable(std::span<const std::string> paths);
 
 // Throws InputError (kExitUsage) if both names denote the same existing file.
 void CheckNotInput(const std::string& output, const std::string& input);
+// Checks what a command is going to write, before it works: none of `outputs` may be one of the
+// files `inputs` that it reads, and each has to be writable. Empty names are left out.
+void CheckOutputs(std::span<const std::string> outputs, std::span<const std::string> inputs);
 
 // Remembers the files that ReadFile reads on this thread while it exists: a scene names textures,
 // maps and meshes that no command line does. If there are several, the last one remembers.

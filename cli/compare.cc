@@ -84,12 +84,7 @@ void PrintNoise(const NoiseComparison& c, const ComparedPicture& image,
 }
 
 int CompareMain(const CompareFlags& flags) {
-  const std::array outputs = {flags.map, flags.json};
-  for (const std::string& path : outputs) {
-    if (path.empty()) continue;
-    CheckNotInput(path, flags.image), CheckNotInput(path, flags.reference);
-  }
-  CheckAllWritable(outputs);
+  CheckOutputs(std::array{flags.map, flags.json}, std::array{flags.image, flags.reference});
   const ComparedPicture a = ReadCompared(flags.image, flags.limits),
                         b = ReadCompared(flags.reference, flags.limits);
   const Image &image = a.image, &reference = b.image;

@@ -48,9 +48,7 @@ int DenoiseMain(const DenoiseFlags& flags) {
     throw InputError(InputPosition::File("--output " + flags.output),
                      "the picture is an EXR file, so its name has to end in .exr", kExitUsage);
   }
-  const std::array outputs = {flags.output, PngBeside(flags.output)};
-  for (const std::string& path : outputs) CheckNotInput(path, flags.input);
-  CheckAllWritable(outputs);
+  CheckOutputs(std::array{flags.output, PngBeside(flags.output)}, std::array{flags.input});
   CheckNoisy(flags.input, flags.limits);
   const LayeredImage noisy = ReadLayeredImage(flags.input, DenoiserChannels(), flags.limits);
   tbb::task_arena arena(ThreadsFor(flags.threads));

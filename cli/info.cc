@@ -303,10 +303,7 @@ void PrintScene(const std::string& path, const SceneFile& file) {
 }
 
 int InfoMain(const InfoFlags& flags) {
-  if (!flags.json.empty()) {
-    CheckNotInput(flags.json, flags.request.scene);
-    CheckWritable(flags.json);
-  }
+  CheckOutputs(std::array{flags.json}, std::array{flags.request.scene});
   const SceneFile file = Load(flags.request.scene, flags.request.read);
   PrintScene(flags.request.scene, file);
   if (!flags.json.empty()) WriteFileAtomically(flags.json, Json(file).dump(2) + "\n");

@@ -29,8 +29,8 @@ int MergeMain(const MergeFlags& flags) {
                      kExitUsage);
   }
   const bool to_film = ending == ".film";
-  for (const std::string& film : flags.request.films) CheckNotInput(flags.output, film);
-  CheckAllWritable(std::array{flags.output, to_film ? std::string() : PngBeside(flags.output)});
+  CheckOutputs(std::array{flags.output, to_film ? std::string() : PngBeside(flags.output)},
+               flags.request.films);
   const MergedFilm merged = MergeFilms(flags.request);
   if (to_film) {
     WriteFilm(flags.output, merged.file, merged.film);

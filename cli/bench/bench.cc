@@ -215,13 +215,9 @@ int BenchScene(const BenchFlags& flags) {
 }
 
 int BenchSuite(const BenchFlags& flags) {
-  const std::array outputs = {flags.json, flags.report};
-  CheckAllWritable(outputs);
+  CheckOutputs(std::array{flags.json, flags.report}, flags.history);
   std::vector<HistoryEntry> history;
-  for (const std::string& path : flags.history) {
-    for (const std::string& output : outputs) CheckNotInput(output, path);
-    history.push_back(ReadHistory(path));
-  }
+  for (const std::string& path : flags.history) history.push_back(ReadHistory(path));
 
   SpeedSettings settings;
   settings.repetitions = flags.counters ? 0 : RepetitionsOf(flags);

@@ -24,14 +24,9 @@ struct ConvergeFlags {
   ProgressFlags progress;
 };
 
-void CheckOutputs(const ConvergeFlags& flags) {
+void CheckFiles(const ConvergeFlags& flags) {
   CheckSavedReference(flags.request);
-  const std::vector<std::string> outputs = {flags.json, flags.plot, flags.html};
-  for (const std::string& path : outputs) {
-    if (path.empty()) continue;
-    CheckNotInput(path, flags.request.reference);
-  }
-  CheckAllWritable(outputs);
+  CheckOutputs(std::array{flags.json, flags.plot, flags.html}, std::array{flags.request.reference});
 }
 
 #define FIELD SKYWAVE_FIELD
@@ -60,7 +55,7 @@ void WriteOutputs(const ConvergeFlags& flags, const ConvergeReport& report) {
 }
 
 int ConvergeMain(const ConvergeFlags& flags) {
-  CheckOutputs(flags);
+  CheckFiles(flags);
   const FilesRead inputs;
   const RenderJob job(flags.request.job);
   inputs.CheckAreNot(std::array{flags.json, flags.plot, flags.html, flags.request.save_reference});

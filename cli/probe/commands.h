@@ -21,10 +21,6 @@ struct MapFlags {
 };
 void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags);
 
-// Throws InputError unless every file that is named can be written, and is none that the command
-// reads. Empty names are skipped.
-void CheckOutputs(const std::vector<std::string>& outputs, const MapFlags& map);
-
 // Reports bad pixels on standard error.
 ProbeMap ReadProbe(const MapFlags& flags);
 Image ReadProbeAsLatLong(const MapFlags& flags);

@@ -52,13 +52,7 @@ void CheckFiles(const ConvertFlags& flags) {
     const auto six = CubeFacePaths(path);
     return std::vector<std::string>(six.begin(), six.end());
   };
-  const std::vector<std::string> outputs = names(flags.output, flags.faces_out);
-  for (const std::string& output : outputs) {
-    for (const std::string& input : names(flags.map.path, flags.faces_in)) {
-      CheckNotInput(output, input);
-    }
-  }
-  CheckAllWritable(outputs);
+  CheckOutputs(names(flags.output, flags.faces_out), names(flags.map.path, flags.faces_in));
 }
 
 int ConvertMain(ConvertFlags& flags) {

@@ -1,5 +1,6 @@
 // Implements skywave probe info: the contents of a map.
 #include <fmt/format.h>
+#include <array>
 
 #include <cmath>
 #include <numbers>
@@ -66,7 +67,7 @@ void PrintProbe(const InfoFlags& flags, const ProbeMap& map, const ProbeInfo& in
 }
 
 int InfoMain(const InfoFlags& flags) {
-  CheckOutputs({flags.json}, flags.map);
+  CheckOutputs(std::array{flags.json}, std::array{flags.map.path});
   ProbeMap map = ReadProbe(flags.map);
   const Image latlong = ToLatLong(map.image, map.projection);
   const ProbeInfo info = DescribeMap(MakeSphereMap(latlong), flags.spots);

@@ -1,4 +1,6 @@
 // Implements skywave probe lights: a map as directional lights for this and other renderers.
+#include <array>
+
 #include "base/error.h"
 #include "base/files.h"
 #include "cli/print.h"
@@ -31,7 +33,7 @@ int LightsMain(LightsFlags& flags) {
     throw InputError({}, "--residual needs --strata: without it all light is in the lights",
                      kExitUsage);
   }
-  CheckOutputs({flags.output, flags.options.residual}, flags.map);
+  CheckOutputs(std::array{flags.output, flags.options.residual}, std::array{flags.map.path});
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const ProbeLights lights = MakeProbeLights(MakeSphereMap(latlong), flags.request);
   flags.options.source = flags.map.path;

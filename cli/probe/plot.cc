@@ -1,8 +1,10 @@
 // Implements skywave probe plot: pictures of a map, its lights, cells and strata.
-#include "lights/probe/plot.h"
+#include <array>
+
 #include "base/files.h"
 #include "cli/print.h"
 #include "cli/probe/commands.h"
+#include "lights/probe/plot.h"
 
 namespace skywave {
 namespace {
@@ -26,7 +28,7 @@ PlotView ViewOf(const PlotFlags& flags) {
 }
 
 int PlotMain(PlotFlags& flags) {
-  CheckOutputs({flags.output}, flags.map);
+  CheckOutputs(std::array{flags.output}, std::array{flags.map.path});
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   ProbeLights lights;

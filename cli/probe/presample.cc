@@ -1,4 +1,5 @@
 // Implements skywave probe presample: a sample set with cells and energies.
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "base/files.h"
@@ -42,7 +43,7 @@ nlohmann::ordered_json Json(const PresampleFlags& flags, const SphereMap& map,
 }
 
 int PresampleMain(PresampleFlags& flags) {
-  CheckOutputs({flags.output, flags.cells}, flags.map);
+  CheckOutputs(std::array{flags.output, flags.cells}, std::array{flags.map.path});
   const Image latlong = ReadProbeAsLatLong(flags.map);
   const SphereMap map = MakeSphereMap(latlong);
   const ProbeLights lights = MakeProbeLights(map, flags.request);

@@ -27,13 +27,6 @@ void AddMapOptions(Command& command, const std::shared_ptr<MapFlags>& flags) {
   AddOptions(command, options, flags);
 }
 
-void CheckOutputs(const std::vector<std::string>& outputs, const MapFlags& map) {
-  for (const std::string& output : outputs) {
-    if (!output.empty()) CheckNotInput(output, map.path);
-  }
-  CheckAllWritable(outputs);
-}
-
 ProbeMap ReadProbe(const MapFlags& flags) {
   ProbeMap map = MakeProbeMap(ReadImage(flags.path, flags.limits), flags.path, flags.projection);
   if (map.bad.total() > 0) {

@@ -140,7 +140,20 @@ std::vector<Material> FiveColors() {
           {.name = "yellow", .reflectance = {0.7f, 0.5f, 0.1f}}};
 }
 
-Scene ManyShapesScene(const std::vector<Material>& materials) {
+// Which of `count` materials the blob of a number has: the scores of benchmarks are of these
+// colors.
+std::uint32_t ColorOf(std::uint32_t blob, std::uint32_t count) {
+  return (2654435761u * (blob + 1) >> 16) % count;
+}
+
+// Multiples of the golden ratio take all of them equally often (Fibonacci hashing).
+std::uint32_t BsdfOf(std::uint32_t blob, std::uint32_t count) {
+  const std::uint64_t golden = 2654435761u * (blob + 1);
+  return std::uint32_t(golden * count >> 32);
+}
+
+Scene ManyShapesScene(const std::vector<Material>& materials,
+                      std::uint32_t (*material_of)(std::uint32_t blob, std::uint32_t count)) {
   constexpr int kSide = 14;  // 14 * 14 blobs of 5120 triangles
   Scene scene;
   Place(scene, Quad(200), AddLambert(scene, "floor", glm::vec3(0.5f)), glm::vec3(0));
@@ -148,7 +161,8 @@ Scene ManyShapesScene(const std::vector<Material>& materials) {
   for (int i = 0; i < kSide; ++i) {
     for (int j = 0; j < kSide; ++j) {
       const int seed = i * kSide + j;
-      const auto material = std::uint32_t(1 + (2654435761u * (seed + 1u) >> 16) % materials.size());
+      const std::uint32_t material =
+          1 + material_of(std::uint32_t(seed), std::uint32_t(materials.size()));
       Place(scene, Blob(seed), material, {i - 0.5f * (kSide - 1), 0.45f, 0.5f * (kSide - 1) - j},
             37.0f * seed);
     }
@@ -170,8 +184,8 @@ Scene BuiltinScene(const std::string& name) {
   if (name == "lamps") return LampsScene();
   if (name == "room") return RoomScene();
   if (name == "three-spheres") return ThreeSpheresScene();
-  if (name == "many-shapes") return ManyShapesScene(FiveColors());
-  if (name == "many-materials") return ManyShapesScene(OneOfEachBsdf());
+  if (name == "many-shapes") return ManyShapesScene(FiveColors(), ColorOf);
+  if (name == "many-materials") return ManyShapesScene(OneOfEachBsdf(), BsdfOf);
   if (name == "materials") return MaterialsScene();
   if (name == "plant") return PlantScene();
   if (name == "meadow") return MeadowScene();

@@ -426,5 +426,29 @@ TEST_F(Converge, HelpHasExamples) {
   EXPECT_FALSE(Contains(result.out, "--spp "));
 }
 
+// A run is repeated by render, and compare tells the same errors of it.
+TEST_F(Converge, ErrorsOfARunAreThoseThatCompareTells) {
+  ASSERT_EQ(Run(std::string(kSmall) + "--strategies importance --budgets 2 --repeats 2 "
+                                      "--reference-spp 64 --save-reference r.exr --json j.json -q")
+                .exit_code,
+            0);
+  const Json run = ReadJson("j.json").at("strategies").at(0).at("budgets").at(0).at("runs").at(1);
+  const std::string seed = std::to_string(run.at("seed").get<std::uint32_t>());
+  ASSERT_EQ(Run("render spheres --env sky.pfm --size 32x24 --integrator direct --threads 2 "
+                "--strategy importance --spp 2 -q -o p.exr --seed " +
+                seed)
+                .exit_code,
+            0);
+  ASSERT_EQ(Run("compare p.exr r.exr --json c.json").exit_code, 0);
+  const Json compared = ReadJson("c.json");
+  for (const char* const key : {"mse", "relative_mse", "mean_absolute", "psnr_db",
+                                "thesis_euclidean", "thesis_luminance"}) {
+    const double expected = compared.at(key);
+    EXPECT_NEAR(run.at(key).get<double>() / expected, 1, 1e-6) << key;
+  }
+  EXPECT_GT(compared.at("thesis_euclidean").get<double>(),
+            1.1 * compared.at("thesis_luminance").get<double>());
+}
+
 }  // namespace
 }  // namespace skywave

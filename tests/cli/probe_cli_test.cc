@@ -403,5 +403,20 @@ TEST_F(ProbeCommand, FacesOfUnequalSizesAreRefused) {
   }
 }
 
+TEST_F(ProbeCommand, ASizeIsTheSideOfASquareOrAFace) {
+  const struct {
+    const char* to;
+    int width, height;
+  } cases[] = {{"latlong", 40, 20},    {"angular", 20, 20},          {"mirror-ball", 20, 20},
+               {"octahedral", 20, 20}, {"horizontal-cross", 80, 60}, {"vertical-cross", 60, 80},
+               {"cube-strip", 120, 20}};
+  for (const auto& map : cases) {
+    ASSERT_EQ(Probe(std::string("convert sun.exr o.exr --size 20 --to ") + map.to), 0) << out_;
+    const Image image = ReadImage(File("o.exr"));
+    EXPECT_EQ(image.width, map.width) << map.to;
+    EXPECT_EQ(image.height, map.height) << map.to;
+  }
+}
+
 }  // namespace
 }  // namespace skywave

@@ -589,5 +589,21 @@ TEST(Denoise, BadInputIsRefused) {
   ExpectError(one_half, "0 of them in one half");
 }
 
+// A pixel whose samples are all alike by accident is no better known than those around it.
+TEST(Denoise, PixelsThatSawNoNoiseAreAveraged) {
+  const Truth dots = [](int x, int y) {
+    return x % 8 == 4 && y % 8 == 4 ? Pixel{.light = 0.5, .deviation = 0}
+                                    : Pixel{.light = 1, .deviation = 2};
+  };
+  const Denoised clean = Clean(Draw(dots, 22));
+  double mean = 0;
+  for (int y = 4; y < kSide; y += 8) {
+    for (int x = 4; x < kSide; x += 8) {
+      mean += clean.image.rgb[3 * std::size_t(y * kSide + x)] / (kSide / 8 * kSide / 8);
+    }
+  }
+  EXPECT_NEAR(mean, 1, 0.15);
+}
+
 }  // namespace
 }  // namespace skywave

@@ -142,5 +142,28 @@ TEST(Flip, NeedsEqualSizes) {
   EXPECT_THROW(HdrFlip(Image(4, 3), Image(3, 4)), InputError);
 }
 
+// All are 1 but for a pixel that is 2.5 stops brighter.
+TEST(Flip, HasAnExposureForEveryStop) {
+  Image reference = Plain(1, 1, 1);
+  for (int c = 0; c < 3; ++c) reference.rgb[std::size_t(c)] = float(std::exp2(2.5));
+  const Flip flip = HdrFlip(Plain(1, 1, 1), reference);
+  EXPECT_NEAR(flip.last_stops - flip.first_stops, 2.5, 1e-5);
+  EXPECT_EQ(flip.exposures, 3);
+}
+
+// Six tenths are black; most of the rest is 2, and a little is 8.
+TEST(Flip, TheMedianOfADarkPictureIsThatOfItsLight) {
+  Image reference = Plain(0, 0, 0);
+  const std::size_t pixels = reference.rgb.size() / 3;
+  for (std::size_t i = 0; i < pixels * 4 / 10; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) reference.rgb[3 * i + c] = i % 8 == 0 ? 8.0f : 2.0f;
+  }
+  const Flip flip = HdrFlip(reference, reference);
+  EXPECT_NEAR(flip.last_stops - flip.first_stops, 2, 1e-5);
+  // The longest exposure shows the median at 0.85 (Narkowicz's curve, at 0.6 of the light).
+  const double x = 0.6 * 2 * std::exp2(flip.last_stops);
+  EXPECT_NEAR(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.85, 1e-5);
+}
+
 }  // namespace
 }  // namespace skywave

@@ -2,8 +2,20 @@
 
 #include "image/image.h"
 
+#include <ImfBoxAttribute.h>
+#include <ImfChromaticitiesAttribute.h>
+#include <ImfDoubleAttribute.h>
+#include <ImfEnvmapAttribute.h>
+#include <ImfFloatAttribute.h>
 #include <ImfInputFile.h>
+#include <ImfIntAttribute.h>
+#include <ImfKeyCodeAttribute.h>
+#include <ImfMatrixAttribute.h>
+#include <ImfPreviewImage.h>
+#include <ImfRationalAttribute.h>
 #include <ImfThreading.h>
+#include <ImfTimeCodeAttribute.h>
+#include <ImfVecAttribute.h>
 #include <gtest/gtest.h>
 #include <half.h>
 
@@ -421,6 +433,35 @@ TEST_F(ImageFiles, EndingDecidesWhatIsWrittenAndContentWhatIsRead) {
       EXPECT_EQ(error.exit_code(), kExitUsage) << name;
     }
   }
+}
+
+// Other programs keep cameras, times and primaries. None of them matters, and none may be refused.
+TEST_F(ImageFiles, ExrAttributesOfEveryTypeAreRead) {
+  const Image image = Numbered(9, 5);
+  Imf::Header header = HeaderFor(image, Imf::ZIP_COMPRESSION);
+  header.insert("b2f", Imf::Box2fAttribute(Imath::Box2f({0, 0}, {1, 1})));
+  header.insert("b2i", Imf::Box2iAttribute(Imath::Box2i({0, 0}, {1, 1})));
+  header.insert("chromaticities", Imf::ChromaticitiesAttribute(Imf::Chromaticities()));
+  header.insert("d", Imf::DoubleAttribute(1));
+  header.insert("envmap", Imf::EnvmapAttribute(Imf::ENVMAP_LATLONG));
+  header.insert("whiteLuminance", Imf::FloatAttribute(100));
+  header.insert("i", Imf::IntAttribute(1));
+  header.insert("keyCode", Imf::KeyCodeAttribute(Imf::KeyCode()));
+  header.insert("m33f", Imf::M33fAttribute(Imath::M33f()));
+  header.insert("m33d", Imf::M33dAttribute(Imath::M33d()));
+  header.insert("worldToCamera", Imf::M44fAttribute(Imath::M44f()));
+  header.insert("m44d", Imf::M44dAttribute(Imath::M44d()));
+  header.insert("framesPerSecond", Imf::RationalAttribute(Imf::Rational(24, 1)));
+  header.insert("timeCode", Imf::TimeCodeAttribute(Imf::TimeCode()));
+  header.insert("v2i", Imf::V2iAttribute(Imath::V2i(0, 0)));
+  header.insert("v2f", Imf::V2fAttribute(Imath::V2f(0, 0)));
+  header.insert("v2d", Imf::V2dAttribute(Imath::V2d(0, 0)));
+  header.insert("v3i", Imf::V3iAttribute(Imath::V3i(0, 0, 0)));
+  header.insert("v3f", Imf::V3fAttribute(Imath::V3f(0, 0, 0)));
+  header.insert("v3d", Imf::V3dAttribute(Imath::V3d(0, 0, 0)));
+  header.setPreviewImage(Imf::PreviewImage(4, 3));
+  WriteExrKind(Path("a.exr"), header, image);
+  ExpectSame(ReadImage(Path("a.exr")), image);
 }
 
 }  // namespace

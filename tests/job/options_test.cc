@@ -279,5 +279,19 @@ TEST(Options, TheNumberOfLightsThatABiasNeedsIsTold) {
   EXPECT_EQ(std::stoul(note->substr(begin.size())), job.strategy().Plan(1).fixed) << *note;
 }
 
+TEST(Resolve, PhotonsOfTheUserComeBeforeThoseOfTheScene) {
+  RenderSettings scene;
+  scene.integrator = "photon";
+  scene.photons_each_sample = true;
+  scene.photon_distance = 0.5f;
+  JobRequest request;
+  request.samples_per_pixel = 4;
+  request.options.photons.passes = 2;
+  request.options.photons.distance = 0.25f;
+  const RenderOptions options = Resolve(request, scene).options;
+  EXPECT_EQ(options.photons.passes, 2u);
+  EXPECT_EQ(options.photons.distance, 0.25f);
+}
+
 }  // namespace
 }  // namespace skywave

@@ -231,5 +231,20 @@ TEST(MaterialChanges, ThatMakeNoSenseAreRefused) {
   }
 }
 
+TEST(MaterialChanges, TakeEveryValueOfARangeAndNoOther) {
+  Scene scene = Painted();
+  ChangeMaterials({"paint=coated-diffuse:coat_asymmetry=-0.5,normal_scale=-2"}, scene);
+  EXPECT_EQ(scene.materials[0].coat_asymmetry, -0.5f);
+  EXPECT_EQ(scene.materials[0].normal_scale, -2);
+  for (const char* const change :
+       {"paint=coated-diffuse:coat_asymmetry=-1.5", "paint=conductor:alpha=-0.25",
+        "paint=lambert:emission=-1", "a=b=:ior=0", "paint=lambert:opacity=1.5"}) {
+    Scene same = Painted();
+    EXPECT_NE(Refusal([&] { ChangeMaterials({change}, same); }).find("is not a number from"),
+              std::string::npos)
+        << change;
+  }
+}
+
 }  // namespace
 }  // namespace skywave

@@ -393,6 +393,13 @@ TEST(Limits, StepsFollowNoiseAndTime) {
   EXPECT_EQ(by_noise(107), 108u);
   EXPECT_EQ(by_noise(108), 108u);
   EXPECT_EQ(by_noise(109), 116u);
+  // Those of an adaptive picture are at its least samples and their doubles.
+  const auto adaptively = rule({.adaptive = 0.1, .adaptive_min = 5});
+  EXPECT_EQ(adaptively(100), 105u);
+  EXPECT_EQ(adaptively(105), 110u);
+  EXPECT_EQ(adaptively(110), 120u);
+  EXPECT_EQ(adaptively(113), 120u);
+  EXPECT_EQ(adaptively(740), 1100u) << "all samples";
 }
 
 TEST(Limits, ThatMakeNoSenseAreRefused) {

@@ -197,5 +197,86 @@ TEST(SmoothCoats, HideLightsWithoutExtent) {
   EXPECT_NEAR(value(brushed, kPart) - value(brushed, kPunctual), coat, 1e-4f * coat);
 }
 
+// Each channel has its own medium and its own metal.
+TEST(ColouredCoats, ReflectWhatTheirLayersReflect) {
+  Material milk = Misty(Body(0.6f), 1, 0, 0.3f);
+  milk.coat_albedo = {0.95f, 0.5f, 0.05f}, milk.reflectance = {0.3f, 0.6f, 0.9f};
+  Material gold = Misty(Metal(0.2f, 3.9f, 0.2f, 0.05f), 0.5f, 0, 0);
+  gold.coat_albedo = {0.1f, 0.6f, 0.9f};
+  gold.eta = {0.14f, 0.38f, 1.44f}, gold.k = {3.98f, 2.39f, 1.60f};
+  for (const auto& [name, material] : {std::pair{"milk", milk}, std::pair{"gold", gold}}) {
+    const MaterialCase packed = CaseOf(name, material);
+    for (const double cosine : {0.9, 0.4}) {
+      const std::array<double, 3> engine = Albedo(packed, cosine);
+      for (int channel = 0; channel < 3; ++channel) {
+        Random random(9);
+        double sum = 0, squares = 0;
+        for (int i = 0; i < kWalks; ++i) {
+          const Vec wo = {std::sqrt(1 - cosine * cosine), 0, cosine};
+          const double weight = WalkLayers(material, channel, wo, random).weight;
+          sum += weight, squares += weight * weight;
+        }
+        const double exact = sum / kWalks;
+        const double error = std::sqrt((squares / kWalks - exact * exact) / kWalks);
+        EXPECT_NEAR(engine[std::size_t(channel)], exact, 0.03 * exact + 3 * error)
+            << name << ", cosine " << cosine << ", channel " << channel;
+      }
+    }
+  }
+}
+
+// Materials share a table only if all agrees on which it depends.
+TEST(CoatKeys, TellAllThatTablesDependOn) {
+  const auto expect_changes = [](const Material& material, auto change, const char* what) {
+    Material other = material;
+    change(other);
+    EXPECT_NE(CoatKeyOf(other), CoatKeyOf(material)) << what;
+  };
+  const Material body = Misty(Body(0.5f, 0.2f), 0.3f, 0.6f, 0.4f);
+  const Material metal = Misty(Metal(0.2f, 3.9f, 0.3f, 0.1f), 0.3f, 0.6f, 0.4f);
+  for (const Material& material : {body, metal}) {
+    expect_changes(
+        material, [](Material& m) { m.ior = 1.6f; }, "ior");
+    expect_changes(
+        material, [](Material& m) { m.alpha = 0.4f; }, "alpha");
+    expect_changes(
+        material, [](Material& m) { m.coat_thickness = 0.4f; }, "thickness");
+    expect_changes(
+        material, [](Material& m) { m.coat_asymmetry = 0.3f; }, "asymmetry");
+    expect_changes(
+        material, [](Material& m) { m.roughness_texture = 0; }, "texture");
+    for (int c = 0; c < 3; ++c) {
+      expect_changes(
+          material, [&](Material& m) { m.coat_albedo[c] = 0.1f; }, "albedo");
+    }
+  }
+  expect_changes(
+      metal, [](Material& m) { m.coat_alpha = 0.2f; }, "width of the coat");
+  for (int c = 0; c < 3; ++c) {
+    expect_changes(
+        metal, [&](Material& m) { m.eta[c] = 1; }, "eta");
+    expect_changes(
+        metal, [&](Material& m) { m.k[c] = 1; }, "k");
+  }
+  EXPECT_NE(CoatKeyOf(body), CoatKeyOf(metal));
+  // The body's reflectance is no part of the table.
+  Material darker = body;
+  darker.reflectance = glm::vec3(0.1f);
+  EXPECT_EQ(CoatKeyOf(darker), CoatKeyOf(body));
+}
+
+TEST(MistyCoats, MayScatterStraightOn) {
+  const MaterialCase clear = CaseOf("clear", Body(0.5f));
+  const MaterialCase forward = CaseOf("forward", Misty(Body(0.5f), 0.3f, 1, 1));
+  for (const double cosine : {0.9, 0.5}) {
+    // The engine scatters a little to the sides: its asymmetry is 0.95 at most.
+    const double exact = Albedo(clear, cosine)[1];
+    EXPECT_NEAR(Albedo(forward, cosine)[1], exact, 0.03 * exact) << cosine;  // false for NaN
+  }
+  // Straight back from a thick medium without absorption: nothing reaches the black body.
+  const Material back = Misty(Body(0), 3, 1, -1);
+  EXPECT_GT(Albedo(CaseOf("back", back), 0.9)[1], 0.5);
+}
+
 }  // namespace
 }  // namespace skywave

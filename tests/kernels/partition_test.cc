@@ -8,6 +8,7 @@
 #include <array>
 #include <bit>
 
+#include "kernels/lights/irradiance.h"
 #include "scene/materials/texture_tables.h"
 #include "scene/scene.h"
 #include "tests/support/random_rows.h"
@@ -251,6 +252,44 @@ TEST_F(Partition, MovesHits) {
         ExpectMoved(rays_->org_y, to->org_y, rows, "org_y");
         ExpectMoved(rays_->org_z, to->org_z, rows, "org_z");
       }
+    }
+  });
+}
+
+// What is left of any channel alone keeps a row, whether the ray escaped or not.
+TEST_F(Partition, MovesWhatAControlLeaves) {
+  soa::Table<ControlColumns> control(kFullWave);
+  const float* const throughput[] = {rays_->throughput_r, rays_->throughput_g, rays_->throughput_b};
+  float* const known[] = {control->r, control->g, control->b};
+  // Of row i, 2 is left in channel i % 4; of every fourth row nothing is.
+  for (std::uint32_t i = 0; i < kFullWave; ++i) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
+      const float all = QueueOf(i) == kMissQueue ? throughput[c][i] : 0;
+      known[c][i] = all - (i % 4 == c ? 2.0f : 0.0f);
+    }
+  }
+  ForEachTarget([&] {
+    for (const std::uint32_t n : kRowCounts) {
+      std::array<std::uint32_t, kBsdfKinds + 1> count = {};
+      ClassifyHits(hits_, triangles_.data(), kAll, nullptr, n, queue_.data(), count.data());
+      std::vector<std::uint32_t> rows;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        if (i % 4 < 3) rows.push_back(i);
+      }
+      soa::Table<EscapeColumns> to(kFullWave);
+      FillWithGarbage(to.columns(), kFullWave);
+      ASSERT_EQ(MoveControlled(rays_, queue_.data(), n, control, to), rows.size());
+      for (std::size_t k = 0; k < rows.size(); ++k) {
+        ASSERT_EQ(to->throughput_r[k], rows[k] % 4 == 0 ? 2 : 0) << "row " << rows[k];
+        ASSERT_EQ(to->throughput_g[k], rows[k] % 4 == 1 ? 2 : 0) << "row " << rows[k];
+        ASSERT_EQ(to->throughput_b[k], rows[k] % 4 == 2 ? 2 : 0) << "row " << rows[k];
+      }
+      ExpectMoved(rays_->dir_x, to->dir_x, rows, "dir_x");
+      ExpectMoved(rays_->dir_y, to->dir_y, rows, "dir_y");
+      ExpectMoved(rays_->dir_z, to->dir_z, rows, "dir_z");
+      ExpectMoved(rays_->pdf, to->pdf, rows, "pdf");
+      ExpectMoved(rays_->path, to->path, rows, "path");
+      ExpectMoved(rays_->from, to->from, rows, "from");
     }
   });
 }

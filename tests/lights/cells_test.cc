@@ -256,5 +256,25 @@ TEST(Cells, NeighboursInTheListAreNeighboursOnTheSphere) {
   EXPECT_LT(sum / double(set.lights.size() - 1), 1.5 * side);
 }
 
+// Maps of more than 64 rows are summed in bands. Where every texel has light, the cells are the
+// sphere, and the moments of their areas cancel.
+TEST(Cells, OfHighMapsCoverTheSphere) {
+  const Image image = test::NoiseMap(200, 100, 5);
+  const SphereMap map = MakeSphereMap(image);
+  std::mt19937 random(2);
+  std::vector<Vector3> samples;
+  for (int i = 0; i < 20; ++i) samples.push_back(test::RandomDirection(random));
+  const auto cells = SumCells(map, VoronoiCells(map.width, map.height, samples), samples.size());
+  double solid_angle = 0, energy = 0;
+  Vector3 moment;
+  for (const CellSums& cell : cells) {
+    solid_angle += cell.solid_angle, energy += cell.energy;
+    moment += cell.area_moment;
+  }
+  EXPECT_NEAR(solid_angle, 4 * kPi, 1e-9);
+  EXPECT_NEAR(energy, map.energy, 1e-10 * map.energy);
+  EXPECT_LT(Length(moment), 1e-9);
+}
+
 }  // namespace
 }  // namespace skywave

@@ -178,5 +178,18 @@ TEST(ControlVariate, EveryDiffusePartIsControlled) {
   }
 }
 
+// On a normal along an axis of the map nothing is left out, not even at the horizon.
+TEST(ControlVariate, IsWholeOnTheAxesOfTheMap) {
+  Image white(64, 32);
+  std::fill(white.rgb.begin(), white.rgb.end(), 1.0f);
+  const EnvironmentMap map = {white, Orientations()[0].map_from_world};
+  const VectorIrradiance table(map);
+  const MaterialCase matt = {"white", BsdfKind::kLambert, {.color = {1, 1, 1}}};
+  for (const Vec axis : {Vec{1, 0, 0}, Vec{0, 1, 0}, Vec{0, 0, 1}}) {
+    EXPECT_NEAR(Integral(matt, table, axis).x, 1, 1e-4);
+    EXPECT_NEAR(Integral(matt, table, -axis).x, 1, 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace skywave

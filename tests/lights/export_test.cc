@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lights/light_sets/probe_lights.h"
+#include "lights/maps/projections.h"
 #include "scene/scene.h"
 #include "tests/support/light_test_maps.h"
 
@@ -168,8 +169,13 @@ TEST(ExportLights, JsonIsJson) {
   const auto json = nlohmann::json::parse(
       ExportLights(lights, {.format = LightFormat::kJson, .source = "a \"b\" \\ c\n"}));
   EXPECT_EQ(json["lights"].size(), 1u);
-  EXPECT_EQ(json["lights"][0]["direction"][2], 0.8);
-  EXPECT_EQ(json["total_irradiance"][1], 2);
+  const auto& light = json["lights"][0];
+  EXPECT_EQ(light["direction"], (std::vector<double>{0.6, 0, 0.8}));
+  EXPECT_EQ(light["irradiance"], (std::vector<double>{1, 2, 3}));
+  EXPECT_NEAR(light["energy"].get<double>(), 0.2125 + 2 * 0.7154 + 3 * 0.0721, 1e-6);
+  EXPECT_EQ(light["solid_angle"], 0.1);
+  EXPECT_EQ(json["total_irradiance"], (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(json["total_energy"], light["energy"]);
   EXPECT_TRUE(nlohmann::json::accept(ExportLights({}, {.format = LightFormat::kJson})));
 }
 
@@ -213,6 +219,40 @@ TEST(ProbeLights, StrataAreParsed) {
   EXPECT_NEAR(ParseStrata("64:90")->separation, kPi / 2, 1e-15);
   for (const char* bad : {"", "1.5", "-1", "x", "64:", ":9", "64:400", "0.5x", "nan"}) {
     EXPECT_FALSE(ParseStrata(bad)) << bad;
+  }
+}
+
+// Returns the point of the square where pbrt looks a direction of its light space up.
+ImagePoint PbrtPoint(const Vector3& d) {
+  const double x = std::abs(d.x), y = std::abs(d.y),
+               r = std::sqrt(std::max(0.0, 1 - std::abs(d.z)));
+  const double phi = std::atan2(y, x) * 2 / kPi;
+  double v = phi * r, u = r - v;
+  if (d.z < 0) {
+    std::swap(u, v);
+    u = 1 - u, v = 1 - v;
+  }
+  return {(std::copysign(u, d.x) + 1) / 2, (std::copysign(v, d.y) + 1) / 2};
+}
+
+// pbrt sees the light of the rest where the lights that were cut out of it are.
+TEST(ExportLights, PbrtSeesTheRestWhereTheMapHasIt) {
+  const std::string text = ExportLights({}, {.format = LightFormat::kPbrt, .residual = "rest.exr"});
+  const std::size_t at = text.find("Transform");
+  ASSERT_NE(at, std::string::npos);
+  const std::vector<double> m = Numbers(text.substr(at, text.find('\n', at) - at));
+  ASSERT_EQ(m.size(), 16u);
+  // pbrt reads columns: where the axes of the light space lie in the world.
+  const Vector3 columns[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+  std::mt19937 random(4);
+  for (int i = 0; i < 100; ++i) {
+    const Vector3 d = test::RandomDirection(random);
+    const Vector3 world = {d.x, d.z, d.y};  // right, up, forward are x, y, z
+    const ImagePoint seen =
+        PbrtPoint({Dot(world, columns[0]), Dot(world, columns[1]), Dot(world, columns[2])});
+    const ImagePoint held = PointOfDirection(Projection::kOctahedral, d);
+    EXPECT_NEAR(seen.u, held.u, 1e-6) << i;
+    EXPECT_NEAR(seen.v, held.v, 1e-6) << i;
   }
 }
 

@@ -147,5 +147,12 @@ TEST(Strata, RefuseParametersOutOfRange) {
   EXPECT_THROW(StrataByLights(map, 4, NAN), InputError);
 }
 
+TEST(Strata, ZetaOfAConstantMapIsItsLight) {
+  const Image image = test::ConstantMap(16, 8, 3);
+  double zeta = 0;
+  StrataByVariation(MakeSphereMap(image), &zeta);
+  EXPECT_NEAR(zeta, 3 * 2 * 16 * 8 / kPi, 1e-4);
+}
+
 }  // namespace
 }  // namespace skywave

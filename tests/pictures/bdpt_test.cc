@@ -241,5 +241,27 @@ TEST(Bdpt, WhatItCannotDoIsRefused) {
   EXPECT_NO_THROW(RenderJob(scene, alone));
 }
 
+// Choices at the two ends of a connection are independent: a mixture of matt surfaces is as bright
+// as a matt surface of their mean.
+TEST(Bdpt, MixturesChooseIndependentlyAtBothEnds) {
+  const auto estimate = [](bool mixed, Integrator integrator) {
+    Scene scene;
+    AddLambert(scene, "dark", glm::vec3(0.02f)), AddLambert(scene, "bright", glm::vec3(0.95f));
+    AddLambert(scene, "mean", glm::vec3(0.5f * (0.02f + 0.95f)));
+    scene.materials.push_back({.name = "mixture", .mixture = Mixture{0, 1, 0.5f}});
+    Mesh room = Facetted(RoundedBox(glm::vec3(1), 1e-3f, 1));
+    FlipOrientation(room);
+    Place(scene, room, mixed ? 3 : 2, glm::vec3(0));
+    AddLamp(scene, 0.8f, {0, 0.9f, 0}, glm::vec3(4));
+    scene.camera = LookAtCamera({0, 0, -0.9f}, {0, -0.3f, 1}, {0, 1, 0}, 70, false);
+    JobRequest request = Request(integrator, 4);
+    request.samples_per_pixel = integrator == Integrator::kPath ? 256 : 64;
+    return MeanOfBlocks(EstimateFromEngine(RenderJob(scene, request), kRuns, mixed ? 100 : 1000),
+                        3);
+  };
+  EXPECT_TRUE(
+      SamePicture(estimate(true, Integrator::kBdpt), estimate(false, Integrator::kPath), kLevel));
+}
+
 }  // namespace
 }  // namespace skywave

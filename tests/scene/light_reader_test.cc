@@ -616,5 +616,16 @@ TEST_F(GltfLights, WhatIsNoLightIsRefused) {
   EXPECT_EQ(scene.warnings.size(), 1u);
 }
 
+// pbrt-v3 gives a temperature and a scale.
+TEST(PbrtLights, BlackBodiesHaveAScale) {
+  const auto emission = [](const std::string& body) {
+    return OnlyLight("LightSource \"point\" \"blackbody I\" " + body).emission;
+  };
+  const glm::vec3 two = emission("[5000 2]"), six = emission("[5000 6]");
+  EXPECT_GT(two.b, 0);
+  EXPECT_GT(two.r, two.b) << "5000 K is warmer than daylight";
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(six[c] / two[c], 3, 1e-5) << c;
+}
+
 }  // namespace
 }  // namespace skywave

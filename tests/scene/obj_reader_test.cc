@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "scene/obj/mtl.h"
@@ -293,6 +294,25 @@ TEST(Mtl, SaysOnceWhatIsNotRendered) {
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nKs .5 .5 .5\n").size(), 1u);
   EXPECT_EQ(MtlWarnings("newmtl a\nKd 1 1 1\nfrob 3\n"),
             std::vector<std::string>{"t.mtl:3: 'frob' is no statement of MTL: ignored"});
+}
+
+TEST(Obj, LibrariesOfOneStatementAndOfWindows) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.Path("sub"));  // #include <filesystem>
+  folder.Write("a.mtl", "newmtl red\nKd 1 0 0\n");
+  folder.Write("sub/b.mtl", "newmtl green\nKd 0 1 0\n");
+  folder.Write("sub/c d.mtl", "newmtl blue\nKd 0 0 1\n");
+  const Scene scene = ReadScene(
+      folder.Write("m.obj", std::string(kSquare) + "mtllib a.mtl sub\\b.mtl\nmtllib sub\\c d.mtl\n"
+                                                   "usemtl red\nf 1 2 3\nusemtl green\nf 1 3 4\n"
+                                                   "usemtl blue\nf 1 2 4\n"));
+  EXPECT_EQ(scene.warnings, std::vector<std::string>{});
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    glm::vec3 color(0);
+    color[i] = 1;
+    ExpectNear(scene.materials[scene.meshes[std::size_t(i)].material].reflectance, color);
+  }
 }
 
 }  // namespace

@@ -138,5 +138,19 @@ TEST(BilinearMesh, IsExactAndCutOnlyWhereItBends) {
   EXPECT_EQ(turned.normals[0], glm::vec3(0, 0, -1));
 }
 
+// The patch is a flat unit square, so that positions tell u and v of the patch.
+TEST(BilinearMesh, IsCutWhereItsCoordinatesBend) {
+  const Mesh mesh = Shape(
+      "Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] "
+      "\"point2 uv\" [0 0 1 0 0 1 .5 .5]");
+  ASSERT_EQ(mesh.triangles.size(), std::size_t(2 * kBilinearSteps * kBilinearSteps));
+  ExpectConsistent(mesh);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const float x = mesh.positions[i].x, y = mesh.positions[i].y;
+    EXPECT_NEAR(mesh.uvs[i].x, x * (1 - y) + 0.5f * x * y, 1e-6);
+    EXPECT_NEAR(mesh.uvs[i].y, y * (1 - x) + 0.5f * x * y, 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace skywave

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstddef>
 #include <glm/gtc/constants.hpp>
+#include <set>
 #include <string>
 
 #include "scene/builtin/procedural_sky.h"
+#include "scene/builtin/scene_building.h"
 #include "scene/reader.h"
 #include "scene/shapes/mesh.h"
 
@@ -109,6 +111,17 @@ TEST(ProceduralSky, IsFinitePositiveAndTheSunIsBright) {
   const float ratio = brightest / Luminance(map.Pixel(512, 0));
   EXPECT_GT(ratio, 5e3f);
   EXPECT_LT(ratio, 5e4f);
+}
+
+// One of each, or a benchmark of "every BSDF" is none.
+TEST(BuiltinScenes, ManyMaterialsHasEveryBsdf) {
+  const Scene scene = BuiltinScene("many-materials");
+  std::set<BsdfKind> expected, found;
+  for (const Material& material : OneOfEachBsdf()) expected.insert(material.bsdf);
+  for (std::size_t i = 1; i < scene.meshes.size(); ++i) {  // the first is the floor
+    found.insert(scene.materials.at(scene.meshes[i].material).bsdf);
+  }
+  EXPECT_EQ(found, expected);
 }
 
 }  // namespace

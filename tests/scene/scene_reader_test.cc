@@ -128,6 +128,9 @@ TEST(Transforms, NormalsKeepTheirSide) {
   // A mirror keeps the normal (0, 0, 1); ReverseOrientation flips it.
   ExpectNear(Parse("WorldBegin Scale -1 1 1\n" + mesh).meshes.at(0).normals[0], {0, 0, 1});
   ExpectNear(Parse("WorldBegin ReverseOrientation\n" + mesh).meshes.at(0).normals[0], {0, 0, -1});
+  const Mesh twice =
+      Parse("WorldBegin ReverseOrientation ReverseOrientation\n" + mesh).meshes.at(0);
+  ExpectNear(twice.normals[0], {0, 0, 1});
   // Where pbrt turns round shapes and subdivisions inside out, they are; lamps are not.
   const auto faces_out = [](const std::string& text) {
     const Mesh inside_out = Parse("WorldBegin " + text).meshes.at(0);
@@ -714,6 +717,14 @@ TEST(Warnings, NoneWithoutCause) {
           "Shape \"sphere\" \"float radius\" 1 \"float zmin\" -1 \"float phimax\" 360\nWorldEnd\n")
           .warnings,
       std::vector<std::string>{});
+}
+
+// IEC 61966-2-1: half the XYZ of the white D65 is grey, and that of the red primary is red.
+TEST(Materials, ColoursOfXyzAreThoseOfTheirPrimaries) {
+  ExpectNear(OnlyMaterial("Material \"matte\" \"xyz Kd\" [.47525 .5 .54445]").reflectance,
+             glm::vec3(0.5f), 1e-3f);
+  ExpectNear(OnlyMaterial("Material \"matte\" \"xyz Kd\" [.2062 .1063 .00965]").reflectance,
+             {0.5f, 0, 0}, 1e-3f);
 }
 
 }  // namespace

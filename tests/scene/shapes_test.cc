@@ -314,5 +314,15 @@ TEST(LoopSubdivision, HugeValenceHasItsLimit) {
   }
 }
 
+// A plane that rises by a half along x; a wrong sign of the height would let it fall.
+TEST(Shapes, DisplacementTiltsNormals) {
+  Mesh plane = Quad(1);
+  Displace(plane, [](const glm::vec3& p) { return 0.5f * p.x; });
+  for (std::size_t i = 0; i < plane.positions.size(); ++i) {
+    EXPECT_FLOAT_EQ(plane.positions[i].y, 0.5f * plane.positions[i].x);
+    EXPECT_LT(glm::distance(plane.normals[i], glm::normalize(glm::vec3(-0.5f, 1, 0))), 1e-6f);
+  }
+}
+
 }  // namespace
 }  // namespace skywave

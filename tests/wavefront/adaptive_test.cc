@@ -387,5 +387,32 @@ TEST(Adaptive, TheSameRunsFindTheBiasOfBlocksThatJudgeThemselves) {
   }
 }
 
+// With an error that everything has, all blocks end at their first look.
+TEST(Adaptive, BlocksEndAtTheLeastSamplesThatAreAskedFor) {
+  for (const std::uint32_t least : {5u, 12u}) {
+    const RenderedFilm rendered =
+        Rendered(Request(), {.limits = {.adaptive = 1000, .adaptive_min = least}});
+    const std::vector<std::uint32_t> counts = CountsOf(rendered);
+    EXPECT_EQ(std::set(counts.begin(), counts.end()), std::set<std::uint32_t>{least});
+    EXPECT_EQ(rendered.frame.ended_blocks, 1);
+  }
+}
+
+TEST(Adaptive, MeansOfCropsAreThoseOfTheirPixels) {
+  JobRequest request = Request();
+  request.crop = CropWindow{7, 5, 46, 33};
+  const RenderedFilm rendered = Rendered(request, {.limits = Limits()});
+  double in_mean = 0;
+  std::size_t pixels = 0;
+  for (const NamedChannel& layer : rendered.film.ResolveAovs(rendered.samples)) {
+    if (layer.name != "samples.V") continue;
+    pixels = layer.values.size();
+    for (const float n : layer.values) in_mean += n / double(pixels);
+  }
+  ASSERT_EQ(pixels, 46u * 33);
+  EXPECT_NEAR(rendered.frame.mean_samples_per_pixel, in_mean, 1e-4);
+  EXPECT_EQ(rendered.frame.stats.samples, std::uint64_t(std::llrint(in_mean * 46 * 33)));
+}
+
 }  // namespace
 }  // namespace skywave

@@ -624,5 +624,21 @@ TEST(Aovs, FirstSurfacesNeedADepthOfOne) {
   EXPECT_EQ(layers.at("direct.R")[3], 0.5f);
 }
 
+// Fixed light samples are of the map, whose group does not depend on lamps. The paths are the same.
+TEST(LightGroups, FixedLightsAreOfTheEnvironment) {
+  JobRequest request = SmallRequest(12, 9, 16);
+  request.integrator = Integrator::kDirect;
+  request.strategy = "median-cut:lights=16";
+  const auto environment = [&](int lights) {
+    const Layers layers = Resolve(MakeJob(LitRoom(lights), request, "lights"));
+    double sum = 0;
+    for (const float value : layers.at("lights-environment.R")) sum += value;
+    return sum;
+  };
+  const double alone = environment(kEnvironment);
+  EXPECT_GT(alone, 0);
+  EXPECT_NEAR(environment(kEnvironment | kLamp | kPoint | kSun) / alone, 1, 0.01);
+}
+
 }  // namespace
 }  // namespace skywave

@@ -443,5 +443,36 @@ TEST(MakeGuide, IsEvenWithoutEnoughSamples) {
   for (const Leaf& leaf : LeavesOf(MakeGuide(same, {}, kSphere), 9)) EXPECT_GT(leaf.Area(), 0);
 }
 
+TEST(GuideStarts, DirectionalLightsHaveNoGain) {
+  const std::uint32_t n = 2000;
+  const auto disk = RandomUniforms(n, 61);
+  Starts s = StartAt(Guide(), disk, n, -1);
+  EmitFromEnvironment(kSphere, s.samples, disk, n, s.rays, s.emission);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    s.emission->light[i] = 4, s.emission->delta[i] |= kDeltaDirection;
+  }
+  GuideStarts(kSphere, Guide().view(), disk, nullptr, n, s.rays, s.emission);
+  soa::Table<SurfaceColumns> surfaces(n);
+  std::vector<float> arrival(PaddedRows(n));
+  const std::vector<float> punctual(PaddedRows(n), kPunctual);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Put(Get(i, s.rays->org_x, s.rays->org_y, s.rays->org_z), i, surfaces->org_x, surfaces->org_y,
+        surfaces->org_z);
+    surfaces->lift[i] = 0;
+  }
+  EnvironmentArrivals(
+      kSphere, Guide().view(),
+      {s.samples->dir_x, s.samples->dir_y, s.samples->dir_z, surfaces, nullptr, punctual.data()}, n,
+      arrival.data());
+  std::uint32_t off = 0;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double flux = s.rays->throughput_g[i];
+    ASSERT_NEAR(double(s.emission->pdf[i]) * flux, 1, 1e-4) << i;
+    // On the other side of a cut, the value is that of another leaf.
+    off += std::fabs(0.25 * double(arrival[i]) * flux - 1) > 1e-3;
+  }
+  EXPECT_LT(off, n / 200);
+}
+
 }  // namespace
 }  // namespace skywave

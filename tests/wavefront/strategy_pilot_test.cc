@@ -143,5 +143,19 @@ TEST(StrategyPilot, NothingIsChosenWhereLightPathsStart) {
   EXPECT_EQ(photons.sums, RenderInside(request).sums);
 }
 
+// A score is 1 for the film, the rays and the light samples of one camera sample, as a frame that
+// draws by the candidate counts them. The pilot has other pixels, so about that.
+TEST(StrategyPilot, CostsAreThoseOfASample) {
+  JobRequest request = Request("auto");
+  request.integrator = Integrator::kDirect;
+  const FrameResult chosen = RenderInside(request).result;
+  request.strategy = "importance";
+  const RenderStats stats = RenderInside(request).result.stats;
+  const double light_samples =
+      double(stats.lanes[std::uint32_t(Kernel::kLightSample)].active) / double(stats.samples);
+  const double cost = 1 + double(stats.total_rays()) / double(stats.samples) + 0.2 * light_samples;
+  EXPECT_NEAR(chosen.choices.at(0).scores.at(0).cost / cost, 1, 0.05);
+}
+
 }  // namespace
 }  // namespace skywave
