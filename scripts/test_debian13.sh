@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Builds the program and the tests on Debian 13, whose Embree is version 4, and runs the tests:
 #   scripts/test_debian13.sh [-DNAME=VALUE...]      options of CMake
-# It does so in a root of that release, build/debian13/root, which is made once and kept. Warnings are
-# errors. It prints the seconds of each part, and is skipped (77) where no root can be made: that
-# takes Debian, mmdebstrap and the rights of root.
+# It does so in a root of that release, build/debian13/root, which is made once and kept. Warnings
+# are errors. It prints the seconds of each part, and is skipped (77) where no root can be made:
+# that takes Debian, mmdebstrap and the rights of root.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 # shellcheck source=scripts/debian_root.sh
@@ -37,6 +37,6 @@ jobs=${JOBS:-$(nproc)}
 part packages scripts/setup.sh test
 part configuration cmake --preset release -DSKYWAVE_BENCH=OFF -DSKYWAVE_WERROR=ON "$@"
 part build cmake --build --preset release -j"$jobs" -- --quiet
-# The result of these does not depend on the system, and they take minutes: a program with additions,
-# the documents, and a cluster.
+# The result of these does not depend on the system, and they take minutes: a program with
+# additions, the documents, and a cluster.
 part tests ctest --test-dir build/release -LE "extension|docs|cluster" -j"$jobs" --output-on-failure

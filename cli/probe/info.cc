@@ -1,7 +1,7 @@
 // Implements skywave probe info: the contents of a map.
 #include <fmt/format.h>
-#include <array>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
