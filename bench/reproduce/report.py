@@ -2,6 +2,7 @@
 
 import re
 import sys
+import textwrap
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -96,6 +97,14 @@ def pair_lines(summary):
     return lines
 
 
+def wrapped(line):
+    """Lines of 100 columns at most; what must be one line, a table's row or a command, stays one."""
+    if line.startswith(("|", "`")):
+        return line
+    return textwrap.fill(line, 100, subsequent_indent="  " if line.startswith("- ") else "",
+                         break_long_words=False, break_on_hyphens=False)
+
+
 def markdown(summary):
     above, below = split(summary)
     lines = []
@@ -122,7 +131,7 @@ def markdown(summary):
     lines += ["", *pair_lines(summary)]
     notes = [f"- Row {row['row']}: {row['note']}." for row in summary["rows"] if row["note"]]
     lines += notes + [f"- {warning}." for warning in summary.get("warnings", [])]
-    return "\n".join(lines) + "\n"
+    return "\n".join(map(wrapped, lines)) + "\n"
 
 
 def insert(document, name, text):

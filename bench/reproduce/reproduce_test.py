@@ -60,6 +60,15 @@ class Tables(unittest.TestCase):
         self.assertNotIn("error", summary["pairs"][0]["thesis"])
         report.markdown(summary)
 
+    def test_lines_are_of_100_columns(self):
+        text = "- Row 7: " + "of the thesis " * 20
+        lines = report.wrapped(text).split("\n")
+        self.assertLessEqual(max(map(len, lines)), 100)
+        self.assertTrue(all(line.startswith("  ") for line in lines[1:]))
+        self.assertEqual(" ".join(" ".join(lines).split()), text.strip())
+        row = "| " + "x" * 200 + " |"
+        self.assertEqual(report.wrapped(row), row)
+
     def test_splitting_row(self):
         recipe = TABLES["8.6"].row("5").recipe
         self.assertEqual((recipe.samples, recipe.split, recipe.light_samples), (8, 63, 8))
