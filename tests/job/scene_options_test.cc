@@ -9,16 +9,13 @@
 #include "job/material_changes.h"
 #include "scene/gltf/reader.h"
 #include "scene/scene_hash.h"
+#include "tests/support/expect_near.h"
 #include "tests/support/gltf_document.h"
 
 namespace skywave {
 namespace {
 
 const Bounds kBounds = {{-1, 0, -1}, {3, 2, 1}};  // its middle is (1, 1, 0)
-
-void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
-  EXPECT_LT(glm::length(a - b), tolerance) << a.x << " " << a.y << " " << a.z;
-}
 
 glm::vec3 Eye(const Camera& camera) { return glm::vec3(camera.world_from_camera[3]); }
 glm::vec3 View(const Camera& camera) { return glm::vec3(camera.world_from_camera[2]); }

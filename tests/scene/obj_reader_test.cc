@@ -11,6 +11,7 @@
 #include "scene/obj/mtl.h"
 #include "scene/reader.h"
 #include "scene/shapes/smooth_normals.h"
+#include "tests/support/expect_near.h"
 #include "tests/support/temporary_folder.h"
 
 namespace skywave {
@@ -31,13 +32,6 @@ std::vector<std::string> MtlWarnings(const std::string& text) {
   Warnings warnings;
   Materials(text, warnings);
   return WarningLines(warnings);
-}
-
-void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(a[i], b[i], tolerance) << "(" << a.x << " " << a.y << " " << a.z << ") for (" << b.x
-                                       << " " << b.y << " " << b.z << ")";
-  }
 }
 
 std::size_t Triangles(const Scene& scene) {

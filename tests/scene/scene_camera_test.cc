@@ -8,16 +8,10 @@
 #include "base/error.h"
 #include "scene/pbrt/reader.h"
 #include "scene/scene.h"
+#include "tests/support/expect_near.h"
 
 namespace skywave {
 namespace {
-
-void ExpectNear(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(a[i], b[i], tolerance) << "(" << a.x << " " << a.y << " " << a.z << ") for (" << b.x
-                                       << " " << b.y << " " << b.z << ")";
-  }
-}
 
 Scene Parse(const std::string& text) { return ParsePbrt(text, "t.pbrt"); }
 
