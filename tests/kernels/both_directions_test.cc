@@ -7,6 +7,7 @@
 
 #include "kernels/light_paths/flux.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/bsdf_formulas.h"
 #include "tests/support/targets.h"
 #include "wavefront/stages/bidirectional.h"
 

@@ -10,6 +10,7 @@
 
 #include "kernels/bsdf/dielectric_tables.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/bsdf_formulas.h"
 #include "tests/support/facet_quadrature.h"
 #include "tests/support/oracle_bsdf.h"
 #include "tests/support/targets.h"

@@ -14,6 +14,7 @@
 #include "kernels/bsdf/material.h"
 #include "tests/support/bsdf_albedo.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/bsdf_formulas.h"
 #include "tests/support/bsdf_rounding.h"
 #include "tests/support/statistics.h"
 #include "tests/support/targets.h"

@@ -22,18 +22,6 @@ double LobeWidth(const MaterialCase& material);
 // Returns a table of the MERL database for tests: a gloss over a body, dim at grazing angles.
 std::vector<float> SyntheticMeasuredTable();
 
-// Value and density in double, from the formulae of the papers, in a local frame with z the normal
-// and x the tangent. Unknown where a table has a step.
-struct FormulaValue {
-  double rgb[3] = {};
-  double pdf = 0;
-  bool known = true;
-};
-FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
-
-// Returns the density of RoughDielectric without its lobes of scattering between facets.
-double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi);
-
 // Returns rough glass that loses nothing, and GGX facets of two widths likewise.
 Material RoughGlass(float alpha, float ior);
 MaterialRecord Keeping(MaterialRecord anisotropic);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/bsdf_formulas.h"
 
 namespace skywave {
 

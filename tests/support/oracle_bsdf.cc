@@ -10,6 +10,7 @@
 #include "kernels/bsdf/dielectric_tables.h"
 #include "kernels/bsdf/pack.h"
 #include "tests/support/bsdf_cases.h"
+#include "tests/support/bsdf_formulas.h"
 #include "tests/support/facet_quadrature.h"
 
 namespace skywave {

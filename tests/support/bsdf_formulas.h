@@ -1,0 +1,20 @@
+// What each BSDF is by the papers, apart from the kernels.
+#pragma once
+
+#include "tests/support/shading_rows.h"
+
+namespace skywave {
+
+// Value and density in double, from the formulae of the papers, in a local frame with z the normal
+// and x the tangent. Unknown where a table has a step.
+struct FormulaValue {
+  double rgb[3] = {};
+  double pdf = 0;
+  bool known = true;
+};
+FormulaValue BsdfFormula(const MaterialCase& material, Vec wo, Vec wi);
+
+// Returns the density of RoughDielectric without its lobes of scattering between facets.
+double FacetDensityOfGlass(const MaterialCase& material, Vec wo, Vec wi);
+
+}  // namespace skywave
